@@ -1,0 +1,125 @@
+//! Mass, inertia and centre of mass: from shape and density, or set by hand.
+
+use crate::collider::Collider;
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::{Mat3, Quat, Vec3};
+
+/// Density of a body's material, kg/m³; 1000 by default.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+pub struct Density(pub f32);
+
+impl Density {
+    /// kg/m³, of bodies without a [`Density`] of their own.
+    pub const DEFAULT: f32 = 1000.0;
+}
+
+/// Sets a body's mass by hand, kg. Inertia follows it in proportion unless [`AngularInertia`] is set too.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+pub struct Mass(pub f32);
+
+/// Sets a body's principal moments of inertia by hand, kg·m², about its centre of mass.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+pub struct AngularInertia {
+    /// About the three principal axes, kg·m².
+    pub principal: Vec3,
+    /// The rotation from the body's axes to the principal ones.
+    pub local_frame: Quat,
+}
+
+/// Sets a body's centre of mass by hand, m, in the body's frame.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+pub struct CenterOfMass(pub Vec3);
+
+/// What the solver needs to know of a body's inertia. Computed; set [`Density`], [`Mass`], [`AngularInertia`] or
+/// [`CenterOfMass`] to change it.
+///
+/// As computed it is that of the *material*. Static and kinematic bodies keep theirs (so that they can become
+/// dynamic again) and enter the solver with zeros.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct MassProperties {
+    /// 1/kg
+    pub inverse_mass: f32,
+    /// Centre of mass in the body's frame, m.
+    pub local_center: Vec3,
+    /// About the principal axes, 1/(kg·m²).
+    pub inverse_inertia: Vec3,
+    /// The rotation from the body's axes to the principal ones.
+    pub local_frame: Quat,
+}
+
+impl MassProperties {
+    /// From a shape, and what was set by hand. Not finite or not positive where the input is bad: the stage
+    /// *prepare* checks.
+    pub(crate) fn new(
+        collider: &Collider,
+        density: Option<&Density>,
+        mass: Option<&Mass>,
+        inertia: Option<&AngularInertia>,
+        center: Option<&CenterOfMass>,
+    ) -> Self {
+        let density = density.map_or(Density::DEFAULT, |d| d.0);
+        // Unit density first: parry would hide a bad density behind its own guards against division by zero.
+        let unit = collider.shape().mass_properties(1.0);
+        let mut inverse_mass = unit.inv_mass / density;
+        let mut inverse_inertia = unit.inv_principal_inertia / density;
+        let mut local_frame = unit.principal_inertia_local_frame;
+        if let Some(mass) = mass {
+            let ratio = 1.0 / (mass.0 * inverse_mass);
+            inverse_mass = 1.0 / mass.0;
+            if ratio.is_finite() {
+                inverse_inertia *= ratio;
+            }
+        }
+        if let Some(inertia) = inertia {
+            inverse_inertia = inertia.principal.recip();
+            local_frame = inertia.local_frame;
+        }
+        Self {
+            inverse_mass,
+            local_center: center.map_or(unit.local_com, |c| c.0),
+            inverse_inertia,
+            local_frame,
+        }
+    }
+
+    /// kg; infinite for a body that has none.
+    pub fn mass(&self) -> f32 {
+        self.inverse_mass.recip()
+    }
+
+    /// True where a dynamic body can have it: every number finite, mass and moments positive.
+    pub fn is_valid(&self) -> bool {
+        self.inverse_mass.is_finite()
+            && self.inverse_mass > 0.0
+            && self.inverse_inertia.is_finite()
+            && self.inverse_inertia.min_element() > 0.0
+            && self.local_center.is_finite()
+            && self.local_frame.is_normalized()
+    }
+
+    /// The inverse inertia in world axes for a body with this orientation, 1/(kg·m²).
+    pub fn world_inverse_inertia(&self, rotation: Quat) -> Mat3 {
+        let i = self.inverse_inertia;
+        if i.x == i.y && i.y == i.z {
+            return Mat3::from_diagonal(i);
+        }
+        let axes = Mat3::from_quat(rotation * self.local_frame);
+        Mat3::from_cols(axes.x_axis * i.x, axes.y_axis * i.y, axes.z_axis * i.z) * axes.transpose()
+    }
+
+    /// Kinetic energy at a velocity, J.
+    pub fn kinetic_energy(&self, rotation: Quat, velocity: &super::Velocity) -> f32 {
+        if self.inverse_mass == 0.0 {
+            return 0.0;
+        }
+        let spin = (rotation * self.local_frame).inverse() * velocity.angular;
+        0.5 * (self.mass() * velocity.linear.length_squared()
+            + (spin * spin / self.inverse_inertia).element_sum())
+    }
+}

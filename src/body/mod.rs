@@ -1,0 +1,120 @@
+//! Bodies: what moves, how heavy it is, and what pushes it.
+//!
+//! A body is an entity with a [`RigidBody`] and a [`Collider`](crate::collider::Collider). Everything else is
+//! added with a sensible default. The components here are the truth; the [`BodyTable`] is a dense copy of them
+//! that the pair stages read at random, written once a step by [`prepare`](crate::body::prepare).
+
+mod forces;
+mod mass;
+mod prepare;
+mod table;
+
+pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
+pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
+pub(crate) use prepare::write_transform;
+pub use prepare::{Quarantined, prepare, quarantine};
+pub use table::{BodyIndex, BodyState, BodyTable};
+
+use crate::sleeping::Sleeping;
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use bevy_transform::components::Transform;
+use glam::{Quat, Vec3};
+
+/// How a body answers to contact. May be changed at any time.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[require(
+    Pose,
+    Velocity,
+    MassProperties,
+    ExternalForce,
+    ExternalImpulse,
+    Damping,
+    GravityScale,
+    Sleeping,
+    BodyIndex,
+    Transform
+)]
+pub enum RigidBody {
+    /// Moved by forces and contacts.
+    #[default]
+    Dynamic,
+    /// Never moves; infinitely heavy.
+    Static,
+    /// Moved by its [`Velocity`] alone, which the user sets; infinitely heavy to whatever it touches.
+    Kinematic,
+}
+
+/// Where a body is in the world: its origin in metres, and its orientation.
+///
+/// Drystone owns this; it is read from [`Transform`] where the user changed that, and written back to it at the end of
+/// every step. Use it rather than `Transform` inside the physics schedule.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct Pose {
+    /// Position of the body's origin, m.
+    pub position: Vec3,
+    /// Orientation, a unit quaternion.
+    pub rotation: Quat,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self {
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+        }
+    }
+}
+
+impl Pose {
+    /// A world point from a point in the body's frame.
+    pub fn transform_point(&self, local: Vec3) -> Vec3 {
+        self.position + self.rotation * local
+    }
+
+    /// A point in the body's frame from a world point.
+    pub fn inverse_transform_point(&self, world: Vec3) -> Vec3 {
+        self.rotation.inverse() * (world - self.position)
+    }
+
+    /// True where every number is finite.
+    pub fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.rotation.is_finite()
+    }
+
+    pub(crate) fn to_parry(self) -> parry3d::math::Pose {
+        parry3d::math::Pose::from_parts(self.position, self.rotation)
+    }
+}
+
+/// How a body moves.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct Velocity {
+    /// Velocity of the centre of mass, m/s.
+    pub linear: Vec3,
+    /// Angular velocity in world axes, rad/s.
+    pub angular: Vec3,
+}
+
+impl Velocity {
+    /// A velocity without spin, m/s.
+    pub fn linear(linear: Vec3) -> Self {
+        Self {
+            linear,
+            angular: Vec3::ZERO,
+        }
+    }
+
+    /// Velocity of the body's material at `arm` from its centre of mass (world axes, m), in m/s.
+    pub fn at(&self, arm: Vec3) -> Vec3 {
+        self.linear + self.angular.cross(arm)
+    }
+
+    /// True where every number is finite.
+    pub fn is_finite(&self) -> bool {
+        self.linear.is_finite() && self.angular.is_finite()
+    }
+}

@@ -1,0 +1,315 @@
+//! The stage **prepare**: reads what the user changed, checks it, and fills the [`BodyTable`].
+//!
+//! A body with bad input gets a [`Quarantined`] marker, a [`BodyError`] message and a log line with its name, and stands
+//! outside the simulation until the marker is taken off. Nothing of it is lost, and nothing else notices.
+
+use super::{
+    AngularInertia, BodyIndex, BodyState, BodyTable, CenterOfMass, Density, ExternalForce,
+    ExternalImpulse, GravityScale, Mass, MassProperties, Pose, RigidBody, Velocity,
+};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
+use crate::contact::ContactEvents;
+use crate::diagnosis::{BodyError, BodyProblem, Suspects};
+use crate::settings::Gravity;
+use crate::sleeping::Sleeping;
+use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, name::Name, prelude::*};
+use bevy_reflect::Reflect;
+use bevy_transform::components::Transform;
+
+/// The body is outside the simulation because of bad input. Mend the input and remove this component, and it is back.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+pub struct Quarantined {
+    /// What was wrong.
+    pub problem: BodyProblem,
+}
+
+type Changes = Or<(
+    Changed<RigidBody>,
+    Changed<Collider>,
+    Changed<Density>,
+    Changed<Mass>,
+    Changed<AngularInertia>,
+    Changed<CenterOfMass>,
+    Changed<Friction>,
+    Changed<Restitution>,
+    Changed<CollisionLayers>,
+    Changed<GravityScale>,
+    Changed<ContactEvents>,
+)>;
+
+type Described<'w> = (
+    &'w RigidBody,
+    &'w Collider,
+    (
+        Option<&'w Density>,
+        Option<&'w Mass>,
+        Option<&'w AngularInertia>,
+        Option<&'w CenterOfMass>,
+    ),
+    (
+        Option<&'w Friction>,
+        Option<&'w Restitution>,
+        Option<&'w CollisionLayers>,
+        Has<ContactEvents>,
+        &'w GravityScale,
+    ),
+    &'w mut MassProperties,
+);
+
+type Moving<'w> = (
+    Entity,
+    &'w mut BodyIndex,
+    &'w mut Pose,
+    &'w Velocity,
+    (&'w Transform, Option<&'w ChildOf>),
+    Ref<'w, ExternalForce>,
+    &'w ExternalImpulse,
+    &'w mut Sleeping,
+);
+
+/// See the module's text.
+pub fn prepare(
+    mut table: ResMut<BodyTable>,
+    mut suspects: ResMut<Suspects>,
+    gravity: Res<Gravity>,
+    changed: Query<Entity, (With<BodyIndex>, Without<Quarantined>, Changes)>,
+    mut described: Query<Described, Without<Quarantined>>,
+    mut moving: Query<Moving, Without<Quarantined>>,
+    placed: Query<(&Transform, Option<&ChildOf>)>,
+) {
+    let changed: EntityHashSet = changed.iter().collect();
+    let mut joining = Vec::new();
+    for (entity, index, mut pose, velocity, placement, force, impulse, mut sleeping) in &mut moving {
+        let pose = pose.bypass_change_detection();
+        let known = table.get_mut(*index);
+        let was = known.as_ref().map(|body| body.pose);
+        if let Some(moved_to) = user_pose(placement, *pose, was, &placed) {
+            *pose = moved_to;
+        }
+        if let Some(problem) = check_motion(pose, velocity, &force, impulse) {
+            suspects.0.push((entity, problem));
+            continue;
+        }
+        if !pose.rotation.is_normalized() {
+            pose.rotation = pose.rotation.normalize();
+        }
+        let sleeping = sleeping.bypass_change_detection();
+        if sleeping.asleep
+            && (was != Some(*pose)
+                || *velocity != Velocity::default()
+                || *impulse != ExternalImpulse::default()
+                || force.is_changed()
+                || gravity.is_changed()
+                || changed.contains(&entity))
+        {
+            sleeping.wake();
+        }
+        let Some(body) = known else {
+            joining.push(entity);
+            continue;
+        };
+        body.moved = body.pose != *pose;
+        body.renewed = false;
+        body.pose = *pose;
+        body.center = pose.transform_point(body.mass.local_center);
+        body.velocity = *velocity;
+        body.asleep = sleeping.asleep;
+        if changed.contains(&entity) {
+            match described.get_mut(entity) {
+                Ok(description) => {
+                    if let Err(problem) = describe(body, description) {
+                        suspects.0.push((entity, problem));
+                    }
+                }
+                // The collider or the body itself was taken off.
+                Err(_) => {
+                    table.remove(*index);
+                }
+            }
+        }
+    }
+    // In the order in which the bodies were spawned, not in that of archetypes: `order` must not depend on which
+    // optional components a body has.
+    joining.sort_unstable();
+    for entity in joining {
+        let Ok((_, mut index, pose, velocity, _, _, _, sleeping)) = moving.get_mut(entity) else {
+            continue;
+        };
+        // A body waits here until it has a collider.
+        let Ok(description) = described.get_mut(entity) else {
+            continue;
+        };
+        let mut body = BodyState::new(entity, *pose, *velocity, sleeping.asleep);
+        match describe(&mut body, description) {
+            Ok(()) => *index = table.insert(body),
+            Err(problem) => suspects.0.push((entity, problem)),
+        }
+    }
+}
+
+/// The pose a user gave the body through `Transform` (or, for a new body, through `Pose`), if it was moved.
+fn user_pose(
+    (transform, parent): (&Transform, Option<&ChildOf>),
+    pose: Pose,
+    was: Option<Pose>,
+    placed: &Query<(&Transform, Option<&ChildOf>)>,
+) -> Option<Pose> {
+    let mut world = *transform;
+    let mut above = parent;
+    while let Some(ChildOf(parent)) = above
+        && let Ok((transform, grandparent)) = placed.get(*parent)
+    {
+        world = transform.mul_transform(world);
+        above = grandparent;
+    }
+    let given = Pose {
+        position: world.translation,
+        rotation: world.rotation,
+    };
+    if was.is_none() {
+        return (*transform != Transform::IDENTITY).then_some(given);
+    }
+    // At the top of a hierarchy the transform is what was written last, to the bit; below, it went there and back.
+    let slack = if parent.is_some() { 1e-4 } else { 0.0 };
+    let same = (given.position - pose.position).abs().max_element()
+        <= slack * (1.0 + pose.position.abs().max_element())
+        && 1.0 - given.rotation.dot(pose.rotation).abs() <= 0.1 * slack.max(1e-5);
+    (!same).then_some(given)
+}
+
+fn check_motion(
+    pose: &Pose,
+    velocity: &Velocity,
+    force: &ExternalForce,
+    impulse: &ExternalImpulse,
+) -> Option<BodyProblem> {
+    if !pose.is_finite() || pose.rotation.length_squared() < 1e-12 {
+        Some(BodyProblem::NonFinitePose)
+    } else if !velocity.is_finite() {
+        Some(BodyProblem::NonFiniteVelocity)
+    } else if ![force.force, force.torque, impulse.linear, impulse.angular]
+        .iter()
+        .all(|v| v.is_finite())
+    {
+        Some(BodyProblem::NonFiniteForce)
+    } else {
+        None
+    }
+}
+
+impl BodyState {
+    fn new(entity: Entity, pose: Pose, velocity: Velocity, asleep: bool) -> Self {
+        Self {
+            entity,
+            order: 0,
+            kind: RigidBody::Static,
+            asleep,
+            pose,
+            center: pose.position,
+            velocity,
+            mass: MassProperties::default(),
+            collider: Collider::default(),
+            friction: Friction::default(),
+            restitution: Restitution::default(),
+            layers: CollisionLayers::default(),
+            events: false,
+            gravity_scale: 1.0,
+            radius: 0.0,
+            moved: true,
+            renewed: true,
+        }
+    }
+}
+
+/// Takes over what changes seldom: shape, mass, surface.
+fn describe(
+    body: &mut BodyState,
+    (
+        kind,
+        collider,
+        (density, mass, inertia, center),
+        (friction, restitution, layers, events, gravity_scale),
+        mut properties,
+    ): <Described as bevy_ecs::query::QueryData>::Item<'_, '_>,
+) -> Result<(), BodyProblem> {
+    if collider.is_degenerate() {
+        return Err(BodyProblem::DegenerateShape);
+    }
+    let computed = MassProperties::new(collider, density, mass, inertia, center);
+    if *kind == RigidBody::Dynamic && !computed.is_valid() {
+        let by_hand = density.is_some() || mass.is_some() || inertia.is_some();
+        return Err(if by_hand {
+            BodyProblem::InvalidMass
+        } else {
+            BodyProblem::DegenerateShape
+        });
+    }
+    body.kind = *kind;
+    body.collider = collider.clone();
+    body.friction = friction.copied().unwrap_or_default();
+    body.restitution = restitution.copied().unwrap_or_default();
+    body.layers = layers.copied().unwrap_or_default();
+    body.events = events;
+    body.gravity_scale = gravity_scale.0;
+    if !body.friction.is_valid() || !body.restitution.is_valid() {
+        return Err(BodyProblem::InvalidMaterial);
+    }
+    if !computed.local_center.is_finite() {
+        return Err(BodyProblem::InvalidMass);
+    }
+    body.mass = computed;
+    *properties = computed;
+    body.center = body.pose.transform_point(computed.local_center);
+    body.radius = collider.radius_about(computed.local_center);
+    body.renewed = true;
+    Ok(())
+}
+
+/// The stage **quarantine**: takes bodies with bad input out of the simulation and says so.
+///
+/// Runs after *prepare*, and at the end of the step for what the solve itself broke.
+pub fn quarantine(world: &mut World) {
+    let suspects = std::mem::take(&mut world.resource_mut::<Suspects>().0);
+    for (entity, problem) in suspects {
+        let Ok(mut body) = world.get_entity_mut(entity) else {
+            continue;
+        };
+        let name = body.get::<Name>().map(|name| name.as_str().to_owned());
+        if problem.is_fatal() {
+            let index = body.get::<BodyIndex>().copied();
+            body.insert((Quarantined { problem: problem.clone() }, BodyIndex::NONE));
+            if let Some(index) = index {
+                world.resource_mut::<BodyTable>().remove(index);
+            }
+        }
+        let error = BodyError { entity, name, problem };
+        tracing::error!("{error}");
+        world.write_message(error);
+    }
+}
+
+/// Writes a body's pose to its `Transform`, keeping its scale, in its parent's frame where it has one.
+pub(crate) fn write_transform(
+    pose: &Pose,
+    transform: &mut Transform,
+    parent: Option<&ChildOf>,
+    parents: &Query<(&Transform, Option<&ChildOf>), Without<BodyIndex>>,
+) {
+    let (mut position, mut rotation) = (pose.position, pose.rotation);
+    let mut chain = Vec::new();
+    let mut above = parent;
+    while let Some(ChildOf(parent)) = above
+        && let Ok((transform, grandparent)) = parents.get(*parent)
+    {
+        chain.push(*transform);
+        above = grandparent;
+    }
+    for parent in chain.iter().rev() {
+        let back = parent.rotation.inverse();
+        position = back * (position - parent.translation) / parent.scale;
+        rotation = back * rotation;
+    }
+    transform.translation = position;
+    transform.rotation = rotation;
+}

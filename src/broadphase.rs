@@ -1,0 +1,268 @@
+//! The stage **broadphase**: which bodies may touch. Spawns a [`ContactPair`] entity when the fat boxes of two bodies begin
+//! to overlap, and despawns it when they cease to.
+//!
+//! Each body's tight box holds its shape, the collision envelope and the way it can go in a step. The tree keeps a fatter
+//! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
+//! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
+
+use crate::body::{BodyState, BodyTable};
+use crate::contact::{ContactPair, EndedPairs, Manifold};
+use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use crate::settings::{Gravity, StabilizationSettings, StepTime};
+use crate::sleeping::Sleeping;
+use bevy_ecs::prelude::*;
+use glam::Vec3;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::partitioning::{Bvh, BvhWorkspace};
+use std::collections::HashSet;
+
+/// How much fatter than its tight box a body's box in the tree is, m at each side.
+const FAT: f32 = 0.05;
+
+/// The tree, and the pairs alive.
+#[derive(Resource, Default)]
+pub struct Broadphase {
+    tree: Bvh,
+    workspace: BvhWorkspace,
+    /// By slot; `None` for free slots and half-spaces.
+    fat: Vec<Option<Aabb>>,
+    /// Slots of half-spaces.
+    unbounded: Vec<u32>,
+    pairs: HashSet<[u32; 2]>,
+    begun: Vec<[u32; 2]>,
+    /// Something moved or went, so pairs may have ended.
+    stirred: bool,
+    /// Slots to give back once no pair names them.
+    removed: Vec<u32>,
+}
+
+impl Broadphase {
+    /// Number of pairs alive.
+    pub fn pair_count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
+        let (Some(one), Some(two)) = (table.get(a), table.get(b)) else {
+            return false;
+        };
+        if !may_collide(one, two) {
+            return false;
+        }
+        match (&self.fat[a as usize], &self.fat[b as usize]) {
+            (Some(a), Some(b)) => a.intersects(b),
+            (Some(fat), None) => below(two, fat),
+            (None, Some(fat)) => below(one, fat),
+            (None, None) => false,
+        }
+    }
+}
+
+/// The two may exert forces on each other.
+fn may_collide(a: &BodyState, b: &BodyState) -> bool {
+    (a.is_dynamic() || b.is_dynamic()) && a.layers.collides_with(b.layers)
+}
+
+/// A box reaches into a half-space.
+fn below(body: &BodyState, aabb: &Aabb) -> bool {
+    let Some(plane) = body.collider.shape().as_halfspace() else {
+        return false;
+    };
+    let normal = body.pose.rotation * plane.normal;
+    let reach = aabb.half_extents().dot(normal.abs());
+    normal.dot(aabb.center() - body.pose.position) <= reach
+}
+
+/// First half of the stage: finds the pairs that begin.
+pub fn broadphase(
+    mut broadphase: ResMut<Broadphase>,
+    mut table: ResMut<BodyTable>,
+    time: Res<StepTime>,
+    gravity: Res<Gravity>,
+    settings: Res<StabilizationSettings>,
+) {
+    let Broadphase {
+        tree,
+        workspace,
+        fat,
+        unbounded,
+        pairs,
+        begun,
+        stirred,
+        removed,
+    } = &mut *broadphase;
+    fat.resize(table.slots(), None);
+    for slot in table.removed.drain(..) {
+        tree.remove(slot);
+        fat[slot as usize] = None;
+        unbounded.retain(|u| *u != slot);
+        removed.push(slot);
+        *stirred = true;
+    }
+
+    let mut moved = Vec::new();
+    for (slot, body) in table.iter() {
+        let resting = (body.asleep || !body.is_dynamic()) && body.velocity == Default::default();
+        if resting && !body.moved && !body.renewed {
+            continue;
+        }
+        if !body.radius.is_finite() {
+            if !unbounded.contains(&slot) {
+                unbounded.push(slot);
+            }
+            if body.moved || body.renewed {
+                moved.push(slot);
+            }
+            continue;
+        }
+        let tight = tight_box(body, &settings, gravity.0, time.dt);
+        let entry = &mut fat[slot as usize];
+        if body.renewed || entry.is_none_or(|fat| !fat.contains(&tight)) {
+            // A body that moves fast would leave a fixed margin in every step.
+            let margin = FAT + body.velocity.linear.length() * time.dt;
+            let fat = tight.loosened(margin);
+            *entry = Some(fat);
+            tree.insert(fat, slot);
+            moved.push(slot);
+        }
+    }
+    if moved.is_empty() {
+        return;
+    }
+    *stirred = true;
+    tree.refit(workspace);
+    tree.optimize_incremental(workspace);
+
+    let mut consider = |a: u32, b: u32| {
+        let key = match table.get(a).map(|b| b.order) <= table.get(b).map(|b| b.order) {
+            true => [a, b],
+            false => [b, a],
+        };
+        if a != b
+            && let (Some(one), Some(two)) = (table.get(a), table.get(b))
+            && may_collide(one, two)
+            && pairs.insert(key)
+        {
+            begun.push(key);
+        }
+    };
+    for &slot in &moved {
+        match &fat[slot as usize] {
+            Some(fat) => {
+                tree.intersect_aabb(fat).for_each(|other| consider(slot, other));
+                for &plane in unbounded.iter() {
+                    if table.get(plane).is_some_and(|p| below(p, fat)) {
+                        consider(slot, plane);
+                    }
+                }
+            }
+            None => {
+                let plane = table.get(slot).expect("only live bodies move");
+                for (other, fat) in fat.iter().enumerate() {
+                    if fat.as_ref().is_some_and(|fat| below(plane, fat)) {
+                        consider(slot, other as u32);
+                    }
+                }
+            }
+        }
+    }
+    // The tree's shape depends on its history; the order of pairs must not.
+    begun.sort_unstable_by_key(|&[a, b]| {
+        [a, b].map(|slot| table.get(slot).map_or(u64::MAX, |body| body.order))
+    });
+}
+
+/// Everything a body may touch within the step lies in here: shape, envelope, and its way.
+fn tight_box(body: &BodyState, settings: &StabilizationSettings, gravity: Vec3, dt: f32) -> Aabb {
+    let fall = if body.is_dynamic() { (gravity * body.gravity_scale).length() * dt } else { 0.0 };
+    let speed = body.velocity.linear.length() + body.velocity.angular.length() * body.radius + fall;
+    let reach = settings.outer_distance().max(0.0) + speed * dt;
+    let shape = body.collider.shape();
+    shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
+}
+
+/// Second half of the stage: despawns the pairs that ended and spawns those that began. Wakes what rested on a body that
+/// is gone.
+pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
+    let stirred = std::mem::take(&mut world.resource_mut::<Broadphase>().stirred);
+    if !stirred {
+        return;
+    }
+    world.resource_scope(|world, mut broadphase: Mut<Broadphase>| {
+        ending.clear();
+        let mut pairs = world.query::<(Entity, &ContactPair, &Manifold)>();
+        let mut wake = Vec::new();
+        let mut gone = Vec::new();
+        let mut forgotten = Vec::new();
+        let table = world.resource::<BodyTable>();
+        for (entity, pair, manifold) in pairs.iter(world) {
+            let alive = [0, 1].map(|i| {
+                table.get(pair.slots[i]).is_some_and(|body| body.entity == pair.bodies[i])
+            });
+            if alive == [true, true] && broadphase.overlap(table, pair.slots) {
+                continue;
+            }
+            ending.push(entity);
+            forgotten.push(pair.slots);
+            if !manifold.points.is_empty() {
+                wake.extend(pair.bodies);
+            }
+            if pair.announced {
+                gone.push((pair.order, pair.bodies));
+            }
+        }
+        for slots in forgotten {
+            broadphase.pairs.remove(&slots);
+        }
+        world.resource_mut::<EndedPairs>().0.extend(gone);
+        for &pair in ending.iter() {
+            world.despawn(pair);
+        }
+        for body in wake {
+            if let Some(mut sleeping) = world.get_mut::<Sleeping>(body) {
+                sleeping.wake();
+            }
+        }
+        // Only now may a slot go to another body: no pair names it any more.
+        let removed = std::mem::take(&mut broadphase.removed);
+        let mut table = world.resource_mut::<BodyTable>();
+        removed.into_iter().for_each(|slot| table.recycle(slot));
+
+        let begun = std::mem::take(&mut broadphase.begun);
+        let mut warnings = Vec::new();
+        let table = world.resource::<BodyTable>();
+        let new: Vec<ContactPair> = begun
+            .iter()
+            .filter_map(|&slots| {
+                let [a, b] = [table.get(slots[0])?, table.get(slots[1])?];
+                warn(a, b, &mut warnings);
+                Some(ContactPair {
+                    bodies: [a.entity, b.entity],
+                    slots,
+                    order: [a.order, b.order],
+                    friction: a.friction.combine(b.friction),
+                    restitution: a.restitution.combine(b.restitution),
+                    touching: false,
+                    announced: false,
+                })
+            })
+            .collect();
+        world.spawn_batch(new);
+        world.resource_mut::<Suspects>().0.extend(warnings);
+    });
+}
+
+/// What cannot go well, said once when two bodies meet.
+fn warn(a: &BodyState, b: &BodyState, warnings: &mut Vec<(Entity, BodyProblem)>) {
+    if !a.is_dynamic() || !b.is_dynamic() {
+        return;
+    }
+    let ratio = a.mass.inverse_mass / b.mass.inverse_mass;
+    if !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
+        let (heavy, light) = if ratio < 1.0 { (a, b) } else { (b, a) };
+        warnings.push((heavy.entity, BodyProblem::ExtremeMassRatio { other: light.entity }));
+    }
+    if (a.center - b.center).length() <= 1e-6 * a.radius.min(b.radius) {
+        warnings.push((b.entity, BodyProblem::Coincident { other: a.entity }));
+    }
+}

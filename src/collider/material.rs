@@ -1,0 +1,89 @@
+//! Friction and restitution, and how those of two bodies are combined.
+
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+
+/// How the coefficients of two surfaces become one. Where the two bodies ask for different rules, the later in this
+/// list wins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Reflect)]
+pub enum CombineRule {
+    /// (a + b) / 2
+    #[default]
+    Average,
+    /// √(a b)
+    GeometricMean,
+    /// min(a, b)
+    Min,
+    /// a b
+    Multiply,
+    /// max(a, b)
+    Max,
+}
+
+impl CombineRule {
+    fn apply(self, a: f32, b: f32) -> f32 {
+        match self {
+            Self::Average => 0.5 * (a + b),
+            Self::GeometricMean => (a * b).sqrt(),
+            Self::Min => a.min(b),
+            Self::Multiply => a * b,
+            Self::Max => a.max(b),
+        }
+    }
+}
+
+/// Coulomb friction of a body's surface; 0.5 by default.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct Friction {
+    /// μ, not negative.
+    pub coefficient: f32,
+    /// How it is combined with the other body's.
+    pub rule: CombineRule,
+}
+
+/// Restitution of a body's surface; 0 by default.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct Restitution {
+    /// e, not negative; 1 bounces without loss.
+    pub coefficient: f32,
+    /// How it is combined with the other body's.
+    pub rule: CombineRule,
+}
+
+macro_rules! surface {
+    ($name:ident, $default:expr) => {
+        impl Default for $name {
+            fn default() -> Self {
+                Self::new($default)
+            }
+        }
+
+        impl $name {
+            /// With the rule [`CombineRule::Average`].
+            pub const fn new(coefficient: f32) -> Self {
+                Self { coefficient, rule: CombineRule::Average }
+            }
+
+            /// This with another rule.
+            pub const fn with_rule(mut self, rule: CombineRule) -> Self {
+                self.rule = rule;
+                self
+            }
+
+            /// The coefficient between two surfaces.
+            pub fn combine(self, other: Self) -> f32 {
+                self.rule.max(other.rule).apply(self.coefficient, other.coefficient)
+            }
+
+            /// True for a finite coefficient that is not negative.
+            pub fn is_valid(self) -> bool {
+                self.coefficient.is_finite() && self.coefficient >= 0.0
+            }
+        }
+    };
+}
+
+surface!(Friction, 0.5);
+surface!(Restitution, 0.0);

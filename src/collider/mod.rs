@@ -1,0 +1,239 @@
+//! Shapes and surfaces.
+
+mod layers;
+mod material;
+
+pub use layers::CollisionLayers;
+pub use material::{CombineRule, Friction, Restitution};
+
+use bevy_ecs::prelude::*;
+use glam::{Quat, Vec3};
+use parry3d::math::Pose as ParryPose;
+use parry3d::shape::{HeightField, SharedShape, TriMeshFlags};
+use parry3d::utils::Array2;
+use std::fmt;
+
+/// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
+/// the constructors here cover the common ones.
+#[derive(Component, Clone)]
+pub struct Collider(SharedShape);
+
+/// Why a shape could not be made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ColliderError {
+    /// The points lie in one plane or line, are fewer than four, or hold a number that is not finite.
+    DegenerateHull,
+    /// A triangle names a vertex that is not there, or there are no triangles.
+    InvalidMesh(String),
+    /// A compound of nothing, or with a part that is itself composite.
+    InvalidCompound,
+    /// A height field with fewer than two rows or columns, or a height that is not finite.
+    InvalidHeightField,
+}
+
+impl fmt::Display for ColliderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DegenerateHull => {
+                f.write_str("a convex hull needs four points that are not in one plane, all of them finite")
+            }
+            Self::InvalidMesh(why) => write!(f, "invalid triangle mesh: {why}"),
+            Self::InvalidCompound => {
+                f.write_str("a compound needs at least one part, and its parts must be convex")
+            }
+            Self::InvalidHeightField => {
+                f.write_str("a height field needs two rows and two columns of finite heights")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ColliderError {}
+
+impl Default for Collider {
+    /// A cube of 1 m.
+    fn default() -> Self {
+        Self::cuboid(1.0, 1.0, 1.0)
+    }
+}
+
+impl fmt::Debug for Collider {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Collider({:?})", self.0.shape_type())
+    }
+}
+
+impl From<SharedShape> for Collider {
+    fn from(shape: SharedShape) -> Self {
+        Self(shape)
+    }
+}
+
+impl Collider {
+    /// A ball.
+    pub fn ball(radius: f32) -> Self {
+        Self(SharedShape::ball(radius))
+    }
+
+    /// A box, by its full edge lengths.
+    pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
+        Self(SharedShape::cuboid(0.5 * x, 0.5 * y, 0.5 * z))
+    }
+
+    /// A box with rounded edges, by its full lengths before `border` is added all around.
+    pub fn round_cuboid(x: f32, y: f32, z: f32, border: f32) -> Self {
+        Self(SharedShape::round_cuboid(0.5 * x, 0.5 * y, 0.5 * z, border))
+    }
+
+    /// A cylinder about the y axis.
+    pub fn cylinder(radius: f32, height: f32) -> Self {
+        Self(SharedShape::cylinder(0.5 * height, radius))
+    }
+
+    /// A cone about the y axis, its tip upwards.
+    pub fn cone(radius: f32, height: f32) -> Self {
+        Self(SharedShape::cone(0.5 * height, radius))
+    }
+
+    /// A capsule about the y axis; `length` is that of its cylinder.
+    pub fn capsule(radius: f32, length: f32) -> Self {
+        Self(SharedShape::capsule_y(0.5 * length, radius))
+    }
+
+    /// A single triangle, without volume: for static bodies.
+    pub fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Self {
+        Self(SharedShape::triangle(a, b, c))
+    }
+
+    /// Everything below the plane through the origin with this outward normal: for static bodies.
+    pub fn half_space(normal: Vec3) -> Self {
+        Self(SharedShape::halfspace(normal.normalize_or(Vec3::Y)))
+    }
+
+    /// The convex hull of points.
+    ///
+    /// # Errors
+    /// [`ColliderError::DegenerateHull`] where they enclose no volume.
+    pub fn convex_hull(points: &[Vec3]) -> Result<Self, ColliderError> {
+        if points.len() < 4 || !points.iter().all(|p| p.is_finite()) || is_flat(points) {
+            return Err(ColliderError::DegenerateHull);
+        }
+        SharedShape::convex_hull(points)
+            .map(Self)
+            .ok_or(ColliderError::DegenerateHull)
+    }
+
+    /// Several convex shapes, each at a position and rotation in the body's frame.
+    ///
+    /// # Errors
+    /// [`ColliderError::InvalidCompound`] where there are none, or one is itself composite.
+    pub fn compound(parts: Vec<(Vec3, Quat, Collider)>) -> Result<Self, ColliderError> {
+        let placed = |p: &(Vec3, Quat, Collider)| p.0.is_finite() && p.1.is_normalized() && p.2.0.is_convex();
+        if parts.is_empty() || !parts.iter().all(placed) {
+            return Err(ColliderError::InvalidCompound);
+        }
+        let parts = parts
+            .into_iter()
+            .map(|(position, rotation, collider)| {
+                (ParryPose::from_parts(position, rotation), collider.0)
+            })
+            .collect();
+        Ok(Self(SharedShape::compound(parts)))
+    }
+
+    /// A triangle mesh: a surface, for static and kinematic bodies. Seams between its triangles are smooth: contacts use
+    /// the face normals where an edge is not a true corner.
+    ///
+    /// # Errors
+    /// [`ColliderError::InvalidMesh`] where parry cannot build it.
+    pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ColliderError> {
+        let count = vertices.len() as u32;
+        if !vertices.iter().all(|v| v.is_finite()) {
+            return Err(ColliderError::InvalidMesh("a vertex is not finite".into()));
+        }
+        if triangles.iter().flatten().any(|&i| i >= count) {
+            return Err(ColliderError::InvalidMesh(format!(
+                "a triangle names a vertex beyond the {count} given"
+            )));
+        }
+        SharedShape::trimesh_with_flags(vertices, triangles, TriMeshFlags::FIX_INTERNAL_EDGES)
+            .map(Self)
+            .map_err(|e| ColliderError::InvalidMesh(e.to_string()))
+    }
+
+    /// A height field over the x–z plane, centred on the origin: `heights[row][column]` with rows along z and columns
+    /// along x, and its full size along x, y (a factor on the heights) and z.
+    ///
+    /// # Errors
+    /// [`ColliderError::InvalidHeightField`] where it has fewer than two rows or columns, ragged rows, or a bad height.
+    pub fn height_field(heights: &[Vec<f32>], size: Vec3) -> Result<Self, ColliderError> {
+        let rows = heights.len();
+        let columns = heights.first().map_or(0, Vec::len);
+        let even = heights.iter().all(|row| row.len() == columns);
+        let finite = heights.iter().flatten().all(|h| h.is_finite()) && size.is_finite();
+        if rows < 2 || columns < 2 || !even || !finite {
+            return Err(ColliderError::InvalidHeightField);
+        }
+        let mut data = Array2::zeros(rows, columns);
+        for (i, row) in heights.iter().enumerate() {
+            for (j, &height) in row.iter().enumerate() {
+                data[(i, j)] = height;
+            }
+        }
+        Ok(Self(SharedShape::new(HeightField::new(data, size))))
+    }
+
+    /// The parry shape.
+    pub fn shape(&self) -> &SharedShape {
+        &self.0
+    }
+
+    /// True where no contact can be computed with it: a size that is zero, negative or not finite.
+    pub fn is_degenerate(&self) -> bool {
+        if let Some(ball) = self.0.as_ball() {
+            return !(ball.radius.is_finite() && ball.radius > 0.0);
+        }
+        if let Some(cuboid) = self.0.as_cuboid() {
+            return !(cuboid.half_extents.is_finite() && cuboid.half_extents.min_element() > 0.0);
+        }
+        let aabb = self.0.compute_local_aabb();
+        let size = aabb.maxs - aabb.mins;
+        let sizes = [size.x, size.y, size.z];
+        // A surface may be flat in one direction, never in two.
+        !size.is_finite() && self.0.as_halfspace().is_none()
+            || sizes.iter().any(|s| s.is_nan() || *s < 0.0)
+            || sizes.iter().filter(|s| **s > 0.0).count() < 2
+    }
+
+    /// Radius of the sphere about a local point that holds the shape, m; infinite for a half-space.
+    pub(crate) fn radius_about(&self, center: Vec3) -> f32 {
+        if self.0.as_halfspace().is_some() {
+            return f32::INFINITY;
+        }
+        let sphere = self.0.compute_local_bounding_sphere();
+        (sphere.center - center).length() + sphere.radius
+    }
+
+    /// True where the surface is curved, so that a rolling contact point moves over it.
+    pub(crate) fn is_curved(&self) -> bool {
+        use parry3d::shape::ShapeType as S;
+        matches!(
+            self.0.shape_type(),
+            S::Ball | S::Capsule | S::Cylinder | S::Cone | S::RoundCylinder | S::RoundCone
+        )
+    }
+}
+
+fn is_flat(points: &[Vec3]) -> bool {
+    let origin = points[0];
+    let size = points.iter().map(|p| (*p - origin).length()).fold(0.0, f32::max);
+    let Some(a) = points.iter().map(|p| *p - origin).find(|e| e.length() > 1e-3 * size) else {
+        return true;
+    };
+    let spans = |p: &Vec3| a.cross(*p - origin).length() > 1e-3 * size * a.length();
+    let Some(b) = points.iter().find(|p| spans(p)) else {
+        return true;
+    };
+    let normal = a.cross(*b - origin).normalize();
+    points.iter().all(|p| normal.dot(*p - origin).abs() < 1e-4 * size)
+}

@@ -1,0 +1,75 @@
+//! A hand: pulls a point of a body towards a target with a spring and damper, as a mouse or a script would.
+
+use crate::body::{BodyIndex, BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity};
+use crate::settings::StepTime;
+use crate::sleeping::Sleeping;
+use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
+use glam::{Mat3, Vec3};
+
+/// Holds a dynamic body by a spring. Take the component off to let go.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+pub struct Grab {
+    /// Where the hand is, world, m.
+    pub target: Vec3,
+    /// The point of the body that it holds, in the body's frame, m.
+    pub local_point: Vec3,
+    /// Stiffness of the spring, N/m.
+    pub stiffness: f32,
+    /// Damping of the spring, N·s/m.
+    pub damping: f32,
+    /// The hand is no stronger than this, N.
+    pub max_force: f32,
+    /// Damping of the body's spin while it is held, N·m·s/rad: fingers, not a thread.
+    pub angular_damping: f32,
+}
+
+impl Grab {
+    /// A hand that carries a mass of `mass` kg steadily: a spring of 2 Hz, critically damped, up to five times the weight.
+    pub fn gentle(mass: f32, local_point: Vec3, target: Vec3) -> Self {
+        let omega = 2.0 * std::f32::consts::TAU;
+        Self {
+            target,
+            local_point,
+            stiffness: mass * omega * omega,
+            damping: 2.0 * mass * omega,
+            max_force: 5.0 * mass * 9.81,
+            angular_damping: mass,
+        }
+    }
+}
+
+/// Part of the stage *forces*: the pull of every [`Grab`], with the spring taken implicitly (so that it is stable for any
+/// stiffness and step): f = −(k x + (c + k h) v) / (1 + h (c + k h) W).
+pub fn grab(
+    time: Res<StepTime>,
+    table: Res<BodyTable>,
+    mut held: Query<
+        (&Grab, &RigidBody, &BodyIndex, &Pose, &MassProperties, &mut Velocity, &mut Sleeping),
+        Without<Quarantined>,
+    >,
+) {
+    let h = time.dt;
+    for (grab, kind, index, pose, mass, mut velocity, mut sleeping) in &mut held {
+        if *kind != RigidBody::Dynamic || !table.contains(*index) || !grab.target.is_finite() {
+            continue;
+        }
+        sleeping.wake();
+        let point = pose.transform_point(grab.local_point);
+        let arm = point - pose.transform_point(mass.local_center);
+        let inverse_inertia = mass.world_inverse_inertia(pose.rotation);
+        // W of the held point, 3 × 3.
+        let skew = Mat3::from_cols(arm.cross(Vec3::X), arm.cross(Vec3::Y), arm.cross(Vec3::Z));
+        let response = Mat3::from_diagonal(Vec3::splat(mass.inverse_mass))
+            + skew.transpose() * inverse_inertia * skew;
+        let gain = grab.damping + grab.stiffness * h;
+        let pull = -(grab.stiffness * (point - grab.target) + gain * velocity.at(arm));
+        let force = ((Mat3::IDENTITY + response * (h * gain)).inverse() * pull)
+            .clamp_length_max(grab.max_force);
+        velocity.linear += h * mass.inverse_mass * force;
+        velocity.angular += h * (inverse_inertia * arm.cross(force));
+        let brake = Mat3::IDENTITY + inverse_inertia * (h * grab.angular_damping);
+        velocity.angular = brake.inverse() * velocity.angular;
+    }
+}

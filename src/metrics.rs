@@ -1,0 +1,119 @@
+//! The meters that examples, tests and users share: penetration, drift, sag, tilt, jitter, energy.
+//!
+//! All of them read components only and change nothing.
+
+use crate::body::{GravityScale, MassProperties, Pose, Quarantined, RigidBody, Velocity};
+use crate::contact::{ContactImpulses, Manifold};
+use crate::settings::{Gravity, StabilizationSettings};
+use bevy_ecs::prelude::*;
+
+/// Mechanical energy of all dynamic bodies, J: kinetic, and potential against the origin.
+pub fn energy(world: &mut World) -> f64 {
+    let gravity = world.resource::<Gravity>().0;
+    let mut bodies = world.query_filtered::<(&RigidBody, &Pose, &Velocity, &MassProperties, &GravityScale), Without<Quarantined>>();
+    bodies
+        .iter(world)
+        .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
+        .map(|(_, pose, velocity, mass, scale)| {
+            let height = -(gravity * scale.0).dot(pose.transform_point(mass.local_center));
+            mass.kinetic_energy(pose.rotation, velocity) as f64 + (mass.mass() * height) as f64
+        })
+        .sum()
+}
+
+/// Kinetic energy of all dynamic bodies, J.
+pub fn kinetic_energy(world: &mut World) -> f64 {
+    let mut bodies = world.query_filtered::<(&RigidBody, &Pose, &Velocity, &MassProperties), Without<Quarantined>>();
+    bodies
+        .iter(world)
+        .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
+        .map(|(_, pose, velocity, mass)| mass.kinetic_energy(pose.rotation, velocity) as f64)
+        .sum()
+}
+
+/// Root mean square of the speeds of all dynamic bodies' centres, m/s: jitter, where nothing should move.
+pub fn rms_speed(world: &mut World) -> f32 {
+    let mut bodies = world.query_filtered::<(&RigidBody, &Velocity), Without<Quarantined>>();
+    let (sum, count) = bodies
+        .iter(world)
+        .filter(|(kind, _)| **kind == RigidBody::Dynamic)
+        .fold((0.0, 0), |(sum, count), (_, v)| (sum + v.linear.length_squared(), count + 1));
+    if count == 0 { 0.0 } else { (sum / count as f32).sqrt() }
+}
+
+/// How contact points stand to each other, as detected in the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gaps {
+    /// Deepest overlap of real surfaces, m.
+    pub penetration_max: f32,
+    /// Mean overlap over all points inside the envelope, m.
+    pub penetration_mean: f32,
+    /// Largest distance of a loaded point from the method's ideal, m.
+    pub ideal_error_max: f32,
+    /// Number of points.
+    pub points: usize,
+}
+
+/// Measures the [`Gaps`] of all contact points.
+pub fn gaps(world: &mut World) -> Gaps {
+    let settings = *world.resource::<StabilizationSettings>();
+    let mut pairs = world.query::<(&Manifold, &ContactImpulses)>();
+    let mut gaps = Gaps::default();
+    let (mut sum, mut inside) = (0.0, 0);
+    for (manifold, impulses) in pairs.iter(world) {
+        gaps.points += manifold.points.len();
+        for (point, impulse) in manifold.points.iter().zip(&impulses.points) {
+            let overlap = (-point.distance).max(0.0);
+            gaps.penetration_max = gaps.penetration_max.max(overlap);
+            if point.distance <= settings.outer_distance() {
+                sum += overlap;
+                inside += 1;
+            }
+            if impulse.normal > 0.0 {
+                let error = (point.distance - settings.rest_distance()).abs();
+                gaps.ideal_error_max = gaps.ideal_error_max.max(error);
+            }
+        }
+    }
+    gaps.penetration_mean = if inside == 0 { 0.0 } else { sum / inside as f32 };
+    gaps
+}
+
+/// How far bodies are from where they were.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Displacement {
+    /// Largest distance sideways, m.
+    pub drift: f32,
+    /// Largest distance downwards, m.
+    pub sag: f32,
+    /// Largest turn, rad.
+    pub tilt: f32,
+}
+
+/// A body that is further off than any of these counts as fallen.
+pub const FALLEN: Displacement = Displacement { drift: 0.5, sag: 0.25, tilt: 0.6 };
+
+impl Displacement {
+    /// Between two sets of poses of the same bodies.
+    pub fn between<'a>(start: impl IntoIterator<Item = &'a Pose>, now: impl IntoIterator<Item = &'a Pose>) -> Self {
+        let mut worst = Self::default();
+        for (start, now) in start.into_iter().zip(now) {
+            let moved = now.position - start.position;
+            worst.drift = worst.drift.max(moved.with_y(0.0).length());
+            worst.sag = worst.sag.max(-moved.y);
+            worst.tilt = worst.tilt.max(turn(start, now));
+        }
+        worst
+    }
+
+    /// True where a body has fallen ([`FALLEN`]).
+    pub fn has_fallen(&self) -> bool {
+        !(self.drift <= FALLEN.drift && self.sag <= FALLEN.sag && self.tilt <= FALLEN.tilt)
+    }
+}
+
+/// The angle between two orientations, rad. From the sine of the half: the cosine loses small angles in rounding.
+fn turn(a: &Pose, b: &Pose) -> f32 {
+    let between = a.rotation.inverse() * b.rotation;
+    2.0 * between.xyz().length().min(1.0).asin()
+}

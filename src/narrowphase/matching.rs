@@ -1,0 +1,95 @@
+//! Which point of the last step a contact point is: first by parry's feature ids, then by the nearest point that either
+//! body carried along. What matches inherits impulses, sticking and anchors.
+
+use super::OLD;
+use crate::contact::{Manifold, NarrowphaseCache};
+use smallvec::SmallVec;
+
+/// For each new point the index of the old one.
+pub(crate) type Origins = SmallVec<[Option<u16>; 8]>;
+
+/// Matches the points of a manifold with those before, no further apart than `radius` m where feature ids don't tell.
+pub(crate) fn match_points(
+    old: &Manifold,
+    new: &Manifold,
+    cache: &mut NarrowphaseCache,
+    radius: f32,
+) -> Origins {
+    let mut origins: Origins = smallvec::smallvec![None; new.points.len()];
+    let mut taken: SmallVec<[bool; 8]> = smallvec::smallvec![false; old.points.len()];
+    for contact in cache.manifolds.iter_mut().flat_map(|m| &mut m.points) {
+        let (before, now) = (contact.data >> 16, contact.data & OLD);
+        contact.data = now;
+        if now == 0 || before == 0 {
+            continue;
+        }
+        let before = before as usize - 1;
+        if taken.get(before) == Some(&false) {
+            taken[before] = true;
+            origins[now as usize - 1] = Some(before as u16);
+        }
+    }
+    for (point, origin) in new.points.iter().zip(&mut origins) {
+        if origin.is_some() {
+            continue;
+        }
+        let gap = |old: &crate::contact::ContactPoint| {
+            let a = old.local[0].distance_squared(point.local[0]);
+            a.min(old.local[1].distance_squared(point.local[1]))
+        };
+        let nearest = (0..old.points.len())
+            .filter(|&i| !taken[i])
+            .map(|i| (gap(&old.points[i]), i))
+            .min_by(|x, y| x.0.total_cmp(&y.0));
+        if let Some((gap, i)) = nearest
+            && gap < radius * radius
+        {
+            taken[i] = true;
+            *origin = Some(i as u16);
+        }
+    }
+    origins
+}
+
+/// Reorders what is kept for each point; new points start from the default.
+pub(crate) fn inherit<T: Copy + Default, const N: usize>(
+    origins: &Origins,
+    kept: &mut SmallVec<[T; N]>,
+) where
+    [T; N]: smallvec::Array<Item = T>,
+{
+    let inherited = origins
+        .iter()
+        .map(|origin| origin.and_then(|i| kept.get(i as usize).copied()).unwrap_or_default())
+        .collect();
+    *kept = inherited;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::ContactPoint;
+    use glam::Vec3;
+
+    fn manifold(xs: &[f32]) -> Manifold {
+        let point = |&x: &f32| ContactPoint {
+            position: Vec3::X * x,
+            local: [Vec3::X * x; 2],
+            distance: 0.0,
+        };
+        Manifold {
+            patches: Default::default(),
+            points: xs.iter().map(point).collect(),
+        }
+    }
+
+    #[test]
+    fn nearest_points_inherit_and_each_old_point_serves_once() {
+        let (old, new) = (manifold(&[0.0, 1.0]), manifold(&[0.99, 0.02, 0.01, 5.0]));
+        let origins = match_points(&old, &new, &mut NarrowphaseCache::default(), 0.1);
+        assert_eq!(origins.as_slice(), [Some(1), Some(0), None, None]);
+        let mut kept: SmallVec<[u32; 4]> = smallvec::smallvec![7, 8];
+        inherit(&origins, &mut kept);
+        assert_eq!(kept.as_slice(), [8, 7, 0, 0]);
+    }
+}

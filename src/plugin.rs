@@ -1,0 +1,228 @@
+//! The plugins: one for each concern, so that each can be taken out or replaced.
+
+use crate::body::{self, BodyTable};
+use crate::broadphase::{self, Broadphase};
+use crate::contact::{self, ContactEnded, ContactStarted, EndedPairs, Untriggered};
+use crate::diagnosis::{BodyError, StepError, Suspects};
+use crate::grab;
+use crate::islands::Islands;
+use crate::profile::{Profile, timed};
+use crate::schedule::{PhysicsSchedule, PhysicsSystems, physics_schedule, step};
+use crate::settings::{
+    Gravity, PhysicsThreads, SleepSettings, SolverSettings, StabilizationSettings, StepTime,
+};
+use crate::solve::SolveReports;
+use crate::stabilization::{anchors, friction, normal};
+use crate::{integration, islands, narrowphase, sleeping, solve, warm_start};
+use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
+use bevy_ecs::intern::Interned;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_time::Time;
+use bevy_transform::TransformSystems;
+
+/// All of drystone, run in `FixedPostUpdate` or any other schedule.
+///
+/// ```
+/// use bevy_app::{App, Update};
+/// use drystone::DrystonePlugins;
+///
+/// App::new().add_plugins(DrystonePlugins::default());
+/// App::new().add_plugins(DrystonePlugins::new(Update));
+/// ```
+pub struct DrystonePlugins {
+    label: Interned<dyn ScheduleLabel>,
+}
+
+impl DrystonePlugins {
+    /// Steps in this schedule, by the `Time` that it sees.
+    pub fn new(label: impl ScheduleLabel) -> Self {
+        Self { label: label.intern() }
+    }
+}
+
+impl Default for DrystonePlugins {
+    fn default() -> Self {
+        Self::new(FixedPostUpdate)
+    }
+}
+
+impl PluginGroup for DrystonePlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(StepPlugin { label: self.label })
+            .add(BodyPlugin)
+            .add(CollisionPlugin)
+            .add(FrictionStabilizationPlugin)
+            .add(NormalStabilizationPlugin)
+            .add(SolverPlugin)
+            .add(IntegrationPlugin)
+            .add(SleepingPlugin)
+            .add(ContactEventsPlugin)
+    }
+}
+
+/// The schedule, its resources, and what runs it.
+pub struct StepPlugin {
+    /// Where steps are taken.
+    pub label: Interned<dyn ScheduleLabel>,
+}
+
+/// The set in which steps are taken, before transforms are propagated.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct StepSystems;
+
+impl Plugin for StepPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Gravity>()
+            .init_resource::<StabilizationSettings>()
+            .init_resource::<SolverSettings>()
+            .init_resource::<SleepSettings>()
+            .init_resource::<PhysicsThreads>()
+            .init_resource::<StepTime>()
+            .init_resource::<Profile>()
+            .init_resource::<Suspects>()
+            .init_resource::<BodyTable>()
+            .init_resource::<Broadphase>()
+            .init_resource::<Islands>()
+            .init_resource::<SolveReports>()
+            .init_resource::<EndedPairs>()
+            .init_resource::<Untriggered>()
+            .add_message::<BodyError>()
+            .add_message::<StepError>()
+            .add_message::<ContactStarted>()
+            .add_message::<ContactEnded>()
+            .add_schedule(physics_schedule())
+            .add_systems(
+                self.label,
+                take_step.in_set(StepSystems).before(TransformSystems::Propagate),
+            );
+    }
+}
+
+fn take_step(world: &mut World) {
+    if let Some(time) = world.get_resource::<Time>() {
+        // What went wrong has been logged and sent as a message.
+        let _ = step(world, time.delta_secs());
+    }
+}
+
+/// A stage's system, timed and in its set.
+macro_rules! stages {
+    ($app:expr, $($set:ident: $name:literal $system:expr),+ $(,)?) => {{
+        let profile = $app.world().resource::<Profile>().clone();
+        $($app.add_systems(
+            PhysicsSchedule,
+            timed(&profile, $name, $system).in_set(PhysicsSystems::$set),
+        );)+
+    }};
+}
+
+/// Prepare, quarantine, forces, the scripted hand.
+pub struct BodyPlugin;
+
+impl Plugin for BodyPlugin {
+    fn build(&self, app: &mut App) {
+        let profile = app.world().resource::<Profile>().clone();
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "prepare", body::prepare),
+                timed(&profile, "prepare", body::quarantine),
+            )
+                .chain()
+                .in_set(PhysicsSystems::Prepare),
+        );
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "forces", grab::grab),
+                timed(&profile, "forces", body::forces),
+            )
+                .chain()
+                .in_set(PhysicsSystems::Forces),
+        );
+    }
+}
+
+/// Broadphase and narrowphase.
+pub struct CollisionPlugin;
+
+impl Plugin for CollisionPlugin {
+    fn build(&self, app: &mut App) {
+        let profile = app.world().resource::<Profile>().clone();
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "broadphase", broadphase::broadphase),
+                timed(&profile, "broadphase", broadphase::pair_changes),
+            )
+                .chain()
+                .in_set(PhysicsSystems::Broadphase),
+        );
+        stages!(app, Narrowphase: "narrowphase" narrowphase::narrowphase);
+    }
+}
+
+/// Friction error and anchors. Without it no slip is corrected.
+pub struct FrictionStabilizationPlugin;
+
+impl Plugin for FrictionStabilizationPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(
+            app,
+            FrictionError: "friction_error" friction::friction_error,
+            Anchors: "anchors" anchors::anchors,
+        );
+    }
+}
+
+/// Normal correction. Without it contacts bound velocities only, and penetration creeps in.
+pub struct NormalStabilizationPlugin;
+
+impl Plugin for NormalStabilizationPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(app, NormalCorrection: "normal_correction" normal::normal_correction);
+    }
+}
+
+/// Islands, warm start, solve.
+pub struct SolverPlugin;
+
+impl Plugin for SolverPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(
+            app,
+            Islands: "islands" islands::islands,
+            WarmStart: "warm_start" warm_start::warm_start,
+            Solve: "solve" solve::solve,
+        );
+    }
+}
+
+/// Integration and `Transform` out.
+pub struct IntegrationPlugin;
+
+impl Plugin for IntegrationPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(app, Integration: "integration" integration::integration);
+    }
+}
+
+/// Sleeping.
+pub struct SleepingPlugin;
+
+impl Plugin for SleepingPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(app, Sleeping: "sleeping" sleeping::sleeping);
+    }
+}
+
+/// Contact events.
+pub struct ContactEventsPlugin;
+
+impl Plugin for ContactEventsPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(app, ContactEvents: "contact_events" contact::contact_events);
+    }
+}

@@ -1,0 +1,87 @@
+//! The stage **sleeping**: islands whose bodies have all been still for a while stop costing time.
+//!
+//! A sleeping body keeps its contacts, impulses and anchors as they are, so that it wakes exactly where it lay. It wakes
+//! when the user moves, pushes or changes it, when gravity changes, when something awake comes into its island, and when
+//! a body that it touched goes (in [`crate::broadphase`]).
+
+use crate::body::{BodyIndex, Quarantined, RigidBody, Velocity};
+use crate::settings::{SleepSettings, StepTime};
+use crate::islands::Islands;
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::Vec3;
+
+/// Whether a body sleeps, and may.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct Sleeping {
+    /// Now asleep.
+    pub asleep: bool,
+    /// How long it has been still, s.
+    pub still_for: f32,
+    /// False keeps it, and every island it is in, awake.
+    pub allowed: bool,
+}
+
+impl Default for Sleeping {
+    fn default() -> Self {
+        Self {
+            asleep: false,
+            still_for: 0.0,
+            allowed: true,
+        }
+    }
+}
+
+impl Sleeping {
+    /// Wakes the body.
+    pub fn wake(&mut self) {
+        self.asleep = false;
+        self.still_for = 0.0;
+    }
+}
+
+/// See the module's text.
+pub fn sleeping(
+    time: Res<StepTime>,
+    settings: Res<SleepSettings>,
+    islands: Res<Islands>,
+    mut bodies: Query<
+        (&RigidBody, &BodyIndex, &mut Velocity, &mut Sleeping),
+        Without<Quarantined>,
+    >,
+    mut restless: Local<Vec<bool>>,
+) {
+    if !settings.enabled {
+        return;
+    }
+    restless.clear();
+    restless.resize(islands.count(), false);
+    for (kind, index, velocity, mut sleeping) in &mut bodies {
+        let Some(island) = islands.of(index.0) else {
+            continue;
+        };
+        if *kind != RigidBody::Dynamic || sleeping.asleep {
+            continue;
+        }
+        let sleeping = sleeping.bypass_change_detection();
+        let still = velocity.linear.length_squared() < settings.linear_speed.powi(2)
+            && velocity.angular.length_squared() < settings.angular_speed.powi(2);
+        sleeping.still_for = if still { sleeping.still_for + time.dt } else { 0.0 };
+        if sleeping.still_for < settings.delay || !sleeping.allowed {
+            restless[island] = true;
+        }
+    }
+    for (kind, index, mut velocity, mut sleeping) in &mut bodies {
+        if *kind == RigidBody::Dynamic
+            && !sleeping.asleep
+            && islands.of(index.0).is_some_and(|island| !restless[island])
+        {
+            *velocity = Velocity {
+                linear: Vec3::ZERO,
+                angular: Vec3::ZERO,
+            };
+            sleeping.asleep = true;
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Contact solvers on plain slices: this folder knows neither the ECS nor shapes.
+//!
+//! A [`Problem`] is one island: bodies with velocities and inverse inertias, and contact points, each with a bound on its
+//! normal velocity and a demand on its tangential one. A [`ContactSolver`] finds impulses λ so that
+//!
+//! - w_n ≥ b_n, λ_n ≥ 0, λ_n (w_n − b_n) = 0 for each normal, and
+//! - λ_t is the vector inside the friction cone ‖λ_t‖ ≤ μ λ_n that brings w_t nearest to b_t,
+//!
+//! and changes the velocities by them. [`Pgs`] and [`Nncg`] are the paper's two; [`ContactSolver`] is open for others:
+//!
+//! ```
+//! use drystone::solver::{ContactSolver, Problem, SolveReport};
+//! use drystone::settings::SolverSettings;
+//! use std::sync::Arc;
+//!
+//! /// Plain Gauss–Seidel, three sweeps, whatever was asked for.
+//! struct ThreeSweeps;
+//!
+//! impl ContactSolver for ThreeSweeps {
+//!     fn name(&self) -> &str {
+//!         "three-sweeps"
+//!     }
+//!
+//!     fn solve(&self, problem: &mut Problem) -> SolveReport {
+//!         let mut report = SolveReport::default();
+//!         for _ in 0..3 {
+//!             report.record(problem.sweep().sqrt(), problem);
+//!         }
+//!         report
+//!     }
+//! }
+//!
+//! let settings = SolverSettings { solver: Arc::new(ThreeSweeps), ..Default::default() };
+//! assert_eq!(settings.solver.name(), "three-sweeps");
+//! ```
+
+pub mod merit;
+mod nncg;
+mod pgs;
+mod rows;
+
+pub use nncg::Nncg;
+pub use pgs::Pgs;
+pub use rows::{Body, Contact, ContactInput, tangents};
+
+/// A method that finds contact impulses. Must be deterministic; islands are solved side by side.
+pub trait ContactSolver: Send + Sync {
+    /// A short name for reports.
+    fn name(&self) -> &str;
+
+    /// Changes impulses and velocities of `problem` towards a solution.
+    fn solve(&self, problem: &mut Problem) -> SolveReport;
+}
+
+/// The set that the friction impulses of one point are projected to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionCone {
+    /// ‖λ_t‖ ≤ μ λ_n
+    #[default]
+    Circular,
+    /// |λ_t1|, |λ_t2| ≤ μ λ_n on two fixed tangents: cheaper to reason about, up to √2 too strong along the diagonal.
+    Box,
+}
+
+/// One island, ready to be solved. Contacts have been prepared ([`Contact::prepare`]) and velocities hold the effect of the
+/// impulses they start with.
+pub struct Problem<'a> {
+    /// All bodies of the island, and copies of the static and kinematic ones it touches.
+    pub bodies: &'a mut [Body],
+    /// All contact points, in the order in which they are swept.
+    pub contacts: &'a mut [Contact],
+    /// The shape of the friction cone.
+    pub cone: FrictionCone,
+    /// Sweeps, at most.
+    pub iterations: usize,
+    /// Stop when the merit falls below this.
+    pub tolerance: f32,
+    /// The merit of the free motion, √J; what residuals are relative to. See [`merit`].
+    pub free_merit: f32,
+    /// Keep [`SolveReport::history`].
+    pub record_history: bool,
+}
+
+impl Problem<'_> {
+    /// One projected Gauss–Seidel sweep over all contacts; Σ Wᵢᵢ Δλᵢ², J.
+    pub fn sweep(&mut self) -> f32 {
+        let mut change = 0.0;
+        for contact in self.contacts.iter_mut() {
+            let before = contact.impulse;
+            contact.relax(self.bodies, self.cone);
+            change += contact.weigh(contact.impulse - before);
+        }
+        change
+    }
+
+    /// A merit of Σ Wᵢᵢ Δλᵢ² = `merit`² relative to that of the free motion.
+    pub fn relative(&self, merit: f32) -> f32 {
+        if self.free_merit > 0.0 { merit / self.free_merit } else { 0.0 }
+    }
+}
+
+/// How a solve went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolveReport {
+    /// Sweeps taken.
+    pub sweeps: usize,
+    /// The merit of the last sweep, relative to the free motion's.
+    pub residual: f32,
+    /// The residual after each sweep, if asked for.
+    pub history: Vec<f32>,
+}
+
+impl SolveReport {
+    /// Notes a sweep whose merit was √(Σ Wᵢᵢ Δλᵢ²) = `merit`. True when it was good enough to stop.
+    pub fn record(&mut self, merit: f32, problem: &Problem) -> bool {
+        self.sweeps += 1;
+        self.residual = problem.relative(merit);
+        if problem.record_history {
+            self.history.push(self.residual);
+        }
+        self.residual <= problem.tolerance
+    }
+}

@@ -7,9 +7,7 @@
 use clap::{Parser, ValueEnum};
 use drystone::experiment::{Experiment, Outcome, Spread};
 use drystone::scenes::{KNOWN, Scene};
-use drystone::settings::{
-    AnchorRule, Classifier, NormalStabilization, PhysicsThreads, Preset,
-};
+use drystone::settings::{AnchorRule, Classifier, NormalStabilization, PhysicsThreads, Preset};
 use drystone::solver::{FrictionCone, Nncg, Pgs};
 use serde_json::{Map, Value, json};
 use std::io::Write;
@@ -136,7 +134,9 @@ impl Arguments {
         let gain = BAUMGARTE_GAIN;
         match self.normal {
             Some(NormalName::None) => stabilization.normal = NormalStabilization::None,
-            Some(NormalName::Baumgarte) => stabilization.normal = NormalStabilization::Baumgarte { gain },
+            Some(NormalName::Baumgarte) => {
+                stabilization.normal = NormalStabilization::Baumgarte { gain }
+            }
             Some(NormalName::BaumgarteOneSided) => {
                 stabilization.normal = NormalStabilization::BaumgarteOneSided { gain };
             }
@@ -166,7 +166,8 @@ impl Arguments {
             experiment.sleeping.enabled = switch == Switch::On;
         }
         if let Some(n) = self.threads {
-            experiment.threads = PhysicsThreads::new(n).map_err(|e| format!("--threads {n}: {e}"))?;
+            experiment.threads =
+                PhysicsThreads::new(n).map_err(|e| format!("--threads {n}: {e}"))?;
         }
         experiment.options.lateral_gap = self.gap.unwrap_or(experiment.options.lateral_gap);
         if let Some(noise) = &self.noise {

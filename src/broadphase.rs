@@ -149,7 +149,8 @@ pub fn broadphase(
     for &slot in &moved {
         match &fat[slot as usize] {
             Some(fat) => {
-                tree.intersect_aabb(fat).for_each(|other| consider(slot, other));
+                tree.intersect_aabb(fat)
+                    .for_each(|other| consider(slot, other));
                 for &plane in unbounded.iter() {
                     if table.get(plane).is_some_and(|p| below(p, fat)) {
                         consider(slot, plane);
@@ -174,7 +175,11 @@ pub fn broadphase(
 
 /// Everything a body may touch within the step lies in here: shape, envelope, and its way.
 fn tight_box(body: &BodyState, settings: &StabilizationSettings, gravity: Vec3, dt: f32) -> Aabb {
-    let fall = if body.is_dynamic() { (gravity * body.gravity_scale).length() * dt } else { 0.0 };
+    let fall = if body.is_dynamic() {
+        (gravity * body.gravity_scale).length() * dt
+    } else {
+        0.0
+    };
     let speed = body.velocity.linear.length() + body.velocity.angular.length() * body.radius + fall;
     let reach = settings.outer_distance().max(0.0) + speed * dt;
     let shape = body.collider.shape();
@@ -197,7 +202,9 @@ pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
         let table = world.resource::<BodyTable>();
         for (entity, pair, manifold) in pairs.iter(world) {
             let alive = [0, 1].map(|i| {
-                table.get(pair.slots[i]).is_some_and(|body| body.entity == pair.bodies[i])
+                table
+                    .get(pair.slots[i])
+                    .is_some_and(|body| body.entity == pair.bodies[i])
             });
             if alive == [true, true] && broadphase.overlap(table, pair.slots) {
                 continue;
@@ -260,7 +267,12 @@ fn warn(a: &BodyState, b: &BodyState, warnings: &mut Vec<(Entity, BodyProblem)>)
     let ratio = a.mass.inverse_mass / b.mass.inverse_mass;
     if !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
         let (heavy, light) = if ratio < 1.0 { (a, b) } else { (b, a) };
-        warnings.push((heavy.entity, BodyProblem::ExtremeMassRatio { other: light.entity }));
+        warnings.push((
+            heavy.entity,
+            BodyProblem::ExtremeMassRatio {
+                other: light.entity,
+            },
+        ));
     }
     if (a.center - b.center).length() <= 1e-6 * a.radius.min(b.radius) {
         warnings.push((b.entity, BodyProblem::Coincident { other: a.entity }));

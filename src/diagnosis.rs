@@ -39,7 +39,10 @@ pub const EXTREME_MASS_RATIO: f32 = 1e5;
 impl BodyProblem {
     /// True where the body cannot be simulated at all.
     pub fn is_fatal(&self) -> bool {
-        !matches!(self, Self::ExtremeMassRatio { .. } | Self::Coincident { .. })
+        !matches!(
+            self,
+            Self::ExtremeMassRatio { .. } | Self::Coincident { .. }
+        )
     }
 }
 
@@ -89,7 +92,11 @@ impl fmt::Display for BodyError {
             Some(name) => write!(f, "body `{name}` ({})", self.entity)?,
             None => write!(f, "body {}", self.entity)?,
         }
-        let fate = if self.problem.is_fatal() { " is quarantined" } else { "" };
+        let fate = if self.problem.is_fatal() {
+            " is quarantined"
+        } else {
+            ""
+        };
         write!(f, "{fate}: {}", self.problem)
     }
 }
@@ -106,7 +113,10 @@ pub enum StepError {
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self::InvalidTimeStep(dt) = self;
-        write!(f, "no step taken: Δt is {dt} s, but must be positive and finite")
+        write!(
+            f,
+            "no step taken: Δt is {dt} s, but must be positive and finite"
+        )
     }
 }
 

@@ -158,15 +158,23 @@ impl Run {
     /// Poses of the bodies to watch; the start's for those that are gone.
     pub fn poses(&self) -> Vec<Pose> {
         let pose = |(i, &body): (usize, &Entity)| {
-            self.world.get::<Pose>(body).copied().unwrap_or_else(|| self.start[i])
+            self.world
+                .get::<Pose>(body)
+                .copied()
+                .unwrap_or_else(|| self.start[i])
         };
         self.bodies.iter().enumerate().map(pose).collect()
     }
 
     fn start_poses(&self) -> Vec<Pose> {
         let placed = |&body: &Entity| {
-            let transform = self.world.get::<bevy_transform::components::Transform>(body);
-            transform.map_or_else(Pose::default, |t| Pose { position: t.translation, rotation: t.rotation })
+            let transform = self
+                .world
+                .get::<bevy_transform::components::Transform>(body);
+            transform.map_or_else(Pose::default, |t| Pose {
+                position: t.translation,
+                rotation: t.rotation,
+            })
         };
         self.bodies.iter().map(placed).collect()
     }
@@ -194,7 +202,10 @@ impl Run {
             self.energy_scale = (self.energy_start.abs() + kinetic).max(1.0);
         }
         // While a hand builds, nothing is to stand yet, and energy is put in.
-        let building = self.hand.as_ref().is_some_and(|hand| self.time <= hand.pressing_begins());
+        let building = self
+            .hand
+            .as_ref()
+            .is_some_and(|hand| self.time <= hand.pressing_begins());
         if building {
             self.start = self.poses();
             self.energy_start = metrics::energy(&mut self.world);
@@ -224,7 +235,13 @@ impl Run {
         for (name, time) in profile.systems() {
             meter.system_times.entry(name).or_default().push(time);
         }
-        Sample { time: self.time, displacement, gaps, rms_speed, energy_gain }
+        Sample {
+            time: self.time,
+            displacement,
+            gaps,
+            rms_speed,
+            energy_gain,
+        }
     }
 
     /// What the hand is at, where there is one.
@@ -253,7 +270,11 @@ impl Run {
             bodies: self.bodies.len(),
             contacts: meter.gaps.points,
             step_time: Spread::of(&meter.step_times),
-            system_times: meter.system_times.iter().map(|(name, times)| (*name, Spread::of(times))).collect(),
+            system_times: meter
+                .system_times
+                .iter()
+                .map(|(name, times)| (*name, Spread::of(times)))
+                .collect(),
         }
     }
 }
@@ -273,9 +294,15 @@ impl Spread {
         sorted.sort_unstable();
         let at = |share: f32| {
             let index = (sorted.len() as f32 * share) as usize;
-            sorted.get(index.min(sorted.len().saturating_sub(1))).copied().unwrap_or_default()
+            sorted
+                .get(index.min(sorted.len().saturating_sub(1)))
+                .copied()
+                .unwrap_or_default()
         };
-        Self { median: at(0.5), p95: at(0.95) }
+        Self {
+            median: at(0.5),
+            p95: at(0.95),
+        }
     }
 }
 

@@ -46,7 +46,15 @@ pub fn grab(
     time: Res<StepTime>,
     table: Res<BodyTable>,
     mut held: Query<
-        (&Grab, &RigidBody, &BodyIndex, &Pose, &MassProperties, &mut Velocity, &mut Sleeping),
+        (
+            &Grab,
+            &RigidBody,
+            &BodyIndex,
+            &Pose,
+            &MassProperties,
+            &mut Velocity,
+            &mut Sleeping,
+        ),
         Without<Quarantined>,
     >,
 ) {

@@ -36,7 +36,8 @@ pub fn integration(
     parents: Query<(&Transform, Option<&ChildOf>), Without<BodyIndex>>,
 ) {
     let dt = time.dt;
-    for (kind, index, mass, sleeping, mut velocity, mut pose, mut transform, parent) in &mut bodies {
+    for (kind, index, mass, sleeping, mut velocity, mut pose, mut transform, parent) in &mut bodies
+    {
         let still = *kind == RigidBody::Static || sleeping.asleep;
         if !table.contains(*index) || still && !pose.is_changed() && !transform.is_changed() {
             continue;
@@ -71,7 +72,11 @@ fn cayley(angular: Vec3, dt: f32) -> Quat {
 fn stretched(angular: Vec3, dt: f32) -> f32 {
     // Beyond nearly half a turn a step no rule can tell the direction of the spin.
     let angle = (0.5 * angular.length() * dt).min(1.5);
-    if angle < 1e-3 { dt } else { dt * ops::tan(angle) / angle }
+    if angle < 1e-3 {
+        dt
+    } else {
+        dt * ops::tan(angle) / angle
+    }
 }
 
 /// Free rotation for Δt: the new orientation and the new angular velocity, world axes.
@@ -90,7 +95,11 @@ fn rotate(mass: &MassProperties, rotation: Quat, angular: Vec3, dt: f32) -> (Qua
         let found = momentum + stretched(spin, dt) * mean.cross(spin);
         let change = (found - next).abs().max_element();
         // Averaging makes it converge at steps of up to a radian and more.
-        next = if change < 1e-6 * momentum.length() { found } else { 0.5 * (next + found) };
+        next = if change < 1e-6 * momentum.length() {
+            found
+        } else {
+            0.5 * (next + found)
+        };
         if change < 1e-6 * momentum.length() {
             break;
         }
@@ -132,7 +141,13 @@ mod tests {
             rotation * ((rotation.inverse() * angular) / mass.inverse_inertia)
         };
         let energy = |rotation: Quat, angular: Vec3| {
-            mass.kinetic_energy(rotation, &Velocity { linear: Vec3::ZERO, angular })
+            mass.kinetic_energy(
+                rotation,
+                &Velocity {
+                    linear: Vec3::ZERO,
+                    angular,
+                },
+            )
         };
         let (momentum_0, energy_0) = (momentum(rotation, angular), energy(rotation, angular));
         let mut lowest = 1.0f32;
@@ -144,6 +159,9 @@ mod tests {
             assert!(gain.abs() < 5e-4, "energy off by {gain}");
             lowest = lowest.min((rotation * Vec3::Y).y);
         }
-        assert!(lowest < -0.9, "a spin about the middle axis must turn over, lowest {lowest}");
+        assert!(
+            lowest < -0.9,
+            "a spin about the middle axis must turn over, lowest {lowest}"
+        );
     }
 }

@@ -49,7 +49,10 @@ pub struct SolverSlot {
 
 impl SolverSlot {
     /// Not solved in this step.
-    pub(crate) const NONE: Self = Self { island: u32::MAX, first: 0 };
+    pub(crate) const NONE: Self = Self {
+        island: u32::MAX,
+        first: 0,
+    };
 }
 
 impl Default for SolverSlot {
@@ -141,14 +144,25 @@ pub fn islands(
         *slot = SolverSlot::NONE;
         if !manifold.points.is_empty() {
             let (order, island) = (pair.order, u32::MAX);
-            touches.push(Touch { island, order, pair, manifold, targets, impulses, slot });
+            touches.push(Touch {
+                island,
+                order,
+                pair,
+                manifold,
+                targets,
+                impulses,
+                slot,
+            });
         }
     }
 
     let dynamic = |slot: u32| table.get(slot).is_some_and(BodyState::is_dynamic);
     islands.regroup(
         table.slots(),
-        table.iter().filter(|(_, body)| body.is_dynamic()).map(|(slot, _)| slot),
+        table
+            .iter()
+            .filter(|(_, body)| body.is_dynamic())
+            .map(|(slot, _)| slot),
         touches
             .iter()
             .map(|touch| touch.pair.slots)
@@ -157,7 +171,14 @@ pub fn islands(
     wake(&mut table, &islands, &touches, &mut sleepers);
     let table = &*table;
 
-    let Islands { local, problems, velocities, island, count, .. } = &mut *islands;
+    let Islands {
+        local,
+        problems,
+        velocities,
+        island,
+        count,
+        ..
+    } = &mut *islands;
     velocities.resize(table.slots(), Velocity::default());
     for (index, velocity) in &bodies {
         if let Some(copy) = velocities.get_mut(index.0 as usize) {
@@ -248,7 +269,8 @@ fn wake(
         let [a, b] = touch.pair.slots;
         for (carrier, carried) in [(a, b), (b, a)] {
             let moves = table.get(carrier).is_some_and(|body| {
-                !body.is_dynamic() && (body.moved || body.renewed || body.velocity != Velocity::default())
+                !body.is_dynamic()
+                    && (body.moved || body.renewed || body.velocity != Velocity::default())
             });
             if moves && let Some(island) = islands.of(carried) {
                 awake[island] = true;
@@ -282,7 +304,10 @@ impl IslandProblem {
         let mut first = 0;
         let mut ends = Vec::with_capacity(touches.len());
         for touch in touches.iter_mut() {
-            *touch.slot = SolverSlot { island: touch.island, first };
+            *touch.slot = SolverSlot {
+                island: touch.island,
+                first,
+            };
             first += touch.manifold.points.len() as u32;
             ends.push(touch.pair.slots.map(|slot| {
                 if local[slot as usize] != u32::MAX {
@@ -305,8 +330,9 @@ impl IslandProblem {
         let bodies = &self.bodies;
         if touches.len() >= LARGE_ISLAND {
             let touches = touches.par_iter().zip(&ends);
-            self.contacts
-                .par_extend(touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, table, bodies)));
+            self.contacts.par_extend(
+                touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, table, bodies)),
+            );
         } else {
             let touches = touches.iter().zip(&ends);
             self.contacts
@@ -323,8 +349,15 @@ impl Touch<'_> {
         table: &BodyTable,
         bodies: &[Body],
     ) -> impl Iterator<Item = Contact> {
-        let centers = self.pair.slots.map(|slot| table.get(slot).expect("its pair lives").center);
-        let points = self.manifold.patches.iter().flat_map(|patch| patch.range().map(|i| (patch.normal, i)));
+        let centers = self
+            .pair
+            .slots
+            .map(|slot| table.get(slot).expect("its pair lives").center);
+        let points = self
+            .manifold
+            .patches
+            .iter()
+            .flat_map(|patch| patch.range().map(|i| (patch.normal, i)));
         points.map(move |(normal, i)| {
             let position = self.manifold.points[i].position;
             let target = self.targets.points[i];

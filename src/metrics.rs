@@ -23,7 +23,8 @@ pub fn energy(world: &mut World) -> f64 {
 
 /// Kinetic energy of all dynamic bodies, J.
 pub fn kinetic_energy(world: &mut World) -> f64 {
-    let mut bodies = world.query_filtered::<(&RigidBody, &Pose, &Velocity, &MassProperties), Without<Quarantined>>();
+    let mut bodies = world
+        .query_filtered::<(&RigidBody, &Pose, &Velocity, &MassProperties), Without<Quarantined>>();
     bodies
         .iter(world)
         .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
@@ -37,8 +38,14 @@ pub fn rms_speed(world: &mut World) -> f32 {
     let (sum, count) = bodies
         .iter(world)
         .filter(|(kind, _)| **kind == RigidBody::Dynamic)
-        .fold((0.0, 0), |(sum, count), (_, v)| (sum + v.linear.length_squared(), count + 1));
-    if count == 0 { 0.0 } else { (sum / count as f32).sqrt() }
+        .fold((0.0, 0), |(sum, count), (_, v)| {
+            (sum + v.linear.length_squared(), count + 1)
+        });
+    if count == 0 {
+        0.0
+    } else {
+        (sum / count as f32).sqrt()
+    }
 }
 
 /// How contact points stand to each other, as detected in the last step.
@@ -75,7 +82,11 @@ pub fn gaps(world: &mut World) -> Gaps {
             }
         }
     }
-    gaps.penetration_mean = if inside == 0 { 0.0 } else { sum / inside as f32 };
+    gaps.penetration_mean = if inside == 0 {
+        0.0
+    } else {
+        sum / inside as f32
+    };
     gaps
 }
 
@@ -91,11 +102,18 @@ pub struct Displacement {
 }
 
 /// A body that is further off than any of these counts as fallen.
-pub const FALLEN: Displacement = Displacement { drift: 0.5, sag: 0.25, tilt: 0.6 };
+pub const FALLEN: Displacement = Displacement {
+    drift: 0.5,
+    sag: 0.25,
+    tilt: 0.6,
+};
 
 impl Displacement {
     /// Between two sets of poses of the same bodies.
-    pub fn between<'a>(start: impl IntoIterator<Item = &'a Pose>, now: impl IntoIterator<Item = &'a Pose>) -> Self {
+    pub fn between<'a>(
+        start: impl IntoIterator<Item = &'a Pose>,
+        now: impl IntoIterator<Item = &'a Pose>,
+    ) -> Self {
         let mut worst = Self::default();
         for (start, now) in start.into_iter().zip(now) {
             let moved = now.position - start.position;

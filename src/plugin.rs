@@ -37,7 +37,9 @@ pub struct DrystonePlugins {
 impl DrystonePlugins {
     /// Steps in this schedule, by the `Time` that it sees.
     pub fn new(label: impl ScheduleLabel) -> Self {
-        Self { label: label.intern() }
+        Self {
+            label: label.intern(),
+        }
     }
 }
 
@@ -95,7 +97,9 @@ impl Plugin for StepPlugin {
             .add_schedule(physics_schedule())
             .add_systems(
                 self.label,
-                take_step.in_set(StepSystems).before(TransformSystems::Propagate),
+                take_step
+                    .in_set(StepSystems)
+                    .before(TransformSystems::Propagate),
             );
     }
 }

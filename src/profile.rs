@@ -35,7 +35,10 @@ impl Profile {
 
     /// The time of one system in the last step.
     pub fn system(&self, name: &str) -> Option<Duration> {
-        self.systems().into_iter().find(|(n, _)| *n == name).map(|(_, time)| time)
+        self.systems()
+            .into_iter()
+            .find(|(n, _)| *n == name)
+            .map(|(_, time)| time)
     }
 
     /// A wrapper that times a system under this name. Several systems may share one; their times add up.
@@ -43,7 +46,11 @@ impl Profile {
         let mut clocks = self.clocks.lock().expect("no holder panics");
         let known = clocks.iter().find(|c| c.name == name).cloned();
         let clock = known.unwrap_or_else(|| {
-            let clock = Arc::new(Clock { name, running: AtomicU64::new(0), last: AtomicU64::new(0) });
+            let clock = Arc::new(Clock {
+                name,
+                running: AtomicU64::new(0),
+                last: AtomicU64::new(0),
+            });
             clocks.push(clock.clone());
             clock
         });
@@ -74,7 +81,9 @@ impl<S: System> Adapt<S> for Timed {
     ) -> Result<S::Out, RunSystemError> {
         let start = Instant::now();
         let out = run_system(input);
-        self.0.running.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        self.0
+            .running
+            .fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
         out
     }
 }

@@ -8,9 +8,7 @@ use crate::diagnosis::StepError;
 use crate::profile::Profile;
 use crate::settings::{SolverSettings, StepTime};
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{
-    LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-};
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 use std::time::Instant;
 
 /// The schedule of one step (of one substep, where there are several). Runs single-threaded; the parallelism is inside
@@ -117,7 +115,9 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     }
     let start = Instant::now();
     let substeps = world.resource::<SolverSettings>().substeps.max(1);
-    world.insert_resource(StepTime { dt: dt / substeps as f32 });
+    world.insert_resource(StepTime {
+        dt: dt / substeps as f32,
+    });
     for _ in 0..substeps {
         world.run_schedule(PhysicsSchedule);
     }

@@ -5,8 +5,8 @@
 //! a body that it touched goes (in [`crate::broadphase`]).
 
 use crate::body::{BodyIndex, Quarantined, RigidBody, Velocity};
-use crate::settings::{SleepSettings, StepTime};
 use crate::islands::Islands;
+use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
@@ -46,10 +46,7 @@ pub fn sleeping(
     time: Res<StepTime>,
     settings: Res<SleepSettings>,
     islands: Res<Islands>,
-    mut bodies: Query<
-        (&RigidBody, &BodyIndex, &mut Velocity, &mut Sleeping),
-        Without<Quarantined>,
-    >,
+    mut bodies: Query<(&RigidBody, &BodyIndex, &mut Velocity, &mut Sleeping), Without<Quarantined>>,
     mut restless: Local<Vec<bool>>,
 ) {
     if !settings.enabled {
@@ -67,7 +64,11 @@ pub fn sleeping(
         let sleeping = sleeping.bypass_change_detection();
         let still = velocity.linear.length_squared() < settings.linear_speed.powi(2)
             && velocity.angular.length_squared() < settings.angular_speed.powi(2);
-        sleeping.still_for = if still { sleeping.still_for + time.dt } else { 0.0 };
+        sleeping.still_for = if still {
+            sleeping.still_for + time.dt
+        } else {
+            0.0
+        };
         if sleeping.still_for < settings.delay || !sleeping.allowed {
             restless[island] = true;
         }

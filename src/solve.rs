@@ -40,23 +40,38 @@ pub fn solve(
     >,
 ) {
     threads.run(|| {
-        islands.problems.par_iter_mut().with_max_len(1).for_each(|island| {
-            island.solve(&settings);
-        });
+        islands
+            .problems
+            .par_iter_mut()
+            .with_max_len(1)
+            .for_each(|island| {
+                island.solve(&settings);
+            });
     });
 
     reports.0.clear();
-    reports.0.extend(islands.problems.iter().filter(|p| !p.contacts.is_empty()).map(|p| IslandReport {
-        bodies: p.bodies.len(),
-        contacts: p.contacts.len(),
-        report: p.report.clone(),
-    }));
+    reports.0.extend(
+        islands
+            .problems
+            .iter()
+            .filter(|p| !p.contacts.is_empty())
+            .map(|p| IslandReport {
+                bodies: p.bodies.len(),
+                contacts: p.contacts.len(),
+                report: p.report.clone(),
+            }),
+    );
     for (slot, mut impulses) in &mut pairs {
         if *slot == SolverSlot::NONE {
             continue;
         }
         let solved = &islands.problems[slot.island as usize].contacts[slot.first as usize..];
-        for (impulse, contact) in impulses.bypass_change_detection().points.iter_mut().zip(solved) {
+        for (impulse, contact) in impulses
+            .bypass_change_detection()
+            .points
+            .iter_mut()
+            .zip(solved)
+        {
             *impulse = Impulse {
                 normal: contact.impulse.x,
                 tangential: contact.tangents[0] * contact.impulse.y

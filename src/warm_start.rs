@@ -14,14 +14,21 @@ pub fn warm_start(
 ) {
     let share = settings.warm_start;
     threads.run(|| {
-        islands.problems.par_iter_mut().for_each(|IslandProblem { bodies, contacts, free_merit: merit, .. }| {
-            *merit = free_merit(bodies, contacts);
-            for contact in contacts {
-                contact.impulse *= share;
-                if share != 0.0 {
-                    contact.push(bodies, contact.world(contact.impulse));
+        islands.problems.par_iter_mut().for_each(
+            |IslandProblem {
+                 bodies,
+                 contacts,
+                 free_merit: merit,
+                 ..
+             }| {
+                *merit = free_merit(bodies, contacts);
+                for contact in contacts {
+                    contact.impulse *= share;
+                    if share != 0.0 {
+                        contact.push(bodies, contact.world(contact.impulse));
+                    }
                 }
-            }
-        });
+            },
+        );
     });
 }

@@ -80,7 +80,8 @@ pub fn prepare(
 ) {
     let changed: EntityHashSet = changed.iter().collect();
     let mut joining = Vec::new();
-    for (entity, index, mut pose, velocity, placement, force, impulse, mut sleeping) in &mut moving {
+    for (entity, index, mut pose, velocity, placement, force, impulse, mut sleeping) in &mut moving
+    {
         let pose = pose.bypass_change_detection();
         let known = table.get_mut(*index);
         let was = known.as_ref().map(|body| body.pose);
@@ -278,12 +279,21 @@ pub fn quarantine(world: &mut World) {
         let name = body.get::<Name>().map(|name| name.as_str().to_owned());
         if problem.is_fatal() {
             let index = body.get::<BodyIndex>().copied();
-            body.insert((Quarantined { problem: problem.clone() }, BodyIndex::NONE));
+            body.insert((
+                Quarantined {
+                    problem: problem.clone(),
+                },
+                BodyIndex::NONE,
+            ));
             if let Some(index) = index {
                 world.resource_mut::<BodyTable>().remove(index);
             }
         }
-        let error = BodyError { entity, name, problem };
+        let error = BodyError {
+            entity,
+            name,
+            problem,
+        };
         tracing::error!("{error}");
         world.write_message(error);
     }

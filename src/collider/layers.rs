@@ -15,7 +15,10 @@ pub struct CollisionLayers {
 
 impl Default for CollisionLayers {
     fn default() -> Self {
-        Self { memberships: u32::MAX, filters: u32::MAX }
+        Self {
+            memberships: u32::MAX,
+            filters: u32::MAX,
+        }
     }
 }
 

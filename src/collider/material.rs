@@ -63,7 +63,10 @@ macro_rules! surface {
         impl $name {
             /// With the rule [`CombineRule::Average`].
             pub const fn new(coefficient: f32) -> Self {
-                Self { coefficient, rule: CombineRule::Average }
+                Self {
+                    coefficient,
+                    rule: CombineRule::Average,
+                }
             }
 
             /// This with another rule.
@@ -74,7 +77,9 @@ macro_rules! surface {
 
             /// The coefficient between two surfaces.
             pub fn combine(self, other: Self) -> f32 {
-                self.rule.max(other.rule).apply(self.coefficient, other.coefficient)
+                self.rule
+                    .max(other.rule)
+                    .apply(self.coefficient, other.coefficient)
             }
 
             /// True for a finite coefficient that is not negative.

@@ -34,9 +34,9 @@ pub enum ColliderError {
 impl fmt::Display for ColliderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::DegenerateHull => {
-                f.write_str("a convex hull needs four points that are not in one plane, all of them finite")
-            }
+            Self::DegenerateHull => f.write_str(
+                "a convex hull needs four points that are not in one plane, all of them finite",
+            ),
             Self::InvalidMesh(why) => write!(f, "invalid triangle mesh: {why}"),
             Self::InvalidCompound => {
                 f.write_str("a compound needs at least one part, and its parts must be convex")
@@ -128,7 +128,9 @@ impl Collider {
     /// # Errors
     /// [`ColliderError::InvalidCompound`] where there are none, or one is itself composite.
     pub fn compound(parts: Vec<(Vec3, Quat, Collider)>) -> Result<Self, ColliderError> {
-        let placed = |p: &(Vec3, Quat, Collider)| p.0.is_finite() && p.1.is_normalized() && p.2.0.is_convex();
+        let placed = |p: &(Vec3, Quat, Collider)| {
+            p.0.is_finite() && p.1.is_normalized() && p.2.0.is_convex()
+        };
         if parts.is_empty() || !parts.iter().all(placed) {
             return Err(ColliderError::InvalidCompound);
         }
@@ -226,8 +228,15 @@ impl Collider {
 
 fn is_flat(points: &[Vec3]) -> bool {
     let origin = points[0];
-    let size = points.iter().map(|p| (*p - origin).length()).fold(0.0, f32::max);
-    let Some(a) = points.iter().map(|p| *p - origin).find(|e| e.length() > 1e-3 * size) else {
+    let size = points
+        .iter()
+        .map(|p| (*p - origin).length())
+        .fold(0.0, f32::max);
+    let Some(a) = points
+        .iter()
+        .map(|p| *p - origin)
+        .find(|e| e.length() > 1e-3 * size)
+    else {
         return true;
     };
     let spans = |p: &Vec3| a.cross(*p - origin).length() > 1e-3 * size * a.length();
@@ -235,5 +244,7 @@ fn is_flat(points: &[Vec3]) -> bool {
         return true;
     };
     let normal = a.cross(*b - origin).normalize();
-    points.iter().all(|p| normal.dot(*p - origin).abs() < 1e-4 * size)
+    points
+        .iter()
+        .all(|p| normal.dot(*p - origin).abs() < 1e-4 * size)
 }

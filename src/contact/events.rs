@@ -68,10 +68,16 @@ pub fn contact_events(
     begins.sort_unstable_by_key(|&(order, ..)| order);
     ends.sort_unstable_by_key(|&(order, ..)| order);
     for (_, [a, b], slots, pair) in begins {
-        started.write(ContactStarted { body: a, other: b, pair });
+        started.write(ContactStarted {
+            body: a,
+            other: b,
+            pair,
+        });
         for (slot, body, other) in [(slots[0], a, b), (slots[1], b, a)] {
             if table.get(slot).is_some_and(|body| body.events) {
-                untriggered.started.push(ContactStarted { body, other, pair });
+                untriggered
+                    .started
+                    .push(ContactStarted { body, other, pair });
             }
         }
     }
@@ -85,8 +91,7 @@ pub fn contact_events(
 
 /// Runs the observers; outside the schedule, since it needs the whole world.
 pub(crate) fn trigger(world: &mut World) {
-    let Untriggered { started, ended } =
-        std::mem::take(&mut *world.resource_mut::<Untriggered>());
+    let Untriggered { started, ended } = std::mem::take(&mut *world.resource_mut::<Untriggered>());
     let listens = |world: &World, body| world.get::<ContactEvents>(body).is_some();
     for event in started {
         if listens(world, event.body) {

@@ -18,7 +18,14 @@ use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`; normals point from B to A.
 #[derive(Component, Clone, Copy, Debug)]
-#[require(Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache, SolverSlot)]
+#[require(
+    Manifold,
+    ContactTargets,
+    ContactImpulses,
+    ContactAnchors,
+    NarrowphaseCache,
+    SolverSlot
+)]
 pub struct ContactPair {
     /// A and B.
     pub bodies: [Entity; 2],

@@ -60,7 +60,11 @@ pub(crate) fn inherit<T: Copy + Default, const N: usize>(
 {
     let inherited = origins
         .iter()
-        .map(|origin| origin.and_then(|i| kept.get(i as usize).copied()).unwrap_or_default())
+        .map(|origin| {
+            origin
+                .and_then(|i| kept.get(i as usize).copied())
+                .unwrap_or_default()
+        })
         .collect();
     *kept = inherited;
 }

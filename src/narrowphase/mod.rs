@@ -39,8 +39,9 @@ pub fn narrowphase(
 ) {
     let (table, settings) = (&*table, &*settings);
     let fall = gravity.0.length() * time.dt;
-    for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in
-        pairs.contiguous_iter_mut().expect("pair components are stored in tables")
+    for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
+        .contiguous_iter_mut()
+        .expect("pair components are stored in tables")
     {
         let columns = (
             pair.bypass_change_detection(),
@@ -102,16 +103,14 @@ fn detect(
     cache: &mut NarrowphaseCache,
     manifold: &mut Manifold,
 ) {
-    let NarrowphaseCache { manifolds, workspace } = cache;
+    let NarrowphaseCache {
+        manifolds,
+        workspace,
+    } = cache;
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let (shape_a, shape_b) = (a.collider.shape(), b.collider.shape());
     let found = DefaultQueryDispatcher.contact_manifolds(
-        &between,
-        &**shape_a,
-        &**shape_b,
-        reach,
-        manifolds,
-        workspace,
+        &between, &**shape_a, &**shape_b, reach, manifolds, workspace,
     );
     if found.is_err() {
         // Parry has no contacts between two surfaces without volume, such as two meshes.
@@ -120,7 +119,10 @@ fn detect(
     let curved = a.collider.is_curved() || b.collider.is_curved();
     let merge = (1e-3 * a.radius.min(b.radius)).powi(2);
     for found in manifolds.iter_mut() {
-        let (sub_a, sub_b) = (found.subshape_pos1().copied(), found.subshape_pos2().copied());
+        let (sub_a, sub_b) = (
+            found.subshape_pos1().copied(),
+            found.subshape_pos2().copied(),
+        );
         let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
         // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
         let normal = -(a.pose.rotation * turned);

@@ -92,7 +92,11 @@ impl Hand {
                     // Up first, then across.
                     let s = t / CARRY;
                     let lifted = start.with_y(start.y.max(above.y));
-                    if s < 0.5 { start.lerp(lifted, 2.0 * s) } else { lifted.lerp(above, 2.0 * s - 1.0) }
+                    if s < 0.5 {
+                        start.lerp(lifted, 2.0 * s)
+                    } else {
+                        lifted.lerp(above, 2.0 * s - 1.0)
+                    }
                 } else {
                     above.lerp(end, ((t - CARRY) / LOWER).min(1.0))
                 };
@@ -100,7 +104,10 @@ impl Hand {
                 // The spring gives by m g / k under the block's weight.
                 let grab = Grab::gentle(mass, Vec3::ZERO, target);
                 let give = Vec3::Y * (mass * 9.81 / grab.stiffness);
-                let grab = Grab { target: target + give, ..grab };
+                let grab = Grab {
+                    target: target + give,
+                    ..grab
+                };
                 hold(self.blocks[i], held.then_some(grab));
             }
             Phase::Resting | Phase::Watching => {
@@ -148,7 +155,10 @@ impl Site<'_> {
             self.place("block", cube, wait, Quat::IDENTITY);
             ways.push((wait, place));
         }
-        Hand { blocks: self.bodies.clone(), ways }
+        Hand {
+            blocks: self.bodies.clone(),
+            ways,
+        }
     }
 }
 
@@ -156,7 +166,10 @@ impl Site<'_> {
 impl Hand {
     /// Poses of a perfectly built stack.
     pub fn plan(&self) -> Vec<Pose> {
-        let pose = |&(_, position): &(Vec3, Vec3)| Pose { position, rotation: Quat::IDENTITY };
+        let pose = |&(_, position): &(Vec3, Vec3)| Pose {
+            position,
+            rotation: Quat::IDENTITY,
+        };
         self.ways.iter().map(pose).collect()
     }
 }

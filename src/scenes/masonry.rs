@@ -45,7 +45,12 @@ impl Site<'_> {
         self.ground(0.0);
         for course in 0..n {
             let y = self.course_height(course, 1.0);
-            self.place("cube", Collider::cuboid(1.0, 1.0, 1.0), Vec3::Y * y, Quat::IDENTITY);
+            self.place(
+                "cube",
+                Collider::cuboid(1.0, 1.0, 1.0),
+                Vec3::Y * y,
+                Quat::IDENTITY,
+            );
         }
         None
     }
@@ -57,7 +62,13 @@ impl Site<'_> {
             rotation: Quat::IDENTITY,
         };
         let cube = Collider::cuboid(1.0, 1.0, 1.0);
-        self.exactly("weight", cube, ratio * Density::DEFAULT, pose, Velocity::default());
+        self.exactly(
+            "weight",
+            cube,
+            ratio * Density::DEFAULT,
+            pose,
+            Velocity::default(),
+        );
         None
     }
 
@@ -69,7 +80,12 @@ impl Site<'_> {
             let count = base - course;
             for i in 0..count {
                 let x = (i as f32 - 0.5 * (count - 1) as f32) * pitch;
-                self.place("cube", Collider::cuboid(1.0, 1.0, 1.0), Vec3::new(x, y, 0.0), Quat::IDENTITY);
+                self.place(
+                    "cube",
+                    Collider::cuboid(1.0, 1.0, 1.0),
+                    Vec3::new(x, y, 0.0),
+                    Quat::IDENTITY,
+                );
             }
         }
         None
@@ -88,7 +104,10 @@ impl Site<'_> {
         let middle = Vec3::X * 3.0;
         let points: Vec<Vec3> = [-1.0, 1.0]
             .iter()
-            .flat_map(|&z| [(inner, -1.0), (inner, 1.0), (outer, -1.0), (outer, 1.0)].map(|(r, s)| corner(r, s, z) - middle))
+            .flat_map(|&z| {
+                [(inner, -1.0), (inner, 1.0), (outer, -1.0), (outer, 1.0)]
+                    .map(|(r, s)| corner(r, s, z) - middle)
+            })
             .collect();
         let voussoir = Collider::convex_hull(&points).expect("a wedge has volume");
         // Moved out along its middle, each joint opens by the gap the method wants; lifted, so do the springers'.

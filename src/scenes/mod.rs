@@ -73,7 +73,12 @@ impl FromStr for Scene {
             Ok(n) if n > 0 => Ok(n),
             _ => Err(unknown()),
         };
-        let number = || size.parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(unknown);
+        let number = || {
+            size.parse::<f32>()
+                .ok()
+                .filter(|x| x.is_finite())
+                .ok_or_else(unknown)
+        };
         let positive = || number().and_then(|x| if x > 0.0 { Ok(x) } else { Err(unknown()) });
         match kind {
             "wall" => {
@@ -187,7 +192,10 @@ impl Scene {
             Self::Overlap(depth) => site.overlap(depth),
             Self::Pressed(n) => Some(site.pressed(n)),
         };
-        Built { bodies: site.bodies, hand }
+        Built {
+            bodies: site.bodies,
+            hand,
+        }
     }
 }
 
@@ -216,7 +224,14 @@ impl Site<'_> {
     }
 
     /// A body where it should be.
-    fn exactly(&mut self, name: &str, collider: Collider, density: f32, pose: Pose, velocity: Velocity) -> Entity {
+    fn exactly(
+        &mut self,
+        name: &str,
+        collider: Collider,
+        density: f32,
+        pose: Pose,
+        velocity: Velocity,
+    ) -> Entity {
         let name = Name::new(format!("{name} {}", self.bodies.len()));
         let entity = self
             .world
@@ -237,7 +252,7 @@ impl Site<'_> {
     /// A body at rest, off by the noise.
     fn place(&mut self, name: &str, collider: Collider, position: Vec3, rotation: Quat) -> Entity {
         let shift = self.noise(self.options.noise_position);
-        let turn = self.noise(self.options.noise_angle);
+        let turn = self.noise(self.options.noise_angle) * Vec3::Y;
         let pose = Pose {
             position: position + shift,
             rotation: (Quat::from_scaled_axis(turn) * rotation).normalize(),
@@ -258,8 +273,19 @@ mod tests {
     #[test]
     fn names_go_there_and_back() {
         for name in [
-            "wall:40x25", "stack:20", "pyramid:5", "arch:15", "heap:100", "incline:26.4", "massratio:100", "cardhouse:3",
-            "rolling", "sliding", "dropped", "overlap:0.4", "pressed:5",
+            "wall:40x25",
+            "stack:20",
+            "pyramid:5",
+            "arch:15",
+            "heap:100",
+            "incline:26.4",
+            "massratio:100",
+            "cardhouse:3",
+            "rolling",
+            "sliding",
+            "dropped",
+            "overlap:0.4",
+            "pressed:5",
         ] {
             assert_eq!(name.parse::<Scene>().unwrap().to_string(), name);
         }
@@ -267,9 +293,22 @@ mod tests {
 
     #[test]
     fn unknown_names_get_the_list() {
-        for name in ["wal:3x3", "wall:3", "wall:0x3", "stack:", "stack:x", "arch:2", "rolling:1", "massratio:-1", ""] {
+        for name in [
+            "wal:3x3",
+            "wall:3",
+            "wall:0x3",
+            "stack:",
+            "stack:x",
+            "arch:2",
+            "rolling:1",
+            "massratio:-1",
+            "",
+        ] {
             let error = name.parse::<Scene>().unwrap_err().to_string();
-            assert!(error.contains("cardhouse:N") && error.contains(name), "{error}");
+            assert!(
+                error.contains("cardhouse:N") && error.contains(name),
+                "{error}"
+            );
         }
     }
 }

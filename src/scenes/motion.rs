@@ -14,7 +14,13 @@ impl Site<'_> {
             rotation,
         };
         let slab = Collider::cuboid(1.0, 0.25, 1.0);
-        self.exactly("slab", slab, Density::DEFAULT, pose, Velocity::linear(velocity));
+        self.exactly(
+            "slab",
+            slab,
+            Density::DEFAULT,
+            pose,
+            Velocity::linear(velocity),
+        );
     }
 
     /// Downhill is +x.
@@ -40,7 +46,13 @@ impl Site<'_> {
             linear: Vec3::X,
             angular: Vec3::NEG_Z / radius,
         };
-        self.exactly("sphere", Collider::ball(0.5), Density::DEFAULT, pose, velocity);
+        self.exactly(
+            "sphere",
+            Collider::ball(0.5),
+            Density::DEFAULT,
+            pose,
+            velocity,
+        );
         None
     }
 
@@ -48,7 +60,12 @@ impl Site<'_> {
         self.wall(6, 6);
         let top = 6.0 * (0.5 + self.options.vertical_gap);
         let brick = Collider::cuboid(1.0, 0.5, 0.5);
-        self.place("dropped brick", brick, Vec3::Y * (top + 0.25 + 1.0), Quat::IDENTITY);
+        self.place(
+            "dropped brick",
+            brick,
+            Vec3::Y * (top + 0.25 + 1.0),
+            Quat::IDENTITY,
+        );
         None
     }
 
@@ -56,7 +73,10 @@ impl Site<'_> {
         self.ground(0.0);
         let low = self.options.vertical_gap + 0.5;
         for y in [low, low + 1.0 - depth] {
-            let pose = Pose { position: Vec3::Y * y, rotation: Quat::IDENTITY };
+            let pose = Pose {
+                position: Vec3::Y * y,
+                rotation: Quat::IDENTITY,
+            };
             let cube = Collider::cuboid(1.0, 1.0, 1.0);
             self.exactly("cube", cube, Density::DEFAULT, pose, Velocity::default());
         }

@@ -82,7 +82,7 @@ pub struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// One projected Gauss–Seidel sweep over all contacts; Σ Wᵢᵢ Δλᵢ², J.
+    /// One projected Gauss–Seidel sweep over all contacts: Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self) -> f32 {
         let mut change = 0.0;
         for contact in self.contacts.iter_mut() {
@@ -95,7 +95,11 @@ impl Problem<'_> {
 
     /// A merit of Σ Wᵢᵢ Δλᵢ² = `merit`² relative to that of the free motion.
     pub fn relative(&self, merit: f32) -> f32 {
-        if self.free_merit > 0.0 { merit / self.free_merit } else { 0.0 }
+        if self.free_merit > 0.0 {
+            merit / self.free_merit
+        } else {
+            0.0
+        }
     }
 }
 

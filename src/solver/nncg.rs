@@ -45,7 +45,9 @@ impl ContactSolver for Nncg {
             }
             // On the first sweep β is 0, and on a restart it is made so.
             let beta = if beta > 1.0 { 0.0 } else { beta };
-            let Problem { bodies, contacts, .. } = problem;
+            let Problem {
+                bodies, contacts, ..
+            } = problem;
             for ((contact, before), p) in contacts.iter_mut().zip(&before).zip(&mut direction) {
                 let r = contact.impulse - *before;
                 let step = beta * *p;

@@ -120,7 +120,11 @@ impl Contact {
     /// The velocity of A against B at the point, in the contact frame (n, t1, t2), m/s.
     pub fn velocity(&self, bodies: &[Body]) -> Vec3 {
         let w = self.relative(bodies);
-        Vec3::new(self.normal.dot(w), self.tangents[0].dot(w), self.tangents[1].dot(w))
+        Vec3::new(
+            self.normal.dot(w),
+            self.tangents[0].dot(w),
+            self.tangents[1].dot(w),
+        )
     }
 
     fn relative(&self, bodies: &[Body]) -> Vec3 {
@@ -153,12 +157,21 @@ impl Contact {
     /// One projected Gauss–Seidel step at this point: the normal, then friction against the new normal.
     #[inline]
     pub fn relax(&mut self, bodies: &mut [Body], cone: FrictionCone) {
+        self.relax_normal(bodies);
+        self.relax_friction(bodies, cone);
+    }
+
+    #[inline]
+    fn relax_normal(&mut self, bodies: &mut [Body]) {
         let residual = self.normal.dot(self.relative(bodies)) - self.target.x;
         let normal = (self.impulse.x - residual * self.inverse_normal).max(0.0);
         self.push(bodies, self.normal * (normal - self.impulse.x));
         self.impulse.x = normal;
+    }
 
-        let limit = self.friction * normal;
+    #[inline]
+    fn relax_friction(&mut self, bodies: &mut [Body], cone: FrictionCone) {
+        let limit = self.friction * self.impulse.x;
         let before = Vec2::new(self.impulse.y, self.impulse.z);
         if limit == 0.0 && before == Vec2::ZERO {
             return;
@@ -173,7 +186,10 @@ impl Contact {
             FrictionCone::Box => self.into_box(before, residual, limit),
         };
         let change = after - before;
-        self.push(bodies, self.tangents[0] * change.x + self.tangents[1] * change.y);
+        self.push(
+            bodies,
+            self.tangents[0] * change.x + self.tangents[1] * change.y,
+        );
         (self.impulse.y, self.impulse.z) = (after.x, after.y);
     }
 
@@ -182,7 +198,11 @@ impl Contact {
     /// Projecting the exact step radially instead would turn it away from the slip, and a sliding body would lose part of
     /// its friction (a box at 28° slid 9.86 m where 3.50 m is right).
     fn into_cone(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
-        let Vec3 { x: xx, y: yy, z: xy } = self.inverse_tangential;
+        let Vec3 {
+            x: xx,
+            y: yy,
+            z: xy,
+        } = self.inverse_tangential;
         let step = Vec2::new(
             xx * residual.x + xy * residual.y,
             xy * residual.x + yy * residual.y,
@@ -236,7 +256,10 @@ mod tests {
             let before = contact.velocity(&bodies);
             contact.push(&mut bodies, contact.world(axis));
             let response = contact.velocity(&bodies) - before;
-            assert!((response[i] - contact.diagonal[i]).abs() < 1e-6, "{response} {i}");
+            assert!(
+                (response[i] - contact.diagonal[i]).abs() < 1e-6,
+                "{response} {i}"
+            );
         }
     }
 
@@ -252,9 +275,16 @@ mod tests {
         let slip = contact.velocity(&bodies);
         let (friction, slip) = (Vec2::new(t1, t2), Vec2::new(slip.y, slip.z));
         assert!((friction.length() - 0.5 * contact.impulse.x).abs() < 1e-3 * contact.impulse.x);
-        assert!(friction.normalize().dot(slip.normalize()) < -0.9999, "{friction} {slip}");
+        assert!(
+            friction.normalize().dot(slip.normalize()) < -0.9999,
+            "{friction} {slip}"
+        );
         // The exact step projected radially would fail this: it does not end up against the slip.
-        let Vec3 { x: xx, y: yy, z: xy } = contact.inverse_tangential;
+        let Vec3 {
+            x: xx,
+            y: yy,
+            z: xy,
+        } = contact.inverse_tangential;
         let exact = Vec2::new(xx * slip.x + xy * slip.y, xy * slip.x + yy * slip.y);
         assert!(exact.normalize().dot(slip.normalize()) < 0.995);
     }

@@ -3,7 +3,9 @@
 
 use super::classifier::classify;
 use crate::body::{BodyState, BodyTable};
-use crate::contact::{Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Manifold};
+use crate::contact::{
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Manifold,
+};
 use crate::narrowphase::SERIAL_PAIRS;
 use crate::settings::{AnchorRule, PhysicsThreads, StabilizationSettings};
 use bevy_ecs::prelude::*;
@@ -11,7 +13,12 @@ use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 /// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
-pub fn write(rule: AnchorRule, [a, b]: [&BodyState; 2], normal: Vec3, point: &ContactPoint) -> Anchor {
+pub fn write(
+    rule: AnchorRule,
+    [a, b]: [&BodyState; 2],
+    normal: Vec3,
+    point: &ContactPoint,
+) -> Anchor {
     let (local, rotation) = match rule {
         AnchorRule::PairPose => (
             [b.pose.inverse_transform_point(a.pose.position), Vec3::ZERO],
@@ -34,17 +41,28 @@ pub fn anchors(
     table: Res<BodyTable>,
     settings: Res<StabilizationSettings>,
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(&ContactPair, &Manifold, &ContactImpulses, &mut ContactAnchors)>,
+    mut pairs: Query<(
+        &ContactPair,
+        &Manifold,
+        &ContactImpulses,
+        &mut ContactAnchors,
+    )>,
 ) {
     let friction = settings.friction;
     if !friction.enabled {
         return;
     }
     let table = &*table;
-    for (pairs, manifolds, impulses, mut anchors) in
-        pairs.contiguous_iter_mut().expect("pair components are stored in tables")
+    for (pairs, manifolds, impulses, mut anchors) in pairs
+        .contiguous_iter_mut()
+        .expect("pair components are stored in tables")
     {
-        let columns = (pairs, manifolds, impulses, anchors.bypass_change_detection());
+        let columns = (
+            pairs,
+            manifolds,
+            impulses,
+            anchors.bypass_change_detection(),
+        );
         threads.run(|| {
             columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
                 |(pair, manifold, impulses, anchors)| {

@@ -29,16 +29,20 @@ pub fn classify(rule: Classifier, friction: f32, impulses: &[Impulse], anchors: 
             return;
         }
         Classifier::Any => impulses.iter().any(point),
-        Classifier::All => {
-            normal > 0.0 && impulses.iter().filter(|i| i.normal > 0.0).all(point)
-        }
+        Classifier::All => normal > 0.0 && impulses.iter().filter(|i| i.normal > 0.0).all(point),
         Classifier::Sum => holds(normal, tangential, AT_THE_CONE),
         Classifier::Hysteresis => {
-            let share = if anchors.iter().any(|a| a.sticking) { AT_THE_CONE } else { ENTER };
+            let share = if anchors.iter().any(|a| a.sticking) {
+                AT_THE_CONE
+            } else {
+                ENTER
+            };
             holds(normal, tangential, share)
         }
     };
-    anchors.iter_mut().for_each(|anchor| anchor.sticking = sticking);
+    anchors
+        .iter_mut()
+        .for_each(|anchor| anchor.sticking = sticking);
 }
 
 #[cfg(test)]
@@ -48,9 +52,18 @@ mod tests {
     fn verdict(rule: Classifier, was: bool, impulses: &[(f32, f32)]) -> Vec<bool> {
         let impulses: Vec<Impulse> = impulses
             .iter()
-            .map(|&(normal, t)| Impulse { normal, tangential: Vec3::X * t })
+            .map(|&(normal, t)| Impulse {
+                normal,
+                tangential: Vec3::X * t,
+            })
             .collect();
-        let mut anchors = vec![Anchor { sticking: was, ..Default::default() }; impulses.len()];
+        let mut anchors = vec![
+            Anchor {
+                sticking: was,
+                ..Default::default()
+            };
+            impulses.len()
+        ];
         classify(rule, 0.5, &impulses, &mut anchors);
         anchors.iter().map(|a| a.sticking).collect()
     }
@@ -58,7 +71,10 @@ mod tests {
     #[test]
     fn rules_differ_where_one_corner_slides_and_the_body_does_not() {
         let corner = [(1.0, 0.5), (9.0, 1.0), (0.0, 0.0)];
-        assert_eq!(verdict(Classifier::PerPoint, false, &corner), [false, true, false]);
+        assert_eq!(
+            verdict(Classifier::PerPoint, false, &corner),
+            [false, true, false]
+        );
         assert_eq!(verdict(Classifier::Any, false, &corner), [true; 3]);
         assert_eq!(verdict(Classifier::All, false, &corner), [false; 3]);
         assert_eq!(verdict(Classifier::Sum, false, &corner), [true; 3]);
@@ -66,8 +82,17 @@ mod tests {
 
     #[test]
     fn sliding_and_unloaded_manifolds_never_stick() {
-        for rule in [Classifier::Any, Classifier::All, Classifier::Sum, Classifier::Hysteresis] {
-            assert_eq!(verdict(rule, true, &[(2.0, 1.0), (4.0, 2.0)]), [false; 2], "{rule:?}");
+        for rule in [
+            Classifier::Any,
+            Classifier::All,
+            Classifier::Sum,
+            Classifier::Hysteresis,
+        ] {
+            assert_eq!(
+                verdict(rule, true, &[(2.0, 1.0), (4.0, 2.0)]),
+                [false; 2],
+                "{rule:?}"
+            );
             assert_eq!(verdict(rule, true, &[(0.0, 0.0)]), [false], "{rule:?}");
         }
     }

@@ -35,7 +35,13 @@ pub fn slip_correction(settings: &StabilizationSettings, error: Vec3, dt: f32) -
 ///
 /// A pair-pose anchor is evaluated at the contact point itself: the material of A that is there now, and where B would have
 /// it had nothing moved.
-fn carried(rule: AnchorRule, anchor: &Anchor, a: &BodyState, b: &BodyState, point: Vec3) -> [Vec3; 2] {
+fn carried(
+    rule: AnchorRule,
+    anchor: &Anchor,
+    a: &BodyState,
+    b: &BodyState,
+    point: Vec3,
+) -> [Vec3; 2] {
     match rule {
         AnchorRule::PairPose => {
             let in_a = a.pose.inverse_transform_point(point);
@@ -63,7 +69,12 @@ pub fn slip(
     dt: f32,
 ) -> Option<Vec3> {
     let friction = &settings.friction;
-    let last_step = || project(normal, a.velocity_at(point.position) - b.velocity_at(point.position)) * dt;
+    let last_step = || {
+        project(
+            normal,
+            a.velocity_at(point.position) - b.velocity_at(point.position),
+        ) * dt
+    };
     if friction.anchors == AnchorRule::Trackless {
         return Some(last_step());
     }
@@ -95,11 +106,17 @@ pub fn friction_error(
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(&ContactPair, &Manifold, &mut ContactAnchors, &mut ContactTargets)>,
+    mut pairs: Query<(
+        &ContactPair,
+        &Manifold,
+        &mut ContactAnchors,
+        &mut ContactTargets,
+    )>,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
-    for (pairs, manifolds, mut anchors, mut targets) in
-        pairs.contiguous_iter_mut().expect("pair components are stored in tables")
+    for (pairs, manifolds, mut anchors, mut targets) in pairs
+        .contiguous_iter_mut()
+        .expect("pair components are stored in tables")
     {
         let columns = (
             pairs,
@@ -126,10 +143,19 @@ pub fn friction_error(
                                 continue;
                             }
                             let bodies = [a, b];
-                            match slip(settings, anchor, patch.normal, patch.curved, bodies, point, dt) {
+                            match slip(
+                                settings,
+                                anchor,
+                                patch.normal,
+                                patch.curved,
+                                bodies,
+                                point,
+                                dt,
+                            ) {
                                 Some(error) => {
                                     anchor.slip = error;
-                                    targets.points[i].tangential = slip_correction(settings, error, dt);
+                                    targets.points[i].tangential =
+                                        slip_correction(settings, error, dt);
                                 }
                                 None => *anchor = Anchor::default(),
                             }

@@ -38,7 +38,11 @@ pub fn normal_target(
     if d > settings.outer_distance() {
         // Outside the envelope: a speculative row keeps fast bodies from jumping through it. It is not clamped. What
         // would arrive within the step and bounces, bounces now, or the speed to bounce with would be lost.
-        return if u_collision > 0.0 && u_n < u_correction { u_collision } else { u_correction };
+        return if u_collision > 0.0 && u_n < u_correction {
+            u_collision
+        } else {
+            u_correction
+        };
     }
     let clamp = settings.max_correction_speed;
     let c_n = match settings.normal {
@@ -88,8 +92,9 @@ pub fn normal_correction(
     mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets)>,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
-    for (pairs, manifolds, mut targets) in
-        pairs.contiguous_iter_mut().expect("pair components are stored in tables")
+    for (pairs, manifolds, mut targets) in pairs
+        .contiguous_iter_mut()
+        .expect("pair components are stored in tables")
     {
         let columns = (pairs, manifolds, targets.bypass_change_detection());
         threads.run(|| {
@@ -154,7 +159,13 @@ mod tests {
         assert!(slowly > correction_velocity(0.03125, 0.05, DT));
         assert!(normal_target(&settings, 0.0, 0.05, slowly, DT) < 0.0);
         // A bounce counts as leaving too.
-        assert!(leaves_envelope(&settings, 0.02, -3.0, collision_velocity(0.5, -3.0), DT));
+        assert!(leaves_envelope(
+            &settings,
+            0.02,
+            -3.0,
+            collision_velocity(0.5, -3.0),
+            DT
+        ));
     }
 
     #[test]

@@ -2,8 +2,12 @@
 //! gathers a dense solver problem for each.
 //!
 //! Static and kinematic bodies do not connect islands; each island that touches one holds a copy of it, which no impulse
-//! can change. Bodies and contacts stand in the order in which they came into the world, so the result does not depend
-//! on threads or on where the ECS keeps things.
+//! can change. Bodies stand in the order in which they came into the world and contacts in the reverse of it, so the
+//! result does not depend on threads or on where the ECS keeps things.
+//!
+//! Newest contacts first means from the top down for whatever was built from the ground up. At 75 sweeps of NNCG a stack of
+//! ten then ends with a residual five times smaller than from the bottom up, where directions go stale in every other
+//! sweep (`docs/findings.md`).
 
 use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Velocity};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
@@ -13,6 +17,7 @@ use crate::solver::{Body, Contact, ContactInput, SolveReport};
 use bevy_ecs::prelude::*;
 use glam::Mat3;
 use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// From here on the contacts of one island are prepared on several threads.
 const LARGE_ISLAND: usize = 256;
@@ -212,7 +217,7 @@ pub fn islands(
         }
     }
     touches.retain(|touch| touch.island != u32::MAX);
-    touches.sort_unstable_by_key(|touch| (touch.island, touch.order));
+    touches.sort_unstable_by_key(|touch| (touch.island, Reverse(touch.order)));
 
     let (local, velocities) = (&*local, &*velocities);
     let mut rest = touches.as_mut_slice();

@@ -13,18 +13,31 @@ use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 /// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
+///
+/// `slip` is what the neighbours of the point have slipped already, m, world axes: a point that joins a manifold that sticks
+/// must not make it forget. Zero at the onset.
 pub fn write(
     rule: AnchorRule,
     [a, b]: [&BodyState; 2],
     normal: Vec3,
     point: &ContactPoint,
+    slip: Vec3,
 ) -> Anchor {
     let (local, rotation) = match rule {
         AnchorRule::PairPose => (
-            [b.pose.inverse_transform_point(a.pose.position), Vec3::ZERO],
+            [
+                b.pose.inverse_transform_point(a.pose.position - slip),
+                Vec3::ZERO,
+            ],
             b.pose.rotation.inverse() * a.pose.rotation,
         ),
-        _ => (point.local, Quat::IDENTITY),
+        _ => (
+            [
+                point.local[0],
+                b.pose.inverse_transform_point(point.position - slip),
+            ],
+            Quat::IDENTITY,
+        ),
     };
     Anchor {
         sticking: true,
@@ -32,7 +45,7 @@ pub fn write(
         local,
         normal: [a, b].map(|body| body.pose.rotation.inverse() * normal),
         rotation,
-        slip: Vec3::ZERO,
+        slip,
     }
 }
 
@@ -81,8 +94,23 @@ pub fn anchors(
                         for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
                             if !anchor.sticking {
                                 *anchor = Anchor::default();
-                            } else if !anchor.set || friction.anchors == AnchorRule::Literal {
-                                *anchor = write(friction.anchors, [a, b], patch.normal, point);
+                            } else if friction.anchors == AnchorRule::Literal {
+                                let bodies = [a, b];
+                                *anchor = write(
+                                    AnchorRule::Literal,
+                                    bodies,
+                                    patch.normal,
+                                    point,
+                                    Vec3::ZERO,
+                                );
+                            } else if !anchor.set {
+                                *anchor = write(
+                                    friction.anchors,
+                                    [a, b],
+                                    patch.normal,
+                                    point,
+                                    anchor.slip,
+                                );
                             }
                         }
                     }

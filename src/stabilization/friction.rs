@@ -4,12 +4,15 @@
 //! two bodies carried its anchor, and the solver is asked for a tangential velocity that undoes it.
 
 use crate::body::{BodyState, BodyTable};
-use crate::contact::{Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold};
+use crate::contact::{
+    Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
+};
 use crate::narrowphase::SERIAL_PAIRS;
-use crate::settings::{AnchorRule, PhysicsThreads, StabilizationSettings, StepTime};
+use crate::settings::{AnchorRule, Classifier, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 /// The projection P_n onto the contact plane, after equation (12).
 pub fn project(normal: Vec3, v: Vec3) -> Vec3 {
@@ -100,6 +103,80 @@ pub fn slip(
     holds.then_some(error)
 }
 
+/// How two surfaces have slipped on each other: a rigid motion in the contact plane.
+///
+/// Points of one manifold that were anchored at different times, or carried round a corner, tell slips that no motion of two
+/// rigid bodies can undo together. The solver would answer with friction impulses that work against each other and grow
+/// until they fill the cone. So it is asked for the rigid motion nearest to what the points tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanarSlip {
+    center: Vec3,
+    /// At the centre, m.
+    shift: Vec3,
+    /// About the normal, rad, as a vector along it.
+    twist: Vec3,
+}
+
+impl PlanarSlip {
+    /// The nearest, by least squares, to slips e at points (world, m). `None` for no points.
+    pub fn fit(normal: Vec3, slips: &[(Vec3, Vec3)]) -> Option<Self> {
+        let share = 1.0 / slips.len().max(1) as f32;
+        let center = slips.iter().map(|(p, _)| *p).sum::<Vec3>() * share;
+        let shift = slips.iter().map(|(_, e)| *e).sum::<Vec3>() * share;
+        let (mut moment, mut spread) = (0.0, 0.0);
+        for (point, e) in slips {
+            let arm = project(normal, *point - center);
+            moment += normal.dot(arm.cross(*e));
+            spread += arm.length_squared();
+        }
+        let twist = if spread > 0.0 {
+            normal * (moment / spread)
+        } else {
+            Vec3::ZERO
+        };
+        (!slips.is_empty()).then_some(Self {
+            center,
+            shift,
+            twist,
+        })
+    }
+
+    /// The slip at a point, m.
+    pub fn at(&self, point: Vec3) -> Vec3 {
+        self.shift + self.twist.cross(point - self.center)
+    }
+}
+
+/// The slip of a patch, from its sticking points; gives up the anchors that no longer hold.
+fn measure(
+    settings: &StabilizationSettings,
+    patch: &Patch,
+    bodies: [&BodyState; 2],
+    points: &[ContactPoint],
+    anchors: &mut [Anchor],
+    dt: f32,
+) -> Option<PlanarSlip> {
+    let mut slips: SmallVec<[(Vec3, Vec3); 8]> = SmallVec::new();
+    for (point, anchor) in points.iter().zip(anchors) {
+        if !anchor.sticking {
+            continue;
+        }
+        match slip(
+            settings,
+            anchor,
+            patch.normal,
+            patch.curved,
+            bodies,
+            point,
+            dt,
+        ) {
+            Some(error) => slips.push((point.position, error)),
+            None => *anchor = Anchor::default(),
+        }
+    }
+    PlanarSlip::fit(patch.normal, &slips)
+}
+
 /// See the module's text.
 pub fn friction_error(
     table: Res<BodyTable>,
@@ -137,27 +214,20 @@ pub fn friction_error(
                         return;
                     }
                     for patch in &manifold.patches {
-                        for i in patch.range() {
-                            let (point, anchor) = (&manifold.points[i], &mut anchors.points[i]);
-                            if !anchor.sticking || point.distance > settings.outer_distance() {
-                                continue;
-                            }
-                            let bodies = [a, b];
-                            match slip(
-                                settings,
-                                anchor,
-                                patch.normal,
-                                patch.curved,
-                                bodies,
-                                point,
-                                dt,
-                            ) {
-                                Some(error) => {
-                                    anchor.slip = error;
-                                    targets.points[i].tangential =
-                                        slip_correction(settings, error, dt);
-                                }
-                                None => *anchor = Anchor::default(),
+                        let range = patch.range();
+                        let points = &manifold.points[range.clone()];
+                        let held = &mut anchors.points[range.clone()];
+                        let Some(slip) = measure(settings, patch, [a, b], points, held, dt) else {
+                            continue;
+                        };
+                        let each = settings.friction.classifier == Classifier::PerPoint;
+                        let targets = &mut targets.points[range];
+                        for ((point, anchor), target) in points.iter().zip(held).zip(targets) {
+                            let error = slip.at(point.position);
+                            anchor.slip = error;
+                            let sticks = anchor.sticking || !each;
+                            if sticks && point.distance <= settings.outer_distance() {
+                                target.tangential = slip_correction(settings, error, dt);
                             }
                         }
                     }
@@ -176,6 +246,23 @@ mod tests {
     fn the_error_is_measured_in_the_current_contact_plane() {
         let e = anchor_error(Vec3::Y, Vec3::new(0.1, 0.5, 0.2), Vec3::new(0.0, -0.5, 0.0));
         assert_eq!(e, Vec3::new(0.1, 0.0, 0.2));
+    }
+
+    #[test]
+    fn a_patch_slips_as_a_rigid_body_does() {
+        let twist = Vec3::Y * 0.01;
+        let corners =
+            [(-1.0, -2.0), (1.0, -2.0), (1.0, 2.0), (-1.0, 2.0)].map(|(x, z)| Vec3::new(x, 0.5, z));
+        let moved = corners.map(|p| (p, Vec3::X * 0.03 + twist.cross(p)));
+        let slip = PlanarSlip::fit(Vec3::Y, &moved).unwrap();
+        for (p, e) in moved {
+            assert!((slip.at(p) - e).length() < 1e-6);
+        }
+        // What no rigid motion can be, here corners pulled apart, is left out.
+        let apart = corners.map(|p| (p, 0.01 * p.with_y(0.0)));
+        let slip = PlanarSlip::fit(Vec3::Y, &apart).unwrap();
+        assert!(slip.at(corners[0]).length() < 1e-6);
+        assert_eq!(PlanarSlip::fit(Vec3::Y, &[]), None);
     }
 
     #[test]

@@ -13,8 +13,9 @@ use crate::contact::{
 };
 use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
-use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher};
+use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher, TrackedContact};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 /// Below this many pairs threads cost more than they save.
 pub(crate) const SERIAL_PAIRS: usize = 64;
@@ -133,7 +134,8 @@ fn detect(
         let normal = -(a.pose.rotation * turned);
         let normal = normal.try_normalize().unwrap_or(glam::Vec3::Y);
         let first = manifold.points.len();
-        for contact in &mut found.points {
+        for index in far_apart(&found.points) {
+            let contact = &mut found.points[index];
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
             let on_a = a.pose.transform_point(local_a);
@@ -170,6 +172,19 @@ fn detect(
             });
         }
     }
+}
+
+/// An order of the points in which each is the farthest from the one before. A sweep then visits opposite corners in turn,
+/// and a body under few iterations leans to no side (`docs/findings.md`).
+fn far_apart(points: &[TrackedContact<u32>]) -> SmallVec<[usize; 8]> {
+    let mut order: SmallVec<[usize; 8]> = (0..points.len()).collect();
+    for i in 1..order.len() {
+        let last = points[order[i - 1]].local_p1;
+        let gap = |j: usize| points[j].local_p1.distance_squared(last);
+        let next = (i..order.len()).max_by(|&x, &y| gap(order[x]).total_cmp(&gap(order[y])));
+        order.swap(i, next.unwrap_or(i));
+    }
+    order
 }
 
 /// Mask of the part of parry's contact data that holds the number (from 1) of our point.

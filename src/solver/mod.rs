@@ -79,16 +79,36 @@ pub struct Problem<'a> {
     pub free_merit: f32,
     /// Keep [`SolveReport::history`].
     pub record_history: bool,
+    /// The direction of the last sweep through each pair's points. Start with `true`.
+    pub backwards: bool,
 }
 
 impl Problem<'_> {
     /// One projected Gauss–Seidel sweep over all contacts: Σ Wᵢᵢ Δλᵢ², J.
+    ///
+    /// Pair after pair, and through the points of a pair in the opposite direction to the sweep before: the first point of a
+    /// manifold takes more than its share of the load, and always the same corner would tip the body over.
     pub fn sweep(&mut self) -> f32 {
+        self.backwards = !self.backwards;
+        let Self {
+            bodies,
+            contacts,
+            cone,
+            backwards,
+            ..
+        } = self;
         let mut change = 0.0;
-        for contact in self.contacts.iter_mut() {
+        let mut relax = |contact: &mut Contact| {
             let before = contact.impulse;
-            contact.relax(self.bodies, self.cone);
+            contact.relax(bodies, *cone);
             change += contact.weigh(contact.impulse - before);
+        };
+        for pair in contacts.chunk_by_mut(|a, b| a.bodies == b.bodies) {
+            if *backwards {
+                pair.iter_mut().rev().for_each(&mut relax);
+            } else {
+                pair.iter_mut().for_each(&mut relax);
+            }
         }
         change
     }

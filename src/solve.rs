@@ -112,7 +112,6 @@ impl IslandProblem {
             tolerance: settings.tolerance,
             free_merit: self.free_merit,
             record_history: settings.record_history,
-            backwards: true,
         };
         self.report = settings.solver.solve(&mut problem);
     }

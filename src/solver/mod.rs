@@ -9,7 +9,7 @@
 //! and changes the velocities by them. [`Pgs`] and [`Nncg`] are the paper's two; [`ContactSolver`] is open for others:
 //!
 //! ```
-//! use drystone::solver::{ContactSolver, Problem, SolveReport};
+//! use drystone::solver::{ContactSolver, Direction, Problem, SolveReport};
 //! use drystone::settings::SolverSettings;
 //! use std::sync::Arc;
 //!
@@ -24,7 +24,7 @@
 //!     fn solve(&self, problem: &mut Problem) -> SolveReport {
 //!         let mut report = SolveReport::default();
 //!         for _ in 0..3 {
-//!             report.record(problem.sweep().sqrt(), problem);
+//!             report.record(problem.sweep(Direction::Forwards).sqrt(), problem);
 //!         }
 //!         report
 //!     }
@@ -79,22 +79,16 @@ pub struct Problem<'a> {
     pub free_merit: f32,
     /// Keep [`SolveReport::history`].
     pub record_history: bool,
-    /// The direction of the last sweep through each pair's points. Start with `true`.
-    pub backwards: bool,
 }
 
 impl Problem<'_> {
-    /// One projected Gauss–Seidel sweep over all contacts: Σ Wᵢᵢ Δλᵢ², J.
-    ///
-    /// Pair after pair, and through the points of a pair in the opposite direction to the sweep before: the first point of a
-    /// manifold takes more than its share of the load, and always the same corner would tip the body over.
-    pub fn sweep(&mut self) -> f32 {
-        self.backwards = !self.backwards;
+    /// One projected Gauss–Seidel sweep over all contacts: Σ Wᵢᵢ Δλᵢ², J. Pair after pair, and through the points of each pair
+    /// forwards or backwards.
+    pub fn sweep(&mut self, direction: Direction) -> f32 {
         let Self {
             bodies,
             contacts,
             cone,
-            backwards,
             ..
         } = self;
         let mut change = 0.0;
@@ -103,12 +97,11 @@ impl Problem<'_> {
             contact.relax(bodies, *cone);
             change += contact.weigh(contact.impulse - before);
         };
-        for pair in contacts.chunk_by_mut(|a, b| a.bodies == b.bodies) {
-            if *backwards {
-                pair.iter_mut().rev().for_each(&mut relax);
-            } else {
-                pair.iter_mut().for_each(&mut relax);
-            }
+        match direction {
+            Direction::Forwards => contacts.iter_mut().for_each(relax),
+            Direction::Backwards => contacts
+                .chunk_by_mut(|a, b| a.bodies == b.bodies)
+                .for_each(|pair| pair.iter_mut().rev().for_each(&mut relax)),
         }
         change
     }
@@ -121,6 +114,15 @@ impl Problem<'_> {
             0.0
         }
     }
+}
+
+/// The way through the points of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// In the order in which they stand: deepest first.
+    Forwards,
+    /// In the reverse.
+    Backwards,
 }
 
 /// How a solve went.

@@ -5,10 +5,11 @@
 //! ½‖r‖². Fletcher–Reeves makes search directions from these: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖², where the sweep itself
 //! takes the step r and β p is added. A β above 1 says that the direction has gone stale, and it starts anew.
 //!
-//! Two things differ from the paper. The norm is weighed with the diagonal of W, since λ mixes contacts of all masses. And
+//! Three things differ from the paper. Sweeps go through the points of a pair forwards and backwards in turn, since a plain
+//! sweep is no symmetric operator, and the directions of a method made for such go stale at once. The norm is weighed with the diagonal of W, since λ mixes contacts of all masses. And
 //! the last sweep is a plain one, or λ could leave the cone or turn negative by what β p added.
 
-use super::{ContactSolver, Problem, SolveReport};
+use super::{ContactSolver, Direction, Problem, SolveReport};
 use glam::Vec3;
 
 /// After this many restarts in a row directions don't help, and plain sweeps do the rest.
@@ -25,7 +26,7 @@ impl ContactSolver for Nncg {
 
     fn solve(&self, problem: &mut Problem) -> SolveReport {
         let mut report = SolveReport::default();
-        let mut direction = vec![Vec3::ZERO; problem.contacts.len()];
+        let mut directions = vec![Vec3::ZERO; problem.contacts.len()];
         let mut before = vec![Vec3::ZERO; problem.contacts.len()];
         let mut last = f32::INFINITY;
         let mut restarts = 0;
@@ -33,7 +34,11 @@ impl ContactSolver for Nncg {
             for (before, contact) in before.iter_mut().zip(problem.contacts.iter()) {
                 *before = contact.impulse;
             }
-            let gradient = problem.sweep();
+            let way = match k % 2 {
+                1 => Direction::Forwards,
+                _ => Direction::Backwards,
+            };
+            let gradient = problem.sweep(way);
             if report.record(gradient.sqrt(), problem) || k == problem.iterations {
                 break;
             }
@@ -48,7 +53,7 @@ impl ContactSolver for Nncg {
             let Problem {
                 bodies, contacts, ..
             } = problem;
-            for ((contact, before), p) in contacts.iter_mut().zip(&before).zip(&mut direction) {
+            for ((contact, before), p) in contacts.iter_mut().zip(&before).zip(&mut directions) {
                 let r = contact.impulse - *before;
                 let step = beta * *p;
                 if beta > 0.0 {
@@ -64,7 +69,7 @@ impl ContactSolver for Nncg {
 /// The remaining sweeps without directions.
 fn finish(problem: &mut Problem, mut report: SolveReport, done: usize) -> SolveReport {
     for _ in done..problem.iterations {
-        let merit = problem.sweep().sqrt();
+        let merit = problem.sweep(Direction::Forwards).sqrt();
         if report.record(merit, problem) {
             break;
         }

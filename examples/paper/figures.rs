@@ -27,18 +27,16 @@ struct Figure {
     strips: Vec<Strip>,
 }
 
-const fn camera(height: f32, look_at: f32) -> Camera {
-    Camera {
-        target: Vec3::new(0.0, look_at, 0.0),
-        height,
-    }
-}
-
 fn figures() -> [Figure; 3] {
     let small = Scene::Wall(3, 3);
     let large = Scene::Wall(10, 10);
-    let large_camera = camera(9.5, 2.2);
-    let small_camera = camera(3.6, 0.7);
+    let camera = |x, y, height| Camera {
+        target: Vec3::new(x, y, 0.0),
+        height,
+    };
+    let task_camera = camera(2.4, 2.4, 8.4);
+    let large_camera = camera(0.0, 1.7, 10.0);
+    let small_camera = camera(0.0, 0.7, 3.6);
     let strip = |scene, row, times, camera| Strip {
         scene,
         row,
@@ -52,14 +50,11 @@ fn figures() -> [Figure; 3] {
     [
         Figure {
             name: "figure1",
-            title: "Figure 1: the predefined task. Red: where the hand holds or presses",
-            strips: vec![Strip {
-                camera: Camera {
-                    target: Vec3::new(1.8, 2.3, 0.0),
-                    height: 7.6,
-                },
-                ..strip(Scene::Pressed(5), "2f", TASK, large_camera)
-            }],
+            title: "Figure 1: the predefined task; the red rod ends where the hand holds or presses",
+            strips: vec![
+                strip(Scene::Pressed(5), "2f", TASK, task_camera),
+                strip(Scene::Pressed(5), "4", TASK, task_camera),
+            ],
         },
         Figure {
             name: "figure3",
@@ -157,12 +152,13 @@ fn caption(moment: &Moment) -> String {
     let drift = sample.displacement.drift;
     match moment.phase {
         Some(Phase::Building(i)) => format!("{time}, building: block {} of 5", i + 1),
-        Some(Phase::Resting) => format!("{time}, built"),
+        Some(Phase::Resting) => format!("{time}, all placed, hands off"),
         Some(Phase::Pressing) => format!("{time}, pressing, drift {drift:.4} m"),
         Some(Phase::Watching) => format!("{time}, hands off, drift {drift:.4} m"),
         None => format!(
-            "{time}, drift {drift:.3} m, deepest {:.1} mm",
-            1e3 * sample.gaps.penetration_max
+            "{time}, drift {drift:.3} m, overlap {:.1} mm, rms {:.0} mm/s",
+            1e3 * sample.gaps.penetration_max,
+            1e3 * sample.rms_speed
         ),
     }
 }

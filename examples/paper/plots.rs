@@ -51,9 +51,12 @@ const QUANTITIES: [Quantity; 4] = [
 const PANEL: (u32, u32) = (640, 460);
 const LEGEND: u32 = 72;
 
+/// Whether a scene belongs to a group.
+type IsMember = fn(Scene) -> bool;
+
 /// Draws all plots into `out`.
 pub fn draw(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
-    let groups: [(&str, fn(Scene) -> bool); 3] = [
+    let groups: [(&str, IsMember); 3] = [
         ("stacks", |s| matches!(s, Scene::Stack(_))),
         ("walls", |s| matches!(s, Scene::Wall(..))),
         ("task", |s| matches!(s, Scene::Pressed(_))),
@@ -80,16 +83,21 @@ pub fn draw(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// A run in a panel.
+struct Line {
+    row: &'static Row,
+    fell: bool,
+    /// Over seconds.
+    points: Vec<(f64, f64)>,
+}
+
 type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
 impl Quantity {
     fn panel(&self, area: &Area, records: &[&Record]) -> Result<(), Box<dyn Error>> {
         let seconds = records.iter().map(|r| r.job.seconds).fold(0.0, f32::max) as f64;
-        let lines: Vec<(&Row, bool, Vec<(f64, f64)>)> = records
-            .iter()
-            .map(|record| (record.job.row, !record.outcome.stands, self.line(record)))
-            .collect();
-        let values = || lines.iter().flat_map(|l| l.2.iter().map(|p| p.1));
+        let lines: Vec<Line> = records.iter().map(|record| self.line(record)).collect();
+        let values = || lines.iter().flat_map(|l| l.points.iter().map(|p| p.1));
         let (low, high) = values().fold((0.0, 0.0), |(a, b): (f64, f64), y| (a.min(y), b.max(y)));
         let title = records
             .first()
@@ -98,6 +106,7 @@ impl Quantity {
         chart
             .caption(title, ("sans-serif", 20))
             .margin(10)
+            .margin_right(24)
             .x_label_area_size(42)
             .y_label_area_size(72);
         // The two kinds of axis are two types of chart, but draw alike.
@@ -113,14 +122,14 @@ impl Quantity {
                     .light_line_style(WHITE)
                     .y_label_formatter(&$format)
                     .draw()?;
-                for (row, fell, points) in &lines {
+                for Line { row, fell, points } in &lines {
                     if row.friction {
                         chart.draw_series(LineSeries::new(points.clone(), style(row)))?;
                     } else {
                         let dashes = DashedLineSeries::new(points.clone(), 6, 4, style(row));
                         chart.draw_series(dashes)?;
                     }
-                    if let (true, Some(&end)) = (fell, points.last()) {
+                    if let (true, Some(&end)) = (*fell, points.last()) {
                         chart.draw_series([Cross::new(end, 6, style(row))])?;
                     }
                 }
@@ -133,25 +142,34 @@ impl Quantity {
             }
             None => {
                 let margin = 0.05 * (high - low).max(1e-3);
-                draw_on!(low - margin..high + margin, |y: &f64| format!("{y:.2}"))
+                draw_on!(low - margin..high + margin, percent)
             }
         }
         Ok(())
     }
 
     /// Up to where it fell: a heap of rubble says nothing.
-    fn line(&self, record: &Record) -> Vec<(f64, f64)> {
+    fn line(&self, record: &Record) -> Line {
         let end = record.outcome.fell_at.unwrap_or(f32::INFINITY);
         let floor = self.floor.unwrap_or(f64::NEG_INFINITY);
         let samples = record.moments.iter().map(|m| &m.sample);
-        samples
-            .take_while(|s| s.time <= end)
-            .map(|s| (s.time as f64, (self.of)(s).max(floor)))
-            .collect()
+        Line {
+            row: record.job.row,
+            fell: !record.outcome.stands,
+            points: samples
+                .take_while(|s| s.time <= end)
+                .map(|s| (s.time as f64, (self.of)(s).max(floor)))
+                .collect(),
+        }
     }
 }
 
-/// A row's lines: thick with PGS.
+/// Without the sign of a zero.
+fn percent(y: &f64) -> String {
+    format!("{:.2}", (100.0 * y).round() / 100.0 + 0.0)
+}
+
+/// A row's lines.
 fn style(row: &Row) -> ShapeStyle {
     let (r, g, b) = row.color;
     RGBColor(r, g, b).stroke_width(2)

@@ -4,7 +4,7 @@ use crate::runs::{Moment, Record};
 use drystone::body::Pose;
 use drystone::collider::Collider;
 use euc::buffer::Buffer2d;
-use euc::rasterizer::{BackfaceCullingDisabled, Triangles};
+use euc::rasterizer::{BackfaceCullingDisabled, BackfaceCullingEnabled, Triangles};
 use euc::{Pipeline, Target};
 use glam::camera::rh::proj::opengl::perspective;
 use glam::camera::rh::view::look_at_mat4;
@@ -13,7 +13,7 @@ use glam::{Mat4, Vec3};
 /// Size of a frame, pixels.
 pub const SIZE: (u32, u32) = (400, 300);
 /// Samples a pixel, along each axis.
-const SAMPLES: usize = 3;
+const SAMPLES: usize = 4;
 
 const SKY: Vec3 = Vec3::new(0.93, 0.95, 0.97);
 const GROUND: Vec3 = Vec3::new(0.80, 0.81, 0.79);
@@ -21,6 +21,8 @@ const GRID: Vec3 = Vec3::new(0.70, 0.71, 0.69);
 const SHADOW: Vec3 = Vec3::new(0.60, 0.61, 0.60);
 const EDGE: Vec3 = Vec3::new(0.16, 0.12, 0.10);
 const HAND: Vec3 = Vec3::new(0.85, 0.10, 0.10);
+/// m
+const HAND_LENGTH: f32 = 1.2;
 /// Towards the light.
 const LIGHT: Vec3 = Vec3::new(0.35, 0.80, 0.50);
 
@@ -35,7 +37,7 @@ pub struct Camera {
 
 impl Camera {
     /// From the front, a little from the side and above.
-    const FROM: Vec3 = Vec3::new(0.38, 0.24, 1.0);
+    const FROM: Vec3 = Vec3::new(0.42, 0.36, 1.0);
     const FIELD: f32 = 0.5;
 
     fn eye(&self) -> Vec3 {
@@ -93,11 +95,13 @@ pub fn frame(record: &Record, moment: &Moment, camera: &Camera) -> Vec<u8> {
         faces(collider, pose, brick_color(i), &mut bodies);
     }
     if let Some(hand) = moment.hand {
+        // A rod that ends where it holds, so that it shows above a block held in its middle.
         let pose = Pose {
-            position: hand,
+            position: hand + Vec3::Y * (0.5 * HAND_LENGTH),
             ..Pose::default()
         };
-        faces(&Collider::cuboid(0.2, 0.2, 0.2), &pose, HAND, &mut bodies);
+        let rod = Collider::cuboid(0.1, HAND_LENGTH, 0.1);
+        faces(&rod, &pose, HAND, &mut bodies);
     }
     // The shadow is every face laid flat along the light, just above the ground.
     let flat = |p: Vec3| (p - LIGHT * (p.y.max(0.0) / LIGHT.y)).with_y(0.003);
@@ -109,13 +113,12 @@ pub fn frame(record: &Record, moment: &Moment, camera: &Camera) -> Vec<u8> {
         matrix: camera.matrix(),
         edge_width: 0.0028 * camera.height,
     };
-    for corners in [&shadow, &bodies] {
-        pipeline.draw::<Triangles<_, BackfaceCullingDisabled>, _>(
-            corners,
-            &mut color,
-            Some(&mut depth),
-        );
-    }
+    pipeline.draw::<Triangles<_, BackfaceCullingDisabled>, _>(
+        &shadow,
+        &mut color,
+        Some(&mut depth),
+    );
+    pipeline.draw::<Triangles<_, BackfaceCullingEnabled>, _>(&bodies, &mut color, Some(&mut depth));
     shrink(color.as_ref(), size[0])
 }
 

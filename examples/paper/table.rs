@@ -11,7 +11,10 @@ pub fn print(records: &[Record]) {
     for row in &ROWS {
         println!("  {:<3} {}", row.id, row.label);
     }
-    println!("\nAfter a fall the numbers are those of the rubble.\n");
+    println!(
+        "\nAfter a fall the numbers are those of the rubble. In the task (pressed) displacements count from when the hand\n\
+         begins to press. A step's time is the median on one thread, with other runs on the other cores.\n"
+    );
     println!(
         "{:<11} {:<3} {:>12} {:>9} {:>11} {:>11} {:>10} {:>9} {:>9} {:>8}",
         "scene",

@@ -151,7 +151,10 @@ fn caption(moment: &Moment) -> String {
     let time = format!("t = {:.1} s", sample.time);
     let drift = sample.displacement.drift;
     match moment.phase {
-        Some(Phase::Building(i)) => format!("{time}, building: block {} of 5", i + 1),
+        Some(Phase::Building(i)) => {
+            let blocks = moment.poses.len();
+            format!("{time}, building: block {} of {blocks}", i + 1)
+        }
         Some(Phase::Resting) => format!("{time}, all placed, hands off"),
         Some(Phase::Pressing) => format!("{time}, pressing, drift {drift:.4} m"),
         Some(Phase::Watching) => format!("{time}, hands off, drift {drift:.4} m"),

@@ -2,6 +2,7 @@
 
 use crate::rows::ROWS;
 use crate::runs::Record;
+use drystone::metrics::FALLEN;
 
 /// Prints what the rows are, and a line a run.
 pub fn print(records: &[Record]) {
@@ -12,8 +13,10 @@ pub fn print(records: &[Record]) {
         println!("  {:<3} {}", row.id, row.label);
     }
     println!(
-        "\nAfter a fall the numbers are those of the rubble. In the task (pressed) displacements count from when the hand\n\
-         begins to press. A step's time is the median on one thread, with other runs on the other cores.\n"
+        "\nFell: a body was off by more than {} m sideways, {} m down or {} rad. Drift, ideal error, rms speed and tilt are \
+         those of the end, after a fall mostly of rubble.\nIn the task (pressed) displacements count from when the hand \
+         begins to press. A step's time is the median on one thread, with other runs on the other cores.\n",
+        FALLEN.drift, FALLEN.sag, FALLEN.tilt
     );
     println!(
         "{:<11} {:<3} {:>12} {:>9} {:>11} {:>11} {:>10} {:>9} {:>9} {:>8}",

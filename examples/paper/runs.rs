@@ -1,0 +1,180 @@
+//! Runs scenes under rows, several at a time, and keeps every moment for plots and pictures.
+
+use crate::rows::Row;
+use drystone::body::Pose;
+use drystone::collider::Collider;
+use drystone::experiment::{Experiment, Outcome, Run, Sample};
+use drystone::grab::Grab;
+use drystone::scenes::{Phase, Scene};
+use drystone::settings::PhysicsThreads;
+use glam::Vec3;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// A scene under a row.
+#[derive(Clone, Copy)]
+pub struct Job {
+    /// What stands.
+    pub scene: Scene,
+    /// Under what.
+    pub row: &'static Row,
+    /// For how long, s; a scene with a hand runs until its script ends.
+    pub seconds: f32,
+}
+
+/// A step as it was.
+pub struct Moment {
+    /// Its measures.
+    pub sample: Sample,
+    /// Of the bodies watched.
+    pub poses: Vec<Pose>,
+    /// Where the hand holds a body, m.
+    pub hand: Option<Vec3>,
+    /// What the hand is at.
+    pub phase: Option<Phase>,
+}
+
+/// What became of a job.
+pub struct Record {
+    /// The job.
+    pub job: Job,
+    /// As `simulate` reports it.
+    pub outcome: Outcome,
+    /// Shapes of the bodies watched.
+    pub colliders: Vec<Collider>,
+    /// Every step.
+    pub moments: Vec<Moment>,
+}
+
+/// Runs all jobs, as many at once as there are cores; records come in the order of the jobs.
+///
+/// Plain threads rather than a rayon loop: a rayon worker that waits for another pool's step takes up the next job
+/// meanwhile, and the step's time would count that job in.
+pub fn run_all(jobs: &[Job]) -> Vec<Record> {
+    let bar = ProgressBar::new(jobs.len() as u64).with_style(
+        ProgressStyle::with_template("{elapsed:>4} {wide_bar} {pos}/{len} runs, {msg}")
+            .expect("the template is valid"),
+    );
+    // The longest first, so that no core waits for a late one.
+    let mut order: Vec<usize> = (0..jobs.len()).collect();
+    let size = |i: &usize| match jobs[*i].scene {
+        Scene::Wall(w, h) => w * h,
+        Scene::Stack(n) | Scene::Pressed(n) => n,
+        _ => 0,
+    };
+    order.sort_by_key(|i| std::cmp::Reverse(size(i)));
+    let next = AtomicUsize::new(0);
+    let records: Vec<Mutex<Option<Record>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    let work = || {
+        let threads = PhysicsThreads::new(1).expect("the system gives a thread a core");
+        while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let job = jobs[i];
+            bar.set_message(format!("{} under row {}", job.scene, job.row.id));
+            let record = job.run(threads.clone());
+            *records[i].lock().expect("no run panics") = Some(record);
+            bar.inc(1);
+        }
+    };
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    thread::scope(|scope| {
+        for _ in 0..cores.min(jobs.len()) {
+            scope.spawn(work);
+        }
+    });
+    bar.finish_and_clear();
+    let done = |slot: Mutex<Option<Record>>| slot.into_inner().expect("no run panics");
+    records.into_iter().filter_map(done).collect()
+}
+
+impl Job {
+    fn run(self, threads: PhysicsThreads) -> Record {
+        let experiment = Experiment {
+            threads,
+            ..self.row.experiment(self.scene)
+        };
+        let mut run = experiment.start();
+        let seconds = run.hand().map_or(self.seconds, |hand| hand.duration());
+        let shape = |&body| run.world.get::<Collider>(body).cloned();
+        let colliders = run.bodies.iter().filter_map(shape).collect();
+        let steps = (seconds / experiment.dt).round() as usize;
+        let moments = (0..steps).map(|_| Moment::next(&mut run)).collect();
+        Record {
+            job: Self { seconds, ..self },
+            outcome: run.outcome(),
+            colliders,
+            moments,
+        }
+    }
+}
+
+impl Moment {
+    fn next(run: &mut Run) -> Self {
+        let sample = run.step();
+        let held = run.bodies.iter().find_map(|&body| {
+            let grab = run.world.get::<Grab>(body)?;
+            let pose = run.world.get::<Pose>(body)?;
+            Some(pose.transform_point(grab.local_point))
+        });
+        Self {
+            sample,
+            poses: run.poses(),
+            hand: held,
+            phase: run.phase(),
+        }
+    }
+}
+
+impl Record {
+    /// The step that ended nearest to this time, s.
+    pub fn at(&self, time: f32) -> &Moment {
+        let off = |m: &&Moment| (m.sample.time - time).abs();
+        let nearest = self.moments.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.expect("every run has steps")
+    }
+
+    /// A line of `runs.jsonl`: the names of `simulate --json`, and the row.
+    pub fn json(&self) -> Value {
+        let (job, outcome) = (&self.job, &self.outcome);
+        let experiment = job.row.experiment(job.scene);
+        let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
+        let ms = |time: std::time::Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
+        json!({
+            "scene": job.scene.to_string(),
+            "seed": experiment.options.seed,
+            "row": job.row.id,
+            "label": job.row.label,
+            "stands": outcome.stands,
+            "fell_at_s": outcome.fell_at,
+            "drift_m": outcome.displacement.drift,
+            "sag_m": outcome.displacement.sag,
+            "penetration_max_m": outcome.penetration_max,
+            "penetration_mean_m": outcome.penetration_mean,
+            "ideal_error_max_m": outcome.ideal_error_max,
+            "rms_speed_m_s": outcome.rms_speed,
+            "tilt_rad": outcome.displacement.tilt,
+            "energy_gain": outcome.energy_gain,
+            "residual": outcome.residual,
+            "sweeps_median": outcome.sweeps_median,
+            "bodies": outcome.bodies,
+            "contacts": outcome.contacts,
+            "step_ms_median": ms(outcome.step_time.median),
+            "step_ms_p95": ms(outcome.step_time.p95),
+            "settings": {
+                "preset": "paper",
+                "dt": experiment.dt,
+                "steps": self.moments.len(),
+                "solver": solver.solver.name(),
+                "iterations": solver.iterations,
+                "normal": format!("{:?}", stabilization.normal),
+                "envelope_m": stabilization.envelope,
+                "ideal_distance_m": stabilization.rest_distance(),
+                "max_correction_speed_m_s": stabilization.max_correction_speed,
+                "friction_stabilization": stabilization.friction.enabled,
+                "threads": 1,
+            },
+        })
+    }
+}

@@ -1,12 +1,70 @@
-//! **Drystone**: rigid-body contact for Bevy that holds without mortar.
+//! **Drystone** brings rigid-body contact to Bevy that holds without mortar: walls, stacks and arches that stay where they were
+//! put, at large time steps and with few solver iterations.
+//!
+//! The method is that of Silcowitz-Hansen, Niebe and Erleben, "Normal and Friction Stabilization Techniques for Interactive
+//! Rigid Body Constraint-based Contact Force Computations" (VRIPHYS 2010). Everything is data in an ECS: bodies, contact
+//! pairs, manifolds, impulses and anchors are components, a step is a row of systems, and each of them can be seen, timed
+//! and replaced.
+//!
+//! ```
+//! use bevy_app::App;
+//! use bevy_transform::components::Transform;
+//! use drystone::prelude::*;
+//!
+//! let mut app = App::new();
+//! app.add_plugins(DrystonePlugins::default());
+//! app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+//! let brick = app
+//!     .world_mut()
+//!     .spawn((
+//!         RigidBody::Dynamic,
+//!         Collider::cuboid(1.0, 0.5, 0.5),
+//!         Transform::from_xyz(0.0, 2.0, 0.0),
+//!     ))
+//!     .id();
+//! // A Bevy app steps by itself in `FixedPostUpdate`; without one, step by hand.
+//! for _ in 0..120 {
+//!     drystone::step(app.world_mut(), 1.0 / 60.0).unwrap();
+//! }
+//! let height = app.world().get::<Transform>(brick).unwrap().translation.y;
+//! assert!((height - 0.25).abs() < 1e-3);
+//! ```
+//!
+//! # The modules, in the order of a step
+//!
+//! | stage | module | paper | reads | writes |
+//! |---|---|---|---|---|
+//! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
+//! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
+//! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
+//! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
+//! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
+//! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
+//! | islands | [`islands`] | | pairs, velocities | solver scratch |
+//! | warm start | [`warm_start`] | | last impulses | solver scratch |
+//! | solve | [`solve`], [`solver`] | (1), (4) | solver scratch | `Velocity`, [`ContactImpulses`](contact::ContactImpulses) |
+//! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
+//! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
+//! | sleeping | [`sleeping`] | | `Velocity` | [`Sleeping`](sleeping::Sleeping) |
+//! | contact events | [`contact`] | | pairs | messages, entity events |
+//!
+//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`], [`grab`],
+//! [`metrics`], [`scenes`] and [`experiment`].
+
 #![warn(missing_docs)]
 #![deny(unsafe_code)]
+#![expect(
+    clippy::type_complexity,
+    reason = "queries are tuples of what a system touches"
+)]
 
 pub mod body;
 pub mod broadphase;
 pub mod collider;
 pub mod contact;
 pub mod diagnosis;
+#[cfg(feature = "diagnostics")]
+pub mod diagnostics;
 pub mod experiment;
 pub mod grab;
 pub mod integration;
@@ -26,3 +84,21 @@ pub mod warm_start;
 
 pub use plugin::*;
 pub use schedule::step;
+
+/// What most users need.
+pub mod prelude {
+    pub use crate::body::{
+        AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
+        GravityScale, Mass, Pose, Quarantined, RigidBody, Velocity,
+    };
+    pub use crate::collider::{Collider, CollisionLayers, CombineRule, Friction, Restitution};
+    pub use crate::contact::{ContactEnded, ContactEvents, ContactPair, ContactStarted};
+    pub use crate::diagnosis::{BodyError, StepError};
+    pub use crate::grab::Grab;
+    pub use crate::profile::Profile;
+    pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
+    pub use crate::settings::{Gravity, SleepSettings, SolverSettings, StabilizationSettings};
+    pub use crate::sleeping::Sleeping;
+    pub use crate::{DrystonePlugins, step};
+    pub use glam::{Quat, Vec3};
+}

@@ -269,7 +269,7 @@ fn describe(
 
 /// The stage **quarantine**: takes bodies with bad input out of the simulation and says so.
 ///
-/// Runs after *prepare*, and at the end of the step for what the solve itself broke.
+/// Runs after *prepare*. What the solve of one step breaks is caught before the next one reads it.
 pub fn quarantine(world: &mut World) {
     let suspects = std::mem::take(&mut world.resource_mut::<Suspects>().0);
     for (entity, problem) in suspects {

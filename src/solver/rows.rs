@@ -182,8 +182,8 @@ impl Contact {
             self.tangents[1].dot(w) - self.target.z,
         );
         let after = match cone {
-            FrictionCone::Circular => self.into_cone(before, residual, limit),
-            FrictionCone::Box => self.into_box(before, residual, limit),
+            FrictionCone::Circular => self.step_in_disc(before, residual, limit),
+            FrictionCone::Box => self.step_in_box(before, residual, limit),
         };
         let change = after - before;
         self.push(
@@ -197,7 +197,7 @@ impl Contact {
     ///
     /// Projecting the exact step radially instead would turn it away from the slip, and a sliding body would lose part of
     /// its friction (a box at 28° slid 9.86 m where 3.50 m is right).
-    fn into_cone(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
+    fn step_in_disc(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
         let Vec3 {
             x: xx,
             y: yy,
@@ -214,7 +214,7 @@ impl Contact {
         (before - residual * self.isotropic).clamp_length_max(limit)
     }
 
-    fn into_box(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
+    fn step_in_box(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
         let x = (before.x - residual.x * inverse(self.diagonal.y)).clamp(-limit, limit);
         let residual = residual.y + self.coupling * (x - before.x);
         let y = (before.y - residual * inverse(self.diagonal.z)).clamp(-limit, limit);

@@ -2,7 +2,7 @@
 //!
 //! - [`normal`]: equations (1)–(9), the stage *normal correction*
 //! - [`friction`]: equations (11)–(15), the stage *friction error*
-//! - [`classifier`]: equation (10)
+//! - equation (10): [`classifier`]
 //! - [`anchors`]: where (11) is written and deleted, the stage *anchors*
 
 pub mod anchors;

@@ -123,10 +123,8 @@ pub fn prepare(
                         suspects.0.push((entity, problem));
                     }
                 }
-                // The collider or the body itself was taken off.
-                Err(_) => {
-                    table.remove(*index);
-                }
+                // The collider or the body itself was taken off, and the slot is free.
+                Err(_) => (),
             }
         }
     }
@@ -169,7 +167,7 @@ fn user_pose(
         rotation: world.rotation,
     };
     if was.is_none() {
-        return (*transform != Transform::IDENTITY).then_some(given);
+        return (*transform != Transform::IDENTITY || !pose.is_finite()).then_some(given);
     }
     // At the top of a hierarchy the transform is what was written last, to the bit; below, it went there and back.
     let slack = if parent.is_some() { 1e-4 } else { 0.0 };
@@ -239,7 +237,7 @@ fn describe(
     }
     let computed = MassProperties::new(collider, density, mass, inertia, center);
     if *kind == RigidBody::Dynamic && !computed.is_valid() {
-        let by_hand = density.is_some() || mass.is_some() || inertia.is_some();
+        let by_hand = density.is_some() || mass.is_some() || inertia.is_some() || center.is_some();
         return Err(if by_hand {
             BodyProblem::InvalidMass
         } else {

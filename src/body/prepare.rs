@@ -85,9 +85,8 @@ pub fn prepare(
         let pose = pose.bypass_change_detection();
         let known = table.get_mut(*index);
         let was = known.as_ref().map(|body| body.pose);
-        if let Some(moved_to) = user_pose(placement, *pose, was, &placed) {
-            *pose = moved_to;
-        }
+        let moved_to = user_pose(placement, *pose, was, &placed);
+        *pose = moved_to.unwrap_or(*pose);
         if let Some(problem) = check_motion(pose, velocity, &force, impulse) {
             suspects.0.push((entity, problem));
             continue;
@@ -97,7 +96,7 @@ pub fn prepare(
         }
         let sleeping = sleeping.bypass_change_detection();
         if sleeping.asleep
-            && (was != Some(*pose)
+            && (moved_to.is_some()
                 || *velocity != Velocity::default()
                 || *impulse != ExternalImpulse::default()
                 || force.is_changed()

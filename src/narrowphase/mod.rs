@@ -109,6 +109,12 @@ fn detect(
     } = cache;
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let (shape_a, shape_b) = (a.collider.shape(), b.collider.shape());
+    let curved = a.collider.is_curved() || b.collider.is_curved();
+    if curved {
+        // A manifold that is kept turns with the surface, and a cylinder would roll off by itself.
+        manifolds.clear();
+        *workspace = None;
+    }
     let found = DefaultQueryDispatcher.contact_manifolds(
         &between, &**shape_a, &**shape_b, reach, manifolds, workspace,
     );
@@ -116,7 +122,6 @@ fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
-    let curved = a.collider.is_curved() || b.collider.is_curved();
     let merge = (1e-3 * a.radius.min(b.radius)).powi(2);
     for found in manifolds.iter_mut() {
         let (sub_a, sub_b) = (

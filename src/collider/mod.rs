@@ -9,7 +9,7 @@ pub use material::{CombineRule, Friction, Restitution};
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
-use parry3d::shape::{Cone, Cylinder, HeightField, SharedShape, TriMeshFlags};
+use parry3d::shape::{Cone, Cylinder, HeightField, HeightFieldFlags, SharedShape, TriMeshFlags};
 use parry3d::utils::Array2;
 use std::fmt;
 
@@ -190,7 +190,10 @@ impl Collider {
                 data[(i, j)] = height;
             }
         }
-        Ok(Self(SharedShape::new(HeightField::new(data, size))))
+        let smooth = HeightFieldFlags::FIX_INTERNAL_EDGES;
+        Ok(Self(SharedShape::new(HeightField::with_flags(
+            data, size, smooth,
+        ))))
     }
 
     /// The parry shape.

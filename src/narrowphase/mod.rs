@@ -4,6 +4,7 @@
 //! Parry finds the points; it keeps a manifold while the two bodies hardly move against each other, which costs a tenth of
 //! finding it anew. Pairs at rest (asleep, or static) keep theirs untouched.
 
+mod corners;
 pub mod matching;
 
 use crate::body::{BodyState, BodyTable};
@@ -159,6 +160,34 @@ fn detect(
                 });
                 // Until matching reads it: the number of the old point, high; that of the new one, low.
                 contact.data = (contact.data & OLD) << 16 | manifold.points.len() as u32;
+            }
+        }
+        let boxes = (shape_a.as_cuboid(), shape_b.as_cuboid());
+        if manifold.points.len() - first < 4
+            && turned != glam::Vec3::ZERO
+            && let (Some(in_a), Some(in_b)) = boxes
+        {
+            let block = |body: &BodyState, half| corners::Block {
+                pose: body.pose,
+                half,
+            };
+            let (in_a, in_b) = (block(a, in_a.half_extents), block(b, in_b.half_extents));
+            // Without any point of parry's the normal may be an old one.
+            let deepest = manifold.points[first..].iter().map(|p| p.distance);
+            let lowest = deepest.fold(-reach, f32::min) - reach;
+            for ([on_a, on_b], distance) in corners::corners(in_a, in_b, normal, 0.1 * merge.sqrt())
+            {
+                let position = 0.5 * (on_a + on_b);
+                let mut known = manifold.points[first..].iter();
+                if (lowest..=reach).contains(&distance)
+                    && !known.any(|p| p.position.distance_squared(position) < merge)
+                {
+                    manifold.points.push(ContactPoint {
+                        position,
+                        local: [a, b].map(|body| body.pose.inverse_transform_point(position)),
+                        distance,
+                    });
+                }
             }
         }
         let count = manifold.points.len() - first;

@@ -258,9 +258,8 @@ fn row_10_blocks_hang_over_by_half_the_harmonic_number() {
     overhang(|course| 0.5 - 0.02 * course as f32);
 }
 
-/// Parry's clipping loses corners that lie on the other face's edge to rounding.
+/// Where parry alone loses corners to rounding.
 #[test]
-#[ignore = "parry 0.31 loses contact points where edges lie exactly on each other"]
 fn row_10_blocks_whose_edges_lie_exactly_on_each_other_do_too() {
     overhang(|_| 0.5);
 }

@@ -332,11 +332,9 @@ fn two_bodies_at_the_same_place_are_named_and_parted() {
         site.lab.run(3.0);
         let errors = site.lab.errors();
         assert_eq!(errors.len(), 1, "{errors:?}");
-        let [one, two] = twins;
-        let other = if errors[0].entity == one { two } else { one };
-        assert_eq!(errors[0].problem, BodyProblem::Coincident { other });
-        assert!(twins.contains(&errors[0].entity));
-        assert!(errors[0].to_string().contains("`twin"));
+        let problem = BodyProblem::Coincident { other: twins[0] };
+        assert_eq!((errors[0].entity, &errors[0].problem), (twins[1], &problem));
+        assert!(errors[0].to_string().contains("`twin 1`"));
         let [a, b] = twins.map(|twin| site.lab.position(twin));
         assert!(a.is_finite() && b.is_finite());
         assert!((a - b).length() > 0.95, "{a} {b}");

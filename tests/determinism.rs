@@ -3,6 +3,7 @@
 mod support;
 
 use bevy_ecs::prelude::*;
+use drystone::body::BodyTable;
 use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::{PhysicsThreads, SleepSettings};
 use glam::Vec3;
@@ -74,6 +75,21 @@ fn a_wall_comes_out_the_same_on_any_number_of_threads() {
 #[test]
 fn a_heap_comes_out_the_same_on_any_number_of_threads() {
     same_for_all_threads(1.5, |lab| scene(lab, "heap:200"));
+}
+
+/// Sweeps then go from the ground up where walls are built so, which is worth a factor of several in drift.
+#[test]
+fn bodies_stand_in_the_order_in_which_they_were_spawned() {
+    let mut lab = Lab::new();
+    let mut bodies = vec![lab.ground()];
+    bodies.extend((0..5).map(|i| lab.cube(Vec3::Y * (i as f32 + 0.5))));
+    lab.world.entity_mut(bodies[3]).insert(Red);
+    lab.step();
+    let table = lab.world.resource::<BodyTable>();
+    let mut order: Vec<_> = table.iter().map(|(_, b)| (b.order, b.entity)).collect();
+    order.sort_unstable();
+    let order: Vec<_> = order.into_iter().map(|(_, body)| body).collect();
+    assert_eq!(order, bodies);
 }
 
 #[derive(Component)]

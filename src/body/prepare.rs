@@ -115,16 +115,12 @@ pub fn prepare(
         body.center = pose.transform_point(body.mass.local_center);
         body.velocity = *velocity;
         body.asleep = sleeping.asleep;
-        if changed.contains(&entity) {
-            match described.get_mut(entity) {
-                Ok(description) => {
-                    if let Err(problem) = describe(body, description) {
-                        suspects.0.push((entity, problem));
-                    }
-                }
-                // The collider or the body itself was taken off, and the slot is free.
-                Err(_) => (),
-            }
+        // Without a collider it is no body any more, and its slot is free already.
+        if changed.contains(&entity)
+            && let Ok(description) = described.get_mut(entity)
+            && let Err(problem) = describe(body, description)
+        {
+            suspects.0.push((entity, problem));
         }
     }
     // In the order in which the bodies were spawned, not in that of archetypes: `order` must not depend on which

@@ -5,7 +5,7 @@
 //! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
 //! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
 
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyIndex, BodyState, BodyTable};
 use crate::contact::{ContactPair, EndedPairs, Manifold};
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
@@ -212,7 +212,8 @@ pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
             ending.push(entity);
             forgotten.push(pair.slots);
             if !manifold.points.is_empty() {
-                wake.extend(pair.bodies);
+                let alive = (0..2).filter(|&i| alive[i]);
+                wake.extend(alive.map(|i| (pair.bodies[i], pair.slots[i])));
             }
             if pair.announced {
                 gone.push((pair.order, pair.bodies));
@@ -225,9 +226,12 @@ pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
         for &pair in ending.iter() {
             world.despawn(pair);
         }
-        for body in wake {
+        for (body, slot) in wake {
             if let Some(mut sleeping) = world.get_mut::<Sleeping>(body) {
                 sleeping.wake();
+            }
+            if let Some(body) = world.resource_mut::<BodyTable>().get_mut(BodyIndex(slot)) {
+                body.asleep = false;
             }
         }
         // Only now may a slot go to another body: no pair names it any more.

@@ -155,15 +155,15 @@ impl Run {
         self.time
     }
 
-    /// Poses of the bodies to watch; the start's for those that are gone.
+    /// Poses of the bodies to watch; the start's for those that are gone, and for all before the first step.
     pub fn poses(&self) -> Vec<Pose> {
-        let pose = |(i, &body): (usize, &Entity)| {
-            self.world
-                .get::<Pose>(body)
-                .copied()
-                .unwrap_or_else(|| self.start[i])
+        if self.time == 0.0 {
+            return self.start.clone();
+        }
+        let pose = |(&body, start): (&Entity, &Pose)| {
+            self.world.get::<Pose>(body).copied().unwrap_or(*start)
         };
-        self.bodies.iter().enumerate().map(pose).collect()
+        self.bodies.iter().zip(&self.start).map(pose).collect()
     }
 
     fn start_poses(&self) -> Vec<Pose> {

@@ -2,12 +2,8 @@
 //! gathers a dense solver problem for each.
 //!
 //! Static and kinematic bodies do not connect islands; each island that touches one holds a copy of it, which no impulse
-//! can change. Bodies stand in the order in which they came into the world and contacts in the reverse of it, so the
-//! result does not depend on threads or on where the ECS keeps things.
-//!
-//! Newest contacts first means from the top down for whatever was built from the ground up. At 75 sweeps of NNCG a stack of
-//! ten then ends with a residual five times smaller than from the bottom up, where directions go stale in every other
-//! sweep (`docs/findings.md`).
+//! can change. Bodies and contacts stand in the order in which they came into the world, so the result does not depend on
+//! threads or on where the ECS keeps things; for what was built from the ground up that is from the bottom up.
 
 use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Velocity};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
@@ -17,7 +13,6 @@ use crate::solver::{Body, Contact, ContactInput, SolveReport};
 use bevy_ecs::prelude::*;
 use glam::Mat3;
 use rayon::prelude::*;
-use std::cmp::Reverse;
 
 /// From here on the contacts of one island are prepared on several threads.
 const LARGE_ISLAND: usize = 256;
@@ -217,7 +212,7 @@ pub fn islands(
         }
     }
     touches.retain(|touch| touch.island != u32::MAX);
-    touches.sort_unstable_by_key(|touch| (touch.island, Reverse(touch.order)));
+    touches.sort_unstable_by_key(|touch| (touch.island, touch.age()));
 
     let (local, velocities) = (&*local, &*velocities);
     let mut rest = touches.as_mut_slice();
@@ -347,6 +342,12 @@ impl IslandProblem {
 }
 
 impl Touch<'_> {
+    /// By the younger body first, so that all supports of a brick are visited together.
+    fn age(&self) -> [u64; 2] {
+        let [older, younger] = self.order;
+        [younger, older]
+    }
+
     /// The pair's contact points between the bodies at `ends` of a problem.
     fn contacts(
         &self,

@@ -83,10 +83,12 @@ pub fn solve(
         let Some(island) = islands.of(index.0) else {
             continue;
         };
-        if *kind != RigidBody::Dynamic || sleeping.asleep {
+        let local = islands.local[index.0 as usize];
+        // Not gathered: asleep, or woken since.
+        if *kind != RigidBody::Dynamic || sleeping.asleep || local == u32::MAX {
             continue;
         }
-        let body = &islands.problems[island].bodies[islands.local[index.0 as usize] as usize];
+        let body = &islands.problems[island].bodies[local as usize];
         let solved = Velocity {
             linear: body.linear,
             angular: body.angular,

@@ -13,6 +13,7 @@ pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
 pub(crate) use prepare::write_transform;
 pub use prepare::{Quarantined, prepare, quarantine};
+pub(crate) use table::leave;
 pub use table::{BodyIndex, BodyState, BodyTable};
 
 use crate::sleeping::Sleeping;
@@ -24,6 +25,7 @@ use glam::{Quat, Vec3};
 /// How a body answers to contact. May be changed at any time.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = table::leave)]
 #[require(
     Pose,
     Velocity,

@@ -79,15 +79,14 @@ pub fn prepare(
     placed: Query<(&Transform, Option<&ChildOf>)>,
 ) {
     let changed: EntityHashSet = changed.iter().collect();
-    let mut joining = Vec::new();
+    let mut joining: Vec<Entity> = Vec::new();
     for (entity, index, mut pose, velocity, placement, force, impulse, mut sleeping) in &mut moving
     {
         let pose = pose.bypass_change_detection();
         let known = table.get_mut(*index);
         let was = known.as_ref().map(|body| body.pose);
-        if let Some(moved_to) = user_pose(placement, *pose, was, &placed) {
-            *pose = moved_to;
-        }
+        let moved_to = user_pose(placement, *pose, was, &placed);
+        *pose = moved_to.unwrap_or(*pose);
         if let Some(problem) = check_motion(pose, velocity, &force, impulse) {
             suspects.0.push((entity, problem));
             continue;
@@ -97,7 +96,7 @@ pub fn prepare(
         }
         let sleeping = sleeping.bypass_change_detection();
         if sleeping.asleep
-            && (was != Some(*pose)
+            && (moved_to.is_some()
                 || *velocity != Velocity::default()
                 || *impulse != ExternalImpulse::default()
                 || force.is_changed()
@@ -116,23 +115,18 @@ pub fn prepare(
         body.center = pose.transform_point(body.mass.local_center);
         body.velocity = *velocity;
         body.asleep = sleeping.asleep;
-        if changed.contains(&entity) {
-            match described.get_mut(entity) {
-                Ok(description) => {
-                    if let Err(problem) = describe(body, description) {
-                        suspects.0.push((entity, problem));
-                    }
-                }
-                // The collider or the body itself was taken off.
-                Err(_) => {
-                    table.remove(*index);
-                }
-            }
+        // Without a collider it is no body any more, and its slot is free already.
+        if changed.contains(&entity)
+            && let Ok(description) = described.get_mut(entity)
+            && let Err(problem) = describe(body, description)
+        {
+            suspects.0.push((entity, problem));
         }
     }
     // In the order in which the bodies were spawned, not in that of archetypes: `order` must not depend on which
-    // optional components a body has.
-    joining.sort_unstable();
+    // optional components a body has. By index, since `Entity`'s own order runs backwards. It matters for convergence:
+    // walls are built from the ground up, and sweeping them from the top down let one of 10 × 10 drift six times as far.
+    joining.sort_unstable_by_key(|entity| (entity.index_u32(), entity.generation().to_bits()));
     for entity in joining {
         let Ok((_, mut index, pose, velocity, _, _, _, sleeping)) = moving.get_mut(entity) else {
             continue;
@@ -169,7 +163,7 @@ fn user_pose(
         rotation: world.rotation,
     };
     if was.is_none() {
-        return (*transform != Transform::IDENTITY).then_some(given);
+        return (*transform != Transform::IDENTITY || !pose.is_finite()).then_some(given);
     }
     // At the top of a hierarchy the transform is what was written last, to the bit; below, it went there and back.
     let slack = if parent.is_some() { 1e-4 } else { 0.0 };
@@ -239,7 +233,7 @@ fn describe(
     }
     let computed = MassProperties::new(collider, density, mass, inertia, center);
     if *kind == RigidBody::Dynamic && !computed.is_valid() {
-        let by_hand = density.is_some() || mass.is_some() || inertia.is_some();
+        let by_hand = density.is_some() || mass.is_some() || inertia.is_some() || center.is_some();
         return Err(if by_hand {
             BodyProblem::InvalidMass
         } else {

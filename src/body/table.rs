@@ -25,6 +25,16 @@ impl Default for BodyIndex {
     }
 }
 
+/// A body without its collider, or a collider without its body, is none.
+pub(crate) fn leave(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut index) = world.get_mut::<BodyIndex>(context.entity) {
+        let index = std::mem::replace(&mut *index, BodyIndex::NONE);
+        if let Some(mut table) = world.get_resource_mut::<BodyTable>() {
+            table.remove(index);
+        }
+    }
+}
+
 fn free_slot(mut world: DeferredWorld, context: HookContext) {
     let index = world.get::<BodyIndex>(context.entity).copied();
     if let (Some(index), Some(mut table)) = (index, world.get_resource_mut::<BodyTable>()) {

@@ -9,13 +9,14 @@ pub use material::{CombineRule, Friction, Restitution};
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
-use parry3d::shape::{HeightField, SharedShape, TriMeshFlags};
+use parry3d::shape::{Cone, Cylinder, HeightField, HeightFieldFlags, SharedShape, TriMeshFlags};
 use parry3d::utils::Array2;
 use std::fmt;
 
 /// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
 /// the constructors here cover the common ones.
 #[derive(Component, Clone)]
+#[component(on_remove = crate::body::leave)]
 pub struct Collider(SharedShape);
 
 /// Why a shape could not be made.
@@ -87,12 +88,19 @@ impl Collider {
 
     /// A cylinder about the y axis.
     pub fn cylinder(radius: f32, height: f32) -> Self {
-        Self(SharedShape::cylinder(0.5 * height, radius))
+        // Not by its constructor, which panics on a negative size; the stage *prepare* finds that.
+        Self(SharedShape::new(Cylinder {
+            half_height: 0.5 * height,
+            radius,
+        }))
     }
 
     /// A cone about the y axis, its tip upwards.
     pub fn cone(radius: f32, height: f32) -> Self {
-        Self(SharedShape::cone(0.5 * height, radius))
+        Self(SharedShape::new(Cone {
+            half_height: 0.5 * height,
+            radius,
+        }))
     }
 
     /// A capsule about the y axis; `length` is that of its cylinder.
@@ -182,7 +190,10 @@ impl Collider {
                 data[(i, j)] = height;
             }
         }
-        Ok(Self(SharedShape::new(HeightField::new(data, size))))
+        let smooth = HeightFieldFlags::FIX_INTERNAL_EDGES;
+        Ok(Self(SharedShape::new(HeightField::with_flags(
+            data, size, smooth,
+        ))))
     }
 
     /// The parry shape.

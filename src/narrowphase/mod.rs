@@ -4,6 +4,7 @@
 //! Parry finds the points; it keeps a manifold while the two bodies hardly move against each other, which costs a tenth of
 //! finding it anew. Pairs at rest (asleep, or static) keep theirs untouched.
 
+mod corners;
 pub mod matching;
 
 use crate::body::{BodyState, BodyTable};
@@ -13,7 +14,8 @@ use crate::contact::{
 };
 use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
-use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher, TrackedContact};
+use glam::Vec3;
+use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
@@ -24,6 +26,9 @@ pub(crate) const SERIAL_PAIRS: usize = 64;
 /// aligned touch at each corner twice, a few millimetres apart, and the point that a step finds there would not be that
 /// of the last one.
 const MERGE: f32 = 0.05;
+
+/// How far outside a face, as a share of the smaller body's radius, a corner still lies on it.
+const SLACK: f32 = 1e-4;
 
 type PairColumns<'w> = (
     &'w mut ContactPair,
@@ -115,6 +120,12 @@ fn detect(
     } = cache;
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let (shape_a, shape_b) = (a.collider.shape(), b.collider.shape());
+    let curved = a.collider.is_curved() || b.collider.is_curved();
+    if curved {
+        // A manifold that is kept turns with the surface, and a cylinder would roll off by itself.
+        manifolds.clear();
+        *workspace = None;
+    }
     let found = DefaultQueryDispatcher.contact_manifolds(
         &between, &**shape_a, &**shape_b, reach, manifolds, workspace,
     );
@@ -123,7 +134,7 @@ fn detect(
         manifolds.clear();
     }
     let curved = a.collider.is_curved() || b.collider.is_curved();
-    let merge = (MERGE * a.radius.min(b.radius)).powi(2);
+    let size = a.radius.min(b.radius);
     for found in manifolds.iter_mut() {
         let (sub_a, sub_b) = (
             found.subshape_pos1().copied(),
@@ -132,34 +143,66 @@ fn detect(
         let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
         // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
         let normal = -(a.pose.rotation * turned);
-        let normal = normal.try_normalize().unwrap_or(glam::Vec3::Y);
-        let first = manifold.points.len();
-        for index in deepest_first(&found.points) {
-            let contact = &mut found.points[index];
+        let normal = normal.try_normalize().unwrap_or(Vec3::Y);
+
+        let mut candidates = Candidates::new();
+        for (i, contact) in found.points.iter().enumerate() {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
-            let on_a = a.pose.transform_point(local_a);
-            let on_b = b.pose.transform_point(local_b);
-            let position = 0.5 * (on_a + on_b);
-            let duplicate = manifold.points[first..]
-                .iter_mut()
-                .find(|p| p.position.distance_squared(position) < merge);
-            if !contact.dist.is_finite() || contact.dist > reach {
-                contact.data = 0;
-            } else if let Some(twin) = duplicate {
-                twin.distance = twin.distance.min(contact.dist);
-                contact.data = 0;
-            } else {
-                manifold.points.push(ContactPoint {
-                    position,
-                    local: [
-                        a.pose.inverse_transform_point(position),
-                        b.pose.inverse_transform_point(position),
-                    ],
-                    distance: contact.dist,
-                });
-                // Until matching reads it: the number of the old point, high; that of the new one, low.
-                contact.data = (contact.data & OLD) << 16 | manifold.points.len() as u32;
+            let on = [
+                a.pose.transform_point(local_a),
+                b.pose.transform_point(local_b),
+            ];
+            candidates.push(Candidate {
+                position: 0.5 * (on[0] + on[1]),
+                distance: contact.dist,
+                source: Some(i),
+            });
+        }
+        candidates.retain(|c| c.distance.is_finite() && c.distance <= reach);
+        thin_out(&mut candidates, MERGE * size);
+        if let (Some(in_a), Some(in_b)) = (shape_a.as_cuboid(), shape_b.as_cuboid())
+            && candidates.len() < 4
+            && turned != Vec3::ZERO
+        {
+            let block = |body: &BodyState, half| corners::Block {
+                pose: body.pose,
+                half,
+            };
+            let (in_a, in_b) = (block(a, in_a.half_extents), block(b, in_b.half_extents));
+            // Without any point of parry's the normal may be an old one.
+            let lowest = candidates.iter().map(|c| c.distance).fold(-reach, f32::min) - reach;
+            for ([on_a, on_b], distance) in corners::corners(in_a, in_b, normal, SLACK * size) {
+                if (lowest..=reach).contains(&distance) {
+                    candidates.push(Candidate {
+                        position: 0.5 * (on_a + on_b),
+                        distance,
+                        source: None,
+                    });
+                }
+            }
+            thin_out(&mut candidates, MERGE * size);
+        }
+
+        // Until matching reads it, parry's data holds the number of the old point, high, and that of the new one, low.
+        for contact in &mut found.points {
+            contact.data = (contact.data & OLD) << 16;
+        }
+        let first = manifold.points.len();
+        for Candidate {
+            position,
+            distance,
+            source,
+        } in candidates
+        {
+            let local = [a, b].map(|body| body.pose.inverse_transform_point(position));
+            manifold.points.push(ContactPoint {
+                position,
+                local,
+                distance,
+            });
+            if let Some(source) = source {
+                found.points[source].data |= manifold.points.len() as u32;
             }
         }
         let count = manifold.points.len() - first;
@@ -174,15 +217,32 @@ fn detect(
     }
 }
 
-/// The order in which the solver visits the points: deepest first.
+/// A contact point on its way into the manifold.
+#[derive(Clone, Copy)]
+struct Candidate {
+    position: Vec3,
+    distance: f32,
+    /// Which of parry's points it is.
+    source: Option<usize>,
+}
+
+type Candidates = SmallVec<[Candidate; 8]>;
+
+/// Puts the deepest points first and drops what is nearer than `merge` (m) to a deeper one.
 ///
-/// Under few iterations the points visited first take more than their share of the load. If that is always the same corner
-/// the body leans over it; if it is the deepest, it is righted. Worth a factor of 4 to 10 in the drift of walls and
-/// stacks (`docs/findings.md`).
-fn deepest_first(points: &[TrackedContact<u32>]) -> SmallVec<[usize; 8]> {
-    let mut order: SmallVec<[usize; 8]> = (0..points.len()).collect();
-    order.sort_by(|&i, &j| points[i].dist.total_cmp(&points[j].dist));
-    order
+/// The order is that in which the solver visits them. Under few iterations the points visited first take more than their share
+/// of the load. If that is always the same corner the body leans over it; if it is the deepest, it is righted. Worth a
+/// factor of 4 to 10 in the drift of walls and stacks (`docs/findings.md`).
+fn thin_out(candidates: &mut Candidates, merge: f32) {
+    candidates.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+    let mut kept = Candidates::new();
+    for &candidate in candidates.iter() {
+        let near = |k: &Candidate| k.position.distance_squared(candidate.position) < merge * merge;
+        if !kept.iter().any(near) {
+            kept.push(candidate);
+        }
+    }
+    *candidates = kept;
 }
 
 /// Mask of the part of parry's contact data that holds the number (from 1) of our point.

@@ -7,7 +7,7 @@ use super::FrictionCone;
 use glam::{Mat3, Vec2, Vec3};
 
 /// A body as the solver sees it. Zero inverse mass and inertia: nothing moves it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Velocity of the centre of mass, m/s.
     pub linear: Vec3,
@@ -17,6 +17,18 @@ pub struct Body {
     pub angular: Vec3,
     /// World axes, 1/(kg·m²).
     pub inverse_inertia: Mat3,
+}
+
+impl Default for Body {
+    /// At rest, and nothing moves it. (A default `Mat3` would be the identity.)
+    fn default() -> Self {
+        Self {
+            linear: Vec3::ZERO,
+            inverse_mass: 0.0,
+            angular: Vec3::ZERO,
+            inverse_inertia: Mat3::ZERO,
+        }
+    }
 }
 
 impl Body {

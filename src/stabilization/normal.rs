@@ -35,14 +35,18 @@ pub fn normal_target(
 ) -> f32 {
     let u_collision = collision_velocity(restitution, u_n);
     let u_correction = correction_velocity(settings.rest_distance(), d, dt);
-    if d > settings.outer_distance() {
-        // Outside the envelope: a speculative row keeps fast bodies from jumping through it. It is not clamped. What
-        // would arrive within the step and bounces, bounces now, or the speed to bounce with would be lost.
-        return if u_collision > 0.0 && u_n < u_correction {
+    // A bounce happens where the surfaces meet. What would arrive within the step bounces now, or the speed to bounce with
+    // would be lost; what would not may come on, or the envelope would brake it first.
+    if u_collision > 0.0 && u_correction < 0.0 {
+        return if u_n < u_correction {
             u_collision
         } else {
             u_correction
         };
+    }
+    if d > settings.outer_distance() {
+        // Outside the envelope: a speculative row keeps fast bodies from jumping through it. It is not clamped.
+        return u_correction;
     }
     let clamp = settings.max_correction_speed;
     let c_n = match settings.normal {
@@ -175,6 +179,17 @@ mod tests {
         let both = normal_target(&settings, 0.5, 0.01, -0.1, DT);
         assert!((both - 0.2125).abs() < 1e-6);
         assert_eq!(collision_velocity(0.5, 3.0), 0.0);
+    }
+
+    #[test]
+    fn a_bounce_loses_nothing_to_the_envelope() {
+        let settings = paper();
+        // At 1 kHz it takes many steps to fall through the envelope: nothing brakes before the surfaces meet.
+        let (d, dt) = (0.05, 1e-3);
+        assert!(normal_target(&settings, 0.5, d, -3.0, dt) <= -3.0);
+        assert_eq!(normal_target(&settings, 0.5, 0.0313, -3.0, dt), 1.5);
+        // And what bounces without arriving would do so in the air.
+        assert!(normal_target(&settings, 0.5, 0.0624, -3.0, dt) <= -3.0);
     }
 
     #[test]

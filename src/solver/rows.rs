@@ -242,18 +242,18 @@ fn inverse(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// A box of 1 m and 1000 kg on the ground, touching at one corner below.
-    fn corner() -> (Vec<Body>, Contact) {
+    /// A flat body of 1000 kg on the ground, touching at one point below: far easier to turn about z than about x.
+    fn touching(arm: Vec3) -> (Vec<Body>, Contact) {
         let body = Body {
             inverse_mass: 1e-3,
-            inverse_inertia: Mat3::from_diagonal(Vec3::splat(6e-3)),
+            inverse_inertia: Mat3::from_diagonal(Vec3::new(1e-3, 2e-3, 3e-2)),
             ..Default::default()
         };
         let bodies = vec![body, Body::default()];
         let input = ContactInput {
             bodies: [0, 1],
             normal: Vec3::Y,
-            arms: [Vec3::new(0.5, -0.5, 0.3), Vec3::ZERO],
+            arms: [arm, Vec3::ZERO],
             friction: 0.5,
             ..Default::default()
         };
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn effective_masses_are_those_of_the_response_to_unit_impulses() {
-        let (mut bodies, contact) = corner();
+        let (mut bodies, contact) = touching(Vec3::new(0.5, -0.5, 0.3));
         for (i, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
             let before = contact.velocity(&bodies);
             contact.push(&mut bodies, contact.world(axis));
@@ -278,7 +278,7 @@ mod tests {
     /// The trap of `method.md`: while sliding, friction must oppose the slip with all of μ λ_n.
     #[test]
     fn sliding_friction_is_at_the_cone_and_against_the_slip() {
-        let (mut bodies, mut contact) = corner();
+        let (mut bodies, mut contact) = touching(Vec3::new(0.5, -0.5, 0.3));
         bodies[0].linear = Vec3::new(3.0, -1.0, 1.0);
         for _ in 0..100 {
             contact.relax(&mut bodies, FrictionCone::Circular);
@@ -301,13 +301,12 @@ mod tests {
         assert!(exact.normalize().dot(slip.normalize()) < 0.995);
     }
 
+    /// Below the centre the normal does not turn the body, and the block solve of the tangents is all there is to do.
     #[test]
     fn sticking_friction_is_exact_in_one_step() {
-        let (mut bodies, mut contact) = corner();
+        let (mut bodies, mut contact) = touching(Vec3::NEG_Y * 0.5);
         bodies[0].linear = Vec3::new(0.01, -1.0, 0.02);
-        for _ in 0..50 {
-            contact.relax(&mut bodies, FrictionCone::Circular);
-        }
-        assert!(contact.velocity(&bodies).length() < 1e-6);
+        contact.relax(&mut bodies, FrictionCone::Circular);
+        assert!(contact.velocity(&bodies).length() < 1e-7);
     }
 }

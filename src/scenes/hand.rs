@@ -17,10 +17,10 @@ const REST: f32 = 3.0;
 const PRESS: f32 = 4.0;
 const WATCH: f32 = 8.0;
 
-/// How hard it presses on the edge, in weights of a block. An edge load tips a tower of n blocks beyond n/0 of them: the top
-/// block alone turns over an edge at its very rim under any load, so the hand presses well inside it.
+/// How hard it presses on the edge, in weights of a block.
 const PRESSURE: f32 = 1.0;
-/// Where it presses, from the middle of the top face, m. Inside the middle of the block under it.
+/// Where it presses, from the middle of the top face, m: near the edge, but over the block below, so that a stack that holds
+/// together only leans.
 const PRESS_AT: f32 = 0.4;
 
 /// What the hand is at.

@@ -5,11 +5,12 @@
 //! ½‖r‖². Fletcher–Reeves makes search directions from these: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖², where the sweep itself
 //! takes the step r and β p is added. A β above 1 says that the direction has gone stale, and it starts anew.
 //!
-//! Three things differ from the paper. Sweeps go through the points of a pair forwards and backwards in turn, since a plain
-//! sweep is no symmetric operator, and the directions of a method made for such go stale at once. The norm is weighed with the diagonal of W, since λ mixes contacts of all masses. And
-//! the last sweep is a plain one, or λ could leave the cone or turn negative by what β p added.
+//! Three things differ from the paper. Sweeps go through the points of a pair back and forth, since a plain sweep is no
+//! symmetric operator, and the directions of a method made for such go stale at once. The norm is weighed with the
+//! diagonal of W, since λ mixes contacts of all masses. And the last sweep is a plain one, or λ could leave the cone or turn
+//! negative by what β p added.
 
-use super::{ContactSolver, Direction, Problem, SolveReport};
+use super::{ContactSolver, Direction, Grouping, Problem, SolveReport};
 use glam::Vec3;
 
 /// After this many restarts in a row directions don't help, and plain sweeps do the rest.
@@ -34,11 +35,8 @@ impl ContactSolver for Nncg {
             for (before, contact) in before.iter_mut().zip(problem.contacts.iter()) {
                 *before = contact.impulse;
             }
-            let way = match k % 2 {
-                1 => Direction::Forwards,
-                _ => Direction::Backwards,
-            };
-            let gradient = problem.sweep(way);
+            let sweep = Direction::of_sweep(k - 1, problem.iterations);
+            let gradient = problem.sweep(sweep, Grouping::Point);
             if report.record(gradient.sqrt(), problem) || k == problem.iterations {
                 break;
             }
@@ -68,8 +66,9 @@ impl ContactSolver for Nncg {
 
 /// The remaining sweeps without directions.
 fn finish(problem: &mut Problem, mut report: SolveReport, done: usize) -> SolveReport {
-    for _ in done..problem.iterations {
-        let merit = problem.sweep(Direction::Forwards).sqrt();
+    for k in done..problem.iterations {
+        let sweep = Direction::of_sweep(k, problem.iterations);
+        let merit = problem.sweep(sweep, Grouping::Point).sqrt();
         if report.record(merit, problem) {
             break;
         }

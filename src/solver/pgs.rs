@@ -1,8 +1,8 @@
-//! Projected Gauss–Seidel: sweep until it is good enough.
+//! Projected Gauss–Seidel: sweep until it is good enough, back and forth.
 
-use super::{ContactSolver, Direction, Problem, SolveReport};
+use super::{ContactSolver, Direction, Grouping, Problem, SolveReport};
 
-/// Projected Gauss–Seidel (Erleben 2007), one contact point after the other.
+/// Projected Gauss–Seidel (Erleben 2007), one pair of bodies after the other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pgs;
 
@@ -13,8 +13,9 @@ impl ContactSolver for Pgs {
 
     fn solve(&self, problem: &mut Problem) -> SolveReport {
         let mut report = SolveReport::default();
-        for _ in 0..problem.iterations {
-            let merit = problem.sweep(Direction::Forwards).sqrt();
+        for k in 0..problem.iterations {
+            let direction = Direction::of_sweep(k, problem.iterations);
+            let merit = problem.sweep(direction, Grouping::Pair).sqrt();
             if report.record(merit, problem) {
                 break;
             }

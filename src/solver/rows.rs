@@ -161,32 +161,25 @@ impl Contact {
         self.push(bodies, self.world(change));
     }
 
-    /// Δλᵀ diag(W) Δλ, J: free of units of mass and length, so that heavy and light contacts can be summed.
-    pub fn weigh(&self, change: Vec3) -> f32 {
-        (self.diagonal * change * change).element_sum()
-    }
-
-    /// One projected Gauss–Seidel step at this point: the normal, then friction against the new normal.
+    /// Projected Gauss–Seidel step of the normal row; Wₙₙ Δλ², J: free of units of mass and length, so that heavy and light
+    /// contacts can be summed.
     #[inline]
-    pub fn relax(&mut self, bodies: &mut [Body], cone: FrictionCone) {
-        self.relax_normal(bodies);
-        self.relax_friction(bodies, cone);
-    }
-
-    #[inline]
-    fn relax_normal(&mut self, bodies: &mut [Body]) {
+    pub fn relax_normal(&mut self, bodies: &mut [Body]) -> f32 {
         let residual = self.normal.dot(self.relative(bodies)) - self.target.x;
         let normal = (self.impulse.x - residual * self.inverse_normal).max(0.0);
-        self.push(bodies, self.normal * (normal - self.impulse.x));
+        let change = normal - self.impulse.x;
+        self.push(bodies, self.normal * change);
         self.impulse.x = normal;
+        self.diagonal.x * change * change
     }
 
+    /// Projected Gauss–Seidel step of the two friction rows, against the normal impulse as it is now; Δλᵀ diag(W) Δλ, J.
     #[inline]
-    fn relax_friction(&mut self, bodies: &mut [Body], cone: FrictionCone) {
+    pub fn relax_friction(&mut self, bodies: &mut [Body], cone: FrictionCone) -> f32 {
         let limit = self.friction * self.impulse.x;
         let before = Vec2::new(self.impulse.y, self.impulse.z);
         if limit == 0.0 && before == Vec2::ZERO {
-            return;
+            return 0.0;
         }
         let w = self.relative(bodies);
         let residual = Vec2::new(
@@ -203,6 +196,7 @@ impl Contact {
             self.tangents[0] * change.x + self.tangents[1] * change.y,
         );
         (self.impulse.y, self.impulse.z) = (after.x, after.y);
+        self.diagonal.y * change.x * change.x + self.diagonal.z * change.y * change.y
     }
 
     /// The exact 2 × 2 step if it stays inside the disc; else an isotropic one, projected.
@@ -281,7 +275,8 @@ mod tests {
         let (mut bodies, mut contact) = touching(Vec3::new(0.5, -0.5, 0.3));
         bodies[0].linear = Vec3::new(3.0, -1.0, 1.0);
         for _ in 0..100 {
-            contact.relax(&mut bodies, FrictionCone::Circular);
+            contact.relax_normal(&mut bodies);
+            contact.relax_friction(&mut bodies, FrictionCone::Circular);
         }
         let [_, t1, t2] = contact.impulse.to_array();
         let slip = contact.velocity(&bodies);
@@ -306,7 +301,8 @@ mod tests {
     fn sticking_friction_is_exact_in_one_step() {
         let (mut bodies, mut contact) = touching(Vec3::NEG_Y * 0.5);
         bodies[0].linear = Vec3::new(0.01, -1.0, 0.02);
-        contact.relax(&mut bodies, FrictionCone::Circular);
+        contact.relax_normal(&mut bodies);
+        contact.relax_friction(&mut bodies, FrictionCone::Circular);
         assert!(contact.velocity(&bodies).length() < 1e-7);
     }
 }

@@ -8,6 +8,8 @@ use drystone::experiment::{Experiment, Outcome};
 use drystone::metrics;
 use drystone::scenes::Scene;
 use drystone::settings::{AnchorRule, NormalStabilization, PhysicsThreads, Preset, SolverSettings};
+use drystone::solver::{ContactSolver, Direction, Grouping, Problem, SolveReport};
+use std::sync::Arc;
 
 const SEEDS: [u64; 3] = [1, 2, 3];
 const MINUTE: f32 = 60.0;
@@ -198,18 +200,38 @@ fn travel(experiment: &Experiment, seconds: f32) -> f32 {
     run.poses()[0].position.distance(start)
 }
 
-/// The list has "> 0.2 m" without friction stabilization. That was the creep of a solver that bounds the friction of a point by a load
-/// still to be handed on; one that relaxes the normals of a manifold first creeps 8 mm (`docs/findings.md`). What is left of
-/// it must go on without the anchors, and stop with them.
+/// Gauss–Seidel as plainly as it can be: contact after contact, always the same way.
+struct PlainPgs;
+
+impl ContactSolver for PlainPgs {
+    fn name(&self) -> &str {
+        "plain-pgs"
+    }
+
+    fn solve(&self, problem: &mut Problem) -> SolveReport {
+        let mut report = SolveReport::default();
+        for _ in 0..problem.iterations {
+            let merit = problem.sweep(Direction::Forwards, Grouping::Point).sqrt();
+            report.record(merit, problem);
+        }
+        report
+    }
+}
+
+/// What creeps without friction stabilization is a solver that bounds the friction of a point by a load still to be handed on. Ours,
+/// which relaxes the normals of a manifold first, slips 8 mm while the slab settles and then holds (`docs/findings.md`); there the
+/// anchors halve the slip.
 #[test]
 fn row_11_slab_just_below_the_critical_slope() {
-    let experiment = pgs_12(Scene::Incline(26.4));
-    let with = [10.0, MINUTE].map(|seconds| travel(&experiment, seconds));
-    let without = [10.0, MINUTE].map(|seconds| travel(&off(&experiment), seconds));
-    println!("at 10 and 60 s: with {with:?}, without {without:?}");
-    assert!(with[1] < 0.01, "{with:?}");
-    assert!(with[1] - with[0] < 1e-4, "{with:?}");
-    assert!(without[1] - without[0] > 1e-3, "{without:?}");
+    let ours = pgs_12(Scene::Incline(26.4));
+    let mut plain = ours.clone();
+    plain.solver.solver = Arc::new(PlainPgs);
+    let slips = |e: &Experiment| [travel(e, MINUTE), travel(&off(e), MINUTE)];
+    let (ours, plain) = (slips(&ours), slips(&plain));
+    println!("with and without: ours {ours:?}, plain {plain:?}");
+    assert!(ours[0] < 0.01 && plain[0] < 0.01);
+    assert!(plain[1] > 0.2);
+    assert!(ours[0] < 0.6 * ours[1]);
 }
 
 /// ½ g (sin θ − μ cos θ) t² (1 + Δt/t), the last factor being that of semi-implicit Euler: 3.50 m.

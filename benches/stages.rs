@@ -1,0 +1,129 @@
+//! One bench per system on a resting wall of 1 000 bricks, and both solvers per contact point and sweep.
+//!
+//! ```text
+//! cargo bench --bench stages
+//! ```
+//!
+//! A system is timed inside whole steps, by drystone's own [`Profile`]: alone it would meet warm caches that it never sees.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use drystone::experiment::{Experiment, Run};
+use drystone::profile::Profile;
+use drystone::scenes::Scene;
+use drystone::schedule::step;
+use drystone::settings::{PhysicsThreads, Preset};
+use drystone::solver::merit::free_merit;
+use drystone::solver::{Body, Contact, ContactInput, ContactSolver, FrictionCone, Nncg, Pgs, Problem};
+use glam::{Mat3, Vec3};
+use std::hint::black_box;
+use std::time::Duration;
+
+const DT: f32 = 1.0 / 60.0;
+
+/// A wall of 40 × 25, 1 012 bricks, that has come to rest; one thread, nothing asleep.
+fn resting_wall() -> Run {
+    let mut experiment = Experiment::new(Scene::Wall(40, 25), Preset::Default);
+    experiment.threads = PhysicsThreads::new(1).expect("one thread can be had");
+    experiment.sleeping.enabled = false;
+    let mut run = experiment.start();
+    for _ in 0..60 {
+        run.step();
+    }
+    run
+}
+
+fn systems(criterion: &mut Criterion) {
+    let mut run = resting_wall();
+    let names: Vec<_> = run.world.resource::<Profile>().systems();
+    let mut group = criterion.benchmark_group("wall:40x25");
+    group.sample_size(10).measurement_time(Duration::from_secs(2));
+    for (name, _) in names {
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|iterations| {
+                let mut spent = Duration::ZERO;
+                for _ in 0..iterations {
+                    step(&mut run.world, DT).expect("the step is positive");
+                    spent += run.world.resource::<Profile>().system(name).unwrap_or_default();
+                }
+                spent
+            });
+        });
+    }
+    group.finish();
+}
+
+/// The contacts of a wall, four points each, as the solver sees them: each brick on two below.
+fn wall_problem(width: u32, courses: u32) -> (Vec<Body>, Vec<Contact>) {
+    let ground = Body {
+        inverse_inertia: Mat3::ZERO,
+        ..Default::default()
+    };
+    let brick = Body {
+        linear: Vec3::NEG_Y * 9.81 * DT,
+        inverse_mass: 1.0 / 250.0,
+        inverse_inertia: Mat3::from_diagonal(Vec3::new(0.096, 0.0384, 0.0384)),
+        ..Default::default()
+    };
+    let mut bodies = vec![ground];
+    bodies.extend((0..width * courses).map(|_| brick));
+    let mut contacts = Vec::new();
+    for course in 0..courses {
+        for i in 0..width {
+            let body = 1 + course * width + i;
+            for side in [-1.0f32, 1.0] {
+                let other = (i + (side > 0.0) as u32) % width;
+                let below = if course == 0 { 0 } else { 1 + (course - 1) * width + other };
+                for (x, z) in [(0.0, -0.25), (0.5, 0.25), (0.5, -0.25), (0.0, 0.25)] {
+                    let arm = Vec3::new(side * x, -0.25, z);
+                    let from_below = Vec3::new(side * (x - 0.5), 0.25, z);
+                    let input = ContactInput {
+                        bodies: [body, below],
+                        normal: Vec3::Y,
+                        arms: [arm, from_below],
+                        friction: 0.5,
+                        ..Default::default()
+                    };
+                    contacts.push(Contact::prepare(&input, &bodies));
+                }
+            }
+        }
+    }
+    (bodies, contacts)
+}
+
+fn solvers(criterion: &mut Criterion) {
+    const SWEEPS: usize = 20;
+    let (bodies, contacts) = wall_problem(40, 25);
+    let free_merit = free_merit(&bodies, &contacts);
+    let mut group = criterion.benchmark_group("solver, per contact point and sweep");
+    group.sample_size(20);
+    group.throughput(Throughput::Elements((contacts.len() * SWEEPS) as u64));
+    let solvers: [&dyn ContactSolver; 2] = [&Pgs, &Nncg];
+    for solver in solvers {
+        for cone in [FrictionCone::Circular, FrictionCone::Box] {
+            let id = BenchmarkId::new(solver.name(), format!("{cone:?}"));
+            group.bench_function(id, |bencher| {
+                bencher.iter_batched_ref(
+                    || (bodies.clone(), contacts.clone()),
+                    |(bodies, contacts)| {
+                        let mut problem = Problem {
+                            bodies,
+                            contacts,
+                            cone,
+                            iterations: SWEEPS,
+                            tolerance: 0.0,
+                            free_merit,
+                            record_history: false,
+                        };
+                        black_box(solver.solve(&mut problem))
+                    },
+                    criterion::BatchSize::LargeInput,
+                );
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, systems, solvers);
+criterion_main!(benches);

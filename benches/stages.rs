@@ -13,7 +13,9 @@ use drystone::scenes::Scene;
 use drystone::schedule::step;
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone::solver::merit::free_merit;
-use drystone::solver::{Body, Contact, ContactInput, ContactSolver, FrictionCone, Nncg, Pgs, Problem};
+use drystone::solver::{
+    Body, Contact, ContactInput, ContactSolver, FrictionCone, Nncg, Pgs, Problem,
+};
 use glam::{Mat3, Vec3};
 use std::hint::black_box;
 use std::time::Duration;
@@ -36,14 +38,20 @@ fn systems(criterion: &mut Criterion) {
     let mut run = resting_wall();
     let names: Vec<_> = run.world.resource::<Profile>().systems();
     let mut group = criterion.benchmark_group("wall:40x25");
-    group.sample_size(10).measurement_time(Duration::from_secs(2));
+    group
+        .sample_size(10)
+        .measurement_time(Duration::from_secs(2));
     for (name, _) in names {
         group.bench_function(name, |bencher| {
             bencher.iter_custom(|iterations| {
                 let mut spent = Duration::ZERO;
                 for _ in 0..iterations {
                     step(&mut run.world, DT).expect("the step is positive");
-                    spent += run.world.resource::<Profile>().system(name).unwrap_or_default();
+                    spent += run
+                        .world
+                        .resource::<Profile>()
+                        .system(name)
+                        .unwrap_or_default();
                 }
                 spent
             });
@@ -72,7 +80,11 @@ fn wall_problem(width: u32, courses: u32) -> (Vec<Body>, Vec<Contact>) {
             let body = 1 + course * width + i;
             for side in [-1.0f32, 1.0] {
                 let other = (i + (side > 0.0) as u32) % width;
-                let below = if course == 0 { 0 } else { 1 + (course - 1) * width + other };
+                let below = if course == 0 {
+                    0
+                } else {
+                    1 + (course - 1) * width + other
+                };
                 for (x, z) in [(0.0, -0.25), (0.5, 0.25), (0.5, -0.25), (0.0, 0.25)] {
                     let arm = Vec3::new(side * x, -0.25, z);
                     let from_below = Vec3::new(side * (x - 0.5), 0.25, z);

@@ -121,18 +121,16 @@ impl Site<'_> {
         None
     }
 
-    /// Leaning pairs of cards, joined by flat ones; each level has one pair fewer.
+    /// Leaning pairs of cards; a flat card over each level but the last carries the next, which has one pair fewer.
     pub(super) fn card_house(&mut self, levels: u32) -> Option<Hand> {
         self.ground(0.0);
         let (length, thickness, lean) = (1.0, 0.06, 15f32.to_radians());
         let gap = self.options.vertical_gap;
         let card = Collider::cuboid(thickness, length, 0.7);
-        let flat = Collider::cuboid(length * 0.9, thickness, 0.7);
         // A leaning card's extent: half its height and half its width.
         let rise = 0.5 * (length * lean.cos() + thickness * lean.sin());
         let reach = 0.5 * (length * lean.sin() + thickness * lean.cos());
-        // The pair's inner top corners meet; pairs stand so that flat cards reach from one apex to the next.
-        let pitch = length * 0.9 + 0.02 + self.options.lateral_gap;
+        let pitch = 4.0 * reach + 0.1;
         let mut y = 0.0;
         for level in 0..levels {
             let pairs = levels - level;
@@ -144,13 +142,14 @@ impl Site<'_> {
                     self.place("card", card.clone(), position, rotation);
                 }
             }
-            y += 2.0 * (gap + rise);
-            for i in 0..pairs.saturating_sub(1) {
-                let x = (i as f32 - 0.5 * (pairs - 2) as f32) * pitch;
-                let position = Vec3::new(x, y + 0.5 * thickness, 0.0);
-                self.place("flat card", flat.clone(), position, Quat::IDENTITY);
+            y += gap + 2.0 * rise;
+            if pairs > 1 {
+                let span = (pairs - 1) as f32 * pitch + 4.0 * thickness;
+                let position = Vec3::Y * (y + gap + 0.5 * thickness);
+                let flat = Collider::cuboid(span, thickness, 0.7);
+                self.place("flat card", flat, position, Quat::IDENTITY);
+                y += gap + thickness;
             }
-            y += thickness;
         }
         None
     }

@@ -102,3 +102,8 @@ pub mod prelude {
     pub use crate::{DrystonePlugins, step};
     pub use glam::{Quat, Vec3};
 }
+
+/// The README's example, kept true.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

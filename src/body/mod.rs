@@ -2,7 +2,7 @@
 //!
 //! A body is an entity with a [`RigidBody`] and a [`Collider`](crate::collider::Collider). Everything else is
 //! added with a sensible default. The components here are the truth; the [`BodyTable`] is a dense copy of them
-//! that the pair stages read at random, written once a step by [`prepare`](crate::body::prepare).
+//! that the pair stages read at random, written once a step by [`prepare`].
 
 mod forces;
 mod mass;

@@ -4,12 +4,14 @@
 //! cargo run --release --example simulate -- --scene wall:10x10 --preset paper --steps 600 --seeds 1,2,3 --json
 //! ```
 
+mod report;
+
 use clap::{Parser, ValueEnum};
-use drystone::experiment::{Experiment, Outcome, Spread};
+use drystone::experiment::Experiment;
 use drystone::scenes::{KNOWN, Scene};
 use drystone::settings::{AnchorRule, Classifier, NormalStabilization, PhysicsThreads, Preset};
 use drystone::solver::{FrictionCone, Nncg, Pgs};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -104,12 +106,15 @@ fn share(text: &str) -> Result<f32, String> {
 const BAUMGARTE_GAIN: f32 = 0.5;
 
 impl Arguments {
-    fn experiment(&self) -> Result<Experiment, String> {
-        let preset = match self.preset {
+    fn preset(&self) -> Preset {
+        match self.preset {
             PresetName::Default => Preset::Default,
             PresetName::Paper => Preset::Paper,
-        };
-        let mut experiment = Experiment::new(self.scene, preset);
+        }
+    }
+
+    fn experiment(&self) -> Result<Experiment, String> {
+        let mut experiment = Experiment::new(self.scene, self.preset());
         if let Some(dt) = self.dt {
             if !(dt.is_finite() && dt > 0.0) {
                 return Err(format!("--dt {dt}: a step must be longer than nothing"));
@@ -179,76 +184,6 @@ impl Arguments {
         }
         Ok(experiment)
     }
-
-    fn settings(&self, experiment: &Experiment) -> Value {
-        let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
-        let friction = &stabilization.friction;
-        let name = |value: &dyn std::fmt::Debug| format!("{value:?}");
-        json!({
-            "preset": if self.preset == PresetName::Paper { "paper" } else { "default" },
-            "dt": experiment.dt,
-            "steps": self.steps,
-            "solver": solver.solver.name(),
-            "iterations": solver.iterations,
-            "substeps": solver.substeps,
-            "tolerance": solver.tolerance,
-            "warm_start": solver.warm_start,
-            "friction": name(&solver.cone),
-            "normal": name(&stabilization.normal),
-            "envelope_m": stabilization.envelope,
-            "ideal_distance_m": stabilization.rest_distance(),
-            "max_correction_speed_m_s": stabilization.max_correction_speed,
-            "friction_stabilization": friction.enabled,
-            "anchors": name(&friction.anchors),
-            "classifier": name(&friction.classifier),
-            "friction_gain": friction.gain,
-            "friction_tolerance_m": friction.tolerance,
-            "sleeping": experiment.sleeping.enabled,
-            "threads": self.threads,
-            "gap_m": experiment.options.lateral_gap,
-            "noise_m": experiment.options.noise_position,
-            "noise_rad": experiment.options.noise_angle,
-        })
-    }
-}
-
-fn spread(spread: &Spread) -> Value {
-    let ms = |time: std::time::Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
-    json!({ "ms_median": ms(spread.median), "ms_p95": ms(spread.p95) })
-}
-
-fn report(scene: Scene, seed: u64, outcome: &Outcome) -> Map<String, Value> {
-    let step = spread(&outcome.step_time);
-    let systems: Map<String, Value> = outcome
-        .system_times
-        .iter()
-        .map(|(name, times)| ((*name).to_owned(), spread(times)))
-        .collect();
-    let fields = json!({
-        "scene": scene.to_string(),
-        "seed": seed,
-        "stands": outcome.stands,
-        "fell_at_s": outcome.fell_at,
-        "drift_m": outcome.displacement.drift,
-        "sag_m": outcome.displacement.sag,
-        "penetration_max_m": outcome.penetration_max,
-        "penetration_mean_m": outcome.penetration_mean,
-        "ideal_error_max_m": outcome.ideal_error_max,
-        "rms_speed_m_s": outcome.rms_speed,
-        "tilt_rad": outcome.displacement.tilt,
-        "energy_gain": outcome.energy_gain,
-        "residual": outcome.residual,
-        "sweeps_median": outcome.sweeps_median,
-        "bodies": outcome.bodies,
-        "contacts": outcome.contacts,
-        "step_ms_median": step["ms_median"],
-        "step_ms_p95": step["ms_p95"],
-        "systems": systems,
-    });
-    match fields {
-        Value::Object(map) => map,
-        _ => unreachable!("json! was given an object"),
-    }
 }
 
 fn table(out: &mut impl Write, fields: &Map<String, Value>) -> std::io::Result<()> {
@@ -282,9 +217,9 @@ fn main() -> ExitCode {
     };
     let mut out = std::io::stdout().lock();
     for &seed in &arguments.seeds {
-        let outcome = experiment.clone().with_seed(seed).run(arguments.steps);
-        let mut fields = report(arguments.scene, seed, &outcome);
-        fields.insert("settings".into(), arguments.settings(&experiment));
+        let experiment = experiment.clone().with_seed(seed);
+        let outcome = experiment.run(arguments.steps);
+        let fields = report::report(arguments.preset(), &experiment, arguments.steps, &outcome);
         let written = if arguments.json {
             writeln!(out, "{}", Value::Object(fields))
         } else {

@@ -75,6 +75,22 @@ impl Islands {
         self.count
     }
 
+    /// Works on every problem, side by side where there is enough to do.
+    pub(crate) fn each_problem(
+        &mut self,
+        threads: &PhysicsThreads,
+        work: impl Fn(&mut IslandProblem) + Sync + Send,
+    ) {
+        let contacts = self.problems.iter().map(|p| p.contacts.len()).sum();
+        if contacts < PhysicsThreads::SMALL {
+            self.problems.iter_mut().for_each(work);
+        } else {
+            threads.run(contacts, || {
+                self.problems.par_iter_mut().with_max_len(1).for_each(work)
+            });
+        }
+    }
+
     /// Groups `members` by `links`. Islands are numbered in the order of their first member.
     fn regroup(
         &mut self,
@@ -232,21 +248,15 @@ pub fn islands(
             Some((problem, touches))
         })
         .collect();
-    let parallel = touches_len(&work) >= LARGE_ISLAND;
-    threads.run(|| {
-        let gather = |(problem, touches): (&mut IslandProblem, &mut [Touch])| {
-            problem.gather(touches, table, local, velocities);
-        };
-        if parallel {
-            work.into_par_iter().for_each(gather);
-        } else {
-            work.into_iter().for_each(gather);
-        }
-    });
-}
-
-fn touches_len(work: &[(&mut IslandProblem, &mut [Touch])]) -> usize {
-    work.iter().map(|(_, touches)| touches.len()).sum()
+    let pairs = work.iter().map(|(_, touches)| touches.len()).sum();
+    let gather = |(problem, touches): (&mut IslandProblem, &mut [Touch])| {
+        problem.gather(touches, table, local, velocities);
+    };
+    if pairs >= LARGE_ISLAND {
+        threads.run(pairs, || work.into_par_iter().for_each(gather));
+    } else {
+        work.into_iter().for_each(gather);
+    }
 }
 
 /// Islands sleep and wake as a whole. What is awake, or carried by something that moves, wakes the rest.

@@ -48,7 +48,7 @@ pub enum PhysicsSystems {
 }
 
 impl PhysicsSystems {
-    /// All of them, in order.
+    /// All of them, in the order in which they run.
     pub const ORDER: [Self; 13] = [
         Self::Prepare,
         Self::Broadphase,
@@ -68,31 +68,15 @@ impl PhysicsSystems {
 
 /// An empty [`PhysicsSchedule`] with its sets in order.
 pub(crate) fn physics_schedule() -> Schedule {
-    use PhysicsSystems::*;
     let mut schedule = Schedule::new(PhysicsSchedule);
     schedule.set_executor(SingleThreadedExecutor::new());
     schedule.set_build_settings(ScheduleBuildSettings {
         ambiguity_detection: LogLevel::Error,
         ..Default::default()
     });
-    schedule.configure_sets(
-        (
-            Prepare,
-            Broadphase,
-            Narrowphase,
-            FrictionError,
-            NormalCorrection,
-            Forces,
-            Islands,
-            WarmStart,
-            Solve,
-            Anchors,
-            Integration,
-            Sleeping,
-            ContactEvents,
-        )
-            .chain(),
-    );
+    for [earlier, later] in PhysicsSystems::ORDER.array_windows() {
+        schedule.configure_sets(earlier.before(*later));
+    }
     schedule
 }
 

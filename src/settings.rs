@@ -286,11 +286,23 @@ impl PhysicsThreads {
         Ok(Self(Some(Arc::new(pool))))
     }
 
-    /// Runs parallel work on these threads.
-    pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+    /// How many there are.
+    pub fn count(&self) -> usize {
         match &self.0 {
-            Some(pool) => pool.install(work),
-            None => work(),
+            Some(pool) => pool.current_num_threads(),
+            None => rayon::current_num_threads(),
         }
     }
+
+    /// Runs work on these threads. Handing over costs some 20 µs, so fewer than [`Self::SMALL`] `items` stay on this one (where
+    /// rayon's iterators must be kept from splitting, with a minimum length or by being plain ones).
+    pub fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
+        match &self.0 {
+            Some(pool) if items >= Self::SMALL => pool.install(work),
+            _ => work(),
+        }
+    }
+
+    /// What is not worth handing over.
+    pub const SMALL: usize = 128;
 }

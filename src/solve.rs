@@ -9,7 +9,6 @@ use crate::settings::{PhysicsThreads, SolverSettings};
 use crate::sleeping::Sleeping;
 use crate::solver::{Problem, SolveReport};
 use bevy_ecs::prelude::*;
-use rayon::prelude::*;
 
 /// How the last step's solves went, one entry for each island that had contacts.
 #[derive(Resource, Default, Clone, Debug)]
@@ -39,15 +38,7 @@ pub fn solve(
         Without<Quarantined>,
     >,
 ) {
-    threads.run(|| {
-        islands
-            .problems
-            .par_iter_mut()
-            .with_max_len(1)
-            .for_each(|island| {
-                island.solve(&settings);
-            });
-    });
+    islands.each_problem(&threads, |problem| problem.solve(&settings));
 
     reports.0.clear();
     reports.0.extend(

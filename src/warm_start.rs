@@ -4,7 +4,6 @@ use crate::islands::{IslandProblem, Islands};
 use crate::settings::{PhysicsThreads, SolverSettings};
 use crate::solver::merit::free_merit;
 use bevy_ecs::prelude::*;
-use rayon::prelude::*;
 
 /// See the module's text.
 pub fn warm_start(
@@ -13,22 +12,19 @@ pub fn warm_start(
     threads: Res<PhysicsThreads>,
 ) {
     let share = settings.warm_start;
-    threads.run(|| {
-        islands.problems.par_iter_mut().for_each(
-            |IslandProblem {
-                 bodies,
-                 contacts,
-                 free_merit: merit,
-                 ..
-             }| {
-                *merit = free_merit(bodies, contacts);
-                for contact in contacts {
-                    contact.impulse *= share;
-                    if share != 0.0 {
-                        contact.push(bodies, contact.world(contact.impulse));
-                    }
-                }
-            },
-        );
+    islands.each_problem(&threads, |problem| {
+        let IslandProblem {
+            bodies,
+            contacts,
+            free_merit: merit,
+            ..
+        } = problem;
+        *merit = free_merit(bodies, contacts);
+        for contact in contacts {
+            contact.impulse *= share;
+            if share != 0.0 {
+                contact.push(bodies, contact.world(contact.impulse));
+            }
+        }
     });
 }

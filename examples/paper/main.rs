@@ -10,6 +10,8 @@
 mod figures;
 mod plots;
 mod render;
+#[path = "../report/mod.rs"]
+mod report;
 mod rows;
 mod runs;
 mod table;

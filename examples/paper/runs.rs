@@ -1,15 +1,16 @@
 //! Runs scenes under rows, several at a time, and keeps every moment for plots and pictures.
 
+use crate::report::report;
 use crate::rows::Row;
 use drystone::body::Pose;
 use drystone::collider::Collider;
 use drystone::experiment::{Experiment, Outcome, Run, Sample};
 use drystone::grab::Grab;
 use drystone::scenes::{Phase, Scene};
-use drystone::settings::PhysicsThreads;
+use drystone::settings::{PhysicsThreads, Preset};
 use glam::Vec3;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -135,46 +136,17 @@ impl Record {
         nearest.expect("every run has steps")
     }
 
-    /// A line of `runs.jsonl`: the names of `simulate --json`, and the row.
+    /// A line of `runs.jsonl`: what `simulate --json` prints, and the row.
     pub fn json(&self) -> Value {
-        let (job, outcome) = (&self.job, &self.outcome);
-        let experiment = job.row.experiment(job.scene);
-        let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
-        let ms = |time: std::time::Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
-        json!({
-            "scene": job.scene.to_string(),
-            "seed": experiment.options.seed,
-            "row": job.row.id,
-            "label": job.row.label,
-            "stands": outcome.stands,
-            "fell_at_s": outcome.fell_at,
-            "drift_m": outcome.displacement.drift,
-            "sag_m": outcome.displacement.sag,
-            "penetration_max_m": outcome.penetration_max,
-            "penetration_mean_m": outcome.penetration_mean,
-            "ideal_error_max_m": outcome.ideal_error_max,
-            "rms_speed_m_s": outcome.rms_speed,
-            "tilt_rad": outcome.displacement.tilt,
-            "energy_gain": outcome.energy_gain,
-            "residual": outcome.residual,
-            "sweeps_median": outcome.sweeps_median,
-            "bodies": outcome.bodies,
-            "contacts": outcome.contacts,
-            "step_ms_median": ms(outcome.step_time.median),
-            "step_ms_p95": ms(outcome.step_time.p95),
-            "settings": {
-                "preset": "paper",
-                "dt": experiment.dt,
-                "steps": self.moments.len(),
-                "solver": solver.solver.name(),
-                "iterations": solver.iterations,
-                "normal": format!("{:?}", stabilization.normal),
-                "envelope_m": stabilization.envelope,
-                "ideal_distance_m": stabilization.rest_distance(),
-                "max_correction_speed_m_s": stabilization.max_correction_speed,
-                "friction_stabilization": stabilization.friction.enabled,
-                "threads": 1,
-            },
-        })
+        let experiment = self.job.row.experiment(self.job.scene);
+        let mut fields = report(
+            Preset::Paper,
+            &experiment,
+            self.moments.len(),
+            &self.outcome,
+        );
+        fields.insert("row".into(), self.job.row.id.into());
+        fields.insert("label".into(), self.job.row.label.into());
+        Value::Object(fields)
     }
 }

@@ -62,7 +62,7 @@ pub fn narrowphase(
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
-        threads.run(|| {
+        threads.run(columns.0.len(), || {
             columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
                 |(pair, cache, manifold, impulses, anchors, targets)| {
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {

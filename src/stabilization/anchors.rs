@@ -76,7 +76,7 @@ pub fn anchors(
             impulses,
             anchors.bypass_change_detection(),
         );
-        threads.run(|| {
+        threads.run(columns.0.len(), || {
             columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
                 |(pair, manifold, impulses, anchors)| {
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {

@@ -201,7 +201,7 @@ pub fn friction_error(
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
-        threads.run(|| {
+        threads.run(columns.0.len(), || {
             columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
                 |(pair, manifold, anchors, targets)| {
                     for target in &mut targets.points {

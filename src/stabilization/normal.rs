@@ -101,7 +101,7 @@ pub fn normal_correction(
         .expect("pair components are stored in tables")
     {
         let columns = (pairs, manifolds, targets.bypass_change_detection());
-        threads.run(|| {
+        threads.run(columns.0.len(), || {
             columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
                 |(pair, manifold, targets)| {
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {

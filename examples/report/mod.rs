@@ -1,0 +1,110 @@
+//! One JSON object a run, the same from every example: the fields and names are stable, other tools read them.
+
+use drystone::experiment::{Experiment, Outcome, Spread};
+use drystone::settings::{AnchorRule, Classifier, NormalStabilization, Preset};
+use drystone::solver::FrictionCone;
+use serde_json::{Map, Value, json};
+use std::time::Duration;
+
+/// What became of an experiment of so many steps, and the full settings, named as `simulate` takes them.
+pub fn report(
+    preset: Preset,
+    experiment: &Experiment,
+    steps: usize,
+    outcome: &Outcome,
+) -> Map<String, Value> {
+    let systems: Map<String, Value> = outcome
+        .system_times
+        .iter()
+        .map(|(name, times)| ((*name).to_owned(), spread(times)))
+        .collect();
+    let fields = json!({
+        "scene": experiment.scene.to_string(),
+        "seed": experiment.options.seed,
+        "stands": outcome.stands,
+        "fell_at_s": outcome.fell_at,
+        "drift_m": outcome.displacement.drift,
+        "sag_m": outcome.displacement.sag,
+        "penetration_max_m": outcome.penetration_max,
+        "penetration_mean_m": outcome.penetration_mean,
+        "ideal_error_max_m": outcome.ideal_error_max,
+        "rms_speed_m_s": outcome.rms_speed,
+        "tilt_rad": outcome.displacement.tilt,
+        "energy_gain": outcome.energy_gain,
+        "residual": outcome.residual,
+        "sweeps_median": outcome.sweeps_median,
+        "bodies": outcome.bodies,
+        "contacts": outcome.contacts,
+        "step_ms_median": ms(outcome.step_time.median),
+        "step_ms_p95": ms(outcome.step_time.p95),
+        "systems": systems,
+        "settings": settings(preset, experiment, steps),
+    });
+    match fields {
+        Value::Object(map) => map,
+        _ => unreachable!("json! was given an object"),
+    }
+}
+
+/// Milliseconds, to a tenth of a microsecond.
+fn ms(time: Duration) -> f64 {
+    (time.as_secs_f64() * 1e7).round() / 1e4
+}
+
+fn spread(spread: &Spread) -> Value {
+    json!({ "ms_median": ms(spread.median), "ms_p95": ms(spread.p95) })
+}
+
+fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
+    let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
+    let friction = &stabilization.friction;
+    let (normal, normal_gain) = match stabilization.normal {
+        NormalStabilization::None => ("none", None),
+        NormalStabilization::Baumgarte { gain } => ("baumgarte", Some(gain)),
+        NormalStabilization::BaumgarteOneSided { gain } => ("baumgarte-one-sided", Some(gain)),
+        NormalStabilization::Envelope => ("envelope", None),
+    };
+    json!({
+        "preset": match preset {
+            Preset::Default => "default",
+            Preset::Paper => "paper",
+        },
+        "dt": experiment.dt,
+        "steps": steps,
+        "solver": solver.solver.name(),
+        "iterations": solver.iterations,
+        "substeps": solver.substeps,
+        "tolerance": solver.tolerance,
+        "warm_start": solver.warm_start,
+        "friction": match solver.cone {
+            FrictionCone::Circular => "cone",
+            FrictionCone::Box => "box",
+        },
+        "normal": normal,
+        "normal_gain": normal_gain,
+        "envelope_m": stabilization.envelope,
+        "ideal_distance_m": stabilization.rest_distance(),
+        "max_correction_speed_m_s": stabilization.max_correction_speed,
+        "friction_stabilization": if friction.enabled { "on" } else { "off" },
+        "anchors": match friction.anchors {
+            AnchorRule::Literal => "literal",
+            AnchorRule::Persistent => "persistent",
+            AnchorRule::PairPose => "pair-pose",
+            AnchorRule::Trackless => "trackless",
+        },
+        "classifier": match friction.classifier {
+            Classifier::PerPoint => "per-point",
+            Classifier::Any => "any",
+            Classifier::All => "all",
+            Classifier::Sum => "sum",
+            Classifier::Hysteresis => "hysteresis",
+        },
+        "friction_gain": friction.gain,
+        "friction_tolerance_m": friction.tolerance,
+        "sleeping": if experiment.sleeping.enabled { "on" } else { "off" },
+        "threads": experiment.threads.count(),
+        "gap_m": experiment.options.lateral_gap,
+        "noise_m": experiment.options.noise_position,
+        "noise_rad": experiment.options.noise_angle,
+    })
+}

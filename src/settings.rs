@@ -211,7 +211,8 @@ impl Preset {
                 iterations: 20,
                 substeps: 2,
                 cone: FrictionCone::Circular,
-                warm_start: 0.0,
+                // A third of the creep of arches, half the jitter of stacks; at 0.5 a house of cards rocks itself down.
+                warm_start: 0.3,
                 tolerance: 1e-4,
                 record_history: false,
             },

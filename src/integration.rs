@@ -71,7 +71,8 @@ fn stretched(angular: DVec3, dt: f32) -> f64 {
     if angle < 1e-3 {
         dt as f64
     } else {
-        // In f32, since that is the same on every platform; any length of step keeps momentum and energy.
+        // By `ops`: an app that turns on `bevy_math/libm` gets the same bits on every platform. It has f32 only, and any length
+        // of step keeps momentum and energy.
         dt as f64 * (ops::tan(angle as f32) as f64) / angle
     }
 }

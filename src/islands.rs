@@ -26,7 +26,7 @@ pub struct Islands {
     count: usize,
     /// By slot: where the body stands in its island's problem.
     pub(crate) local: Vec<u32>,
-    /// The islands to solve; more may be allocated than `awake`.
+    /// One for each island; without bodies where it sleeps.
     pub(crate) problems: Vec<IslandProblem>,
     velocities: Vec<Velocity>,
 }
@@ -131,7 +131,6 @@ impl Islands {
 /// One pair with points, as gathered.
 struct Touch<'a> {
     island: u32,
-    order: [u64; 2],
     pair: &'a ContactPair,
     manifold: &'a Manifold,
     targets: &'a ContactTargets,
@@ -159,10 +158,8 @@ pub fn islands(
         let slot = slot.into_inner();
         *slot = SolverSlot::NONE;
         if !manifold.points.is_empty() {
-            let (order, island) = (pair.order, u32::MAX);
             touches.push(Touch {
-                island,
-                order,
+                island: u32::MAX,
                 pair,
                 manifold,
                 targets,
@@ -354,7 +351,7 @@ impl IslandProblem {
 impl Touch<'_> {
     /// By the younger body first, so that all supports of a brick are visited together.
     fn age(&self) -> [u64; 2] {
-        let [older, younger] = self.order;
+        let [older, younger] = self.pair.order;
         [younger, older]
     }
 

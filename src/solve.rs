@@ -65,8 +65,7 @@ pub fn solve(
         {
             *impulse = Impulse {
                 normal: contact.impulse.x,
-                tangential: contact.tangents[0] * contact.impulse.y
-                    + contact.tangents[1] * contact.impulse.z,
+                tangential: contact.world(contact.impulse.with_x(0.0)),
             };
         }
     }

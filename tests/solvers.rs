@@ -114,6 +114,17 @@ fn solve(
     cone: FrictionCone,
     iterations: usize,
 ) -> Solved {
+    solve_until(graph, solver, cone, iterations, 0.0, true)
+}
+
+fn solve_until(
+    graph: &Graph,
+    solver: &dyn ContactSolver,
+    cone: FrictionCone,
+    iterations: usize,
+    tolerance: f32,
+    record_history: bool,
+) -> Solved {
     let mut bodies = graph.bodies.clone();
     let prepare = |input| Contact::prepare(input, &bodies);
     let mut contacts: Vec<_> = graph.contacts.iter().map(prepare).collect();
@@ -123,9 +134,9 @@ fn solve(
         contacts: &mut contacts,
         cone,
         iterations,
-        tolerance: 0.0,
+        tolerance,
         free_merit,
-        record_history: true,
+        record_history,
     });
     Solved {
         bodies,
@@ -286,19 +297,8 @@ fn conjugate_gradients_get_further_than_gauss_seidel_on_a_tall_tower() {
 fn a_solve_ends_early_when_it_is_good_enough() {
     let graph = tower(3);
     for solver in [&Pgs as &dyn ContactSolver, &Nncg] {
-        let mut bodies = graph.bodies.clone();
-        let prepare = |input| Contact::prepare(input, &bodies);
-        let mut contacts: Vec<_> = graph.contacts.iter().map(prepare).collect();
-        let free_merit = free_merit(&bodies, &contacts);
-        let report = solver.solve(&mut Problem {
-            bodies: &mut bodies,
-            contacts: &mut contacts,
-            cone: FrictionCone::Circular,
-            iterations: 1000,
-            tolerance: 1e-2,
-            free_merit,
-            record_history: false,
-        });
+        let cone = FrictionCone::Circular;
+        let report = solve_until(&graph, solver, cone, 1000, 1e-2, false).report;
         assert!(
             report.sweeps < 1000 && report.residual <= 1e-2,
             "{report:?}"

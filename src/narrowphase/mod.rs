@@ -19,8 +19,8 @@ use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-/// Below this many pairs threads cost more than they save.
-pub(crate) const SERIAL_PAIRS: usize = 64;
+/// The least share of pairs that is worth a thread: what [`PhysicsThreads::run`] keeps on this thread is then not split.
+pub(crate) const SERIAL_PAIRS: usize = PhysicsThreads::SMALL / 2;
 
 /// Points of a patch nearer to each other than this share of the smaller body's radius become one: two bricks that are all but
 /// aligned touch at each corner twice, a few millimetres apart, and the point that a step finds there would not be that
@@ -133,7 +133,6 @@ fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
-    let curved = a.collider.is_curved() || b.collider.is_curved();
     let size = a.radius.min(b.radius);
     for found in manifolds.iter_mut() {
         let (sub_a, sub_b) = (

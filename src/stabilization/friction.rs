@@ -10,6 +10,7 @@ use crate::contact::{
 use crate::narrowphase::SERIAL_PAIRS;
 use crate::settings::{AnchorRule, Classifier, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
+use bevy_math::ops;
 use glam::Vec3;
 use rayon::prelude::*;
 use smallvec::SmallVec;
@@ -93,7 +94,7 @@ pub fn slip(
     let [x_a, x_b] = carried(friction.anchors, anchor, a, b, point.position);
     let error = anchor_error(normal, x_a, x_b);
     let parted = normal.dot(x_a - x_b).abs();
-    let straight = friction.max_turn.cos();
+    let straight = ops::cos(friction.max_turn);
     let turned = [(a, anchor.normal[0]), (b, anchor.normal[1])]
         .iter()
         .any(|(body, local)| normal.dot(body.pose.rotation * *local) < straight);

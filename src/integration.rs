@@ -9,6 +9,7 @@
 use crate::body::{
     BodyIndex, BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity, write_transform,
 };
+use crate::islands::Islands;
 use crate::settings::StepTime;
 use crate::sleeping::Sleeping;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -20,6 +21,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 pub fn integration(
     time: Res<StepTime>,
     table: Res<BodyTable>,
+    islands: Res<Islands>,
     mut bodies: Query<
         (
             &RigidBody,
@@ -44,13 +46,20 @@ pub fn integration(
         }
         if !still && *velocity != Velocity::default() {
             let (velocity, pose) = (velocity.bypass_change_detection(), &mut *pose);
-            let center = pose.transform_point(mass.local_center) + dt * velocity.linear;
+            let motion = islands.motion(index.0);
+            let Velocity { linear, angular } = motion.unwrap_or(*velocity);
+            let center = pose.transform_point(mass.local_center) + dt * linear;
+            let spin = |rotation: Quat| {
+                (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize()
+            };
             if *kind == RigidBody::Dynamic {
-                (pose.rotation, velocity.angular) =
-                    rotate(mass, pose.rotation, velocity.angular, dt);
+                let before = pose.rotation;
+                (pose.rotation, velocity.angular) = rotate(mass, before, velocity.angular, dt);
+                if motion.is_some() {
+                    pose.rotation = spin(before);
+                }
             } else {
-                let spin = turn(velocity.angular.as_dvec3(), dt).as_quat();
-                pose.rotation = (spin * pose.rotation).normalize();
+                pose.rotation = spin(pose.rotation);
             }
             pose.position = center - pose.rotation * mass.local_center;
         }

@@ -6,12 +6,11 @@
 //! threads or on where the ECS keeps things; for what was built from the ground up that is from the bottom up.
 
 use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Velocity};
-use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
-use crate::settings::PhysicsThreads;
+use crate::contact::{self, ContactImpulses, ContactPair, ContactTargets, Manifold};
+use crate::settings::{PhysicsThreads, SolverSettings, StabilizationSettings};
 use crate::sleeping::Sleeping;
-use crate::solver::{Body, Contact, ContactInput, SolveReport};
+use crate::solver::{Body, Contact, ContactInput, Patch, PatchPoint, Rows, SolveReport};
 use bevy_ecs::prelude::*;
-use glam::Mat3;
 use rayon::prelude::*;
 
 /// From here on the contacts of one island are prepared on several threads.
@@ -36,11 +35,20 @@ pub struct Islands {
 pub(crate) struct IslandProblem {
     pub bodies: Vec<Body>,
     pub contacts: Vec<Contact>,
+    pub patches: Vec<Patch>,
+    pub points: Vec<PatchPoint>,
     pub free_merit: f32,
     pub report: SolveReport,
 }
 
-/// Where a pair's contacts stand in the problem of its island. Internal.
+impl IslandProblem {
+    /// Contact points, whichever list they are in.
+    pub fn contact_count(&self) -> usize {
+        self.contacts.len() + self.points.len()
+    }
+}
+
+/// Where a pair's contacts (or its patches) stand in the problem of its island. Internal.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SolverSlot {
     pub(crate) island: u32,
@@ -70,6 +78,14 @@ impl Islands {
         }
     }
 
+    /// The mean velocity with which a body moves in this step, where its solver took substeps.
+    pub fn motion(&self, slot: u32) -> Option<Velocity> {
+        let local = *self.local.get(slot as usize)?;
+        let problem = &self.problems[self.of(slot)?];
+        let [linear, angular] = problem.bodies.get(local as usize)?.motion?;
+        Some(Velocity { linear, angular })
+    }
+
     /// How many there are, sleeping ones included.
     pub fn count(&self) -> usize {
         self.count
@@ -81,7 +97,11 @@ impl Islands {
         threads: &PhysicsThreads,
         work: impl Fn(&mut IslandProblem) + Sync + Send,
     ) {
-        let contacts = self.problems.iter().map(|p| p.contacts.len()).sum();
+        let contacts = self
+            .problems
+            .iter()
+            .map(IslandProblem::contact_count)
+            .sum();
         if contacts < PhysicsThreads::SMALL {
             self.problems.iter_mut().for_each(work);
         } else {
@@ -143,6 +163,7 @@ pub fn islands(
     mut table: ResMut<BodyTable>,
     mut islands: ResMut<Islands>,
     threads: Res<PhysicsThreads>,
+    (stabilization, solver): (Res<StabilizationSettings>, Res<SolverSettings>),
     mut pairs: Query<(
         &ContactPair,
         &Manifold,
@@ -202,6 +223,8 @@ pub fn islands(
     for problem in problems.iter_mut() {
         problem.bodies.clear();
         problem.contacts.clear();
+        problem.patches.clear();
+        problem.points.clear();
     }
     local.clear();
     local.resize(table.slots(), u32::MAX);
@@ -209,11 +232,17 @@ pub fn islands(
         if body.is_dynamic() && !body.asleep {
             let bodies = &mut problems[island[slot as usize] as usize].bodies;
             local[slot as usize] = bodies.len() as u32;
+            let velocity = velocities[slot as usize];
             bodies.push(Body {
-                linear: velocities[slot as usize].linear,
+                linear: velocity.linear,
                 inverse_mass: body.mass.inverse_mass,
-                angular: velocities[slot as usize].angular,
+                angular: velocity.angular,
                 inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
+                push: [
+                    velocity.linear - body.velocity.linear,
+                    velocity.angular - body.velocity.angular,
+                ],
+                motion: None,
             });
         }
     }
@@ -246,8 +275,14 @@ pub fn islands(
         })
         .collect();
     let pairs = work.iter().map(|(_, touches)| touches.len()).sum();
+    let rows = solver.solver.rows();
+    let ideal = stabilization.rest_distance();
     let gather = |(problem, touches): (&mut IslandProblem, &mut [Touch])| {
-        problem.gather(touches, table, local, velocities);
+        let ends = problem.ends(touches, local, velocities);
+        match rows {
+            Rows::Points => problem.gather_contacts(touches, &ends),
+            Rows::Patches => problem.gather_patches(touches, &ends, ideal),
+        }
     };
     if pairs >= LARGE_ISLAND {
         threads.run(pairs, || work.into_par_iter().for_each(gather));
@@ -299,51 +334,89 @@ fn wake(
 }
 
 impl IslandProblem {
-    fn gather(
+    /// Where the bodies of each pair stand. Copies of static and kinematic ones are put behind the dynamic ones.
+    fn ends(
         &mut self,
-        touches: &mut [Touch],
-        table: &BodyTable,
+        touches: &[Touch],
         local: &[u32],
         velocities: &[Velocity],
-    ) {
-        // Copies of static and kinematic bodies stand behind the dynamic ones.
+    ) -> Vec<[u32; 2]> {
         let mut copies: Vec<(u32, u32)> = Vec::new();
+        let mut end = |slot: u32| {
+            if local[slot as usize] != u32::MAX {
+                return local[slot as usize];
+            }
+            if let Some((_, copy)) = copies.iter().rev().take(4).find(|(of, _)| *of == slot) {
+                return *copy;
+            }
+            let velocity = velocities[slot as usize];
+            self.bodies.push(Body {
+                linear: velocity.linear,
+                angular: velocity.angular,
+                ..Default::default()
+            });
+            copies.push((slot, self.bodies.len() as u32 - 1));
+            self.bodies.len() as u32 - 1
+        };
+        touches
+            .iter()
+            .map(|touch| touch.pair.slots.map(&mut end))
+            .collect()
+    }
+
+    fn gather_contacts(&mut self, touches: &mut [Touch], ends: &[[u32; 2]]) {
         let mut first = 0;
-        let mut ends = Vec::with_capacity(touches.len());
         for touch in touches.iter_mut() {
             *touch.slot = SolverSlot {
                 island: touch.island,
                 first,
             };
             first += touch.manifold.points.len() as u32;
-            ends.push(touch.pair.slots.map(|slot| {
-                if local[slot as usize] != u32::MAX {
-                    return local[slot as usize];
-                }
-                if let Some((_, copy)) = copies.iter().rev().take(4).find(|(of, _)| *of == slot) {
-                    return *copy;
-                }
-                let velocity = velocities[slot as usize];
-                self.bodies.push(Body {
-                    linear: velocity.linear,
-                    inverse_mass: 0.0,
-                    angular: velocity.angular,
-                    inverse_inertia: Mat3::ZERO,
-                });
-                copies.push((slot, self.bodies.len() as u32 - 1));
-                self.bodies.len() as u32 - 1
-            }));
         }
         let bodies = &self.bodies;
         if touches.len() >= LARGE_ISLAND {
-            let touches = touches.par_iter().zip(&ends);
-            self.contacts.par_extend(
-                touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, table, bodies)),
-            );
-        } else {
-            let touches = touches.iter().zip(&ends);
+            let touches = touches.par_iter().zip(ends);
             self.contacts
-                .extend(touches.flat_map(|(touch, ends)| touch.contacts(*ends, table, bodies)));
+                .par_extend(touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, bodies)));
+        } else {
+            let touches = touches.iter().zip(ends);
+            self.contacts
+                .extend(touches.flat_map(|(touch, ends)| touch.contacts(*ends, bodies)));
+        }
+    }
+
+    fn gather_patches(&mut self, touches: &mut [Touch], ends: &[[u32; 2]], ideal: f32) {
+        for (touch, ends) in touches.iter_mut().zip(ends) {
+            *touch.slot = SolverSlot {
+                island: touch.island,
+                first: self.patches.len() as u32,
+            };
+            for (i, patch) in touch.manifold.patches.iter().enumerate() {
+                let points = &touch.manifold.points[patch.range()];
+                let center = contact::Patch::center(points);
+                let impulse = touch.impulses.patches[i];
+                let first = self.points.len() as u32;
+                let solved = &touch.impulses.points[patch.range()];
+                self.points
+                    .extend(points.iter().zip(solved).map(|(point, impulse)| PatchPoint {
+                        offset: point.arms[0] - center,
+                        separation: point.distance - ideal,
+                        impulse: impulse.normal,
+                    }));
+                self.patches.push(Patch {
+                    bodies: *ends,
+                    normal: patch.normal,
+                    arms: [center, points[0].arms[1] + center - points[0].arms[0]],
+                    friction: touch.pair.friction,
+                    restitution: touch.pair.restitution,
+                    slip: touch.targets.patches[i],
+                    first,
+                    count: patch.count,
+                    tangential: impulse.tangential,
+                    twist: impulse.twist,
+                    load: impulse.load,
+                });
+            }
         }
     }
 }
@@ -356,29 +429,19 @@ impl Touch<'_> {
     }
 
     /// The pair's contact points between the bodies at `ends` of a problem.
-    fn contacts(
-        &self,
-        ends: [u32; 2],
-        table: &BodyTable,
-        bodies: &[Body],
-    ) -> impl Iterator<Item = Contact> {
-        let centers = self
-            .pair
-            .slots
-            .map(|slot| table.get(slot).expect("its pair lives").center);
+    fn contacts(&self, ends: [u32; 2], bodies: &[Body]) -> impl Iterator<Item = Contact> {
         let points = self
             .manifold
             .patches
             .iter()
             .flat_map(|patch| patch.range().map(|i| (patch.normal, i)));
         points.map(move |(normal, i)| {
-            let position = self.manifold.points[i].position;
             let target = self.targets.points[i];
             let impulse = self.impulses.points[i];
             let input = ContactInput {
                 bodies: ends,
                 normal,
-                arms: centers.map(|center| position - center),
+                arms: self.manifold.points[i].arms,
                 friction: self.pair.friction,
                 target_normal: target.normal,
                 target_tangential: target.tangential,

@@ -1,7 +1,7 @@
 //! What a user can set: gravity, stabilization, solver. The defaults are what a Bevy user gets; [`Preset::Paper`]
 //! is the setting of the paper's Table 1.
 
-use crate::solver::{ContactSolver, FrictionCone, Nncg, Pgs};
+use crate::solver::{ContactSolver, FrictionCone, Nncg, Pgs, SoftStep};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ pub enum AnchorRule {
     Literal,
     /// Written when sticking starts, kept while it lasts. Bounds the drift.
     Persistent,
-    /// The relative pose of the bodies at the onset of sticking; needs no contact tracking.
+    /// The relative pose of the bodies at the onset of sticking, one for each patch; needs no tracking of points.
     PairPose,
     /// Last step's slip velocity times Δt, as the paper's section 3 speculates; needs no bookkeeping.
     Trackless,
@@ -105,6 +105,9 @@ pub struct StabilizationSettings {
     pub max_correction_speed: f32,
     /// How friction is corrected.
     pub friction: FrictionStabilization,
+    /// A contact manifold is kept, with normal and arms frozen, until its bodies have moved this far against each other, m. 0:
+    /// found anew in every step.
+    pub recycle_distance: f32,
 }
 
 impl StabilizationSettings {
@@ -191,7 +194,11 @@ impl Preset {
                 ideal_distance: 0.0,
                 normal: NormalStabilization::Envelope,
                 max_correction_speed: 2.0,
-                friction,
+                friction: FrictionStabilization {
+                    anchors: AnchorRule::PairPose,
+                    ..friction
+                },
+                recycle_distance: 0.01,
             },
             Preset::Paper => StabilizationSettings {
                 envelope: 0.0625,
@@ -199,6 +206,7 @@ impl Preset {
                 normal: NormalStabilization::Envelope,
                 max_correction_speed: 2.0,
                 friction,
+                recycle_distance: 0.0,
             },
         }
     }
@@ -207,13 +215,12 @@ impl Preset {
     pub fn solver(self) -> SolverSettings {
         match self {
             Preset::Default => SolverSettings {
-                solver: Arc::new(Nncg),
-                iterations: 20,
-                substeps: 2,
+                solver: Arc::new(SoftStep::default()),
+                iterations: 24,
+                substeps: 1,
                 cone: FrictionCone::Circular,
-                // A third of the creep of arches, half the jitter of stacks; at 0.5 a house of cards rocks itself down.
-                warm_start: 0.3,
-                tolerance: 1e-4,
+                warm_start: 1.0,
+                tolerance: 0.0,
                 record_history: false,
             },
             Preset::Paper => SolverSettings {

@@ -2,12 +2,14 @@
 //! velocities and impulses go back to their components.
 
 use crate::body::{BodyIndex, Quarantined, RigidBody, Velocity};
-use crate::contact::{ContactImpulses, Impulse};
+use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::islands::{IslandProblem, Islands, SolverSlot};
-use crate::settings::{PhysicsThreads, SolverSettings};
+use crate::settings::{
+    Gravity, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
+};
 use crate::sleeping::Sleeping;
-use crate::solver::{Problem, SolveReport};
+use crate::solver::{Problem, Rows, SolveReport};
 use bevy_ecs::prelude::*;
 
 /// How the last step's solves went, one entry for each island that had contacts.
@@ -29,44 +31,45 @@ pub struct IslandReport {
 pub fn solve(
     mut islands: ResMut<Islands>,
     settings: Res<SolverSettings>,
+    (time, gravity, stabilization): (Res<StepTime>, Res<Gravity>, Res<StabilizationSettings>),
     threads: Res<PhysicsThreads>,
     mut reports: ResMut<SolveReports>,
     mut suspects: ResMut<Suspects>,
-    mut pairs: Query<(&SolverSlot, &mut ContactImpulses)>,
+    mut pairs: Query<(&SolverSlot, &Manifold, &mut ContactImpulses)>,
     mut bodies: Query<
         (Entity, &RigidBody, &BodyIndex, &Sleeping, &mut Velocity),
         Without<Quarantined>,
     >,
 ) {
-    islands.each_problem(&threads, |problem| problem.solve(&settings));
+    let given = Given {
+        dt: time.dt,
+        gravity: gravity.0.length(),
+        max_correction_speed: stabilization.max_correction_speed,
+    };
+    islands.each_problem(&threads, |problem| problem.solve(&settings, &given));
 
     reports.0.clear();
     reports.0.extend(
         islands
             .problems
             .iter()
-            .filter(|p| !p.contacts.is_empty())
+            .filter(|p| p.contact_count() > 0)
             .map(|p| IslandReport {
                 bodies: p.bodies.len(),
-                contacts: p.contacts.len(),
+                contacts: p.contact_count(),
                 report: p.report.clone(),
             }),
     );
-    for (slot, mut impulses) in &mut pairs {
+    let rows = settings.solver.rows();
+    for (slot, manifold, mut impulses) in &mut pairs {
         if *slot == SolverSlot::NONE {
             continue;
         }
-        let solved = &islands.problems[slot.island as usize].contacts[slot.first as usize..];
-        for (impulse, contact) in impulses
-            .bypass_change_detection()
-            .points
-            .iter_mut()
-            .zip(solved)
-        {
-            *impulse = Impulse {
-                normal: contact.impulse.x,
-                tangential: contact.world(contact.impulse.with_x(0.0)),
-            };
+        let problem = &islands.problems[slot.island as usize];
+        let impulses = impulses.bypass_change_detection();
+        match rows {
+            Rows::Points => problem.store_contacts(slot.first, impulses),
+            Rows::Patches => problem.store_patches(slot.first, manifold, impulses),
         }
     }
     for (entity, kind, index, sleeping, mut velocity) in &mut bodies {
@@ -91,14 +94,26 @@ pub fn solve(
     }
 }
 
+/// What a problem is told besides its bodies and contacts.
+struct Given {
+    dt: f32,
+    gravity: f32,
+    max_correction_speed: f32,
+}
+
 impl IslandProblem {
-    fn solve(&mut self, settings: &SolverSettings) {
-        if self.contacts.is_empty() {
+    fn solve(&mut self, settings: &SolverSettings, given: &Given) {
+        if self.contact_count() == 0 {
             return;
         }
         let mut problem = Problem {
             bodies: &mut self.bodies,
             contacts: &mut self.contacts,
+            patches: &mut self.patches,
+            points: &mut self.points,
+            dt: given.dt,
+            gravity: given.gravity,
+            max_correction_speed: given.max_correction_speed,
             cone: settings.cone,
             iterations: settings.iterations,
             tolerance: settings.tolerance,
@@ -106,5 +121,41 @@ impl IslandProblem {
             record_history: settings.record_history,
         };
         self.report = settings.solver.solve(&mut problem);
+    }
+
+    fn store_contacts(&self, first: u32, impulses: &mut ContactImpulses) {
+        let solved = &self.contacts[first as usize..];
+        for (impulse, contact) in impulses.points.iter_mut().zip(solved) {
+            *impulse = Impulse {
+                normal: contact.impulse.x,
+                tangential: contact.world(contact.impulse.with_x(0.0)),
+            };
+        }
+    }
+
+    /// Each point is told the share of its patch's friction that it has in the load.
+    fn store_patches(&self, first: u32, manifold: &Manifold, impulses: &mut ContactImpulses) {
+        let solved = &self.patches[first as usize..];
+        for ((patch, found), kept) in manifold
+            .patches
+            .iter()
+            .zip(solved)
+            .zip(&mut impulses.patches)
+        {
+            *kept = PatchImpulse {
+                tangential: found.tangential,
+                twist: found.twist,
+                load: found.load,
+            };
+            let points = &self.points[found.range()];
+            let sum: f32 = points.iter().map(|point| point.impulse).sum();
+            let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+            for (impulse, point) in impulses.points[patch.range()].iter_mut().zip(points) {
+                *impulse = Impulse {
+                    normal: point.impulse,
+                    tangential: found.tangential * (point.impulse * share),
+                };
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::islands::{IslandProblem, Islands};
 use crate::settings::{PhysicsThreads, SolverSettings};
+use crate::solver::Rows;
 use crate::solver::merit::free_merit;
 use bevy_ecs::prelude::*;
 
@@ -11,6 +12,10 @@ pub fn warm_start(
     settings: Res<SolverSettings>,
     threads: Res<PhysicsThreads>,
 ) {
+    if settings.solver.rows() == Rows::Patches {
+        // It starts from them in its first substep.
+        return;
+    }
     let share = settings.warm_start;
     islands.each_problem(&threads, |problem| {
         let IslandProblem {

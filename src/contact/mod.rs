@@ -11,8 +11,9 @@ pub use events::{
 };
 
 use crate::islands::SolverSlot;
+use crate::solver::Slip;
 use bevy_ecs::prelude::*;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use parry3d::query::{ContactManifold, ContactManifoldsWorkspace};
 use smallvec::SmallVec;
 
@@ -70,6 +71,11 @@ impl Patch {
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
+
+    /// The middle of its points, from the centre of mass of A when they were detected, world axes, m.
+    pub fn center(points: &[ContactPoint]) -> Vec3 {
+        points.iter().map(|point| point.arms[0]).sum::<Vec3>() / points.len() as f32
+    }
 }
 
 /// One point of contact.
@@ -77,10 +83,14 @@ impl Patch {
 pub struct ContactPoint {
     /// Midway between the surfaces, world, m.
     pub position: Vec3,
-    /// The same point in the frames of A and B, m.
+    /// The same point in the frames of A and B when it was detected, m.
     pub local: [Vec3; 2],
+    /// From the centres of mass of A and B to the point when it was detected, world axes, m.
+    pub arms: [Vec3; 2],
     /// Signed distance d of the surfaces along the normal, m; negative: overlap.
     pub distance: f32,
+    /// The same when it was detected.
+    pub detected: f32,
 }
 
 /// What the two stabilizations demand of each point's velocity.
@@ -88,6 +98,8 @@ pub struct ContactPoint {
 pub struct ContactTargets {
     /// One for each point.
     pub points: SmallVec<[Target; 4]>,
+    /// One for each patch: how far it has slipped, where friction holds it.
+    pub patches: SmallVec<[Option<Slip>; 1]>,
 }
 
 /// The velocity that a contact point should have after the solve.
@@ -104,6 +116,8 @@ pub struct Target {
 pub struct ContactImpulses {
     /// One for each point.
     pub points: SmallVec<[Impulse; 4]>,
+    /// One for each patch.
+    pub patches: SmallVec<[PatchImpulse; 1]>,
 }
 
 /// What A gets at a contact point, and B the opposite of.
@@ -115,11 +129,37 @@ pub struct Impulse {
     pub tangential: Vec3,
 }
 
+/// What a solver with one friction force for a patch keeps of it. Zero under others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PatchImpulse {
+    /// Friction on A at the patch's centre, N·s, world axes; the points' λ_t are shares of it.
+    pub tangential: Vec3,
+    /// Moment of friction on A about the normal, N·m·s.
+    pub twist: f32,
+    /// Slow mean of the points' λ_n, N·s.
+    pub load: f32,
+}
+
 /// The tracked contact anchors of section 3 of the paper.
 #[derive(Component, Clone, Debug, Default)]
 pub struct ContactAnchors {
-    /// One for each point.
+    /// One for each point; unused with pair-pose anchors.
     pub points: SmallVec<[Anchor; 4]>,
+    /// One for each patch, with pair-pose anchors.
+    pub patches: SmallVec<[PatchAnchor; 1]>,
+}
+
+/// How the two bodies of a patch stood to each other when it began to stick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PatchAnchor {
+    /// Classified as sticking in the last step, equation (10).
+    pub sticking: bool,
+    /// The pose is written.
+    pub set: bool,
+    /// The origin of A in the frame of B, m.
+    pub position: Vec3,
+    /// The rotation of A in the frame of B.
+    pub rotation: Quat,
 }
 
 /// Where one contact point is held while it sticks.
@@ -129,20 +169,30 @@ pub struct Anchor {
     pub sticking: bool,
     /// An anchor is set (sticking and written).
     pub set: bool,
-    /// p_A and p_B of equation (11): the contact point in the frames of A and B when it was written, m. With pair-pose
-    /// anchors: the position of A's origin in B's frame, and unused.
+    /// p_A and p_B of equation (11): the contact point in the frames of A and B when it was written, m.
     pub local: [Vec3; 2],
     /// The contact normal in the frames of A and B when it was written.
     pub normal: [Vec3; 2],
-    /// Pair-pose anchors: the rotation of A in B's frame when it was written.
-    pub rotation: glam::Quat,
     /// Curved contacts: the slip since the onset, Σ u_t Δt, world axes, m.
     pub slip: Vec3,
 }
 
-/// What parry keeps from step to step. Internal.
+/// What collision detection keeps from step to step. Internal.
 #[derive(Component, Default)]
 pub struct NarrowphaseCache {
+    /// How the bodies stood when the manifold was detected.
+    pub(crate) stand: Option<Stand>,
     pub(crate) manifolds: Vec<ContactManifold<(), u32>>,
     pub(crate) workspace: Option<ContactManifoldsWorkspace>,
+}
+
+/// How two bodies stand to each other, and up to what distance their surfaces were searched for contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stand {
+    /// From the centre of mass of B to that of A, world axes, m.
+    pub between: Vec3,
+    /// Of A and B.
+    pub rotations: [Quat; 2],
+    /// m
+    pub reach: f32,
 }

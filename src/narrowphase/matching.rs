@@ -2,7 +2,7 @@
 //! body carried along. What matches inherits impulses, sticking and anchors.
 
 use super::OLD;
-use crate::contact::{Manifold, NarrowphaseCache};
+use crate::contact::{Manifold, NarrowphaseCache, Patch};
 use smallvec::SmallVec;
 
 /// For each new point the index of the old one.
@@ -51,6 +51,23 @@ pub(crate) fn match_points(
     origins
 }
 
+/// Two patches whose normals are nearer than this, as a cosine, may be the same.
+const SAME_PATCH: f32 = 0.9;
+
+/// For each new patch the index of the old one: that with the nearest normal.
+pub(crate) fn match_patches(old: &Manifold, new: &Manifold) -> Origins {
+    let mut taken: SmallVec<[bool; 8]> = smallvec::smallvec![false; old.patches.len()];
+    let origin = |patch: &Patch| {
+        let along = |i: usize| old.patches[i].normal.dot(patch.normal);
+        let nearest = (0..old.patches.len())
+            .filter(|&i| !taken[i] && along(i) > SAME_PATCH)
+            .max_by(|&i, &j| along(i).total_cmp(&along(j)))?;
+        taken[nearest] = true;
+        Some(nearest as u16)
+    };
+    new.patches.iter().map(origin).collect()
+}
+
 /// Reorders what is kept for each point; new points start from the default.
 pub(crate) fn inherit<T: Copy + Default, const N: usize>(
     origins: &Origins,
@@ -79,7 +96,9 @@ mod tests {
         let point = |&x: &f32| ContactPoint {
             position: Vec3::X * x,
             local: [Vec3::X * x; 2],
+            arms: [Vec3::ZERO; 2],
             distance: 0.0,
+            detected: 0.0,
         };
         Manifold {
             patches: Default::default(),

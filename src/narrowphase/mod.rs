@@ -6,11 +6,12 @@
 
 mod corners;
 pub mod matching;
+mod recycling;
 
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Manifold,
-    NarrowphaseCache, Patch,
+    NarrowphaseCache, Patch, Stand,
 };
 use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
@@ -77,13 +78,37 @@ pub fn narrowphase(
                     }
                     let reach = settings.outer_distance().max(0.0)
                         + (approach_speed(a, b) + fall) * time.dt;
-                    let old = std::mem::take(manifold);
-                    detect(a, b, reach, cache, manifold);
-                    let origins = matching::match_points(&old, manifold, cache, settings.envelope);
-                    matching::inherit(&origins, &mut impulses.points);
-                    matching::inherit(&origins, &mut anchors.points);
-                    targets.points.clear();
-                    targets.points.resize(origins.len(), Default::default());
+                    let limit = settings.recycle_distance;
+                    let kept = !a.renewed
+                        && !b.renewed
+                        && cache
+                            .stand
+                            .is_some_and(|stand| stand.holds(a, b, limit, reach));
+                    if kept {
+                        recycling::refresh(manifold, a, b);
+                    } else {
+                        let reach = reach + limit;
+                        let old = std::mem::take(manifold);
+                        let curved = detect(a, b, reach, cache, manifold);
+                        let origins =
+                            matching::match_points(&old, manifold, cache, settings.envelope);
+                        matching::inherit(&origins, &mut impulses.points);
+                        matching::inherit(&origins, &mut anchors.points);
+                        let origins = matching::match_patches(&old, manifold);
+                        matching::inherit(&origins, &mut impulses.patches);
+                        matching::inherit(&origins, &mut anchors.patches);
+                        targets.points.clear();
+                        targets
+                            .points
+                            .resize(manifold.points.len(), Default::default());
+                        targets.patches.clear();
+                        targets
+                            .patches
+                            .resize(manifold.patches.len(), Default::default());
+                        // What rolls must be found where it is, or it would gain speed.
+                        cache.stand =
+                            (limit > 0.0 && !curved).then(|| Stand::of(a, b, reach));
+                    }
                     let outer = settings.outer_distance();
                     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
                 },
@@ -106,17 +131,18 @@ fn approach_speed(a: &BodyState, b: &BodyState) -> f32 {
     (a.velocity.linear - b.velocity.linear).length() + turning(a) + turning(b)
 }
 
-/// Fills the manifold with the points no further apart than `reach`, m.
+/// Fills the manifold with the points no further apart than `reach`, m. True where one of the surfaces is curved.
 fn detect(
     a: &BodyState,
     b: &BodyState,
     reach: f32,
     cache: &mut NarrowphaseCache,
     manifold: &mut Manifold,
-) {
+) -> bool {
     let NarrowphaseCache {
         manifolds,
         workspace,
+        ..
     } = cache;
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let (shape_a, shape_b) = (a.collider.shape(), b.collider.shape());
@@ -198,7 +224,9 @@ fn detect(
             manifold.points.push(ContactPoint {
                 position,
                 local,
+                arms: [a, b].map(|body| position - body.center),
                 distance,
+                detected: distance,
             });
             if let Some(source) = source {
                 found.points[source].data |= manifold.points.len() as u32;
@@ -214,6 +242,7 @@ fn detect(
             });
         }
     }
+    curved
 }
 
 /// A contact point on its way into the manifold.

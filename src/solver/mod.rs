@@ -37,20 +37,40 @@
 
 pub mod merit;
 mod nncg;
+mod patch;
 mod pgs;
 mod rows;
+mod soft_step;
 
 pub use nncg::Nncg;
+pub use patch::{Patch, PatchPoint, Slip};
 pub use pgs::Pgs;
 pub use rows::{Body, Contact, ContactInput, tangents};
+pub use soft_step::SoftStep;
 
 /// A method that finds contact impulses. Must be deterministic; islands are solved side by side.
 pub trait ContactSolver: Send + Sync {
     /// A short name for reports.
     fn name(&self) -> &str;
 
+    /// What it works on: which of a problem's lists are filled for it.
+    fn rows(&self) -> Rows {
+        Rows::Points
+    }
+
     /// Changes impulses and velocities of `problem` towards a solution.
     fn solve(&self, problem: &mut Problem) -> SolveReport;
+}
+
+/// The unknowns that a solver works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// λ_n and λ_t of every point: [`Problem::contacts`], with velocities that hold this step's forces and the impulses that
+    /// contacts start with. Bodies then move with the velocities found.
+    Points,
+    /// λ_n of every point, but one friction force and one twist for a patch: [`Problem::patches`] and [`Problem::points`]. Such a
+    /// solver takes substeps of its own: it finds forces in [`Body::push`], and says in [`Body::motion`] how bodies moved.
+    Patches,
 }
 
 /// The set that the friction impulses of one point are projected to.
@@ -70,6 +90,16 @@ pub struct Problem<'a> {
     pub bodies: &'a mut [Body],
     /// All contact points, in the order in which they are swept.
     pub contacts: &'a mut [Contact],
+    /// All patches, in the order in which they are swept, for a solver of [`Rows::Patches`].
+    pub patches: &'a mut [Patch],
+    /// The points of all patches.
+    pub points: &'a mut [PatchPoint],
+    /// Length of the step, s.
+    pub dt: f32,
+    /// Strength of gravity, m/s².
+    pub gravity: f32,
+    /// Fastest correction of an error of position, m/s.
+    pub max_correction_speed: f32,
     /// The shape of the friction cone.
     pub cone: FrictionCone,
     /// Sweeps, at most.

@@ -17,6 +17,10 @@ pub struct Body {
     pub angular: Vec3,
     /// World axes, 1/(kg·m²).
     pub inverse_inertia: Mat3,
+    /// What this step's forces have changed of the linear and angular velocity, m/s, rad/s.
+    pub push: [Vec3; 2],
+    /// The mean linear and angular velocity over the step, where a solver took substeps.
+    pub motion: Option<[Vec3; 2]>,
 }
 
 impl Default for Body {
@@ -27,6 +31,8 @@ impl Default for Body {
             inverse_mass: 0.0,
             angular: Vec3::ZERO,
             inverse_inertia: Mat3::ZERO,
+            push: [Vec3::ZERO; 2],
+            motion: None,
         }
     }
 }

@@ -1,51 +1,42 @@
 //! The stage **anchors**: classifies every contact with the impulses just solved, equation (10), and writes or deletes anchors,
 //! equation (11), at the poses where the contacts were detected.
 
-use super::classifier::classify;
+use super::classifier::{classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Manifold,
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Manifold, Patch,
+    PatchAnchor,
 };
 use crate::narrowphase::SERIAL_PAIRS;
-use crate::settings::{AnchorRule, PhysicsThreads, StabilizationSettings};
+use crate::settings::{AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings};
 use bevy_ecs::prelude::*;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
 ///
 /// `slip` is what the neighbours of the point have slipped already, m, world axes: a point that joins a manifold that sticks
 /// must not make it forget. Zero at the onset.
-pub fn write(
-    rule: AnchorRule,
-    [a, b]: [&BodyState; 2],
-    normal: Vec3,
-    point: &ContactPoint,
-    slip: Vec3,
-) -> Anchor {
-    let (local, rotation) = match rule {
-        AnchorRule::PairPose => (
-            [
-                b.pose.inverse_transform_point(a.pose.position - slip),
-                Vec3::ZERO,
-            ],
-            b.pose.rotation.inverse() * a.pose.rotation,
-        ),
-        _ => (
-            [
-                point.local[0],
-                b.pose.inverse_transform_point(point.position - slip),
-            ],
-            Quat::IDENTITY,
-        ),
-    };
+pub fn write([a, b]: [&BodyState; 2], normal: Vec3, position: Vec3, slip: Vec3) -> Anchor {
     Anchor {
         sticking: true,
         set: true,
-        local,
+        local: [
+            a.pose.inverse_transform_point(position),
+            b.pose.inverse_transform_point(position - slip),
+        ],
         normal: [a, b].map(|body| body.pose.rotation.inverse() * normal),
-        rotation,
         slip,
+    }
+}
+
+/// How A stands to B now.
+pub fn write_pose([a, b]: [&BodyState; 2]) -> PatchAnchor {
+    PatchAnchor {
+        sticking: true,
+        set: true,
+        position: b.pose.inverse_transform_point(a.pose.position),
+        rotation: b.pose.rotation.inverse() * a.pose.rotation,
     }
 }
 
@@ -82,40 +73,68 @@ pub fn anchors(
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                         return;
                     };
-                    for patch in &manifold.patches {
-                        let range = patch.range();
-                        let held = &mut anchors.points[range.clone()];
-                        classify(
-                            friction.classifier,
-                            pair.friction,
-                            &impulses.points[range.clone()],
-                            held,
-                        );
-                        for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
-                            if !anchor.sticking {
-                                *anchor = Anchor::default();
-                            } else if friction.anchors == AnchorRule::Literal {
-                                let bodies = [a, b];
-                                *anchor = write(
-                                    AnchorRule::Literal,
-                                    bodies,
-                                    patch.normal,
-                                    point,
-                                    Vec3::ZERO,
-                                );
-                            } else if !anchor.set {
-                                *anchor = write(
-                                    friction.anchors,
-                                    [a, b],
-                                    patch.normal,
-                                    point,
-                                    anchor.slip,
-                                );
-                            }
-                        }
+                    if friction.anchors == AnchorRule::PairPose {
+                        hold_patches(&friction, pair, manifold, impulses, [a, b], anchors);
+                    } else {
+                        hold_points(&friction, pair, manifold, impulses, [a, b], anchors);
                     }
                 },
             );
         });
+    }
+}
+
+fn hold_points(
+    friction: &FrictionStabilization,
+    pair: &ContactPair,
+    manifold: &Manifold,
+    impulses: &ContactImpulses,
+    bodies: [&BodyState; 2],
+    anchors: &mut ContactAnchors,
+) {
+    for patch in &manifold.patches {
+        let range = patch.range();
+        let held = &mut anchors.points[range.clone()];
+        let solved = &impulses.points[range.clone()];
+        classify(friction.classifier, pair.friction, solved, held);
+        for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
+            if !anchor.sticking {
+                *anchor = Anchor::default();
+            } else if friction.anchors == AnchorRule::Literal {
+                *anchor = write(bodies, patch.normal, point.position, Vec3::ZERO);
+            } else if !anchor.set {
+                *anchor = write(bodies, patch.normal, point.position, anchor.slip);
+            }
+        }
+    }
+}
+
+fn hold_patches(
+    friction: &FrictionStabilization,
+    pair: &ContactPair,
+    manifold: &Manifold,
+    impulses: &ContactImpulses,
+    bodies: [&BodyState; 2],
+    anchors: &mut ContactAnchors,
+) {
+    for (i, patch) in manifold.patches.iter().enumerate() {
+        let anchor = &mut anchors.patches[i];
+        let solved = &impulses.points[patch.range()];
+        let points = &manifold.points[patch.range()];
+        let center = Patch::center(points);
+        let lever = |(point, impulse): (&ContactPoint, _)| {
+            let impulse: &crate::contact::Impulse = impulse;
+            impulse.normal * (point.arms[0] - center).length()
+        };
+        let lever = points.iter().zip(solved).map(lever).sum();
+        let was = anchor.sticking;
+        anchor.sticking = !patch.curved
+            && sticks(friction.classifier, pair.friction, solved, was)
+            && holds_twist(pair.friction, impulses.patches[i].twist, lever);
+        if !anchor.sticking {
+            *anchor = PatchAnchor::default();
+        } else if !anchor.set {
+            *anchor = write_pose(bodies);
+        }
     }
 }

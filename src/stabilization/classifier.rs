@@ -15,34 +15,45 @@ const ENTER: f32 = 0.6;
 
 /// Sets `sticking` of every anchor of one manifold from the impulses of the last solve.
 pub fn classify(rule: Classifier, friction: f32, impulses: &[Impulse], anchors: &mut [Anchor]) {
-    let holds = |normal: f32, tangential: Vec3, share: f32| {
-        normal > 0.0 && tangential.length() < share * friction * normal
-    };
-    let point = |i: &Impulse| holds(i.normal, i.tangential, AT_THE_CONE);
-    let normal = impulses.iter().map(|i| i.normal).sum();
-    let tangential = impulses.iter().map(|i| i.tangential).sum();
-    let sticking = match rule {
-        Classifier::PerPoint => {
-            for (anchor, impulse) in anchors.iter_mut().zip(impulses) {
-                anchor.sticking = point(impulse);
-            }
-            return;
+    if rule == Classifier::PerPoint {
+        for (anchor, impulse) in anchors.iter_mut().zip(impulses) {
+            anchor.sticking = holds(friction, impulse, AT_THE_CONE);
         }
-        Classifier::Any => impulses.iter().any(point),
-        Classifier::All => normal > 0.0 && impulses.iter().filter(|i| i.normal > 0.0).all(point),
-        Classifier::Sum => holds(normal, tangential, AT_THE_CONE),
-        Classifier::Hysteresis => {
-            let share = if anchors.iter().any(|a| a.sticking) {
-                AT_THE_CONE
-            } else {
-                ENTER
-            };
-            holds(normal, tangential, share)
-        }
-    };
+        return;
+    }
+    let was = anchors.iter().any(|a| a.sticking);
+    let sticking = sticks(rule, friction, impulses, was);
     anchors
         .iter_mut()
         .for_each(|anchor| anchor.sticking = sticking);
+}
+
+/// Whether a manifold sticks as a whole; `was`: it did before. [`Classifier::PerPoint`] then means that any of its points does.
+pub fn sticks(rule: Classifier, friction: f32, impulses: &[Impulse], was: bool) -> bool {
+    let sum = Impulse {
+        normal: impulses.iter().map(|i| i.normal).sum(),
+        tangential: impulses.iter().map(|i| i.tangential).sum(),
+    };
+    let point = |i: &Impulse| holds(friction, i, AT_THE_CONE);
+    match rule {
+        Classifier::PerPoint | Classifier::Any => impulses.iter().any(point),
+        Classifier::All => {
+            sum.normal > 0.0 && impulses.iter().filter(|i| i.normal > 0.0).all(point)
+        }
+        Classifier::Sum => holds(friction, &sum, AT_THE_CONE),
+        Classifier::Hysteresis => holds(friction, &sum, if was { AT_THE_CONE } else { ENTER }),
+    }
+}
+
+/// Equation (10), against a share of the cone.
+fn holds(friction: f32, impulse: &Impulse, share: f32) -> bool {
+    impulse.normal > 0.0 && impulse.tangential.length() < share * friction * impulse.normal
+}
+
+/// Whether the moment of friction about the normal of a patch is inside what its points can hold, `lever` = Σ λ_n r with r
+/// their distance from its centre, N·m·s.
+pub fn holds_twist(friction: f32, twist: f32, lever: f32) -> bool {
+    twist == 0.0 || twist.abs() < AT_THE_CONE * friction * lever
 }
 
 #[cfg(test)]

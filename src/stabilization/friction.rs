@@ -6,9 +6,13 @@
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
+    PatchAnchor, Target,
 };
 use crate::narrowphase::SERIAL_PAIRS;
-use crate::settings::{AnchorRule, Classifier, PhysicsThreads, StabilizationSettings, StepTime};
+use crate::settings::{
+    AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
+};
+use crate::solver::{Rows, Slip};
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
 use glam::Vec3;
@@ -33,30 +37,6 @@ pub fn slip_correction(settings: &StabilizationSettings, error: Vec3, dt: f32) -
         return Vec3::ZERO;
     }
     (error * (-friction.gain / dt)).clamp_length_max(settings.max_correction_speed)
-}
-
-/// Where A and B have carried an anchor, x_A and x_B of equation (12), for a contact point at `point`.
-///
-/// A pair-pose anchor is evaluated at the contact point itself: the material of A that is there now, and where B would have
-/// it had nothing moved.
-fn carried(
-    rule: AnchorRule,
-    anchor: &Anchor,
-    a: &BodyState,
-    b: &BodyState,
-    point: Vec3,
-) -> [Vec3; 2] {
-    match rule {
-        AnchorRule::PairPose => {
-            let in_a = a.pose.inverse_transform_point(point);
-            let in_b = anchor.local[0] + anchor.rotation * in_a;
-            [point, b.pose.transform_point(in_b)]
-        }
-        _ => [
-            a.pose.transform_point(anchor.local[0]),
-            b.pose.transform_point(anchor.local[1]),
-        ],
-    }
 }
 
 /// How far a sticking point has slipped, m, world axes; `None` where its anchor no longer holds.
@@ -91,7 +71,7 @@ pub fn slip(
         let slipped = project(normal, anchor.slip) + last_step();
         return (slipped.length() <= friction.max_error).then_some(slipped);
     }
-    let [x_a, x_b] = carried(friction.anchors, anchor, a, b, point.position);
+    let [x_a, x_b] = [(a, 0), (b, 1)].map(|(body, i)| body.pose.transform_point(anchor.local[i]));
     let error = anchor_error(normal, x_a, x_b);
     let parted = normal.dot(x_a - x_b).abs();
     let straight = ops::cos(friction.max_turn);
@@ -102,6 +82,34 @@ pub fn slip(
         && parted <= friction.max_separation * settings.envelope
         && !turned;
     holds.then_some(error)
+}
+
+/// How far a patch has slipped on the whole, from the pose in which its bodies began to stick; `None` where that no longer holds.
+///
+/// A point of A's material that is in the patch's middle now would have been carried elsewhere by B, had nothing slipped.
+pub fn pose_slip(
+    settings: &StabilizationSettings,
+    anchor: &PatchAnchor,
+    normal: Vec3,
+    [a, b]: [&BodyState; 2],
+    center: Vec3,
+) -> Option<PlanarSlip> {
+    let friction = &settings.friction;
+    let held = b.pose.transform_point(
+        anchor.position + anchor.rotation * a.pose.inverse_transform_point(center),
+    );
+    let turned = a.pose.rotation * (b.pose.rotation * anchor.rotation).inverse();
+    let turned = 2.0 * turned.xyz() * turned.w.signum();
+    let shift = anchor_error(normal, center, held);
+    let parted = normal.dot(center - held).abs();
+    let holds = shift.length() <= friction.max_error
+        && parted <= friction.max_separation * settings.envelope
+        && turned.length() <= friction.max_turn;
+    holds.then_some(PlanarSlip {
+        center,
+        shift,
+        twist: normal * normal.dot(turned),
+    })
 }
 
 /// How two surfaces have slipped on each other: a rigid motion in the contact plane.
@@ -142,6 +150,14 @@ impl PlanarSlip {
         })
     }
 
+    /// As a shift at a point and a turn about the normal.
+    fn about(&self, normal: Vec3, point: Vec3) -> Slip {
+        Slip {
+            shift: self.at(point),
+            twist: normal.dot(self.twist),
+        }
+    }
+
     /// The slip at a point, m.
     pub fn at(&self, point: Vec3) -> Vec3 {
         self.shift + self.twist.cross(point - self.center)
@@ -149,7 +165,7 @@ impl PlanarSlip {
 }
 
 /// The slip of a patch, from its sticking points; gives up the anchors that no longer hold.
-fn measure(
+fn measure_points(
     settings: &StabilizationSettings,
     patch: &Patch,
     bodies: [&BodyState; 2],
@@ -178,11 +194,36 @@ fn measure(
     PlanarSlip::fit(patch.normal, &slips)
 }
 
+/// The slip of a patch by whatever rule; gives up anchors that no longer hold.
+fn measure(
+    settings: &StabilizationSettings,
+    patch: &Patch,
+    bodies: [&BodyState; 2],
+    points: &[ContactPoint],
+    anchor: &mut PatchAnchor,
+    anchors: &mut [Anchor],
+    dt: f32,
+) -> Option<PlanarSlip> {
+    if settings.friction.anchors != AnchorRule::PairPose {
+        return measure_points(settings, patch, bodies, points, anchors, dt);
+    }
+    if !anchor.set {
+        return None;
+    }
+    let center = bodies[0].center + Patch::center(points);
+    let slip = pose_slip(settings, anchor, patch.normal, bodies, center);
+    if slip.is_none() {
+        *anchor = PatchAnchor::default();
+    }
+    slip
+}
+
 /// See the module's text.
 pub fn friction_error(
     table: Res<BodyTable>,
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
+    solver: Res<SolverSettings>,
     threads: Res<PhysicsThreads>,
     mut pairs: Query<(
         &ContactPair,
@@ -191,7 +232,11 @@ pub fn friction_error(
         &mut ContactTargets,
     )>,
 ) {
+    if !settings.friction.enabled {
+        return;
+    }
     let (table, settings, dt) = (&*table, &*settings, time.dt);
+    let rows = solver.solver.rows();
     for (pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -205,36 +250,54 @@ pub fn friction_error(
         threads.run(columns.0.len(), || {
             columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
                 |(pair, manifold, anchors, targets)| {
-                    for target in &mut targets.points {
-                        target.tangential = Vec3::ZERO;
-                    }
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                         return;
                     };
-                    if !settings.friction.enabled {
-                        return;
-                    }
-                    for patch in &manifold.patches {
-                        let range = patch.range();
-                        let points = &manifold.points[range.clone()];
-                        let held = &mut anchors.points[range.clone()];
-                        let Some(slip) = measure(settings, patch, [a, b], points, held, dt) else {
-                            continue;
-                        };
-                        let each = settings.friction.classifier == Classifier::PerPoint;
-                        let targets = &mut targets.points[range];
-                        for ((point, anchor), target) in points.iter().zip(held).zip(targets) {
-                            let error = slip.at(point.position);
-                            anchor.slip = error;
-                            let sticks = anchor.sticking || !each;
-                            if sticks && point.distance <= settings.outer_distance() {
-                                target.tangential = slip_correction(settings, error, dt);
-                            }
+                    for (i, patch) in manifold.patches.iter().enumerate() {
+                        let points = &manifold.points[patch.range()];
+                        let held = &mut anchors.points[patch.range()];
+                        let anchor = &mut anchors.patches[i];
+                        let slip = measure(settings, patch, [a, b], points, anchor, held, dt);
+                        targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
+                        if rows == Rows::Points {
+                            let targets = &mut targets.points[patch.range()];
+                            demand(settings, slip, points, held, targets, dt);
                         }
                     }
                 },
             );
         });
+    }
+}
+
+/// What points must do to undo the slip of their patch.
+fn demand(
+    settings: &StabilizationSettings,
+    slip: Option<PlanarSlip>,
+    points: &[ContactPoint],
+    anchors: &mut [Anchor],
+    targets: &mut [Target],
+    dt: f32,
+) {
+    let Some(slip) = slip else {
+        for target in targets {
+            target.tangential = Vec3::ZERO;
+        }
+        return;
+    };
+    let friction = &settings.friction;
+    let each =
+        friction.classifier == Classifier::PerPoint && friction.anchors != AnchorRule::PairPose;
+    for ((point, anchor), target) in points.iter().zip(anchors).zip(targets) {
+        let error = slip.at(point.position);
+        anchor.slip = error;
+        let sticks = anchor.sticking || !each;
+        let held = sticks && point.distance <= settings.outer_distance();
+        target.tangential = if held {
+            slip_correction(settings, error, dt)
+        } else {
+            Vec3::ZERO
+        };
     }
 }
 

@@ -8,7 +8,10 @@
 use crate::body::BodyTable;
 use crate::contact::{ContactPair, ContactTargets, Manifold};
 use crate::narrowphase::SERIAL_PAIRS;
-use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
+use crate::settings::{
+    NormalStabilization, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
+};
+use crate::solver::Rows;
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 
@@ -92,9 +95,14 @@ pub fn normal_correction(
     table: Res<BodyTable>,
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
+    solver: Res<SolverSettings>,
     threads: Res<PhysicsThreads>,
     mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets)>,
 ) {
+    if solver.solver.rows() == Rows::Patches {
+        // It corrects distances itself, anew in each of its substeps.
+        return;
+    }
     let (table, settings, dt) = (&*table, &*settings, time.dt);
     for (pairs, manifolds, mut targets) in pairs
         .contiguous_iter_mut()

@@ -1,0 +1,53 @@
+//! When a manifold may be kept: while the two bodies have hardly moved against each other since it was detected.
+//!
+//! Normal and arms stay frozen in the world, only distances follow. That saves most of collision detection at rest, and it
+//! steadies: arms that are found anew in every step pump energy into tall stacks. (Box2D, Box3D and Rapier recycle contacts
+//! for the same reasons.)
+
+use crate::body::BodyState;
+use crate::contact::{Manifold, Stand};
+use glam::Quat;
+
+impl Stand {
+    pub(crate) fn of(a: &BodyState, b: &BodyState, reach: f32) -> Self {
+        Self {
+            between: a.center - b.center,
+            rotations: [a.pose.rotation, b.pose.rotation],
+            reach,
+        }
+    }
+
+    /// Bound on how far two points of the surfaces have moved against each other, or turned away from where they looked, m.
+    fn moved(&self, a: &BodyState, b: &BodyState) -> f32 {
+        let turned = |body: &BodyState, was: Quat| {
+            let now = body.pose.rotation;
+            // A half-space has no radius; it turns, or it doesn't.
+            if now == was {
+                return 0.0;
+            }
+            2.0 * (now * was.inverse()).xyz().length() * body.radius
+        };
+        (a.center - b.center - self.between).length()
+            + turned(a, self.rotations[0])
+            + turned(b, self.rotations[1])
+    }
+
+    /// Nothing has moved by more than `limit`, and nothing that now counts lay beyond the reach of the search.
+    pub(crate) fn holds(&self, a: &BodyState, b: &BodyState, limit: f32, reach: f32) -> bool {
+        let moved = self.moved(a, b);
+        moved <= limit && reach + moved <= self.reach
+    }
+}
+
+/// Brings the distances of a kept manifold up to date.
+pub(crate) fn refresh(manifold: &mut Manifold, a: &BodyState, b: &BodyState) {
+    let Manifold { patches, points } = manifold;
+    for patch in patches.iter() {
+        for point in &mut points[patch.range()] {
+            let on_a = a.pose.transform_point(point.local[0]);
+            let on_b = b.pose.transform_point(point.local[1]);
+            point.position = 0.5 * (on_a + on_b);
+            point.distance = point.detected + patch.normal.dot(on_a - on_b);
+        }
+    }
+}

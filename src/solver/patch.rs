@@ -1,0 +1,57 @@
+//! A patch of contact: all points of two bodies that share a normal, with one friction force and one twist between them.
+
+use glam::Vec3;
+
+/// What a [patch solver](super::Rows::Patches) is given of a patch, and what it finds. World axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Patch {
+    /// Indices of A and B among the problem's bodies.
+    pub bodies: [u32; 2],
+    /// Unit vector from B to A.
+    pub normal: Vec3,
+    /// From the centres of mass of A and B to the patch's centre, m.
+    pub arms: [Vec3; 2],
+    /// μ
+    pub friction: f32,
+    /// e
+    pub restitution: f32,
+    /// How far a sticking patch has slipped since the onset; `None` where nothing holds it.
+    pub slip: Option<Slip>,
+    /// Its points among the problem's: the first, and how many.
+    pub first: u32,
+    /// See `first`.
+    pub count: u32,
+    /// λ_t at the centre, N·s over the step: to start from, and found.
+    pub tangential: Vec3,
+    /// Moment about the normal, N·m·s over the step: to start from, and found.
+    pub twist: f32,
+    /// A slow mean of its points' normal impulse, N·s over the step: what it carries when at rest.
+    pub load: f32,
+}
+
+impl Patch {
+    /// The indices of its points.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
+/// How far A has slipped on B at the centre of a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slip {
+    /// m, world axes.
+    pub shift: Vec3,
+    /// About the normal, rad.
+    pub twist: f32,
+}
+
+/// One point of a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PatchPoint {
+    /// From the patch's centre, world axes, m.
+    pub offset: Vec3,
+    /// Distance of the surfaces beyond the ideal one, m; negative: too near.
+    pub separation: f32,
+    /// λ_n, N·s over the step: to start from, and found.
+    pub impulse: f32,
+}

@@ -1,0 +1,201 @@
+//! Soft Step.
+
+mod batches;
+mod block;
+mod lanes;
+
+use super::{Body, ContactSolver, Problem, Rows, SolveReport};
+use batches::Batches;
+use block::{Block, Pass, Points, State};
+use lanes::Lane;
+
+/// See the module's text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoftStep {
+    /// Damping ratio ζ of soft rows.
+    pub damping_ratio: f32,
+    /// Sweeps per period of the spring that a soft row is.
+    pub sweeps_per_period: f32,
+    /// Share of the mean load that soft rows carry without giving way.
+    pub preload: f32,
+    /// Share of the way by which the mean follows the load in a step.
+    pub preload_rate: f32,
+}
+
+impl Default for SoftStep {
+    fn default() -> Self {
+        Self {
+            damping_ratio: 10.0,
+            sweeps_per_period: 16.0,
+            preload: 0.9,
+            preload_rate: 0.005,
+        }
+    }
+}
+
+impl ContactSolver for SoftStep {
+    fn name(&self) -> &str {
+        "soft-step"
+    }
+
+    fn rows(&self) -> Rows {
+        Rows::Patches
+    }
+
+    fn solve(&self, problem: &mut Problem) -> SolveReport {
+        let substeps = (problem.iterations / 2).max(1);
+        let mut island = Island::new(problem, substeps);
+        let report = pulp::Arch::new().dispatch(|| island.advance(self, problem, substeps));
+        island.store(problem, substeps);
+        report
+    }
+}
+
+struct Island {
+    batches: Batches,
+    blocks: Vec<Block>,
+    points: Vec<Points>,
+    velocities: Vec<State>,
+    motions: Vec<State>,
+    before: Vec<State>,
+}
+
+impl Island {
+    fn new(problem: &Problem, substeps: usize) -> Self {
+        let bodies = &*problem.bodies;
+        let nobody = bodies.len() as u32;
+        let batches = Batches::new(
+            problem.patches.iter().map(|patch| patch.bodies),
+            bodies.len(),
+            |body| bodies[body as usize].inverse_mass > 0.0,
+        );
+        let mut blocks = vec![Block::new(nobody, 0); batches.blocks];
+        for (patch, &(block, _)) in problem.patches.iter().zip(&batches.places) {
+            blocks[block as usize].hold(patch.count);
+        }
+        let count = blocks
+            .iter_mut()
+            .fold(0, |first, block| block.place(first));
+        let mut points = vec![Points::default(); count as usize];
+        let share = 1.0 / substeps as f32;
+        for (patch, &(block, lane)) in problem.patches.iter().zip(&batches.places) {
+            let block = &mut blocks[block as usize];
+            let range = block.range();
+            block.load(
+                &mut points[range],
+                lane as usize,
+                patch,
+                &problem.points[patch.range()],
+                bodies,
+                share,
+            );
+        }
+        let state = |body: &Body| {
+            let (v, w) = (
+                body.linear - body.push[0],
+                body.angular - body.push[1],
+            );
+            [v.x, v.y, v.z, w.x, w.y, w.z, 0.0, 0.0]
+        };
+        let mut velocities: Vec<State> = bodies.iter().map(state).collect();
+        velocities.push([0.0; 8]);
+        Self {
+            batches,
+            blocks,
+            points,
+            motions: vec![[0.0; 8]; velocities.len()],
+            before: velocities.clone(),
+            velocities,
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, settings: &SoftStep, problem: &Problem, substeps: usize) -> SolveReport {
+        let h = problem.dt / substeps as f32;
+        let hz = problem.iterations as f32 / problem.dt / settings.sweeps_per_period;
+        let omega = std::f32::consts::TAU * hz;
+        let a1 = 2.0 * settings.damping_ratio + h * omega;
+        let a2 = h * omega * a1;
+        let pass = Pass {
+            rate: Lane::splat(1.0 / h),
+            bias_rate: Lane::splat(omega / a1),
+            mass_scale: Lane::splat(a2 / (1.0 + a2)),
+            impulse_scale: Lane::splat(1.0 / (1.0 + a2)),
+            max_speed: Lane::splat(problem.max_correction_speed),
+            preload: Lane::splat(settings.preload),
+            fall: Lane::splat(problem.gravity * h),
+        };
+        let mut report = SolveReport::default();
+        let share = 1.0 / substeps as f32;
+        for block in &mut self.blocks {
+            block.prepare(&mut self.points[block.range()]);
+        }
+        // The first substep: forces, then the impulses of the last step.
+        for (state, body) in self.velocities.iter_mut().zip(&*problem.bodies) {
+            let (v, w) = (body.push[0] * share, body.push[1] * share);
+            for (x, dx) in state.iter_mut().zip([v.x, v.y, v.z, w.x, w.y, w.z]) {
+                *x += dx;
+            }
+        }
+        let mut free = Lane::ZERO;
+        for block in &mut self.blocks {
+            free += block.warm_start(&self.points[block.range()], &mut self.velocities, &pass);
+        }
+        let free = free.sum().sqrt();
+        for substep in 0..substeps {
+            if substep > 0 {
+                for (state, before) in self.velocities.iter_mut().zip(&mut self.before) {
+                    let end = *state;
+                    for i in 0..8 {
+                        state[i] = end[i] + (end[i] - before[i]);
+                    }
+                    *before = end;
+                }
+            }
+            let mut change = Lane::ZERO;
+            for block in &mut self.blocks {
+                let points = &mut self.points[block.range()];
+                change +=
+                    block.relax::<true>(points, &mut self.velocities, &self.motions, &pass);
+            }
+            for (motion, state) in self.motions.iter_mut().zip(&self.velocities) {
+                for i in 0..8 {
+                    motion[i] += h * state[i];
+                }
+            }
+            change = Lane::ZERO;
+            for block in self.blocks.iter_mut().rev() {
+                let points = &mut self.points[block.range()];
+                change +=
+                    block.relax::<false>(points, &mut self.velocities, &self.motions, &pass);
+            }
+            report.sweeps += 2;
+            let change = change.sum().sqrt();
+            report.residual = if free > 0.0 { change / free } else { 0.0 };
+            if problem.record_history {
+                report.history.push(report.residual);
+            }
+        }
+        for block in &mut self.blocks {
+            block.follow_load(&self.points[block.range()], settings.preload_rate);
+        }
+        report
+    }
+
+    fn store(self, problem: &mut Problem, substeps: usize) {
+        let share = 1.0 / substeps as f32;
+        for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
+            let block = &self.blocks[block as usize];
+            let points = &mut problem.points[patch.range()];
+            block.store(&self.points[block.range()], lane as usize, patch, points, share);
+        }
+        let states = self.velocities.iter().zip(&self.motions);
+        for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
+            let [x, y, z, p, q, r, ..] = *velocity;
+            body.linear = [x, y, z].into();
+            body.angular = [p, q, r].into();
+            let [x, y, z, p, q, r, ..] = motion.map(|m| m / problem.dt);
+            body.motion = Some([[x, y, z].into(), [p, q, r].into()]);
+        }
+    }
+}

@@ -110,10 +110,17 @@ pub fn broadphase(
             if !unbounded.contains(&slot) {
                 unbounded.push(slot);
             }
+            // It may have been a box until now.
+            if fat[slot as usize].take().is_some() {
+                tree.remove(slot);
+            }
             if body.moved || body.renewed {
                 moved.push(slot);
             }
             continue;
+        }
+        if body.renewed {
+            unbounded.retain(|u| *u != slot);
         }
         let tight = tight_box(body, &settings, gravity.0, time.dt);
         let entry = &mut fat[slot as usize];

@@ -7,7 +7,7 @@
 //! steady spin turns by exactly ωΔt.
 
 use crate::body::{
-    BodyIndex, BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity, write_transform,
+    BodyIndex, BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity, local_pose,
 };
 use crate::islands::Islands;
 use crate::settings::StepTime;
@@ -17,7 +17,7 @@ use bevy_math::ops;
 use bevy_transform::components::Transform;
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-/// See the module's text.
+/// First half of the stage: moves the bodies, and writes the `Transform` of those without a parent.
 pub fn integration(
     time: Res<StepTime>,
     table: Res<BodyTable>,
@@ -31,15 +31,13 @@ pub fn integration(
             &mut Velocity,
             &mut Pose,
             &mut Transform,
-            Option<&ChildOf>,
+            Has<ChildOf>,
         ),
         Without<Quarantined>,
     >,
-    parents: Query<(&Transform, Option<&ChildOf>), Without<BodyIndex>>,
 ) {
     let dt = time.dt;
-    for (kind, index, mass, sleeping, mut velocity, mut pose, mut transform, parent) in &mut bodies
-    {
+    for (kind, index, mass, sleeping, mut velocity, mut pose, mut transform, child) in &mut bodies {
         let still = *kind == RigidBody::Static || sleeping.asleep;
         if !table.contains(*index) || still && !pose.is_changed() && !transform.is_changed() {
             continue;
@@ -63,7 +61,33 @@ pub fn integration(
             }
             pose.position = center - pose.rotation * mass.local_center;
         }
-        write_transform(&pose, &mut transform, parent, &parents);
+        if !child {
+            transform.translation = pose.position;
+            transform.rotation = pose.rotation;
+        }
+    }
+}
+
+/// Second half of the stage: writes the `Transform` of bodies with a parent, in its frame. Those at rest too: the frame may
+/// be a body that moved.
+pub fn child_transforms(
+    table: Res<BodyTable>,
+    bodies: Query<(Entity, &BodyIndex, &Pose, &ChildOf), Without<Quarantined>>,
+    parents: Query<&ChildOf>,
+    mut placed: Query<(&mut Transform, Option<&ChildOf>)>,
+) {
+    // From the top down, so that every frame is this step's when it is used.
+    let mut children: Vec<_> = bodies.iter().collect();
+    children.sort_by_cached_key(|(child, ..)| parents.iter_ancestors(*child).count());
+    for (child, index, pose, parent) in children {
+        let local = local_pose(*pose, Some(parent), placed.as_readonly());
+        if table.contains(*index)
+            && let Ok((mut transform, _)) = placed.get_mut(child)
+            && (local.position, local.rotation) != (transform.translation, transform.rotation)
+        {
+            transform.translation = local.position;
+            transform.rotation = local.rotation;
+        }
     }
 }
 

@@ -209,7 +209,16 @@ pub struct IntegrationPlugin;
 
 impl Plugin for IntegrationPlugin {
     fn build(&self, app: &mut App) {
-        stages!(app, Integration: "integration" integration::integration);
+        let profile = app.world().resource::<Profile>().clone();
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "integration", integration::integration),
+                timed(&profile, "integration", integration::child_transforms),
+            )
+                .chain()
+                .in_set(PhysicsSystems::Integration),
+        );
     }
 }
 

@@ -11,7 +11,7 @@ mod table;
 
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
-pub(crate) use prepare::write_transform;
+pub(crate) use prepare::local_pose;
 pub use prepare::{Quarantined, prepare, quarantine};
 pub(crate) use table::leave;
 pub use table::{BodyIndex, BodyState, BodyTable};

@@ -84,8 +84,7 @@ pub fn prepare(
     {
         let pose = pose.bypass_change_detection();
         let known = table.get_mut(*index);
-        let was = known.as_ref().map(|body| body.pose);
-        let moved_to = user_pose(placement, *pose, was, &placed);
+        let moved_to = user_pose(placement, *pose, known.is_none(), placed);
         *pose = moved_to.unwrap_or(*pose);
         if let Some(problem) = check_motion(pose, velocity, &force, impulse) {
             suspects.0.push((entity, problem));
@@ -143,34 +142,54 @@ pub fn prepare(
     }
 }
 
-/// The pose a user gave the body through `Transform` (or, for a new body, through `Pose`), if it was moved.
+/// The pose a user gave the body through `Transform` (or, for a new body, through `Pose`), if it was moved. What moves a
+/// parent's `Transform` between two steps moves the body too.
 fn user_pose(
     (transform, parent): (&Transform, Option<&ChildOf>),
     pose: Pose,
-    was: Option<Pose>,
-    placed: &Query<(&Transform, Option<&ChildOf>)>,
+    new: bool,
+    placed: Query<(&Transform, Option<&ChildOf>)>,
 ) -> Option<Pose> {
-    let mut world = *transform;
-    let mut above = parent;
-    while let Some(ChildOf(parent)) = above
-        && let Ok((transform, grandparent)) = placed.get(*parent)
-    {
-        world = transform.mul_transform(world);
-        above = grandparent;
-    }
-    let given = Pose {
-        position: world.translation,
-        rotation: world.rotation,
+    let stays = if new {
+        // A pose set by hand counts where the transform was left alone.
+        *transform == Transform::IDENTITY && pose != Pose::default() && pose.is_finite()
+    } else {
+        // To the bit: the same sum as at the end of the last step, from the same numbers where nobody touched them. How far
+        // its own or a parent's frame is from the origin does not matter then.
+        let local = local_pose(pose, parent, placed);
+        (local.position, local.rotation) == (transform.translation, transform.rotation)
     };
-    if was.is_none() {
-        return (*transform != Transform::IDENTITY || !pose.is_finite()).then_some(given);
+    (!stays).then(|| {
+        let mut world = *transform;
+        let mut above = parent;
+        while let Some(ChildOf(parent)) = above
+            && let Ok((transform, grandparent)) = placed.get(*parent)
+        {
+            world = transform.mul_transform(world);
+            above = grandparent;
+        }
+        Pose {
+            position: world.translation,
+            rotation: world.rotation,
+        }
+    })
+}
+
+/// A pose in its parent's frame, or as it is where there is none.
+pub(crate) fn local_pose(
+    pose: Pose,
+    parent: Option<&ChildOf>,
+    placed: Query<(&Transform, Option<&ChildOf>)>,
+) -> Pose {
+    let Some((frame, above)) = parent.and_then(|parent| placed.get(parent.0).ok()) else {
+        return pose;
+    };
+    let pose = local_pose(pose, above, placed);
+    let back = frame.rotation.inverse();
+    Pose {
+        position: back * (pose.position - frame.translation) / frame.scale,
+        rotation: back * pose.rotation,
     }
-    // At the top of a hierarchy the transform is what was written last, to the bit; below, it went there and back.
-    let slack = if parent.is_some() { 1e-4 } else { 0.0 };
-    let same = (given.position - pose.position).abs().max_element()
-        <= slack * (1.0 + pose.position.abs().max_element())
-        && 1.0 - given.rotation.dot(pose.rotation).abs() <= 0.1 * slack.max(1e-5);
-    (!same).then_some(given)
 }
 
 fn check_motion(
@@ -291,29 +310,4 @@ pub fn quarantine(world: &mut World) {
         tracing::error!("{error}");
         world.write_message(error);
     }
-}
-
-/// Writes a body's pose to its `Transform`, keeping its scale, in its parent's frame where it has one.
-pub(crate) fn write_transform(
-    pose: &Pose,
-    transform: &mut Transform,
-    parent: Option<&ChildOf>,
-    parents: &Query<(&Transform, Option<&ChildOf>), Without<BodyIndex>>,
-) {
-    let (mut position, mut rotation) = (pose.position, pose.rotation);
-    let mut chain = Vec::new();
-    let mut above = parent;
-    while let Some(ChildOf(parent)) = above
-        && let Ok((transform, grandparent)) = parents.get(*parent)
-    {
-        chain.push(*transform);
-        above = grandparent;
-    }
-    for parent in chain.iter().rev() {
-        let back = parent.rotation.inverse();
-        position = back * (position - parent.translation) / parent.scale;
-        rotation = back * rotation;
-    }
-    transform.translation = position;
-    transform.rotation = rotation;
 }

@@ -72,11 +72,13 @@ impl Default for Pose {
 
 impl Pose {
     /// A world point from a point in the body's frame.
+    #[inline]
     pub fn transform_point(&self, local: Vec3) -> Vec3 {
         self.position + self.rotation * local
     }
 
     /// A point in the body's frame from a world point.
+    #[inline]
     pub fn inverse_transform_point(&self, world: Vec3) -> Vec3 {
         self.rotation.inverse() * (world - self.position)
     }

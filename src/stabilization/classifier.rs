@@ -5,7 +5,6 @@
 
 use crate::contact::{Anchor, Impulse};
 use crate::settings::Classifier;
-use glam::Vec3;
 
 /// A solved sliding contact lies on the cone only up to rounding; sticking is below this share of it.
 const AT_THE_CONE: f32 = 0.999;

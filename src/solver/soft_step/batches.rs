@@ -7,6 +7,8 @@
 
 use super::lanes::LANES;
 
+const GAP: u32 = 1;
+
 /// For each patch its block and lane; and how many blocks there are.
 #[derive(Default)]
 pub struct Batches {
@@ -34,9 +36,9 @@ impl Batches {
                 .max()
                 .unwrap_or(0);
             let block = with_room(&mut next, free);
-            if block as usize == filled.len() {
+            while filled.len() <= block as usize {
+                next.push(filled.len() as u32);
                 filled.push(0);
-                next.push(block);
             }
             let fill = &mut filled[block as usize];
             places.push((block, *fill));
@@ -46,7 +48,7 @@ impl Batches {
             }
             for body in pair {
                 if moves(body) {
-                    after[body as usize] = block + 1;
+                    after[body as usize] = block + GAP;
                 }
             }
         }

@@ -6,12 +6,10 @@
 //! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
-use super::lanes::{LANES, Lane, Symmetric, Wide};
+use super::lanes::{
+    Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter,
+};
 use crate::solver::{Body, Patch, PatchPoint};
-use glam::Vec3;
-
-/// Six numbers of a body: linear, angular, and two of padding so that it is one vector register.
-pub type State = [f32; 8];
 
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +68,8 @@ pub struct Block {
 pub struct Points {
     x: Lane,
     y: Lane,
+    /// √(x² + y²), m.
+    radius: Lane,
     /// Distance beyond the ideal when detected, m.
     separation: Lane,
     /// The same in this substep.
@@ -78,6 +78,8 @@ pub struct Points {
     impulse: Lane,
     /// 1/W, kg.
     mass: Lane,
+    /// What an impulse does to (u_n, Ω_1, Ω_2).
+    effect: Wide,
 }
 
 impl Block {
@@ -121,35 +123,35 @@ impl Block {
             let body = &bodies[patch.bodies[side] as usize];
             self.bodies[side][lane] = patch.bodies[side];
             self.arms[side].set(lane, patch.arms[side]);
-            self.inverse_mass[side].0[lane] = body.inverse_mass;
+            self.inverse_mass[side][lane] = body.inverse_mass;
             let (i, to) = (&body.inverse_inertia, &mut self.inverse_inertia[side]);
-            to.xx.0[lane] = i.x_axis.x;
-            to.yy.0[lane] = i.y_axis.y;
-            to.zz.0[lane] = i.z_axis.z;
-            to.xy.0[lane] = i.x_axis.y;
-            to.xz.0[lane] = i.x_axis.z;
-            to.yz.0[lane] = i.y_axis.z;
+            to.xx[lane] = i.x_axis.x;
+            to.yy[lane] = i.y_axis.y;
+            to.zz[lane] = i.z_axis.z;
+            to.xy[lane] = i.x_axis.y;
+            to.xz[lane] = i.x_axis.z;
+            to.yz[lane] = i.y_axis.z;
         }
-        self.friction.0[lane] = patch.friction;
+        self.friction[lane] = patch.friction;
         let (t1, t2) = patch.normal.any_orthonormal_pair();
         self.tangent.set(lane, t1);
         if let Some(slip) = patch.slip {
-            self.anchored.0[lane] = 1.0;
-            self.slip[0].0[lane] = t1.dot(slip.shift);
-            self.slip[1].0[lane] = t2.dot(slip.shift);
-            self.slip_twist.0[lane] = slip.twist;
+            self.anchored[lane] = 1.0;
+            self.slip[0][lane] = t1.dot(slip.shift);
+            self.slip[1][lane] = t2.dot(slip.shift);
+            self.slip_twist[lane] = slip.twist;
         }
-        self.tangential[0].0[lane] = t1.dot(patch.tangential) * share;
-        self.tangential[1].0[lane] = t2.dot(patch.tangential) * share;
-        self.twist.0[lane] = patch.twist * share;
-        self.load.0[lane] = patch.load * share;
+        self.tangential[0][lane] = t1.dot(patch.tangential) * share;
+        self.tangential[1][lane] = t2.dot(patch.tangential) * share;
+        self.twist[lane] = patch.twist * share;
+        self.load[lane] = patch.load * share;
         for (to, point) in points.iter_mut().zip(patch_points) {
-            to.x.0[lane] = t1.dot(point.offset);
-            to.y.0[lane] = t2.dot(point.offset);
-            to.separation.0[lane] = point.separation;
-            to.impulse.0[lane] = point.impulse * share;
+            to.x[lane] = t1.dot(point.offset);
+            to.y[lane] = t2.dot(point.offset);
+            to.separation[lane] = point.separation;
+            to.impulse[lane] = point.impulse * share;
             // Marks the lane as used, until `prepare` puts the mass here.
-            to.mass.0[lane] = 1.0;
+            to.mass[lane] = 1.0;
         }
     }
 
@@ -166,103 +168,102 @@ impl Block {
         let t1 = self.tangent.get(lane);
         let t2 = patch.normal.cross(t1);
         patch.tangential =
-            (t1 * self.tangential[0].0[lane] + t2 * self.tangential[1].0[lane]) * whole;
-        patch.twist = self.twist.0[lane] * whole;
-        patch.load = self.load.0[lane] * whole;
+            (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
+        patch.twist = self.twist[lane] * whole;
+        patch.load = self.load[lane] * whole;
         for (from, point) in points.iter().zip(patch_points) {
-            point.impulse = from.impulse.0[lane] * whole;
+            point.impulse = from.impulse[lane] * whole;
+        }
+    }
+
+    /// How the patch's relative motion answers to a wrench at its centre, world axes.
+    #[inline(always)]
+    fn respond(&self, force: Wide, torque: Wide) -> Screw {
+        let a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
+        let b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
+        Screw {
+            linear: force.scale(self.inverse_mass[0] + self.inverse_mass[1])
+                + a.cross(self.arms[0])
+                + b.cross(self.arms[1]),
+            angular: a + b,
         }
     }
 
     /// Computes W and the effective masses.
     #[inline(always)]
     pub fn prepare(&mut self, points: &mut [Points]) {
-        let (n, t1) = (self.normal, self.tangent);
-        let t2 = n.cross(t1);
-        let respond = |force: Wide, torque: Wide| {
-            let mass = self.inverse_mass[0] + self.inverse_mass[1];
-            let [alpha, beta] = [0, 1].map(|side| {
-                self.inverse_inertia[side].apply(torque + self.arms[side].cross(force))
-            });
-            let linear = force.scale(mass) + alpha.cross(self.arms[0]) + beta.cross(self.arms[1]);
-            (linear, alpha + beta)
-        };
+        let frame = self.frame();
+        let Frame { n, t1, t2 } = frame;
         let none = Wide::default();
-        let (n_lin, n_ang) = respond(n, none);
-        let (f1_lin, f1_ang) = respond(t1, none);
-        let (f2_lin, f2_ang) = respond(t2, none);
-        let (tn_lin, tn_ang) = respond(none, n);
-        let (_, t1_ang) = respond(none, t1);
-        let (_, t2_ang) = respond(none, t2);
+        let along_n = self.respond(n, none);
+        let along_1 = self.respond(t1, none);
+        let along_2 = self.respond(t2, none);
+        let about_n = self.respond(none, n);
+        let about_1 = self.respond(none, t1);
+        let about_2 = self.respond(none, t2);
         self.normals = Symmetric {
-            xx: n.dot(n_lin),
-            yy: t1.dot(t1_ang),
-            zz: t2.dot(t2_ang),
-            xy: t1.dot(n_ang),
-            xz: t2.dot(n_ang),
-            yz: t2.dot(t1_ang),
+            xx: n.dot(along_n.linear),
+            yy: t1.dot(about_1.angular),
+            zz: t2.dot(about_2.angular),
+            xy: t1.dot(along_n.angular),
+            xz: t2.dot(along_n.angular),
+            yz: t2.dot(about_1.angular),
         };
-        let on_normals = |lin: Wide, ang: Wide| Wide {
-            x: n.dot(lin),
-            y: t1.dot(ang),
-            z: t2.dot(ang),
-        };
-        self.twist_mass = n.dot(tn_ang).inverse();
-        self.twist_to_tangents = [t1.dot(tn_lin), t2.dot(tn_lin)];
-        self.twist_to_normals = on_normals(tn_lin, tn_ang);
-        self.tangents_to_normals = [on_normals(f1_lin, f1_ang), on_normals(f2_lin, f2_ang)];
-        let (xx, yy, xy) = (t1.dot(f1_lin), t2.dot(f2_lin), t1.dot(f2_lin));
+        self.twist_mass = n.dot(about_n.angular).inverse();
+        self.twist_to_tangents = [t1.dot(about_n.linear), t2.dot(about_n.linear)];
+        self.twist_to_normals = on_normals(&frame, about_n);
+        self.tangents_to_normals = [on_normals(&frame, along_1), on_normals(&frame, along_2)];
+        let (xx, yy) = (t1.dot(along_1.linear), t2.dot(along_2.linear));
+        let xy = t1.dot(along_2.linear);
         let determinant = (xx * yy - xy * xy).inverse();
         self.tangent_mass = [yy * determinant, xx * determinant, -xy * determinant];
         let half = Lane::splat(0.5);
         let spread = (half * half * (xx - yy) * (xx - yy) + xy * xy).sqrt();
         self.isotropic_mass = (half * (xx + yy) + spread).inverse();
         for point in points {
-            let along = Wide {
-                x: Lane::splat(1.0),
-                y: point.y,
-                z: -point.x,
-            };
-            point.mass = point.mass * along.dot(self.normals.apply(along)).inverse();
+            let along = point.direction();
+            point.radius = (point.x * point.x + point.y * point.y).sqrt();
+            point.effect = self.normals.apply(along);
+            point.mass = point.mass * along.dot(point.effect).inverse();
         }
     }
 
     #[inline(always)]
-    fn frame(&self) -> [Wide; 3] {
-        [self.normal, self.tangent, self.normal.cross(self.tangent)]
+    fn frame(&self) -> Frame {
+        Frame {
+            n: self.normal,
+            t1: self.tangent,
+            t2: self.normal.cross(self.tangent),
+        }
     }
 
-    /// Relative motion at the centre, (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
+    /// Relative motion at the centre in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
     #[inline(always)]
-    fn relative(&self, [n, t1, t2]: [Wide; 3], [a, b]: [(Wide, Wide); 2]) -> (Wide, Wide) {
-        let linear = a.0 + a.1.cross(self.arms[0]) - b.0 - b.1.cross(self.arms[1]);
-        let angular = a.1 - b.1;
-        let local = |v: Wide| Wide {
-            x: n.dot(v),
-            y: t1.dot(v),
-            z: t2.dot(v),
-        };
-        (local(linear), local(angular))
+    fn relative(&self, frame: &Frame, a: Screw, b: Screw) -> Screw {
+        let at_a = a.linear + a.angular.cross(self.arms[0]);
+        let at_b = b.linear + b.angular.cross(self.arms[1]);
+        Screw {
+            linear: frame.local(at_a - at_b),
+            angular: frame.local(a.angular - b.angular),
+        }
     }
 
     /// Changes velocities by a wrench in the patch's frame, and writes them back.
     #[inline(always)]
-    fn push(
-        &self,
-        [n, t1, t2]: [Wide; 3],
-        (force, torque): (Wide, Wide),
-        [a, b]: [(Wide, Wide); 2],
-        velocities: &mut [State],
-    ) {
-        let world = |v: Wide| n.scale(v.x) + t1.scale(v.y) + t2.scale(v.z);
-        let (force, torque) = (world(force), world(torque));
-        let turn = |side: usize| {
-            self.inverse_inertia[side].apply(torque + self.arms[side].cross(force))
+    fn push(&self, frame: &Frame, wrench: Screw, a: Screw, b: Screw, velocities: &mut [State]) {
+        let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
+        let turn_a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
+        let turn_b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
+        let a = Screw {
+            linear: a.linear + force.scale(self.inverse_mass[0]),
+            angular: a.angular + turn_a,
         };
-        let a = (a.0 + force.scale(self.inverse_mass[0]), a.1 + turn(0));
-        let b = (b.0 - force.scale(self.inverse_mass[1]), b.1 - turn(1));
-        scatter(velocities, &self.bodies[0], a);
-        scatter(velocities, &self.bodies[1], b);
+        let b = Screw {
+            linear: b.linear - force.scale(self.inverse_mass[1]),
+            angular: b.angular - turn_b,
+        };
+        scatter(velocities, &self.bodies[0], &a);
+        scatter(velocities, &self.bodies[1], &b);
     }
 
     /// Gives the bodies the impulses that the patches start with. Returns what the free motion misses before it, J (see
@@ -270,8 +271,10 @@ impl Block {
     #[inline(always)]
     pub fn warm_start(&self, points: &[Points], velocities: &mut [State], pass: &Pass) -> Lane {
         let frame = self.frame();
-        let ends = self.bodies.each_ref().map(|b| gather(velocities, b));
-        let (u, spin) = self.relative(frame, ends);
+        let a = gather(velocities, &self.bodies[0]);
+        let b = gather(velocities, &self.bodies[1]);
+        let relative = self.relative(&frame, a, b);
+        let normals = on_normals_local(&relative);
         let mut force = Wide {
             x: Lane::ZERO,
             y: self.tangential[0],
@@ -283,7 +286,7 @@ impl Block {
         };
         let mut missing = Lane::ZERO;
         for point in points {
-            let approach = u.x + point.y * spin.y - point.x * spin.z;
+            let approach = point.direction().dot(normals);
             let bound = -point.separation.max(Lane::ZERO) * pass.rate;
             let lack = (bound - approach).max(Lane::ZERO);
             missing += lack * lack * point.mass;
@@ -291,7 +294,11 @@ impl Block {
             torque.y += point.y * point.impulse;
             torque.z -= point.x * point.impulse;
         }
-        self.push(frame, (force, torque), ends, velocities);
+        let wrench = Screw {
+            linear: force,
+            angular: torque,
+        };
+        self.push(&frame, wrench, a, b, velocities);
         missing
     }
 
@@ -306,13 +313,15 @@ impl Block {
         pass: &Pass,
     ) -> Lane {
         let frame = self.frame();
-        let ends = self.bodies.each_ref().map(|b| gather(velocities, b));
-        let (mut u, mut spin) = self.relative(frame, ends);
-        let (moved, turned) = if BIASED {
-            let ends = self.bodies.each_ref().map(|b| gather(motions, b));
-            self.relative(frame, ends)
+        let a = gather(velocities, &self.bodies[0]);
+        let b = gather(velocities, &self.bodies[1]);
+        let relative = self.relative(&frame, a, b);
+        let moved = if BIASED {
+            let a = gather(motions, &self.bodies[0]);
+            let b = gather(motions, &self.bodies[1]);
+            self.relative(&frame, a, b)
         } else {
-            Default::default()
+            Screw::default()
         };
         let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
         let mut force = Wide::default();
@@ -321,7 +330,7 @@ impl Block {
         let (mut carried, mut lever) = (zero, zero);
         for point in points.iter() {
             carried += point.impulse;
-            lever += point.impulse * (point.x * point.x + point.y * point.y).sqrt();
+            lever += point.impulse * point.radius;
         }
         // Anchored friction is soft, any other rigid.
         let (soft, give) = if BIASED {
@@ -334,51 +343,53 @@ impl Block {
         };
 
         let twist_bias = if BIASED {
-            self.anchored * -pass.bias_rate * (self.slip_twist + turned.x)
+            self.anchored * -pass.bias_rate * (self.slip_twist + moved.angular.x)
         } else {
             zero
         };
         let limit = self.friction * lever;
         let found = self.twist
-            - self.twist_mass * soft * (spin.x - twist_bias)
+            - self.twist_mass * soft * (relative.angular.x - twist_bias)
             - give * self.twist;
         let found = found.min(limit).max(-limit);
         torque.x = found - self.twist;
         self.twist = found;
-        u.y += self.twist_to_tangents[0] * torque.x;
-        u.z += self.twist_to_tangents[1] * torque.x;
-        let mut normals = Wide {
-            x: u.x,
-            y: spin.y,
-            z: spin.z,
-        } + self.twist_to_normals.scale(torque.x);
-        spin.x = zero;
+        let mut normals = on_normals_local(&relative) + self.twist_to_normals.scale(torque.x);
 
         let limit = self.friction * carried;
-        let residual = if BIASED {
-            let bias = |slip: Lane, moved: Lane| {
-                let speed = self.anchored * -pass.bias_rate * (slip + moved);
-                speed.min(pass.max_speed).max(-pass.max_speed)
-            };
-            [
-                u.y - bias(self.slip[0], moved.y),
-                u.z - bias(self.slip[1], moved.z),
-            ]
-        } else {
-            [u.y, u.z]
-        };
+        let mut residual = [
+            relative.linear.y + self.twist_to_tangents[0] * torque.x,
+            relative.linear.z + self.twist_to_tangents[1] * torque.x,
+        ];
+        if BIASED {
+            let rate = self.anchored * pass.bias_rate;
+            let back_1 = rate * (self.slip[0] + moved.linear.y);
+            let back_2 = rate * (self.slip[1] + moved.linear.z);
+            residual[0] += back_1.min(pass.max_speed).max(-pass.max_speed);
+            residual[1] += back_2.min(pass.max_speed).max(-pass.max_speed);
+        }
         // The exact step where it stays inside the cone, else an isotropic one, projected (see `rows.rs`).
         let [xx, yy, xy] = self.tangent_mass;
-        let start = self.tangential.map(|t| t - give * t);
+        let keep = one - give;
+        let start = [self.tangential[0] * keep, self.tangential[1] * keep];
         let exact = [
             start[0] - soft * (xx * residual[0] + xy * residual[1]),
             start[1] - soft * (xy * residual[0] + yy * residual[1]),
         ];
-        let outside = exact[0] * exact[0] + exact[1] * exact[1] - limit * limit;
-        let slid = [0, 1].map(|i| start[i] - soft * self.isotropic_mass * residual[i]);
-        let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
-        let shorten = (length - limit).positive(limit * length.inverse(), one);
-        let found = [0, 1].map(|i| outside.positive(slid[i] * shorten, exact[i]));
+        let mut found = exact;
+        let square = exact[0] * exact[0] + exact[1] * exact[1];
+        if square.any_above(limit * limit) {
+            let slid = [
+                start[0] - soft * self.isotropic_mass * residual[0],
+                start[1] - soft * self.isotropic_mass * residual[1],
+            ];
+            let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
+            let shorten = length.above(limit, limit * length.inverse(), one);
+            found = [
+                square.above(limit * limit, slid[0] * shorten, exact[0]),
+                square.above(limit * limit, slid[1] * shorten, exact[1]),
+            ];
+        }
         force.y = found[0] - self.tangential[0];
         force.z = found[1] - self.tangential[1];
         self.tangential = found;
@@ -386,36 +397,39 @@ impl Block {
             + self.tangents_to_normals[0].scale(force.y)
             + self.tangents_to_normals[1].scale(force.z);
 
+        let moved_normals = on_normals_local(&moved);
         let mut change = zero;
         for point in points {
-            let approach = normals.x + point.y * normals.y - point.x * normals.z;
+            let along = point.direction();
+            let approach = along.dot(normals);
             let step = if BIASED {
-                let s = point.separation + moved.x + point.y * turned.y - point.x * turned.z;
+                let s = point.separation + along.dot(moved_normals);
                 point.now = s;
                 let push = (-pass.bias_rate * s).min(pass.max_speed);
                 let held = pass.preload
                     * (self.load.min(point.impulse) - point.mass * pass.fall).max(zero);
                 let soft = pass.mass_scale * point.mass * (approach - push)
                     + pass.impulse_scale * (point.impulse - held);
-                s.positive(point.mass * (approach + s * pass.rate), soft)
+                let apart = point.mass * (approach + s * pass.rate);
+                s.above(zero, apart, soft)
             } else {
-                point.mass * (approach + point.now.max(zero) * pass.rate)
+                let excess = approach + point.now.max(zero) * pass.rate;
+                point.mass * excess
             };
             let found = (point.impulse - step).max(zero);
             let delta = found - point.impulse;
             point.impulse = found;
-            let along = Wide {
-                x: delta,
-                y: point.y * delta,
-                z: -point.x * delta,
-            };
-            normals = normals + self.normals.apply(along);
+            normals = normals + point.effect.scale(delta);
             force.x += delta;
-            torque.y += along.y;
-            torque.z += along.z;
-            change += delta * delta * point.mass.inverse();
+            torque.y += point.y * delta;
+            torque.z -= point.x * delta;
+            change -= delta * approach;
         }
-        self.push(frame, (force, torque), ends, velocities);
+        let wrench = Screw {
+            linear: force,
+            angular: torque,
+        };
+        self.push(&frame, wrench, a, b, velocities);
         change
     }
 
@@ -425,28 +439,41 @@ impl Block {
         let mut count = Lane::ZERO;
         for point in points {
             sum += point.impulse;
-            count += point.mass.map(|m| if m > 0.0 { 1.0 } else { 0.0 });
+            count += point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
         }
         let mean = sum * count.inverse();
         self.load += Lane::splat(rate) * (mean - self.load);
     }
 }
 
+/// What normals see of a motion: (u_n, Ω_1, Ω_2).
 #[inline(always)]
-fn gather(states: &[State], bodies: &[u32; LANES]) -> (Wide, Wide) {
-    let (mut linear, mut angular) = (Wide::default(), Wide::default());
-    for (lane, &body) in bodies.iter().enumerate() {
-        let [x, y, z, p, q, r, ..] = states[body as usize];
-        linear.set(lane, Vec3::new(x, y, z));
-        angular.set(lane, Vec3::new(p, q, r));
+fn on_normals_local(motion: &Screw) -> Wide {
+    Wide {
+        x: motion.linear.x,
+        y: motion.angular.y,
+        z: motion.angular.z,
     }
-    (linear, angular)
 }
 
+/// The same of a motion in world axes.
 #[inline(always)]
-fn scatter(states: &mut [State], bodies: &[u32; LANES], (linear, angular): (Wide, Wide)) {
-    for (lane, &body) in bodies.iter().enumerate() {
-        let (v, w) = (linear.get(lane), angular.get(lane));
-        states[body as usize] = [v.x, v.y, v.z, w.x, w.y, w.z, 0.0, 0.0];
+fn on_normals(frame: &Frame, motion: Screw) -> Wide {
+    Wide {
+        x: frame.n.dot(motion.linear),
+        y: frame.t1.dot(motion.angular),
+        z: frame.t2.dot(motion.angular),
+    }
+}
+
+impl Points {
+    /// The row of this point over (u_n, Ω_1, Ω_2).
+    #[inline(always)]
+    fn direction(&self) -> Wide {
+        Wide {
+            x: Lane::splat(1.0),
+            y: self.y,
+            z: -self.x,
+        }
     }
 }

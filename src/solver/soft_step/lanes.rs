@@ -1,116 +1,79 @@
-//! Eight numbers at once, in plain Rust: the compiler makes vector instructions of these loops, as wide as the function that
-//! they are inlined into may use ([`super::SoftStep`] asks the processor).
+//! Eight numbers at once, as two of glam's `Vec4`: SSE2, NEON or WebAssembly vectors, and plain numbers elsewhere.
 //!
-//! No fused multiply-add and no reduction across lanes enters a result, so all widths give the same bits.
+//! Two, because a visit to a patch is one long chain of operations that wait for each other: the second four fill the gaps.
 
-use glam::Vec3;
-use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+use glam::{Mat4, Vec3, Vec4};
+use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
 /// How many patches a block holds.
 pub const LANES: usize = 8;
 
 /// One number of each of [`LANES`] patches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub struct Lane(pub [f32; LANES]);
+pub struct Lane(Vec4, Vec4);
 
 impl Lane {
-    pub const ZERO: Self = Self([0.0; LANES]);
+    pub const ZERO: Self = Self(Vec4::ZERO, Vec4::ZERO);
+    pub const ONE: Self = Self(Vec4::ONE, Vec4::ONE);
 
     #[inline(always)]
     pub fn splat(x: f32) -> Self {
-        Self([x; LANES])
+        Self(Vec4::splat(x), Vec4::splat(x))
     }
 
     #[inline(always)]
-    pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
-        let mut out = [0.0; LANES];
-        for (out, x) in out.iter_mut().zip(self.0) {
-            *out = f(x);
-        }
-        Self(out)
+    pub fn max(self, o: Self) -> Self {
+        Self(self.0.max(o.0), self.1.max(o.1))
     }
 
     #[inline(always)]
-    pub fn with(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = f(self.0[i], other.0[i]);
-        }
-        Self(out)
+    pub fn min(self, o: Self) -> Self {
+        Self(self.0.min(o.0), self.1.min(o.1))
     }
 
     #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        self.with(other, |x, y| if x > y { x } else { y })
-    }
-
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        self.with(other, |x, y| if x < y { x } else { y })
-    }
-
-    /// `a` where this is positive, else `b`.
-    #[inline(always)]
-    pub fn positive(self, a: Self, b: Self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = if self.0[i] > 0.0 { a.0[i] } else { b.0[i] };
-        }
-        Self(out)
+    pub fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
     }
 
     /// 1/x, and 0 for what is not positive.
     #[inline(always)]
     pub fn inverse(self) -> Self {
-        self.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 })
+        let half = |x: Vec4| Vec4::select(x.cmpgt(Vec4::ZERO), x.recip(), Vec4::ZERO);
+        Self(half(self.0), half(self.1))
     }
 
+    /// `a` where this is greater than `limit`, else `b`.
     #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        self.map(f32::sqrt)
+    pub fn above(self, limit: Self, a: Self, b: Self) -> Self {
+        Self(
+            Vec4::select(self.0.cmpgt(limit.0), a.0, b.0),
+            Vec4::select(self.1.cmpgt(limit.1), a.1, b.1),
+        )
+    }
+
+    /// This is greater than `limit` in any lane.
+    #[inline(always)]
+    pub fn any_above(self, limit: Self) -> bool {
+        (self.0.cmpgt(limit.0) | self.1.cmpgt(limit.1)).any()
     }
 
     pub fn sum(self) -> f32 {
-        self.0.iter().sum()
+        (self.0 + self.1).element_sum()
     }
 }
 
-macro_rules! lanewise {
-    ($trait:ident, $name:ident, $op:tt) => {
-        impl $trait for Lane {
-            type Output = Self;
+impl Index<usize> for Lane {
+    type Output = f32;
 
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                self.with(other, |x, y| x $op y)
-            }
-        }
-
-        impl $trait for Wide {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                Self {
-                    x: self.x $op other.x,
-                    y: self.y $op other.y,
-                    z: self.z $op other.z,
-                }
-            }
-        }
-    };
+    fn index(&self, lane: usize) -> &f32 {
+        if lane < 4 { &self.0[lane] } else { &self.1[lane - 4] }
+    }
 }
 
-lanewise!(Add, add, +);
-lanewise!(Sub, sub, -);
-
-impl Mul for Lane {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |x, y| x * y)
+impl IndexMut<usize> for Lane {
+    fn index_mut(&mut self, lane: usize) -> &mut f32 {
+        if lane < 4 { &mut self.0[lane] } else { &mut self.1[lane - 4] }
     }
 }
 
@@ -119,23 +82,44 @@ impl Neg for Lane {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|x| -x)
+        Self(-self.0, -self.1)
     }
 }
 
-impl AddAssign for Lane {
+macro_rules! lanewise {
+    ($trait:ident $name:ident, $assign:ident $assign_name:ident, $op:tt) => {
+        impl $trait for Lane {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                Self(self.0 $op o.0, self.1 $op o.1)
+            }
+        }
+
+        impl $assign for Lane {
+            #[inline(always)]
+            fn $assign_name(&mut self, o: Self) {
+                *self = *self $op o;
+            }
+        }
+    };
+}
+
+lanewise!(Add add, AddAssign add_assign, +);
+lanewise!(Sub sub, SubAssign sub_assign, -);
+
+impl Mul for Lane {
+    type Output = Self;
+
     #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
+    fn mul(self, o: Self) -> Self {
+        Self(self.0 * o.0, self.1 * o.1)
     }
 }
 
-impl SubAssign for Lane {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
+/// Linear and angular part of a body's motion.
+pub type State = [Vec4; 2];
 
 /// One vector of each patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -147,13 +131,13 @@ pub struct Wide {
 
 impl Wide {
     pub fn set(&mut self, lane: usize, v: Vec3) {
-        self.x.0[lane] = v.x;
-        self.y.0[lane] = v.y;
-        self.z.0[lane] = v.z;
+        self.x[lane] = v.x;
+        self.y[lane] = v.y;
+        self.z[lane] = v.z;
     }
 
     pub fn get(&self, lane: usize) -> Vec3 {
-        Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
     }
 
     #[inline(always)]
@@ -180,6 +164,63 @@ impl Wide {
     }
 }
 
+/// A motion or a wrench of each patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Screw {
+    pub linear: Wide,
+    pub angular: Wide,
+}
+
+/// The axes of a contact: normal and two tangents.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    pub n: Wide,
+    pub t1: Wide,
+    pub t2: Wide,
+}
+
+impl Frame {
+    #[inline(always)]
+    pub fn local(&self, v: Wide) -> Wide {
+        Wide {
+            x: self.n.dot(v),
+            y: self.t1.dot(v),
+            z: self.t2.dot(v),
+        }
+    }
+
+    #[inline(always)]
+    pub fn world(&self, v: Wide) -> Wide {
+        self.n.scale(v.x) + self.t1.scale(v.y) + self.t2.scale(v.z)
+    }
+}
+
+impl Add for Wide {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Self {
+            x: self.x + o.x,
+            y: self.y + o.y,
+            z: self.z + o.z,
+        }
+    }
+}
+
+impl Sub for Wide {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self {
+            x: self.x - o.x,
+            y: self.y - o.y,
+            z: self.z - o.z,
+        }
+    }
+}
+
 /// A symmetric 3 × 3 matrix of each patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Symmetric {
@@ -200,4 +241,62 @@ impl Symmetric {
             z: self.xz * v.x + self.yz * v.y + self.zz * v.z,
         }
     }
+}
+
+/// The motions of eight bodies.
+#[inline(always)]
+pub fn gather(states: &[State], bodies: &[u32; LANES]) -> Screw {
+    let (l, m) = gather_four(states, [bodies[0], bodies[1], bodies[2], bodies[3]]);
+    let (p, q) = gather_four(states, [bodies[4], bodies[5], bodies[6], bodies[7]]);
+    Screw {
+        linear: Wide {
+            x: Lane(l.x_axis, p.x_axis),
+            y: Lane(l.y_axis, p.y_axis),
+            z: Lane(l.z_axis, p.z_axis),
+        },
+        angular: Wide {
+            x: Lane(m.x_axis, q.x_axis),
+            y: Lane(m.y_axis, q.y_axis),
+            z: Lane(m.z_axis, q.z_axis),
+        },
+    }
+}
+
+#[inline(always)]
+fn gather_four(states: &[State], bodies: [u32; 4]) -> (Mat4, Mat4) {
+    let a = &states[bodies[0] as usize];
+    let b = &states[bodies[1] as usize];
+    let c = &states[bodies[2] as usize];
+    let d = &states[bodies[3] as usize];
+    (
+        Mat4::from_cols(a[0], b[0], c[0], d[0]).transpose(),
+        Mat4::from_cols(a[1], b[1], c[1], d[1]).transpose(),
+    )
+}
+
+/// Writes the motions of eight bodies back.
+#[inline(always)]
+pub fn scatter(states: &mut [State], bodies: &[u32; LANES], motion: &Screw) {
+    let (v, w) = (&motion.linear, &motion.angular);
+    scatter_four(
+        states,
+        [bodies[0], bodies[1], bodies[2], bodies[3]],
+        Mat4::from_cols(v.x.0, v.y.0, v.z.0, Vec4::ZERO),
+        Mat4::from_cols(w.x.0, w.y.0, w.z.0, Vec4::ZERO),
+    );
+    scatter_four(
+        states,
+        [bodies[4], bodies[5], bodies[6], bodies[7]],
+        Mat4::from_cols(v.x.1, v.y.1, v.z.1, Vec4::ZERO),
+        Mat4::from_cols(w.x.1, w.y.1, w.z.1, Vec4::ZERO),
+    );
+}
+
+#[inline(always)]
+fn scatter_four(states: &mut [State], bodies: [u32; 4], linear: Mat4, angular: Mat4) {
+    let (linear, angular) = (linear.transpose(), angular.transpose());
+    states[bodies[0] as usize] = [linear.x_axis, angular.x_axis];
+    states[bodies[1] as usize] = [linear.y_axis, angular.y_axis];
+    states[bodies[2] as usize] = [linear.z_axis, angular.z_axis];
+    states[bodies[3] as usize] = [linear.w_axis, angular.w_axis];
 }

@@ -6,8 +6,9 @@ mod lanes;
 
 use super::{Body, ContactSolver, Problem, Rows, SolveReport};
 use batches::Batches;
-use block::{Block, Pass, Points, State};
-use lanes::Lane;
+use block::{Block, Pass, Points};
+use glam::Vec4;
+use lanes::{Lane, State};
 
 /// See the module's text.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,9 +46,32 @@ impl ContactSolver for SoftStep {
     fn solve(&self, problem: &mut Problem) -> SolveReport {
         let substeps = (problem.iterations / 2).max(1);
         let mut island = Island::new(problem, substeps);
-        let report = pulp::Arch::new().dispatch(|| island.advance(self, problem, substeps));
+        let report = pulp::Arch::new().dispatch(Advance {
+            island: &mut island,
+            settings: self,
+            problem,
+            substeps,
+        });
         island.store(problem, substeps);
         report
+    }
+}
+
+/// [`Island::advance`], compiled for each kind of processor.
+struct Advance<'a, 'b> {
+    island: &'a mut Island,
+    settings: &'a SoftStep,
+    problem: &'a Problem<'b>,
+    substeps: usize,
+}
+
+impl pulp::NullaryFnOnce for Advance<'_, '_> {
+    type Output = SolveReport;
+
+    #[inline(always)]
+    fn call(self) -> SolveReport {
+        self.island
+            .advance(self.settings, self.problem, self.substeps)
     }
 }
 
@@ -69,6 +93,7 @@ impl Island {
             bodies.len(),
             |body| bodies[body as usize].inverse_mass > 0.0,
         );
+        if std::env::var_os("DBG").is_some() { eprintln!("patches {} blocks {} size {} {}", problem.patches.len(), batches.blocks, size_of::<Block>(), size_of::<Points>()); }
         let mut blocks = vec![Block::new(nobody, 0); batches.blocks];
         for (patch, &(block, _)) in problem.patches.iter().zip(&batches.places) {
             blocks[block as usize].hold(patch.count);
@@ -95,15 +120,15 @@ impl Island {
                 body.linear - body.push[0],
                 body.angular - body.push[1],
             );
-            [v.x, v.y, v.z, w.x, w.y, w.z, 0.0, 0.0]
+            [v.extend(0.0), w.extend(0.0)]
         };
         let mut velocities: Vec<State> = bodies.iter().map(state).collect();
-        velocities.push([0.0; 8]);
+        velocities.push(State::default());
         Self {
             batches,
             blocks,
             points,
-            motions: vec![[0.0; 8]; velocities.len()],
+            motions: vec![State::default(); velocities.len()],
             before: velocities.clone(),
             velocities,
         }
@@ -132,9 +157,8 @@ impl Island {
         }
         // The first substep: forces, then the impulses of the last step.
         for (state, body) in self.velocities.iter_mut().zip(&*problem.bodies) {
-            let (v, w) = (body.push[0] * share, body.push[1] * share);
-            for (x, dx) in state.iter_mut().zip([v.x, v.y, v.z, w.x, w.y, w.z]) {
-                *x += dx;
+            for (velocity, push) in state.iter_mut().zip(body.push) {
+                *velocity += (push * share).extend(0.0);
             }
         }
         let mut free = Lane::ZERO;
@@ -144,13 +168,7 @@ impl Island {
         let free = free.sum().sqrt();
         for substep in 0..substeps {
             if substep > 0 {
-                for (state, before) in self.velocities.iter_mut().zip(&mut self.before) {
-                    let end = *state;
-                    for i in 0..8 {
-                        state[i] = end[i] + (end[i] - before[i]);
-                    }
-                    *before = end;
-                }
+                extrapolate(&mut self.velocities, &mut self.before);
             }
             let mut change = Lane::ZERO;
             for block in &mut self.blocks {
@@ -158,11 +176,7 @@ impl Island {
                 change +=
                     block.relax::<true>(points, &mut self.velocities, &self.motions, &pass);
             }
-            for (motion, state) in self.motions.iter_mut().zip(&self.velocities) {
-                for i in 0..8 {
-                    motion[i] += h * state[i];
-                }
-            }
+            drift(&mut self.motions, &self.velocities, h);
             change = Lane::ZERO;
             for block in self.blocks.iter_mut().rev() {
                 let points = &mut self.points[block.range()];
@@ -191,11 +205,29 @@ impl Island {
         }
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
-            let [x, y, z, p, q, r, ..] = *velocity;
-            body.linear = [x, y, z].into();
-            body.angular = [p, q, r].into();
-            let [x, y, z, p, q, r, ..] = motion.map(|m| m / problem.dt);
-            body.motion = Some([[x, y, z].into(), [p, q, r].into()]);
+            [body.linear, body.angular] = velocity.map(Vec4::truncate);
+            body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
+        }
+    }
+}
+
+/// Forces and warm start of a further substep in one: with arms frozen, what they did in the last one they do again.
+#[inline(always)]
+fn extrapolate(velocities: &mut [State], before: &mut [State]) {
+    for (state, before) in velocities.iter_mut().zip(before) {
+        let end = *state;
+        for i in 0..2 {
+            state[i] += end[i] - before[i];
+        }
+        *before = end;
+    }
+}
+
+#[inline(always)]
+fn drift(motions: &mut [State], velocities: &[State], h: f32) {
+    for (motion, state) in motions.iter_mut().zip(velocities) {
+        for i in 0..2 {
+            motion[i] += h * state[i];
         }
     }
 }

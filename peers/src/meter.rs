@@ -1,0 +1,102 @@
+//! What is measured of an engine, the same of each.
+
+use crate::engine::Engine;
+use crate::overlap;
+use crate::scene::Body;
+use drystone::experiment::Spread;
+use drystone::metrics::Displacement;
+use drystone::prelude::{Pose, Vec3};
+use std::time::{Duration, Instant};
+
+/// An engine under way, and what was gathered of it.
+pub struct Metered<E> {
+    pub engine: E,
+    start: Vec<Pose>,
+    dt: f32,
+    times: Vec<Duration>,
+    fell_at: Option<f32>,
+    mean_squares: Vec<f32>,
+}
+
+/// What became of an engine.
+pub struct Outcome {
+    /// Of whole steps.
+    pub step_time: Spread,
+    /// When something first fell, by [`Displacement::has_fallen`], s.
+    pub fell_at: Option<f32>,
+    /// Worst body at the end against its start.
+    pub displacement: Displacement,
+    /// Root mean square over dynamic bodies and the last second, m/s.
+    pub rms_speed: f32,
+    /// Deepest at the end, m.
+    pub overlap: f32,
+}
+
+impl<E: Engine> Metered<E> {
+    pub fn new(engine: E, bodies: &[Body], dt: f32) -> Self {
+        Self {
+            engine,
+            start: bodies.iter().map(|body| body.pose).collect(),
+            dt,
+            times: Vec::new(),
+            fell_at: None,
+            mean_squares: Vec::new(),
+        }
+    }
+
+    /// Takes so many steps; nothing but they are timed.
+    pub fn steps(&mut self, count: usize) {
+        for _ in 0..count {
+            let begin = Instant::now();
+            self.engine.step();
+            self.times.push(begin.elapsed());
+            self.look();
+        }
+    }
+
+    fn look(&mut self) {
+        let poses = self.engine.poses();
+        // A comparison with what is no number is false, and so would be its fall.
+        let lost = !poses.iter().all(Pose::is_finite);
+        if lost || Displacement::between(&self.start, &poses).has_fallen() {
+            let now = self.times.len() as f32 * self.dt;
+            self.fell_at.get_or_insert(now);
+        }
+        self.mean_squares
+            .push(mean_square(&self.engine.velocities()));
+    }
+
+    pub fn outcome(&self, bodies: &[Body]) -> Outcome {
+        let poses = self.engine.poses();
+        let steps = self.mean_squares.len();
+        let last_second = ((1.0 / self.dt).round() as usize).clamp(1, steps.max(1));
+        let tail = &self.mean_squares[steps.saturating_sub(last_second)..];
+        Outcome {
+            step_time: spread(&self.times),
+            fell_at: self.fell_at,
+            displacement: Displacement::between(&self.start, &poses),
+            rms_speed: (tail.iter().sum::<f32>() / tail.len().max(1) as f32).sqrt(),
+            overlap: overlap::deepest(bodies, &poses),
+        }
+    }
+}
+
+fn mean_square(velocities: &[Vec3]) -> f32 {
+    let sum: f32 = velocities.iter().map(|v| v.length_squared()).sum();
+    sum / velocities.len().max(1) as f32
+}
+
+/// Median and 95th percentile.
+fn spread(times: &[Duration]) -> Spread {
+    let mut sorted = times.to_vec();
+    sorted.sort_unstable();
+    let at = |share: f32| {
+        let index = (sorted.len() as f32 * share) as usize;
+        let last = sorted.len().saturating_sub(1);
+        sorted.get(index.min(last)).copied().unwrap_or_default()
+    };
+    Spread {
+        median: at(0.5),
+        p95: at(0.95),
+    }
+}

@@ -1,0 +1,53 @@
+//! Drystone as one of the engines.
+
+use crate::engine::Engine;
+use crate::scene::Body;
+use bevy_ecs::entity::Entity;
+use bevy_ecs::world::World;
+use drystone::prelude::{Pose, RigidBody, Vec3, Velocity};
+
+/// The world in which the scene was built. Stepped by [`drystone::step`] itself: an experiment's own step measures too, and that
+/// would be timed.
+pub struct Drystone {
+    world: World,
+    bodies: Vec<(Entity, RigidBody)>,
+    dt: f32,
+}
+
+impl Drystone {
+    pub fn new(world: World, bodies: &[Body], dt: f32) -> Self {
+        Self {
+            world,
+            bodies: bodies.iter().map(|b| (b.entity, b.kind)).collect(),
+            dt,
+        }
+    }
+
+    #[cfg(test)]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+}
+
+impl Engine for Drystone {
+    fn step(&mut self) {
+        drystone::step(&mut self.world, self.dt).expect("the time step was checked");
+    }
+
+    fn poses(&self) -> Vec<Pose> {
+        let pose = |(body, _): &(Entity, RigidBody)| {
+            let pose = self.world.get::<Pose>(*body);
+            *pose.expect("no scene removes a body")
+        };
+        self.bodies.iter().map(pose).collect()
+    }
+
+    fn velocities(&self) -> Vec<Vec3> {
+        self.bodies
+            .iter()
+            .filter(|(_, kind)| *kind == RigidBody::Dynamic)
+            .filter_map(|(body, _)| self.world.get::<Velocity>(*body))
+            .map(|velocity| velocity.linear)
+            .collect()
+    }
+}

@@ -1,0 +1,90 @@
+//! What is compared: the bodies of a drystone scene as they stand before the first step.
+//!
+//! Drystone builds the scene, and every other engine is given what is read from that world, so that no engine has a scene of
+//! its own that could differ.
+
+use bevy_ecs::entity::Entity;
+use bevy_transform::components::Transform;
+use drystone::experiment::{Experiment, Run};
+use drystone::prelude::{Collider, Density, Friction, Pose, Restitution, RigidBody, Velocity};
+use drystone::scenes::Scene;
+use drystone::settings::{PhysicsThreads, Preset};
+
+/// A body before the first step.
+pub struct Body {
+    pub entity: Entity,
+    pub kind: RigidBody,
+    pub collider: Collider,
+    pub pose: Pose,
+    pub velocity: Velocity,
+    pub density: f32,
+    pub friction: Friction,
+    pub restitution: Restitution,
+}
+
+/// How all engines are run.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions {
+    /// Length of a step, s.
+    pub dt: f32,
+    /// Threads of each engine.
+    pub threads: usize,
+}
+
+/// Builds a scene in drystone, at its default settings but for sleeping: a body asleep costs nothing and does not creep, so
+/// that one asleep in one engine only would decide both comparisons.
+///
+/// # Errors
+/// Where somebody moves the scene, or the operating system gives no threads.
+pub fn build(scene: Scene, seed: u64, conditions: Conditions) -> Result<(Run, Vec<Body>), String> {
+    let threads = conditions.threads;
+    let mut experiment = Experiment::new(scene, Preset::Default).with_seed(seed);
+    experiment.dt = conditions.dt;
+    experiment.sleeping.enabled = false;
+    experiment.threads =
+        PhysicsThreads::new(threads).map_err(|e| format!("--threads {threads}: {e}"))?;
+    let mut run = experiment.start();
+    if run.hand().is_some() {
+        return Err(format!(
+            "--scene {scene}: a hand moves it through drystone's components, and other engines have none"
+        ));
+    }
+    let bodies = read(&mut run);
+    Ok((run, bodies))
+}
+
+/// The ground first, then what stands on it in the order in which it was placed: the order decides in which order a
+/// Gauss–Seidel solver sweeps.
+fn read(run: &mut Run) -> Vec<Body> {
+    let mut all = run.world.query::<(
+        Entity,
+        &RigidBody,
+        &Collider,
+        // Drystone's own pose is written by the first step.
+        &Transform,
+        &Velocity,
+        Option<&Density>,
+        Option<&Friction>,
+        Option<&Restitution>,
+    )>();
+    let mut bodies: Vec<Body> = all
+        .iter(&run.world)
+        .map(
+            |(entity, kind, collider, transform, velocity, density, friction, restitution)| Body {
+                entity,
+                kind: *kind,
+                collider: collider.clone(),
+                pose: Pose {
+                    position: transform.translation,
+                    rotation: transform.rotation,
+                },
+                velocity: *velocity,
+                density: density.map_or(Density::DEFAULT, |d| d.0),
+                friction: friction.copied().unwrap_or_default(),
+                restitution: restitution.copied().unwrap_or_default(),
+            },
+        )
+        .collect();
+    bodies.sort_by_cached_key(|body| run.bodies.iter().position(|&b| b == body.entity));
+    bodies
+}

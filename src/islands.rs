@@ -415,6 +415,7 @@ impl IslandProblem {
                     tangential: impulse.tangential,
                     twist: impulse.twist,
                     load: impulse.load,
+                    age: impulse.age,
                 });
             }
         }

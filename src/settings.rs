@@ -108,6 +108,8 @@ pub struct StabilizationSettings {
     /// A contact manifold is kept, with normal and arms frozen, until its bodies have moved this far against each other, m. 0:
     /// found anew in every step.
     pub recycle_distance: f32,
+    /// Keep four points of a patch that has more: the corners of the largest quadrangle.
+    pub reduce_manifolds: bool,
 }
 
 impl StabilizationSettings {
@@ -199,6 +201,7 @@ impl Preset {
                     ..friction
                 },
                 recycle_distance: 0.01,
+                reduce_manifolds: true,
             },
             Preset::Paper => StabilizationSettings {
                 envelope: 0.0625,
@@ -207,6 +210,7 @@ impl Preset {
                 max_correction_speed: 2.0,
                 friction,
                 recycle_distance: 0.0,
+                reduce_manifolds: false,
             },
         }
     }

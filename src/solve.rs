@@ -11,6 +11,7 @@ use crate::settings::{
 use crate::sleeping::Sleeping;
 use crate::solver::{Problem, Rows, SolveReport};
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 
 /// How the last step's solves went, one entry for each island that had contacts.
 #[derive(Resource, Default, Clone, Debug)]
@@ -43,7 +44,7 @@ pub fn solve(
 ) {
     let given = Given {
         dt: time.dt,
-        gravity: gravity.0.length(),
+        gravity: gravity.0,
         max_correction_speed: stabilization.max_correction_speed,
     };
     islands.each_problem(&threads, |problem| problem.solve(&settings, &given));
@@ -97,7 +98,7 @@ pub fn solve(
 /// What a problem is told besides its bodies and contacts.
 struct Given {
     dt: f32,
-    gravity: f32,
+    gravity: Vec3,
     max_correction_speed: f32,
 }
 
@@ -146,6 +147,7 @@ impl IslandProblem {
                 tangential: found.tangential,
                 twist: found.twist,
                 load: found.load,
+                age: found.age,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.impulse).sum();

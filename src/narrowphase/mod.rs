@@ -7,6 +7,7 @@
 mod corners;
 pub mod matching;
 mod recycling;
+mod reduction;
 
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
@@ -78,7 +79,7 @@ pub fn narrowphase(
                     }
                     let reach = settings.outer_distance().max(0.0)
                         + (approach_speed(a, b) + fall) * time.dt;
-                    let limit = settings.recycle_distance;
+                    let limit = std::env::var("REC").map_or(settings.recycle_distance, |s| s.parse().unwrap());
                     let kept = !a.renewed
                         && !b.renewed
                         && cache
@@ -89,7 +90,7 @@ pub fn narrowphase(
                     } else {
                         let reach = reach + limit;
                         let old = std::mem::take(manifold);
-                        let curved = detect(a, b, reach, cache, manifold);
+                        let curved = detect(settings, a, b, reach, cache, manifold);
                         let origins =
                             matching::match_points(&old, manifold, cache, settings.envelope);
                         matching::inherit(&origins, &mut impulses.points);
@@ -133,6 +134,7 @@ fn approach_speed(a: &BodyState, b: &BodyState) -> f32 {
 
 /// Fills the manifold with the points no further apart than `reach`, m. True where one of the surfaces is curved.
 fn detect(
+    settings: &StabilizationSettings,
     a: &BodyState,
     b: &BodyState,
     reach: f32,
@@ -207,6 +209,10 @@ fn detect(
                 }
             }
             thin_out(&mut candidates, MERGE * size);
+        }
+
+        if settings.reduce_manifolds {
+            reduction::reduce(&mut candidates, normal);
         }
 
         // Until matching reads it, parry's data holds the number of the old point, high, and that of the new one, low.

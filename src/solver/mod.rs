@@ -35,6 +35,8 @@
 //! assert_eq!(settings.solver.name(), "three-sweeps");
 //! ```
 
+use glam::Vec3;
+
 pub mod merit;
 mod nncg;
 mod patch;
@@ -96,8 +98,8 @@ pub struct Problem<'a> {
     pub points: &'a mut [PatchPoint],
     /// Length of the step, s.
     pub dt: f32,
-    /// Strength of gravity, m/s².
-    pub gravity: f32,
+    /// Acceleration of free fall, m/s².
+    pub gravity: Vec3,
     /// Fastest correction of an error of position, m/s.
     pub max_correction_speed: f32,
     /// The shape of the friction cone.

@@ -59,6 +59,7 @@ pub struct Block {
     tangential: [Lane; 2],
     twist: Lane,
     load: Lane,
+    age: Lane,
     first: u32,
     count: u32,
 }
@@ -145,10 +146,12 @@ impl Block {
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
         self.twist[lane] = patch.twist * share;
         self.load[lane] = patch.load * share;
+        self.age[lane] = patch.age;
         for (to, point) in points.iter_mut().zip(patch_points) {
             to.x[lane] = t1.dot(point.offset);
             to.y[lane] = t2.dot(point.offset);
             to.separation[lane] = point.separation;
+            to.now[lane] = point.separation;
             to.impulse[lane] = point.impulse * share;
             // Marks the lane as used, until `prepare` puts the mass here.
             to.mass[lane] = 1.0;
@@ -171,6 +174,7 @@ impl Block {
             (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
         patch.twist = self.twist[lane] * whole;
         patch.load = self.load[lane] * whole;
+        patch.age = self.age[lane];
         for (from, point) in points.iter().zip(patch_points) {
             point.impulse = from.impulse[lane] * whole;
         }
@@ -442,7 +446,9 @@ impl Block {
             count += point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
         }
         let mean = sum * count.inverse();
-        self.load += Lane::splat(rate) * (mean - self.load);
+        self.age += Lane::ONE;
+        let rate = if std::env::var("CUM").is_ok() { Lane::splat(rate).max(self.age.inverse()) } else { Lane::splat(rate) };
+        self.load += rate * (mean - self.load);
     }
 }
 

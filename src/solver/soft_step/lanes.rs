@@ -66,12 +66,14 @@ impl Lane {
 impl Index<usize> for Lane {
     type Output = f32;
 
+    #[inline(always)]
     fn index(&self, lane: usize) -> &f32 {
         if lane < 4 { &self.0[lane] } else { &self.1[lane - 4] }
     }
 }
 
 impl IndexMut<usize> for Lane {
+    #[inline(always)]
     fn index_mut(&mut self, lane: usize) -> &mut f32 {
         if lane < 4 { &mut self.0[lane] } else { &mut self.1[lane - 4] }
     }
@@ -130,12 +132,14 @@ pub struct Wide {
 }
 
 impl Wide {
+    #[inline(always)]
     pub fn set(&mut self, lane: usize, v: Vec3) {
         self.x[lane] = v.x;
         self.y[lane] = v.y;
         self.z[lane] = v.z;
     }
 
+    #[inline(always)]
     pub fn get(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
     }

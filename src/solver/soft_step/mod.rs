@@ -2,6 +2,7 @@
 
 mod batches;
 mod block;
+mod cold_start;
 mod lanes;
 
 use super::{Body, ContactSolver, Problem, Rows, SolveReport};
@@ -44,11 +45,21 @@ impl ContactSolver for SoftStep {
     }
 
     fn solve(&self, problem: &mut Problem) -> SolveReport {
-        let substeps = (problem.iterations / 2).max(1);
+        let env = |n: &str, d: f32| std::env::var(n).map_or(d, |s| s.parse().unwrap());
+        let per: f32 = env("PER", 2.0);
+        let substeps = ((problem.iterations as f32 / per) as usize).max(1);
+        let env = |n: &str, d: f32| std::env::var(n).map_or(d, |s| s.parse().unwrap());
+        let tuned = SoftStep { damping_ratio: env("ZETA", 10.0), sweeps_per_period: env("SPP", 16.0), preload: env("PRELOAD", 0.9), preload_rate: env("RATE", 0.005) };
+        let this = &tuned;
+        BD.store(env("BD", 0.0) as usize, std::sync::atomic::Ordering::Relaxed);
+        DIR.store(env("DIR", 0.0) as usize, std::sync::atomic::Ordering::Relaxed);
+        let cold = env("COLD", 1.0) > 0.0 && cold_start::cold_start(problem);
+        if cold && env("NOLOAD", 0.0) > 0.0 { for p in problem.patches.iter_mut() { p.load = 0.0; } }
         let mut island = Island::new(problem, substeps);
+        island.cold = cold;
         let report = pulp::Arch::new().dispatch(Advance {
             island: &mut island,
-            settings: self,
+            settings: this,
             problem,
             substeps,
         });
@@ -75,6 +86,8 @@ impl pulp::NullaryFnOnce for Advance<'_, '_> {
     }
 }
 
+static BD: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
+static DIR: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
 struct Island {
     batches: Batches,
     blocks: Vec<Block>,
@@ -82,6 +95,7 @@ struct Island {
     velocities: Vec<State>,
     motions: Vec<State>,
     before: Vec<State>,
+    cold: bool,
 }
 
 impl Island {
@@ -130,6 +144,7 @@ impl Island {
             points,
             motions: vec![State::default(); velocities.len()],
             before: velocities.clone(),
+            cold: false,
             velocities,
         }
     }
@@ -148,7 +163,7 @@ impl Island {
             impulse_scale: Lane::splat(1.0 / (1.0 + a2)),
             max_speed: Lane::splat(problem.max_correction_speed),
             preload: Lane::splat(settings.preload),
-            fall: Lane::splat(problem.gravity * h),
+            fall: Lane::splat(problem.gravity.length() * h),
         };
         let mut report = SolveReport::default();
         let share = 1.0 / substeps as f32;
@@ -166,22 +181,52 @@ impl Island {
             free += block.warm_start(&self.points[block.range()], &mut self.velocities, &pass);
         }
         let free = free.sum().sqrt();
+        if self.cold {
+            let n: usize = std::env::var("POLISH").map_or(0, |s| s.parse().unwrap());
+            for _ in 0..n {
+                for block in &mut self.blocks {
+                    let points = &mut self.points[block.range()];
+                    block.relax::<false>(points, &mut self.velocities, &self.motions, &pass);
+                }
+                for block in self.blocks.iter_mut().rev() {
+                    let points = &mut self.points[block.range()];
+                    block.relax::<false>(points, &mut self.velocities, &self.motions, &pass);
+                }
+            }
+        }
         for substep in 0..substeps {
             if substep > 0 {
                 extrapolate(&mut self.velocities, &mut self.before);
             }
             let mut change = Lane::ZERO;
+            let bd = BD.load(std::sync::atomic::Ordering::Relaxed);
+            if bd == 0 || (bd == 2 && substep % 2 == 0) {
             for block in &mut self.blocks {
                 let points = &mut self.points[block.range()];
                 change +=
                     block.relax::<true>(points, &mut self.velocities, &self.motions, &pass);
-            }
+            } } else {
+            for block in self.blocks.iter_mut().rev() {
+                let points = &mut self.points[block.range()];
+                change +=
+                    block.relax::<true>(points, &mut self.velocities, &self.motions, &pass);
+            } }
             drift(&mut self.motions, &self.velocities, h);
             change = Lane::ZERO;
+            let dir = DIR.load(std::sync::atomic::Ordering::Relaxed);
+            if dir == 4 { continue; }
+            if dir == 0 || (dir == 2 && substep % 2 == 0) {
             for block in self.blocks.iter_mut().rev() {
                 let points = &mut self.points[block.range()];
                 change +=
                     block.relax::<false>(points, &mut self.velocities, &self.motions, &pass);
+            }
+            } else {
+            for block in self.blocks.iter_mut() {
+                let points = &mut self.points[block.range()];
+                change +=
+                    block.relax::<false>(points, &mut self.velocities, &self.motions, &pass);
+            }
             }
             report.sweeps += 2;
             let change = change.sum().sqrt();
@@ -191,7 +236,8 @@ impl Island {
             }
         }
         for block in &mut self.blocks {
-            block.follow_load(&self.points[block.range()], settings.preload_rate);
+            let rate = settings.preload_rate;
+            block.follow_load(&self.points[block.range()], rate);
         }
         report
     }

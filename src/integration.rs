@@ -47,9 +47,8 @@ pub fn integration(
             let motion = islands.motion(index.0);
             let Velocity { linear, angular } = motion.unwrap_or(*velocity);
             let center = pose.transform_point(mass.local_center) + dt * linear;
-            let spin = |rotation: Quat| {
-                (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize()
-            };
+            let spin =
+                |rotation: Quat| (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize();
             if *kind == RigidBody::Dynamic {
                 let before = pose.rotation;
                 (pose.rotation, velocity.angular) = rotate(mass, before, velocity.angular, dt);

@@ -97,11 +97,7 @@ impl Islands {
         threads: &PhysicsThreads,
         work: impl Fn(&mut IslandProblem) + Sync + Send,
     ) {
-        let contacts = self
-            .problems
-            .iter()
-            .map(IslandProblem::contact_count)
-            .sum();
+        let contacts = self.problems.iter().map(IslandProblem::contact_count).sum();
         if contacts < PhysicsThreads::SMALL {
             self.problems.iter_mut().for_each(work);
         } else {
@@ -238,10 +234,7 @@ pub fn islands(
                 inverse_mass: body.mass.inverse_mass,
                 angular: velocity.angular,
                 inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
-                push: [
-                    velocity.linear - body.velocity.linear,
-                    velocity.angular - body.velocity.angular,
-                ],
+                start: [body.velocity.linear, body.velocity.angular],
                 motion: None,
             });
         }
@@ -335,12 +328,7 @@ fn wake(
 
 impl IslandProblem {
     /// Where the bodies of each pair stand. Copies of static and kinematic ones are put behind the dynamic ones.
-    fn ends(
-        &mut self,
-        touches: &[Touch],
-        local: &[u32],
-        velocities: &[Velocity],
-    ) -> Vec<[u32; 2]> {
+    fn ends(&mut self, touches: &[Touch], local: &[u32], velocities: &[Velocity]) -> Vec<[u32; 2]> {
         let mut copies: Vec<(u32, u32)> = Vec::new();
         let mut end = |slot: u32| {
             if local[slot as usize] != u32::MAX {
@@ -353,6 +341,7 @@ impl IslandProblem {
             self.bodies.push(Body {
                 linear: velocity.linear,
                 angular: velocity.angular,
+                start: [velocity.linear, velocity.angular],
                 ..Default::default()
             });
             copies.push((slot, self.bodies.len() as u32 - 1));
@@ -397,12 +386,16 @@ impl IslandProblem {
                 let impulse = touch.impulses.patches[i];
                 let first = self.points.len() as u32;
                 let solved = &touch.impulses.points[patch.range()];
-                self.points
-                    .extend(points.iter().zip(solved).map(|(point, impulse)| PatchPoint {
-                        offset: point.arms[0] - center,
-                        separation: point.distance - ideal,
-                        impulse: impulse.normal,
-                    }));
+                self.points.extend(
+                    points
+                        .iter()
+                        .zip(solved)
+                        .map(|(point, impulse)| PatchPoint {
+                            offset: point.arms[0] - center,
+                            separation: point.distance - ideal,
+                            impulse: impulse.normal,
+                        }),
+                );
                 self.patches.push(Patch {
                     bodies: *ends,
                     normal: patch.normal,
@@ -415,7 +408,6 @@ impl IslandProblem {
                     tangential: impulse.tangential,
                     twist: impulse.twist,
                     load: impulse.load,
-                    age: impulse.age,
                 });
             }
         }

@@ -5,9 +5,7 @@ use crate::body::{BodyIndex, Quarantined, RigidBody, Velocity};
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::islands::{IslandProblem, Islands, SolverSlot};
-use crate::settings::{
-    Gravity, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
-};
+use crate::settings::{Gravity, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime};
 use crate::sleeping::Sleeping;
 use crate::solver::{Problem, Rows, SolveReport};
 use bevy_ecs::prelude::*;
@@ -147,7 +145,6 @@ impl IslandProblem {
                 tangential: found.tangential,
                 twist: found.twist,
                 load: found.load,
-                age: found.age,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.impulse).sum();

@@ -138,8 +138,6 @@ pub struct PatchImpulse {
     pub twist: f32,
     /// Slow mean of the points' λ_n, N·s.
     pub load: f32,
-    /// Steps that this mean spans.
-    pub age: f32,
 }
 
 /// The tracked contact anchors of section 3 of the paper.

@@ -79,7 +79,7 @@ pub fn narrowphase(
                     }
                     let reach = settings.outer_distance().max(0.0)
                         + (approach_speed(a, b) + fall) * time.dt;
-                    let limit = std::env::var("REC").map_or(settings.recycle_distance, |s| s.parse().unwrap());
+                    let limit = settings.recycle_distance;
                     let kept = !a.renewed
                         && !b.renewed
                         && cache
@@ -107,8 +107,7 @@ pub fn narrowphase(
                             .patches
                             .resize(manifold.patches.len(), Default::default());
                         // What rolls must be found where it is, or it would gain speed.
-                        cache.stand =
-                            (limit > 0.0 && !curved).then(|| Stand::of(a, b, reach));
+                        cache.stand = (limit > 0.0 && !curved).then(|| Stand::of(a, b, reach));
                     }
                     let outer = settings.outer_distance();
                     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);

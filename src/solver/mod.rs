@@ -71,7 +71,7 @@ pub enum Rows {
     /// contacts start with. Bodies then move with the velocities found.
     Points,
     /// λ_n of every point, but one friction force and one twist for a patch: [`Problem::patches`] and [`Problem::points`]. Such a
-    /// solver takes substeps of its own: it finds forces in [`Body::push`], and says in [`Body::motion`] how bodies moved.
+    /// solver takes substeps of its own: it begins at [`Body::start`], and says in [`Body::motion`] how bodies moved.
     Patches,
 }
 

@@ -27,8 +27,6 @@ pub struct Patch {
     pub twist: f32,
     /// A slow mean of its points' normal impulse, N·s over the step: what it carries when at rest.
     pub load: f32,
-    /// Steps that this mean spans.
-    pub age: f32,
 }
 
 impl Patch {

@@ -17,8 +17,8 @@ pub struct Body {
     pub angular: Vec3,
     /// World axes, 1/(kg·m²).
     pub inverse_inertia: Mat3,
-    /// What this step's forces have changed of the linear and angular velocity, m/s, rad/s.
-    pub push: [Vec3; 2],
+    /// Linear and angular velocity before this step's forces, m/s, rad/s.
+    pub start: [Vec3; 2],
     /// The mean linear and angular velocity over the step, where a solver took substeps.
     pub motion: Option<[Vec3; 2]>,
 }
@@ -31,13 +31,18 @@ impl Default for Body {
             inverse_mass: 0.0,
             angular: Vec3::ZERO,
             inverse_inertia: Mat3::ZERO,
-            push: [Vec3::ZERO; 2],
+            start: [Vec3::ZERO; 2],
             motion: None,
         }
     }
 }
 
 impl Body {
+    /// What this step's forces have changed of the linear and angular velocity, m/s, rad/s. As long as nothing else has.
+    pub fn push(&self) -> [Vec3; 2] {
+        [self.linear - self.start[0], self.angular - self.start[1]]
+    }
+
     /// Adds an impulse at an arm from the centre of mass, N·s, m.
     pub fn apply(&mut self, impulse: Vec3, arm: Vec3) {
         self.linear += self.inverse_mass * impulse;

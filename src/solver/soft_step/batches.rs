@@ -7,8 +7,6 @@
 
 use super::lanes::LANES;
 
-const GAP: u32 = 1;
-
 /// For each patch its block and lane; and how many blocks there are.
 #[derive(Default)]
 pub struct Batches {
@@ -36,9 +34,9 @@ impl Batches {
                 .max()
                 .unwrap_or(0);
             let block = with_room(&mut next, free);
-            while filled.len() <= block as usize {
-                next.push(filled.len() as u32);
+            if block as usize == filled.len() {
                 filled.push(0);
+                next.push(block);
             }
             let fill = &mut filled[block as usize];
             places.push((block, *fill));
@@ -48,7 +46,7 @@ impl Batches {
             }
             for body in pair {
                 if moves(body) {
-                    after[body as usize] = block + GAP;
+                    after[body as usize] = block + 1;
                 }
             }
         }

@@ -6,28 +6,58 @@
 //! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
-use super::lanes::{
-    Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter,
-};
-use crate::solver::{Body, Patch, PatchPoint};
+use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
+use crate::solver::{Patch, PatchPoint, Problem};
 
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
     /// 1/s: of one substep.
     pub rate: Lane,
-    /// Speed per distance at which errors are taken back, 1/s.
-    pub bias_rate: Lane,
-    /// Share of the rigid impulse that a soft row gives.
-    pub mass_scale: Lane,
-    /// Share of its impulse that a soft row gives back.
-    pub impulse_scale: Lane,
     /// Fastest correction, m/s.
     pub max_speed: Lane,
     /// Share of the mean load that a soft row does not give back.
     pub preload: Lane,
     /// Speed that a free body gains in a substep, m/s.
     pub fall: Lane,
+}
+
+/// How a row gives way: as a damped spring would, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
+#[derive(Clone, Copy, Debug, Default)]
+struct Softness {
+    /// Speed per distance at which errors are taken back, 1/s.
+    bias_rate: Lane,
+    /// Share of the rigid impulse that a row gives.
+    mass_scale: Lane,
+    /// Share of its impulse that a row gives back.
+    impulse_scale: Lane,
+}
+
+/// The spring that a soft row is where a body has two neighbours.
+#[derive(Clone, Copy, Debug)]
+pub struct Spring {
+    /// ω, rad/s.
+    pub omega: f32,
+    /// ζ
+    pub damping_ratio: f32,
+    /// Length of a substep, s.
+    pub h: f32,
+}
+
+impl Spring {
+    /// Of springs that are softer by a factor.
+    #[inline(always)]
+    fn softness(&self, stiffness: Lane) -> Softness {
+        let omega = Lane::splat(self.omega) * stiffness.sqrt();
+        let a = Lane::splat(2.0 * self.damping_ratio) + omega * Lane::splat(self.h);
+        let b = omega * Lane::splat(self.h) * a;
+        let impulse_scale = (b + Lane::ONE).inverse();
+        Softness {
+            bias_rate: omega * a.inverse(),
+            mass_scale: b * impulse_scale,
+            impulse_scale,
+        }
+    }
 }
 
 /// See the module's text.
@@ -58,8 +88,9 @@ pub struct Block {
     slip_twist: Lane,
     tangential: [Lane; 2],
     twist: Lane,
+    stiffness: Lane,
+    softness: Softness,
     load: Lane,
-    age: Lane,
     first: u32,
     count: u32,
 }
@@ -85,10 +116,9 @@ pub struct Points {
 
 impl Block {
     /// An empty block whose lanes point at `nobody`, a body that nothing moves.
-    pub fn new(nobody: u32, first: u32) -> Self {
+    pub fn new(nobody: u32) -> Self {
         Self {
             bodies: [[nobody; LANES]; 2],
-            first,
             ..Default::default()
         }
     }
@@ -109,19 +139,22 @@ impl Block {
         first + self.count
     }
 
-    /// Puts a patch into a lane. Impulses are cut into `1/share` substeps.
+    /// Puts a patch into a lane. Impulses are cut into so many substeps; `stiffness` is what is left of a spring's when its bodies
+    /// share it.
     pub fn load(
         &mut self,
         points: &mut [Points],
         lane: usize,
         patch: &Patch,
-        patch_points: &[PatchPoint],
-        bodies: &[Body],
-        share: f32,
+        problem: &Problem,
+        substeps: usize,
+        stiffness: f32,
     ) {
+        let share = 1.0 / substeps as f32;
+        self.stiffness[lane] = stiffness;
         self.normal.set(lane, patch.normal);
         for side in 0..2 {
-            let body = &bodies[patch.bodies[side] as usize];
+            let body = &problem.bodies[patch.bodies[side] as usize];
             self.bodies[side][lane] = patch.bodies[side];
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
@@ -146,8 +179,7 @@ impl Block {
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
         self.twist[lane] = patch.twist * share;
         self.load[lane] = patch.load * share;
-        self.age[lane] = patch.age;
-        for (to, point) in points.iter_mut().zip(patch_points) {
+        for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
             to.x[lane] = t1.dot(point.offset);
             to.y[lane] = t2.dot(point.offset);
             to.separation[lane] = point.separation;
@@ -165,16 +197,14 @@ impl Block {
         lane: usize,
         patch: &mut Patch,
         patch_points: &mut [PatchPoint],
-        share: f32,
+        substeps: usize,
     ) {
-        let whole = 1.0 / share;
+        let whole = substeps as f32;
         let t1 = self.tangent.get(lane);
         let t2 = patch.normal.cross(t1);
-        patch.tangential =
-            (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
+        patch.tangential = (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
         patch.twist = self.twist[lane] * whole;
         patch.load = self.load[lane] * whole;
-        patch.age = self.age[lane];
         for (from, point) in points.iter().zip(patch_points) {
             point.impulse = from.impulse[lane] * whole;
         }
@@ -195,7 +225,8 @@ impl Block {
 
     /// Computes W and the effective masses.
     #[inline(always)]
-    pub fn prepare(&mut self, points: &mut [Points]) {
+    pub fn prepare(&mut self, points: &mut [Points], spring: &Spring) {
+        self.softness = spring.softness(self.stiffness);
         let frame = self.frame();
         let Frame { n, t1, t2 } = frame;
         let none = Wide::default();
@@ -270,46 +301,49 @@ impl Block {
         scatter(velocities, &self.bodies[1], &b);
     }
 
-    /// Gives the bodies the impulses that the patches start with. Returns what the free motion misses before it, J (see
-    /// [`crate::solver::merit`]).
+    /// What the free motion misses, J (see [`crate::solver::merit`]).
     #[inline(always)]
-    pub fn warm_start(&self, points: &[Points], velocities: &mut [State], pass: &Pass) -> Lane {
-        let frame = self.frame();
+    pub fn missing(&self, points: &[Points], velocities: &[State], pass: &Pass) -> Lane {
         let a = gather(velocities, &self.bodies[0]);
         let b = gather(velocities, &self.bodies[1]);
-        let relative = self.relative(&frame, a, b);
-        let normals = on_normals_local(&relative);
-        let mut force = Wide {
-            x: Lane::ZERO,
-            y: self.tangential[0],
-            z: self.tangential[1],
-        };
-        let mut torque = Wide {
-            x: self.twist,
-            ..Default::default()
-        };
+        let normals = on_normals_local(&self.relative(&self.frame(), a, b));
         let mut missing = Lane::ZERO;
         for point in points {
-            let approach = point.direction().dot(normals);
             let bound = -point.separation.max(Lane::ZERO) * pass.rate;
-            let lack = (bound - approach).max(Lane::ZERO);
+            let lack = (bound - point.direction().dot(normals)).max(Lane::ZERO);
             missing += lack * lack * point.mass;
-            force.x += point.impulse;
-            torque.y += point.y * point.impulse;
-            torque.z -= point.x * point.impulse;
         }
-        let wrench = Screw {
-            linear: force,
-            angular: torque,
-        };
-        self.push(&frame, wrench, a, b, velocities);
         missing
     }
 
-    /// One projected Gauss–Seidel visit: twist, friction, normals. With `BIASED` rows are soft and take errors back; without
-    /// they are rigid and only stop the motion. Returns Σ Δλ²/W⁻¹ of the normals, J.
+    /// Gives the bodies the impulses that the patches start with.
     #[inline(always)]
-    pub fn relax<const BIASED: bool>(
+    pub fn warm_start(&self, points: &[Points], velocities: &mut [State]) {
+        let a = gather(velocities, &self.bodies[0]);
+        let b = gather(velocities, &self.bodies[1]);
+        let mut wrench = Screw {
+            linear: Wide {
+                x: Lane::ZERO,
+                y: self.tangential[0],
+                z: self.tangential[1],
+            },
+            angular: Wide {
+                x: self.twist,
+                ..Default::default()
+            },
+        };
+        for point in points {
+            wrench.linear.x += point.impulse;
+            wrench.angular.y += point.y * point.impulse;
+            wrench.angular.z -= point.x * point.impulse;
+        }
+        self.push(&self.frame(), wrench, a, b, velocities);
+    }
+
+    /// One projected Gauss–Seidel visit: twist, friction, normals. With `SOFT` rows are springs and take errors back; without
+    /// they are rigid and only stop the motion. Σ W Δλ² of the normals, J.
+    #[inline(always)]
+    pub fn relax<const SOFT: bool>(
         &mut self,
         points: &mut [Points],
         velocities: &mut [State],
@@ -320,7 +354,7 @@ impl Block {
         let a = gather(velocities, &self.bodies[0]);
         let b = gather(velocities, &self.bodies[1]);
         let relative = self.relative(&frame, a, b);
-        let moved = if BIASED {
+        let moved = if SOFT {
             let a = gather(motions, &self.bodies[0]);
             let b = gather(motions, &self.bodies[1]);
             self.relative(&frame, a, b)
@@ -337,17 +371,17 @@ impl Block {
             lever += point.impulse * point.radius;
         }
         // Anchored friction is soft, any other rigid.
-        let (soft, give) = if BIASED {
+        let (soft, give) = if SOFT {
             (
-                one + self.anchored * (pass.mass_scale - one),
-                self.anchored * pass.impulse_scale,
+                one + self.anchored * (self.softness.mass_scale - one),
+                self.anchored * self.softness.impulse_scale,
             )
         } else {
             (one, zero)
         };
 
-        let twist_bias = if BIASED {
-            self.anchored * -pass.bias_rate * (self.slip_twist + moved.angular.x)
+        let twist_bias = if SOFT {
+            self.anchored * -self.softness.bias_rate * (self.slip_twist + moved.angular.x)
         } else {
             zero
         };
@@ -365,8 +399,8 @@ impl Block {
             relative.linear.y + self.twist_to_tangents[0] * torque.x,
             relative.linear.z + self.twist_to_tangents[1] * torque.x,
         ];
-        if BIASED {
-            let rate = self.anchored * pass.bias_rate;
+        if SOFT {
+            let rate = self.anchored * self.softness.bias_rate;
             let back_1 = rate * (self.slip[0] + moved.linear.y);
             let back_2 = rate * (self.slip[1] + moved.linear.z);
             residual[0] += back_1.min(pass.max_speed).max(-pass.max_speed);
@@ -406,14 +440,14 @@ impl Block {
         for point in points {
             let along = point.direction();
             let approach = along.dot(normals);
-            let step = if BIASED {
+            let step = if SOFT {
                 let s = point.separation + along.dot(moved_normals);
                 point.now = s;
-                let push = (-pass.bias_rate * s).min(pass.max_speed);
+                let push = (-self.softness.bias_rate * s).min(pass.max_speed);
                 let held = pass.preload
                     * (self.load.min(point.impulse) - point.mass * pass.fall).max(zero);
-                let soft = pass.mass_scale * point.mass * (approach - push)
-                    + pass.impulse_scale * (point.impulse - held);
+                let soft = self.softness.mass_scale * point.mass * (approach - push)
+                    + self.softness.impulse_scale * (point.impulse - held);
                 let apart = point.mass * (approach + s * pass.rate);
                 s.above(zero, apart, soft)
             } else {
@@ -446,9 +480,7 @@ impl Block {
             count += point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
         }
         let mean = sum * count.inverse();
-        self.age += Lane::ONE;
-        let rate = if std::env::var("CUM").is_ok() { Lane::splat(rate).max(self.age.inverse()) } else { Lane::splat(rate) };
-        self.load += rate * (mean - self.load);
+        self.load += Lane::splat(rate) * (mean - self.load);
     }
 }
 

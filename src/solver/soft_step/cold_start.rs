@@ -4,7 +4,7 @@
 //! tower, and until then it sinks. But loads go down: from the top, each body hands its own weight and what it has been given
 //! to what it lies on. One pass is exact for a tower, and a good start for a wall or a pyramid.
 
-use crate::solver::{Body, Patch, PatchPoint, Problem};
+use crate::solver::{Body, PatchPoint, Problem};
 use glam::Vec3;
 
 /// Normals flatter than this, as a cosine to the vertical, carry no load.
@@ -16,10 +16,7 @@ const VISITS: usize = 50;
 /// True where most contacts are new and all bodies slow: built, not collided.
 fn is_new(problem: &Problem, closed: f32) -> bool {
     let fall = problem.gravity.length() * problem.dt;
-    let slow = |body: &Body| {
-        let before = body.linear - body.push[0];
-        before.length_squared() <= fall * fall
-    };
+    let slow = |body: &Body| body.start[0].length_squared() <= fall * fall;
     let (mut new, mut old) = (0, 0);
     for patch in problem.patches.iter() {
         let points = &problem.points[patch.range()];
@@ -32,8 +29,9 @@ fn is_new(problem: &Problem, closed: f32) -> bool {
     new > old && problem.bodies.iter().all(slow)
 }
 
-/// The patches that each body lies on: their indices, and on which side of them it is.
+/// What lies on what.
 struct Supports {
+    /// For each body the patches it lies on, and on which side of them it is.
     of: Vec<Vec<(usize, usize)>>,
     /// How many patches lie on each body and have not handed down their load.
     above: Vec<usize>,
@@ -60,100 +58,107 @@ impl Supports {
     }
 }
 
-/// Gives the contacts of a new structure the load they will carry. True where it is one.
-pub fn cold_start(problem: &mut Problem) -> bool {
+/// A point that a body stands on.
+struct Foot {
+    /// Its index among the problem's.
+    point: usize,
+    /// Towards the body.
+    normal: Vec3,
+    /// From the centre of the body, m.
+    arm: Vec3,
+    /// Inverse effective mass, if what is below could not give way, 1/kg.
+    response: f32,
+    /// What it stands on, and the arm there.
+    below: (usize, Vec3),
+}
+
+/// The closed points that a body stands on.
+fn feet(problem: &Problem, body: usize, beneath: &[(usize, usize)], closed: f32) -> Vec<Foot> {
+    let mut feet = Vec::new();
+    let Body {
+        inverse_mass,
+        inverse_inertia,
+        ..
+    } = problem.bodies[body];
+    for &(patch, side) in beneath {
+        let patch = &problem.patches[patch];
+        let normal = patch.normal * if side == 0 { 1.0 } else { -1.0 };
+        for point in patch.range() {
+            let PatchPoint {
+                offset, separation, ..
+            } = problem.points[point];
+            let arm = patch.arms[side] + offset;
+            let turn = arm.cross(normal);
+            let response = inverse_mass + turn.dot(inverse_inertia * turn);
+            if separation <= closed && response > 0.0 {
+                feet.push(Foot {
+                    point,
+                    normal,
+                    arm,
+                    response,
+                    below: (
+                        patch.bodies[1 - side] as usize,
+                        patch.arms[1 - side] + offset,
+                    ),
+                });
+            }
+        }
+    }
+    feet
+}
+
+/// Gives the contacts of a new structure the load they will carry, and preloads a share of it.
+pub fn cold_start(problem: &mut Problem, preload: f32) {
     let closed = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     if !is_new(problem, closed) {
-        return false;
+        return;
     }
+    let down = problem.gravity.normalize_or_zero();
     let mut supports = Supports::new(problem);
-    // What each body would do if nothing held it.
-    let mut motions: Vec<[Vec3; 2]> = problem.bodies.iter().map(|body| body.push).collect();
+    // What each body would do with what it carries if nothing held it.
+    let mut motions: Vec<[Vec3; 2]> = problem.bodies.iter().map(Body::push).collect();
     let mut ready: Vec<usize> = (0..problem.bodies.len())
         .filter(|&body| supports.above[body] == 0)
         .collect();
     while let Some(body) = ready.pop() {
         let beneath = std::mem::take(&mut supports.of[body]);
-        // Equal shares first: sweeps alone would let the point visited first carry the most.
-        let count: usize = beneath
-            .iter()
-            .map(|&(patch, _)| {
-                let points = &problem.points[problem.patches[patch].range()];
-                points.iter().filter(|p| p.separation <= closed).count()
-            })
-            .sum();
-        let falling = motions[body][0].dot(problem.gravity.normalize_or_zero()).max(0.0);
-        let share = falling / (problem.bodies[body].inverse_mass * count.max(1) as f32);
-        for &(patch, side) in &beneath {
-            let patch = &problem.patches[patch];
-            for point in &mut problem.points[patch.range()] {
-                if point.separation <= closed && problem.bodies[body].inverse_mass > 0.0 {
-                    let normal = if side == 0 { patch.normal } else { -patch.normal };
-                    let arm = patch.arms[side] + point.offset;
-                    point.impulse = share;
-                    push(&problem.bodies[body], &mut motions[body], normal * share, arm);
-                }
-            }
+        let feet = feet(problem, body, &beneath, closed);
+        // Equal shares first: sweeps alone would let the foot visited first carry the most.
+        let weight = motions[body][0].dot(down).max(0.0) / problem.bodies[body].inverse_mass;
+        for foot in &feet {
+            let share = weight / feet.len() as f32;
+            problem.points[foot.point].impulse = share;
+            push(
+                &problem.bodies[body],
+                &mut motions[body],
+                foot.normal * share,
+                foot.arm,
+            );
         }
-        for _ in 0..VISITS {
-            for &(patch, side) in &beneath {
-                let patch = &problem.patches[patch];
-                let points = &mut problem.points[patch.range()];
-                carry(
-                    &problem.bodies[body],
-                    &mut motions[body],
-                    patch,
-                    side,
-                    points,
-                    closed,
-                );
-            }
+        for foot in std::iter::repeat_n(&feet, VISITS).flatten() {
+            let [linear, angular] = motions[body];
+            let approach = foot.normal.dot(linear + angular.cross(foot.arm));
+            let impulse = &mut problem.points[foot.point].impulse;
+            let found = (*impulse - approach / foot.response).max(0.0);
+            let change = foot.normal * (found - *impulse);
+            *impulse = found;
+            push(&problem.bodies[body], &mut motions[body], change, foot.arm);
         }
-        for &(index, side) in &beneath {
-            let points = &problem.points[problem.patches[index].range()];
-            problem.patches[index].load = points.iter().map(|p| p.impulse).sum::<f32>() / points.len() as f32;
-            let patch = &problem.patches[index];
+        for foot in &feet {
+            let load = -foot.normal * problem.points[foot.point].impulse;
+            let (below, arm) = foot.below;
+            push(&problem.bodies[below], &mut motions[below], load, arm);
+        }
+        for (patch, side) in beneath {
+            let patch = &mut problem.patches[patch];
+            let loads = problem.points[patch.range()].iter().map(|p| p.impulse);
+            patch.load = preload * loads.sum::<f32>() / patch.count as f32;
             let below = patch.bodies[1 - side] as usize;
-            for point in &problem.points[patch.range()] {
-                let normal = if side == 0 { -patch.normal } else { patch.normal };
-                let arm = patch.arms[1 - side] + point.offset;
-                push(
-                    &problem.bodies[below],
-                    &mut motions[below],
-                    normal * point.impulse,
-                    arm,
-                );
-            }
             supports.above[below] -= 1;
             if supports.above[below] == 0 {
                 ready.push(below);
             }
         }
-    }
-    true
-}
-
-/// Stops a body's fall at the points of one patch, as if what is below could not give way.
-fn carry(
-    body: &Body,
-    motion: &mut [Vec3; 2],
-    patch: &Patch,
-    side: usize,
-    points: &mut [PatchPoint],
-    closed: f32,
-) {
-    let normal = if side == 0 { patch.normal } else { -patch.normal };
-    for point in points.iter_mut().filter(|p| p.separation <= closed) {
-        let arm = patch.arms[side] + point.offset;
-        let turn = arm.cross(normal);
-        let response = body.inverse_mass + turn.dot(body.inverse_inertia * turn);
-        if response <= 0.0 {
-            continue;
-        }
-        let approach = normal.dot(motion[0]) + turn.dot(motion[1]);
-        let found = (point.impulse - approach / response).max(0.0);
-        push(body, motion, normal * (found - point.impulse), arm);
-        point.impulse = found;
     }
 }
 

@@ -68,14 +68,22 @@ impl Index<usize> for Lane {
 
     #[inline(always)]
     fn index(&self, lane: usize) -> &f32 {
-        if lane < 4 { &self.0[lane] } else { &self.1[lane - 4] }
+        if lane < 4 {
+            &self.0[lane]
+        } else {
+            &self.1[lane - 4]
+        }
     }
 }
 
 impl IndexMut<usize> for Lane {
     #[inline(always)]
     fn index_mut(&mut self, lane: usize) -> &mut f32 {
-        if lane < 4 { &mut self.0[lane] } else { &mut self.1[lane - 4] }
+        if lane < 4 {
+            &mut self.0[lane]
+        } else {
+            &mut self.1[lane - 4]
+        }
     }
 }
 

@@ -1,0 +1,88 @@
+//! Restitution, after the substeps: what was stopped leaves again (Box2D v3's `restitution` stage).
+
+use crate::solver::{Body, Problem};
+use glam::Vec3;
+
+/// Visits to all points that bounce; a body that lands flat has several.
+const VISITS: usize = 8;
+
+/// Less than this share of the approach is left where a contact has stopped it.
+const STOPPED: f32 = 0.5;
+
+/// A point that bounces.
+struct Bouncing {
+    patch: usize,
+    arms: [Vec3; 2],
+    /// W, 1/kg.
+    response: f32,
+    /// Normal velocity to leave with, m/s.
+    leave: f32,
+    /// What the bounce has given so far, N·s.
+    impulse: f32,
+}
+
+/// Gives back a share e of the velocity with which points came before this step's forces, equation (2) of the paper.
+pub fn bounce(problem: &mut Problem) {
+    let mut bouncing = find(problem);
+    for _ in 0..VISITS {
+        for point in &mut bouncing {
+            let patch = &problem.patches[point.patch];
+            let [a, b] = patch.bodies.map(|body| &problem.bodies[body as usize]);
+            let speed = speed([a, b], &point.arms, patch.normal, |body| {
+                [body.linear, body.angular]
+            });
+            let found = (point.impulse + (point.leave - speed) / point.response).max(0.0);
+            let change = (found - point.impulse) * patch.normal;
+            point.impulse = found;
+            let [a, b] = patch.bodies;
+            problem.bodies[a as usize].apply(change, point.arms[0]);
+            problem.bodies[b as usize].apply(-change, point.arms[1]);
+        }
+    }
+}
+
+fn find(problem: &Problem) -> Vec<Bouncing> {
+    let mut found = Vec::new();
+    let patches = problem.patches.iter().enumerate();
+    for (index, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
+        let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
+        for point in &problem.points[patch.range()] {
+            let arms = patch.arms.map(|arm| arm + point.offset);
+            let came = speed(bodies, &arms, patch.normal, |b| b.start);
+            let now = speed(bodies, &arms, patch.normal, |b| [b.linear, b.angular]);
+            if came < 0.0 && now > STOPPED * came {
+                found.push(Bouncing {
+                    patch: index,
+                    arms,
+                    response: response(bodies, &arms, patch.normal),
+                    leave: -patch.restitution * came,
+                    impulse: 0.0,
+                });
+            }
+        }
+    }
+    found
+}
+
+fn speed(
+    bodies: [&Body; 2],
+    arms: &[Vec3; 2],
+    normal: Vec3,
+    velocity: impl Fn(&Body) -> [Vec3; 2],
+) -> f32 {
+    let at = |i: usize| {
+        let [linear, angular] = velocity(bodies[i]);
+        linear + angular.cross(arms[i])
+    };
+    normal.dot(at(0) - at(1))
+}
+
+fn response(bodies: [&Body; 2], arms: &[Vec3; 2], normal: Vec3) -> f32 {
+    [0, 1]
+        .map(|i| {
+            let turn = arms[i].cross(normal);
+            bodies[i].inverse_mass + turn.dot(bodies[i].inverse_inertia * turn)
+        })
+        .iter()
+        .sum()
+}

@@ -121,6 +121,11 @@ fn solvers(criterion: &mut Criterion) {
                         let mut problem = Problem {
                             bodies,
                             contacts,
+                            patches: &mut [],
+                            points: &mut [],
+                            dt: DT,
+                            gravity: Vec3::NEG_Y * 9.81,
+                            max_correction_speed: 2.0,
                             cone,
                             iterations: SWEEPS,
                             tolerance: 0.0,

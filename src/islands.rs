@@ -394,6 +394,7 @@ impl IslandProblem {
                             offset: point.arms[0] - center,
                             separation: point.distance - ideal,
                             impulse: impulse.normal,
+                            load: impulse.load,
                         }),
                 );
                 self.patches.push(Patch {
@@ -407,7 +408,6 @@ impl IslandProblem {
                     count: patch.count,
                     tangential: impulse.tangential,
                     twist: impulse.twist,
-                    load: impulse.load,
                 });
             }
         }

@@ -9,7 +9,7 @@ use crate::settings::{Gravity, PhysicsThreads, SolverSettings, StabilizationSett
 use crate::sleeping::Sleeping;
 use crate::solver::{Problem, Rows, SolveReport};
 use bevy_ecs::prelude::*;
-use glam::Vec3;
+use bevy_ecs::system::SystemParam;
 
 /// How the last step's solves went, one entry for each island that had contacts.
 #[derive(Resource, Default, Clone, Debug)]
@@ -29,8 +29,7 @@ pub struct IslandReport {
 /// See the module's text.
 pub fn solve(
     mut islands: ResMut<Islands>,
-    settings: Res<SolverSettings>,
-    (time, gravity, stabilization): (Res<StepTime>, Res<Gravity>, Res<StabilizationSettings>),
+    given: Given,
     threads: Res<PhysicsThreads>,
     mut reports: ResMut<SolveReports>,
     mut suspects: ResMut<Suspects>,
@@ -40,12 +39,7 @@ pub fn solve(
         Without<Quarantined>,
     >,
 ) {
-    let given = Given {
-        dt: time.dt,
-        gravity: gravity.0,
-        max_correction_speed: stabilization.max_correction_speed,
-    };
-    islands.each_problem(&threads, |problem| problem.solve(&settings, &given));
+    islands.each_problem(&threads, |problem| problem.solve(&given));
 
     reports.0.clear();
     reports.0.extend(
@@ -59,7 +53,7 @@ pub fn solve(
                 report: p.report.clone(),
             }),
     );
-    let rows = settings.solver.rows();
+    let rows = given.solver.solver.rows();
     for (slot, manifold, mut impulses) in &mut pairs {
         if *slot == SolverSlot::NONE {
             continue;
@@ -94,14 +88,17 @@ pub fn solve(
 }
 
 /// What a problem is told besides its bodies and contacts.
-struct Given {
-    dt: f32,
-    gravity: Vec3,
-    max_correction_speed: f32,
+#[derive(SystemParam)]
+pub struct Given<'w> {
+    solver: Res<'w, SolverSettings>,
+    stabilization: Res<'w, StabilizationSettings>,
+    gravity: Res<'w, Gravity>,
+    time: Res<'w, StepTime>,
 }
 
 impl IslandProblem {
-    fn solve(&mut self, settings: &SolverSettings, given: &Given) {
+    fn solve(&mut self, given: &Given) {
+        let settings = &*given.solver;
         if self.contact_count() == 0 {
             return;
         }
@@ -110,9 +107,9 @@ impl IslandProblem {
             contacts: &mut self.contacts,
             patches: &mut self.patches,
             points: &mut self.points,
-            dt: given.dt,
-            gravity: given.gravity,
-            max_correction_speed: given.max_correction_speed,
+            dt: given.time.dt,
+            gravity: given.gravity.0,
+            max_correction_speed: given.stabilization.max_correction_speed,
             cone: settings.cone,
             iterations: settings.iterations,
             tolerance: settings.tolerance,
@@ -128,6 +125,7 @@ impl IslandProblem {
             *impulse = Impulse {
                 normal: contact.impulse.x,
                 tangential: contact.world(contact.impulse.with_x(0.0)),
+                load: 0.0,
             };
         }
     }
@@ -144,7 +142,6 @@ impl IslandProblem {
             *kept = PatchImpulse {
                 tangential: found.tangential,
                 twist: found.twist,
-                load: found.load,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.impulse).sum();
@@ -153,6 +150,7 @@ impl IslandProblem {
                 *impulse = Impulse {
                     normal: point.impulse,
                     tangential: found.tangential * (point.impulse * share),
+                    load: point.load,
                 };
             }
         }

@@ -51,6 +51,7 @@ fn body(fixed: bool) -> impl Strategy<Value = (Vec3, Body)> {
                 inverse_mass: 1.0 / mass,
                 angular,
                 inverse_inertia: inverse,
+                ..Default::default()
             };
             (position, body)
         })
@@ -132,6 +133,11 @@ fn solve_until(
     let report = solver.solve(&mut Problem {
         bodies: &mut bodies,
         contacts: &mut contacts,
+        patches: &mut [],
+        points: &mut [],
+        dt: 1.0 / 60.0,
+        gravity: Vec3::ZERO,
+        max_correction_speed: 0.0,
         cone,
         iterations,
         tolerance,
@@ -235,6 +241,7 @@ fn tower(n: usize) -> Graph {
         inverse_mass: 1.0 / mass,
         angular: Vec3::ZERO,
         inverse_inertia: Mat3::from_diagonal(Vec3::splat(6.0 / mass)),
+        ..Default::default()
     };
     let mut graph = Graph {
         positions: vec![Vec3::ZERO],

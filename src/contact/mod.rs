@@ -127,6 +127,8 @@ pub struct Impulse {
     pub normal: f32,
     /// λ_t, N·s, world axes.
     pub tangential: Vec3,
+    /// A slow mean of λ_n, N·s: what the point carries at rest. Zero under solvers that need none.
+    pub load: f32,
 }
 
 /// What a solver with one friction force for a patch keeps of it. Zero under others.
@@ -136,8 +138,6 @@ pub struct PatchImpulse {
     pub tangential: Vec3,
     /// Moment of friction on A about the normal, N·m·s.
     pub twist: f32,
-    /// Slow mean of the points' λ_n, N·s.
-    pub load: f32,
 }
 
 /// The tracked contact anchors of section 3 of the paper.

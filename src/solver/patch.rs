@@ -25,8 +25,6 @@ pub struct Patch {
     pub tangential: Vec3,
     /// Moment about the normal, N·m·s over the step: to start from, and found.
     pub twist: f32,
-    /// A slow mean of its points' normal impulse, N·s over the step: what it carries when at rest.
-    pub load: f32,
 }
 
 impl Patch {
@@ -54,4 +52,6 @@ pub struct PatchPoint {
     pub separation: f32,
     /// λ_n, N·s over the step: to start from, and found.
     pub impulse: f32,
+    /// A slow mean of λ_n, N·s over the step: what it carries at rest.
+    pub load: f32,
 }

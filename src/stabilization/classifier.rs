@@ -32,6 +32,7 @@ pub fn sticks(rule: Classifier, friction: f32, impulses: &[Impulse], was: bool) 
     let sum = Impulse {
         normal: impulses.iter().map(|i| i.normal).sum(),
         tangential: impulses.iter().map(|i| i.tangential).sum(),
+        load: 0.0,
     };
     let point = |i: &Impulse| holds(friction, i, AT_THE_CONE);
     match rule {
@@ -58,6 +59,7 @@ pub fn holds_twist(friction: f32, twist: f32, lever: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     fn verdict(rule: Classifier, was: bool, impulses: &[(f32, f32)]) -> Vec<bool> {
         let impulses: Vec<Impulse> = impulses
@@ -65,6 +67,7 @@ mod tests {
             .map(|&(normal, t)| Impulse {
                 normal,
                 tangential: Vec3::X * t,
+                load: 0.0,
             })
             .collect();
         let mut anchors = vec![

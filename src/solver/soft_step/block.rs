@@ -90,7 +90,6 @@ pub struct Block {
     twist: Lane,
     stiffness: Lane,
     softness: Softness,
-    load: Lane,
     first: u32,
     count: u32,
 }
@@ -108,6 +107,8 @@ pub struct Points {
     now: Lane,
     /// λ_n, N·s.
     impulse: Lane,
+    /// What it carries at rest, N·s.
+    load: Lane,
     /// 1/W, kg.
     mass: Lane,
     /// What an impulse does to (u_n, Ω_1, Ω_2).
@@ -178,8 +179,10 @@ impl Block {
         self.tangential[0][lane] = t1.dot(patch.tangential) * share;
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
         self.twist[lane] = patch.twist * share;
-        self.load[lane] = patch.load * share;
-        for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
+        let mine = &problem.points[patch.range()];
+        let mean = mine.iter().map(|p| p.load).sum::<f32>() / mine.len() as f32;
+        for (to, point) in points.iter_mut().zip(mine) {
+            to.load[lane] = mean * share;
             to.x[lane] = t1.dot(point.offset);
             to.y[lane] = t2.dot(point.offset);
             to.separation[lane] = point.separation;
@@ -198,15 +201,16 @@ impl Block {
         patch: &mut Patch,
         patch_points: &mut [PatchPoint],
         substeps: usize,
+        rate: f32,
     ) {
         let whole = substeps as f32;
         let t1 = self.tangent.get(lane);
         let t2 = patch.normal.cross(t1);
         patch.tangential = (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
         patch.twist = self.twist[lane] * whole;
-        patch.load = self.load[lane] * whole;
         for (from, point) in points.iter().zip(patch_points) {
             point.impulse = from.impulse[lane] * whole;
+            point.load += rate * (point.impulse - point.load);
         }
     }
 
@@ -445,7 +449,7 @@ impl Block {
                 point.now = s;
                 let push = (-self.softness.bias_rate * s).min(pass.max_speed);
                 let held = pass.preload
-                    * (self.load.min(point.impulse) - point.mass * pass.fall).max(zero);
+                    * (point.load.min(point.impulse) - point.mass * pass.fall).max(zero);
                 let soft = self.softness.mass_scale * point.mass * (approach - push)
                     + self.softness.impulse_scale * (point.impulse - held);
                 let apart = point.mass * (approach + s * pass.rate);
@@ -469,18 +473,6 @@ impl Block {
         };
         self.push(&frame, wrench, a, b, velocities);
         change
-    }
-
-    /// Follows the load that the patches carry, one step's share `rate` of the way.
-    pub fn follow_load(&mut self, points: &[Points], rate: f32) {
-        let mut sum = Lane::ZERO;
-        let mut count = Lane::ZERO;
-        for point in points {
-            sum += point.impulse;
-            count += point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
-        }
-        let mean = sum * count.inverse();
-        self.load += Lane::splat(rate) * (mean - self.load);
     }
 }
 

@@ -107,8 +107,8 @@ fn feet(problem: &Problem, body: usize, beneath: &[(usize, usize)], closed: f32)
     feet
 }
 
-/// Gives the contacts of a new structure the load they will carry, and preloads a share of it.
-pub fn cold_start(problem: &mut Problem, preload: f32) {
+/// Gives the contacts of a new structure the load they will carry, as impulses and as what they carry at rest.
+pub fn cold_start(problem: &mut Problem) {
     let closed = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     if !is_new(problem, closed) {
         return;
@@ -150,9 +150,10 @@ pub fn cold_start(problem: &mut Problem, preload: f32) {
             push(&problem.bodies[below], &mut motions[below], load, arm);
         }
         for (patch, side) in beneath {
-            let patch = &mut problem.patches[patch];
-            let loads = problem.points[patch.range()].iter().map(|p| p.impulse);
-            patch.load = preload * loads.sum::<f32>() / patch.count as f32;
+            let patch = &problem.patches[patch];
+            for point in &mut problem.points[patch.range()] {
+                point.load = point.impulse;
+            }
             let below = patch.bodies[1 - side] as usize;
             supports.above[below] -= 1;
             if supports.above[below] == 0 {

@@ -49,14 +49,16 @@ pub fn integration(
             let center = pose.transform_point(mass.local_center) + dt * linear;
             let spin =
                 |rotation: Quat| (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize();
-            if *kind == RigidBody::Dynamic {
-                let before = pose.rotation;
-                (pose.rotation, velocity.angular) = rotate(mass, before, velocity.angular, dt);
-                if motion.is_some() {
-                    pose.rotation = spin(before);
+            let before = pose.rotation;
+            match (kind, motion) {
+                (RigidBody::Dynamic, None) => {
+                    (pose.rotation, velocity.angular) = rotate(mass, before, velocity.angular, dt);
                 }
-            } else {
-                pose.rotation = spin(pose.rotation);
+                (RigidBody::Dynamic, Some(_)) => {
+                    pose.rotation = spin(before);
+                    velocity.angular = carried(mass, before, pose.rotation, velocity.angular);
+                }
+                _ => pose.rotation = spin(before),
             }
             pose.position = center - pose.rotation * mass.local_center;
         }
@@ -107,6 +109,18 @@ fn stretched(angular: DVec3, dt: f32) -> f64 {
         // of step keeps momentum and energy.
         dt as f64 * (ops::tan(angle as f32) as f64) / angle
     }
+}
+
+/// The angular velocity that keeps the angular momentum of a body that has been turned, world axes.
+fn carried(mass: &MassProperties, before: Quat, after: Quat, angular: Vec3) -> Vec3 {
+    let i = mass.inverse_inertia;
+    if i.x == i.y && i.y == i.z {
+        return angular;
+    }
+    let was = before * mass.local_frame;
+    let momentum = was * ((was.inverse() * angular) / i);
+    let is = after * mass.local_frame;
+    is * (i * (is.inverse() * momentum))
 }
 
 /// Free rotation for Δt: the new orientation and the new angular velocity, world axes. In f64, or the rounding of a minute's

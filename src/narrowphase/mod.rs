@@ -6,6 +6,7 @@
 
 mod corners;
 pub mod matching;
+mod passing;
 mod recycling;
 mod reduction;
 
@@ -91,6 +92,13 @@ pub fn narrowphase(
                         let reach = reach + limit;
                         let old = std::mem::take(manifold);
                         let curved = detect(settings, a, b, reach, cache, manifold);
+                        let near = settings.outer_distance() + fall * time.dt;
+                        let passing = passing::pass(a, b, manifold, near, time.dt);
+                        if passing {
+                            *manifold = Manifold::default();
+                            cache.manifolds.clear();
+                            cache.workspace = None;
+                        }
                         let origins =
                             matching::match_points(&old, manifold, cache, settings.envelope);
                         matching::inherit(&origins, &mut impulses.points);
@@ -107,7 +115,8 @@ pub fn narrowphase(
                             .patches
                             .resize(manifold.patches.len(), Default::default());
                         // What rolls must be found where it is, or it would gain speed.
-                        cache.stand = (limit > 0.0 && !curved).then(|| Stand::of(a, b, reach));
+                        let keep = limit > 0.0 && !curved && !passing;
+                        cache.stand = keep.then(|| Stand::of(a, b, reach));
                     }
                     let outer = settings.outer_distance();
                     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);

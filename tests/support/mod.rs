@@ -10,7 +10,7 @@ use drystone::body::{BodyIndex, BodyTable, MassProperties, Pose, RigidBody, Velo
 use drystone::collider::{Collider, Friction};
 use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::diagnosis::BodyError;
-use drystone::settings::{Preset, SleepSettings, SolverSettings, StabilizationSettings};
+use drystone::settings::{Preset, SolverSettings, StabilizationSettings};
 use glam::{Quat, Vec3};
 
 pub const G: f32 = 9.81;
@@ -40,16 +40,19 @@ impl Lab {
         }
     }
 
-    /// The default settings with a solver that converges: to compare with closed forms, what counts is the model, not how
-    /// many sweeps a game can afford. No sleeping, since slow motion is what thresholds are about; one substep, so that
-    /// impulses are those of a whole step.
+    /// The paper's rows on surfaces that touch, with a solver that converges: to compare with closed forms, what counts is the
+    /// model, not how many sweeps a game can afford. No sleeping, since slow motion is what thresholds are about.
     pub fn exact(dt: f32) -> Self {
-        let mut lab = Self::new();
+        let mut lab = Self::with_preset(Preset::Paper);
         lab.dt = dt;
-        lab.world.resource_mut::<SleepSettings>().enabled = false;
+        lab.world.insert_resource(StabilizationSettings {
+            envelope: 0.02,
+            ideal_distance: 0.0,
+            ..Preset::Paper.stabilization()
+        });
         let mut solver = lab.world.resource_mut::<SolverSettings>();
         solver.iterations = 300;
-        solver.substeps = 1;
+        solver.warm_start = 0.3;
         solver.tolerance = 1e-6;
         lab
     }

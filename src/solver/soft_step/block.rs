@@ -33,6 +33,12 @@ struct Softness {
     impulse_scale: Lane,
 }
 
+/// Faster than this (m/s) a patch is landing, not resting.
+const LANDING: f32 = 0.25;
+
+/// How often the points of a patch that lands are visited.
+const LANDING_VISITS: usize = 8;
+
 /// The spring that a soft row is where a body has two neighbours.
 #[derive(Clone, Copy, Debug)]
 pub struct Spring {
@@ -441,31 +447,36 @@ impl Block {
 
         let moved_normals = on_normals_local(&moved);
         let mut change = zero;
-        for point in points {
-            let along = point.direction();
-            let approach = along.dot(normals);
-            let step = if SOFT {
-                let s = point.separation + along.dot(moved_normals);
-                point.now = s;
-                let push = (-self.softness.bias_rate * s).min(pass.max_speed);
-                let held = pass.preload
-                    * (point.load.min(point.impulse) - point.mass * pass.fall).max(zero);
-                let soft = self.softness.mass_scale * point.mass * (approach - push)
-                    + self.softness.impulse_scale * (point.impulse - held);
-                let apart = point.mass * (approach + s * pass.rate);
-                s.above(zero, apart, soft)
-            } else {
-                let excess = approach + point.now.max(zero) * pass.rate;
-                point.mass * excess
-            };
-            let found = (point.impulse - step).max(zero);
-            let delta = found - point.impulse;
-            point.impulse = found;
-            normals = normals + point.effect.scale(delta);
-            force.x += delta;
-            torque.y += point.y * delta;
-            torque.z -= point.x * delta;
-            change -= delta * approach;
+        // One visit to each point is enough to carry; what lands on a face would be turned by the point that is first.
+        let lands = (-normals.x).any_above(Lane::splat(LANDING));
+        let visits = if lands { LANDING_VISITS } else { 1 };
+        for _ in 0..visits {
+            for point in points.iter_mut() {
+                let along = point.direction();
+                let approach = along.dot(normals);
+                let step = if SOFT {
+                    let s = point.separation + along.dot(moved_normals);
+                    point.now = s;
+                    let push = (-self.softness.bias_rate * s).min(pass.max_speed);
+                    let held = pass.preload
+                        * (point.load.min(point.impulse) - point.mass * pass.fall).max(zero);
+                    let soft = self.softness.mass_scale * point.mass * (approach - push)
+                        + self.softness.impulse_scale * (point.impulse - held);
+                    let apart = point.mass * (approach + s * pass.rate);
+                    s.above(zero, apart, soft)
+                } else {
+                    let excess = approach + point.now.max(zero) * pass.rate;
+                    point.mass * excess
+                };
+                let found = (point.impulse - step).max(zero);
+                let delta = found - point.impulse;
+                point.impulse = found;
+                normals = normals + point.effect.scale(delta);
+                force.x += delta;
+                torque.y += point.y * delta;
+                torque.z -= point.x * delta;
+                change -= delta * approach;
+            }
         }
         let wrench = Screw {
             linear: force,

@@ -9,29 +9,64 @@ const VISITS: usize = 8;
 /// Less than this share of the approach is left where a contact has stopped it.
 const STOPPED: f32 = 0.5;
 
-/// A point that bounces.
-struct Bouncing {
+/// A point that may bounce.
+pub struct Bouncing {
     patch: usize,
     arms: [Vec3; 2],
     /// W, 1/kg.
     response: f32,
+    /// Normal velocity before the step, m/s.
+    came: f32,
     /// Normal velocity to leave with, m/s.
     leave: f32,
     /// What the bounce has given so far, N·s.
     impulse: f32,
 }
 
-/// Gives back a share e of the velocity with which points came before this step's forces, equation (2) of the paper.
-pub fn bounce(problem: &mut Problem) {
-    let mut bouncing = find(problem);
+/// The points that will bounce if they are stopped, and how fast; before the substeps.
+///
+/// They leave with a share e of the velocity with which they arrive, equation (2) of the paper: that before this step's forces,
+/// and what these add on the way to the surface. Without the second a ball would lose height in every bounce.
+pub fn find(problem: &Problem) -> Vec<Bouncing> {
+    let mut found = Vec::new();
+    let patches = problem.patches.iter().enumerate();
+    for (index, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
+        let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
+        for point in &problem.points[patch.range()] {
+            let arms = patch.arms.map(|arm| arm + point.offset);
+            let came = speed(bodies, &arms, patch.normal, |body| body.start);
+            if came < 0.0 {
+                let pull = speed(bodies, &arms, patch.normal, Body::push) / problem.dt;
+                let gained = -2.0 * pull * point.separation.max(0.0);
+                found.push(Bouncing {
+                    patch: index,
+                    arms,
+                    response: response(bodies, &arms, patch.normal),
+                    came,
+                    leave: patch.restitution * (came * came + gained).max(0.0).sqrt(),
+                    impulse: 0.0,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// Lets those leave that have been stopped; after the substeps.
+pub fn bounce(problem: &mut Problem, mut bouncing: Vec<Bouncing>) {
+    let speed = |problem: &Problem, point: &Bouncing| {
+        let patch = &problem.patches[point.patch];
+        let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
+        speed(bodies, &point.arms, patch.normal, |body| {
+            [body.linear, body.angular]
+        })
+    };
+    bouncing.retain(|point| speed(problem, point) > STOPPED * point.came);
     for _ in 0..VISITS {
         for point in &mut bouncing {
+            let missing = point.leave - speed(problem, point);
+            let found = (point.impulse + missing / point.response).max(0.0);
             let patch = &problem.patches[point.patch];
-            let [a, b] = patch.bodies.map(|body| &problem.bodies[body as usize]);
-            let speed = speed([a, b], &point.arms, patch.normal, |body| {
-                [body.linear, body.angular]
-            });
-            let found = (point.impulse + (point.leave - speed) / point.response).max(0.0);
             let change = (found - point.impulse) * patch.normal;
             point.impulse = found;
             let [a, b] = patch.bodies;
@@ -39,29 +74,6 @@ pub fn bounce(problem: &mut Problem) {
             problem.bodies[b as usize].apply(-change, point.arms[1]);
         }
     }
-}
-
-fn find(problem: &Problem) -> Vec<Bouncing> {
-    let mut found = Vec::new();
-    let patches = problem.patches.iter().enumerate();
-    for (index, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
-        let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
-        for point in &problem.points[patch.range()] {
-            let arms = patch.arms.map(|arm| arm + point.offset);
-            let came = speed(bodies, &arms, patch.normal, |b| b.start);
-            let now = speed(bodies, &arms, patch.normal, |b| [b.linear, b.angular]);
-            if came < 0.0 && now > STOPPED * came {
-                found.push(Bouncing {
-                    patch: index,
-                    arms,
-                    response: response(bodies, &arms, patch.normal),
-                    leave: -patch.restitution * came,
-                    impulse: 0.0,
-                });
-            }
-        }
-    }
-    found
 }
 
 fn speed(

@@ -69,19 +69,22 @@ impl ContactSolver for SoftStep {
     }
 
     fn solve(&self, problem: &mut Problem) -> SolveReport {
+        let bouncing = bounce::find(problem);
         cold_start::cold_start(problem);
         let mut island = Island::new(problem, substeps(problem.iterations));
         let report = island.advance(self, problem);
         island.store(problem, self.preload_rate);
-        bounce::bounce(problem);
+        bounce::bounce(problem, bouncing);
         report
     }
 }
 
-/// How many substeps, with the rigid sweeps between them, make so many sweeps.
+/// How many substeps, with the rigid sweeps between them, make at most so many sweeps.
 fn substeps(sweeps: usize) -> usize {
-    let rigid = sweeps / (SUBSTEPS_PER_RIGID_SWEEP + 1);
-    (sweeps - rigid).max(1)
+    let rest = sweeps % (SUBSTEPS_PER_RIGID_SWEEP + 1);
+    let full = sweeps / (SUBSTEPS_PER_RIGID_SWEEP + 1);
+    // Of a last round the rigid sweep is left out.
+    (full * SUBSTEPS_PER_RIGID_SWEEP + rest.min(SUBSTEPS_PER_RIGID_SWEEP - 1)).max(1)
 }
 
 /// One island on its way through a step.
@@ -253,7 +256,11 @@ mod tests {
     fn sweeps_are_counted_rigid_ones_included() {
         for sweeps in 1..50 {
             let substeps = substeps(sweeps);
-            assert_eq!(substeps + substeps / SUBSTEPS_PER_RIGID_SWEEP, sweeps);
+            let taken = substeps + substeps / SUBSTEPS_PER_RIGID_SWEEP;
+            assert!(
+                (sweeps - 1..=sweeps).contains(&taken),
+                "{taken} of {sweeps}"
+            );
         }
     }
 }

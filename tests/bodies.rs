@@ -769,3 +769,32 @@ fn a_kind_may_change_at_any_time() {
     assert!((lab.position(body).x - 2.0).abs() < 1e-3, "kinematic");
     assert!(lab.world.get::<Pose>(body).unwrap().is_finite());
 }
+
+/// Ghost contacts: the edge of a brick that slides along a course must not catch on the seams between its bricks.
+#[test]
+fn a_brick_slides_along_flush_bricks_as_on_a_plane() {
+    for dt in [1.0 / 60.0, 1.0 / 30.0] {
+        let mut lab = Lab::new();
+        lab.dt = dt;
+        lab.ground();
+        for i in 0..12 {
+            let at = Vec3::new(i as f32, 0.25, 0.0);
+            lab.body(Collider::cuboid(1.0, 0.5, 0.5), at);
+        }
+        lab.run(2.0);
+        let brick = lab.body(Collider::cuboid(1.0, 0.5, 0.5), Vec3::new(0.3, 0.75, 0.0));
+        lab.run(1.0);
+        let start = lab.position(brick);
+        lab.set_velocity(brick, Vec3::X * 5.0, Vec3::ZERO);
+        for _ in 0..(2.0 / dt) as usize {
+            lab.step();
+            let at = lab.position(brick);
+            assert!((at.y - start.y).abs() < 0.005, "bumped at {at}");
+        }
+        let way = lab.position(brick).x - start.x;
+        let expected = 5.0 * 5.0 / (2.0 * 0.5 * G);
+        println!("slid {way} m of {expected}");
+        assert!((way / expected - 1.0).abs() < 0.03, "{way} m of {expected}");
+        assert!(lab.position(brick).z.abs() < 0.01);
+    }
+}

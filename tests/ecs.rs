@@ -145,7 +145,7 @@ fn a_plugin_may_be_taken_out() {
         frames(&mut app, 64);
         assert!((height(&app, cubes[1]) - 1.5).abs() < 0.01);
         let mut anchors = app.world_mut().query::<&ContactAnchors>();
-        let set = |anchors: &ContactAnchors| anchors.points.iter().any(|a| a.set);
+        let set = |anchors: &ContactAnchors| anchors.patches.iter().any(|a| a.set);
         assert_eq!(anchors.iter(app.world()).any(set), !taken_out);
     }
 }

@@ -15,6 +15,11 @@ pub(crate) struct Block {
 }
 
 impl Block {
+    /// How far it reaches from its centre along an axis, m.
+    pub fn reach(&self, axis: Vec3) -> f32 {
+        (self.pose.rotation.inverse() * axis).abs().dot(self.half)
+    }
+
     /// The face that looks most along `direction`: its axis, and on which side of the box it is.
     fn face(&self, direction: Vec3) -> (usize, f32) {
         let local = self.pose.rotation.inverse() * direction;

@@ -9,6 +9,7 @@ pub mod matching;
 mod passing;
 mod recycling;
 mod reduction;
+mod seams;
 
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
@@ -170,6 +171,16 @@ fn detect(
         manifolds.clear();
     }
     let size = a.radius.min(b.radius);
+    let block = |body: &BodyState, half| corners::Block {
+        pose: body.pose,
+        half,
+    };
+    let blocks = match (shape_a.as_cuboid(), shape_b.as_cuboid()) {
+        (Some(in_a), Some(in_b)) => {
+            Some((block(a, in_a.half_extents), block(b, in_b.half_extents)))
+        }
+        _ => None,
+    };
     for found in manifolds.iter_mut() {
         let (sub_a, sub_b) = (
             found.subshape_pos1().copied(),
@@ -179,6 +190,15 @@ fn detect(
         // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
         let normal = -(a.pose.rotation * turned);
         let normal = normal.try_normalize().unwrap_or(Vec3::Y);
+
+        if let Some((in_a, in_b)) = &blocks
+            && seams::graze(in_a, in_b, normal, settings.outer_distance())
+        {
+            for contact in &mut found.points {
+                contact.data = 0;
+            }
+            continue;
+        }
 
         let mut candidates = Candidates::new();
         for (i, contact) in found.points.iter().enumerate() {
@@ -196,15 +216,10 @@ fn detect(
         }
         candidates.retain(|c| c.distance.is_finite() && c.distance <= reach);
         thin_out(&mut candidates, MERGE * size);
-        if let (Some(in_a), Some(in_b)) = (shape_a.as_cuboid(), shape_b.as_cuboid())
+        if let Some((in_a, in_b)) = blocks
             && candidates.len() < 4
             && turned != Vec3::ZERO
         {
-            let block = |body: &BodyState, half| corners::Block {
-                pose: body.pose,
-                half,
-            };
-            let (in_a, in_b) = (block(a, in_a.half_extents), block(b, in_b.half_extents));
             // Without any point of parry's the normal may be an old one.
             let lowest = candidates.iter().map(|c| c.distance).fold(-reach, f32::min) - reach;
             for ([on_a, on_b], distance) in corners::corners(in_a, in_b, normal, SLACK * size) {

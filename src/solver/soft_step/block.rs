@@ -447,8 +447,35 @@ impl Block {
 
         let moved_normals = on_normals_local(&moved);
         let mut change = zero;
-        // One visit to each point is enough to carry; what lands on a face would be turned by the point that is first.
-        let lands = (-normals.x).any_above(Lane::splat(LANDING));
+        // What lands on a face, or still has the impulse of landing, would be turned by the point that is first: all points are
+        // stopped together, and then each is visited more than once.
+        let lands = normals.x.max(-normals.x).any_above(Lane::splat(LANDING));
+        if SOFT && lands {
+            let mut all = Wide::default();
+            let mut missing = zero;
+            for point in points.iter_mut() {
+                let along = point.direction();
+                let s = point.separation + along.dot(moved_normals);
+                let lack = -(along.dot(normals) + s.max(zero) * pass.rate);
+                point.now = lack;
+                let active = lack.max(point.impulse).above(zero, one, zero)
+                    * point.mass.above(zero, one, zero);
+                missing += active * lack;
+                all = all + along.scale(active);
+            }
+            let share = missing * all.dot(self.normals.apply(all)).inverse();
+            for point in points.iter_mut() {
+                let active = point.now.max(point.impulse).above(zero, one, zero)
+                    * point.mass.above(zero, one, zero);
+                let found = (point.impulse + active * share).max(zero);
+                let delta = found - point.impulse;
+                point.impulse = found;
+                normals = normals + point.effect.scale(delta);
+                force.x += delta;
+                torque.y += point.y * delta;
+                torque.z -= point.x * delta;
+            }
+        }
         let visits = if lands { LANDING_VISITS } else { 1 };
         for _ in 0..visits {
             for point in points.iter_mut() {

@@ -41,16 +41,21 @@ impl Lab {
     }
 
     /// The default settings with a solver that converges: to compare with closed forms, what counts is the model, not how
-    /// many sweeps a game can afford. No sleeping, since slow motion is what thresholds are about; one substep, so that
-    /// impulses are those of a whole step.
+    /// many sweeps a game can afford. No sleeping; one substep, so that impulses are those of a whole step.
     pub fn exact(dt: f32) -> Self {
-        let mut lab = Self::new();
-        lab.dt = dt;
-        lab.world.resource_mut::<SleepSettings>().enabled = false;
+        let mut lab = Self::shipped(dt);
         let mut solver = lab.world.resource_mut::<SolverSettings>();
         solver.iterations = 300;
         solver.substeps = 1;
         solver.tolerance = 1e-6;
+        lab
+    }
+
+    /// The default settings, but for sleeping, since slow motion is what thresholds are about.
+    pub fn shipped(dt: f32) -> Self {
+        let mut lab = Self::new();
+        lab.dt = dt;
+        lab.world.resource_mut::<SleepSettings>().enabled = false;
         lab
     }
 

@@ -1,0 +1,212 @@
+//! What the default settings must hold: structures that stay where they were put, at 60 Hz and at steps of a tenth of a second.
+//!
+//! No sleeping, which would hold anything after half a second; one thread each, as tests run side by side. What takes minutes is
+//! ignored: `cargo test --release --test steadiness -- --ignored --nocapture` prints its figures.
+
+mod support;
+
+use drystone::body::{Pose, Velocity};
+use drystone::experiment::{Experiment, Outcome, Run};
+use drystone::metrics;
+use drystone::scenes::Scene;
+use drystone::settings::{PhysicsThreads, Preset};
+
+const MINUTE: f32 = 60.0;
+
+/// A scene under the default settings.
+fn default(scene: &str) -> Experiment {
+    let scene: Scene = scene.parse().expect("a known scene");
+    let mut experiment = Experiment::new(scene, Preset::Default);
+    experiment.sleeping.enabled = false;
+    experiment.threads = PhysicsThreads::new(1).expect("one thread can be had");
+    experiment
+}
+
+/// At steps of 0.1 s.
+fn coarse(scene: &str) -> Experiment {
+    let mut experiment = default(scene);
+    experiment.dt = 0.1;
+    experiment
+}
+
+/// Off by ±2 mm and ±0.01 rad, with 36 mm between neighbours.
+fn noisy(mut experiment: Experiment, seed: u64) -> Experiment {
+    experiment.options.noise_position = 0.002;
+    experiment.options.noise_angle = 0.01;
+    experiment.options.lateral_gap = 0.036;
+    experiment.with_seed(seed)
+}
+
+/// How an experiment ends; printed.
+fn end(experiment: &Experiment, seconds: f32) -> Outcome {
+    let outcome = experiment.run_seconds(seconds);
+    let moved = outcome.displacement;
+    println!(
+        "{} at {:.4} s, noise {} m, seed {}, {seconds} s: fell at {:?}, drift {:.3} mm, sag {:.3} mm, tilt {:.5}, overlap {:.3} mm, at \
+         the end {:.3} mm, rms {:.2e} m/s, energy gained {:.1e}",
+        experiment.scene,
+        experiment.dt,
+        experiment.options.noise_position,
+        experiment.options.seed,
+        outcome.fell_at,
+        1e3 * moved.drift,
+        1e3 * moved.sag,
+        moved.tilt,
+        1e3 * outcome.penetration_max,
+        1e3 * outcome.penetration_end,
+        outcome.rms_speed,
+        outcome.energy_gain,
+    );
+    outcome
+}
+
+/// Asserts that nothing fell, drifted or sank by more than so many millimetres.
+#[track_caller]
+fn keeps(experiment: &Experiment, seconds: f32, drift: f32, sag: f32) {
+    let outcome = end(experiment, seconds);
+    assert!(outcome.stands, "fell at {:?} s", outcome.fell_at);
+    let [drifted, sank] = [outcome.displacement.drift, outcome.displacement.sag].map(|m| 1e3 * m);
+    assert!(drifted < drift, "drift {drifted} mm, wanted < {drift}");
+    assert!(sank < sag, "sag {sank} mm, wanted < {sag}");
+}
+
+#[test]
+fn a_wall_of_40_by_25_stays_within_millimetres() {
+    keeps(&default("wall:40x25"), 10.0, 3.0, 5.0);
+}
+
+#[test]
+fn a_stack_of_100_sinks_less_than_a_fifth_of_a_cube() {
+    keeps(&default("stack:100"), 20.0, f32::INFINITY, 200.0);
+}
+
+#[test]
+fn five_cubes_carry_a_hundred_times_their_mass() {
+    keeps(&default("massratio:100"), 30.0, f32::INFINITY, 5.0);
+}
+
+#[test]
+fn three_cubes_carry_a_thousand_times_their_mass() {
+    keeps(&default("massratio:1000x3"), 30.0, f32::INFINITY, 5.0);
+}
+
+#[test]
+fn a_house_of_cards_stands() {
+    keeps(&default("cardhouse:5"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn an_arch_of_15_stands() {
+    keeps(&default("arch:15"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn an_arch_of_25_stands() {
+    keeps(&default("arch:25"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn a_cantilever_of_4_stands() {
+    keeps(&default("cantilever:4"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_stack_of_20_stays() {
+    keeps(&coarse("stack:20"), MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_noisy_stack_of_20_stays() {
+    let experiment = noisy(coarse("stack:20"), 1);
+    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_wall_of_20_by_15_stays() {
+    keeps(&coarse("wall:20x15"), MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_noisy_wall_of_20_by_15_stays() {
+    let experiment = noisy(coarse("wall:20x15"), 1);
+    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_pyramid_of_20_stays() {
+    keeps(&coarse("pyramid:20"), MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_noisy_pyramid_of_20_stays() {
+    let experiment = noisy(coarse("pyramid:20"), 1);
+    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+}
+
+/// How far a resting cube creeps, m, and turns, rad, over so many seconds, from when it has settled.
+fn creep(seconds: f32) -> (f32, f32) {
+    let mut run = default("stack:1").start();
+    let go_on = |run: &mut Run, seconds: f32| {
+        for _ in 0..(60.0 * seconds).round() as usize {
+            run.step();
+        }
+        run.poses()[0]
+    };
+    let settled = go_on(&mut run, 1.0);
+    let Pose { position, rotation } = go_on(&mut run, seconds);
+    let crept = (position - settled.position).length();
+    let between = settled.rotation.inverse() * rotation;
+    let turned = 2.0 * between.xyz().length().asin();
+    println!("{seconds} s: crept {crept:e} m, turned {turned:e} rad");
+    (crept, turned)
+}
+
+fn rests(seconds: f32) {
+    let (crept, turned) = creep(seconds);
+    assert!(crept < 1e-4, "{crept} m");
+    assert!(turned.to_degrees() < 0.01, "{}°", turned.to_degrees());
+}
+
+#[test]
+fn a_cube_rests_for_ten_minutes() {
+    rests(10.0 * MINUTE);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn a_cube_rests_for_ten_hours() {
+    rests(600.0 * MINUTE);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn a_wall_of_100_by_50_stands() {
+    keeps(&default("wall:100x50"), 10.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn a_pyramid_of_100_stands() {
+    keeps(&default("pyramid:100"), 10.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn a_heap_of_1000_comes_to_rest() {
+    let outcome = end(&default("heap:1000"), 10.0);
+    let [speed, overlap] = [outcome.rms_speed, outcome.penetration_end].map(|x| 1e3 * x);
+    assert!(speed < 1.0, "{speed} mm/s");
+    assert!(overlap < 5.0, "{overlap} mm");
+}
+
+/// All of the above at a tenth of a second, with other noise.
+#[test]
+#[ignore = "minutes"]
+fn at_a_tenth_of_a_second_all_seeds_stay() {
+    for scene in ["stack:20", "wall:20x15", "pyramid:20"] {
+        for seed in 1..=3 {
+            let experiment = noisy(coarse(scene), seed);
+            keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+        }
+    }
+}

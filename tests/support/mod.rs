@@ -40,12 +40,12 @@ impl Lab {
         }
     }
 
-    /// The default settings with a solver that converges: to compare with closed forms, what counts is the model, not how
+    /// The default settings with NNCG, which converges: to compare with closed forms, what counts is the model, not how
     /// many sweeps a game can afford. No sleeping; one substep, so that impulses are those of a whole step.
     pub fn exact(dt: f32) -> Self {
         let mut lab = Self::shipped(dt);
         let mut solver = lab.world.resource_mut::<SolverSettings>();
-        solver.iterations = 300;
+        *solver = solver.clone().with_nncg(300);
         solver.substeps = 1;
         solver.tolerance = 1e-6;
         lab

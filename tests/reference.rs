@@ -49,6 +49,7 @@ rows!(exact:
     row_17_a_ball_bounces_to_e_squared_of_its_height_and_comes_to_rest_in_time,
     row_18_every_interface_carries_the_weight_above_it,
     row_20_collisions_keep_the_momentum_of_a_closed_group,
+    a_cube_that_falls_flat_stays_where_it_lands,
 );
 
 rows!(shipped:
@@ -69,6 +70,8 @@ rows!(shipped:
     row_18_every_interface_carries_the_weight_above_it,
     #[ignore = "missed: angular momentum is off by 2.7e-3, wanted 1e-4"]
     row_20_collisions_keep_the_momentum_of_a_closed_group,
+    #[ignore = "missed: from 1 m it leaves with 0.07 m/s and lies 2.4 mm aside, wanted 0.04 m/s and 1 mm; from 3 m 0.52 m/s and 44 mm"]
+    a_cube_that_falls_flat_stays_where_it_lands,
 );
 
 /// A body on a slope that falls towards +x, touching it with what is `height` below its centre.
@@ -538,4 +541,22 @@ fn row_20_collisions_keep_the_momentum_of_a_closed_group(settings: Settings) {
     assert!(spent > 0.1, "they must have collided");
     // Rounding of 180 steps over 24 bodies.
     assert!(off < 2e-5 && turned < 1e-4, "{off} {turned}");
+}
+
+/// By symmetry. Nothing bounces (e = 0): up to 1 % of the speed with which it came.
+fn a_cube_that_falls_flat_stays_where_it_lands(settings: Settings) {
+    for height in [0.1f32, 1.0, 3.0] {
+        let mut lab = settings(1.0 / 60.0);
+        lab.ground();
+        let cube = lab.cube(Vec3::Y * (0.5 + height));
+        let (mut up, mut aside) = (0.0f32, 0.0f32);
+        for _ in 0..180 {
+            lab.step();
+            up = up.max(lab.velocity(cube).linear.y);
+            aside = aside.max(lab.position(cube).with_y(0.0).length());
+        }
+        println!("from {height} m: up {up} m/s, {aside} m aside");
+        assert!(up < 0.01 * (2.0 * G * height).sqrt(), "{up} m/s up");
+        assert!(aside < 1e-3, "{aside} m aside");
+    }
 }

@@ -341,4 +341,18 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn a_cantilever_hangs_over_by_three_quarters_of_half_the_harmonic_number() {
+        for (n, half_harmonic) in [(1, 0.5), (2, 0.75), (3, 0.91667), (4, 1.04167)] {
+            let mut world = World::new();
+            let built = Scene::Cantilever(n).build(&mut world, &SceneOptions::default());
+            let right = |&body: &Entity| world.get::<Transform>(body).unwrap().translation.x + 0.5;
+            let overhang = built.bodies.iter().map(right).fold(0.0, f32::max);
+            assert!(
+                (overhang - 0.75 * half_harmonic).abs() < 1e-5,
+                "{n}: {overhang}"
+            );
+        }
+    }
 }

@@ -79,6 +79,7 @@ impl Experiment {
             world,
             bodies,
             hand,
+            stays: self.scene.stays(),
             dt: self.dt,
             time: 0.0,
             start: Vec::new(),
@@ -112,6 +113,7 @@ pub struct Run {
     /// The bodies to watch.
     pub bodies: Vec<Entity>,
     hand: Option<Hand>,
+    stays: bool,
     dt: f32,
     time: f32,
     start: Vec<Pose>,
@@ -217,7 +219,7 @@ impl Run {
         let energy_gain = gained / self.energy_scale;
 
         let meter = &mut self.meter;
-        if displacement.has_fallen() {
+        if self.stays && displacement.has_fallen() {
             meter.fell_at.get_or_insert(self.time);
         }
         meter.energy_gain = meter.energy_gain.max(energy_gain);
@@ -261,6 +263,7 @@ impl Run {
             fell_at: meter.fell_at,
             displacement,
             penetration_max: meter.penetration_max,
+            penetration_end: meter.gaps.penetration_max,
             penetration_mean: meter.gaps.penetration_mean,
             ideal_error_max: meter.gaps.ideal_error_max,
             rms_speed: (squares / tail.len().max(1) as f32).sqrt(),
@@ -315,7 +318,7 @@ fn median<T: Copy + Ord>(values: &[T]) -> Option<T> {
 /// What became of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Nothing has fallen ([`metrics::FALLEN`]) at any time.
+    /// Nothing has fallen ([`metrics::FALLEN`]) at any time; always true of what is meant to move ([`Scene::stays`]).
     pub stands: bool,
     /// When something first fell, s.
     pub fell_at: Option<f32>,
@@ -323,6 +326,8 @@ pub struct Outcome {
     pub displacement: Displacement,
     /// Deepest overlap of real surfaces after the first second, m.
     pub penetration_max: f32,
+    /// Deepest overlap of real surfaces at the end, m.
+    pub penetration_end: f32,
     /// Mean overlap at the end, m.
     pub penetration_mean: f32,
     /// Largest distance of a loaded point from the ideal at the end, m.

@@ -26,6 +26,7 @@ pub fn report(
         "drift_m": outcome.displacement.drift,
         "sag_m": outcome.displacement.sag,
         "penetration_max_m": outcome.penetration_max,
+        "penetration_end_m": outcome.penetration_end,
         "penetration_mean_m": outcome.penetration_mean,
         "ideal_error_max_m": outcome.ideal_error_max,
         "rms_speed_m_s": outcome.rms_speed,

@@ -1,13 +1,18 @@
 //! What stands: walls, stacks, pyramids, arches, houses of cards.
 
 use super::{Hand, Site};
-use crate::body::{Density, Pose, Velocity};
+use crate::body::{Density, Pose, RigidBody, Velocity};
 use crate::collider::Collider;
+use bevy_ecs::name::Name;
+use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 
 /// A brick's length, height and depth, m.
 const BRICK: Vec3 = Vec3::new(1.0, 0.5, 0.5);
+
+/// How far a cantilever hangs over, as a share of the furthest at which it could stand.
+const DARING: f32 = 0.75;
 
 impl Site<'_> {
     pub(super) fn wall(&mut self, width: u32, height: u32) -> Option<Hand> {
@@ -55,10 +60,10 @@ impl Site<'_> {
         None
     }
 
-    pub(super) fn mass_ratio(&mut self, ratio: f32) -> Option<Hand> {
-        self.stack(5);
+    pub(super) fn mass_ratio(&mut self, ratio: f32, n: u32) -> Option<Hand> {
+        self.stack(n);
         let pose = Pose {
-            position: Vec3::Y * self.course_height(5, 1.0),
+            position: Vec3::Y * self.course_height(n, 1.0),
             rotation: Quat::IDENTITY,
         };
         let cube = Collider::cuboid(1.0, 1.0, 1.0);
@@ -69,6 +74,29 @@ impl Site<'_> {
             pose,
             Velocity::default(),
         );
+        None
+    }
+
+    /// Each block hangs over the one below by its share of the harmonic overhang, 1/(2k) of its length with k blocks from it up.
+    pub(super) fn cantilever(&mut self, n: u32) -> Option<Hand> {
+        self.ground(0.0);
+        let quay = Vec3::new(4.0, 1.0, 1.0);
+        self.world.spawn((
+            Name::new("quay"),
+            RigidBody::Static,
+            Collider::cuboid(quay.x, quay.y, quay.z),
+            self.friction(),
+            Transform::from_xyz(-0.5 * quay.x, 0.5 * quay.y, 0.0),
+        ));
+        let block = Vec3::new(1.0, 0.25, 0.5);
+        let mut overhang = 0.0;
+        for course in 0..n {
+            overhang += DARING * block.x * 0.5 / (n - course) as f32;
+            let y = quay.y + self.course_height(course, block.y);
+            let position = Vec3::new(overhang - 0.5 * block.x, y, 0.0);
+            let collider = Collider::cuboid(block.x, block.y, block.z);
+            self.place("block", collider, position, Quat::IDENTITY);
+        }
         None
     }
 

@@ -31,10 +31,13 @@ pub enum Scene {
     Heap(u32),
     /// A slab on a slope of so many degrees.
     Incline(f32),
-    /// A cube of so many times the mass on five cubes.
-    MassRatio(f32),
+    /// A cube of so many times the mass on a stack of so many; `massratio:R` has five.
+    MassRatio(f32, u32),
     /// A house of cards of n levels.
     CardHouse(u32),
+    /// Blocks 1 × 0.25 × 0.5 m, one per course, that hang over the edge of a fixed one by ¾ of the ½ Hₙ (half the harmonic number,
+    /// in lengths) at which they would fall.
+    Cantilever(u32),
     /// A sphere that rolls at 1 m/s.
     Rolling,
     /// A slab that slides at 3 m/s.
@@ -48,8 +51,11 @@ pub enum Scene {
 }
 
 /// How every scene is called.
-pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, incline:DEG, massratio:R, cardhouse:N, rolling, \
-    sliding, dropped, overlap:M, pressed:N";
+pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, incline:DEG, massratio:R[xN], cardhouse:N, \
+    cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N";
+
+/// How many cubes carry the weight of `massratio:R`.
+const CARRIERS: u32 = 5;
 
 /// A scene's name that is none.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,24 +75,22 @@ impl FromStr for Scene {
     fn from_str(name: &str) -> Result<Self, UnknownScene> {
         let unknown = || UnknownScene(name.to_owned());
         let (kind, size) = name.split_once(':').unwrap_or((name, ""));
-        let count = || match size.parse() {
+        let count_of = |text: &str| match text.parse() {
             Ok(n) if n > 0 => Ok(n),
             _ => Err(unknown()),
         };
-        let number = || {
-            size.parse::<f32>()
+        let count = || count_of(size);
+        let number_of = |text: &str| {
+            text.parse::<f32>()
                 .ok()
                 .filter(|x| x.is_finite())
                 .ok_or_else(unknown)
         };
-        let positive = || number().and_then(|x| if x > 0.0 { Ok(x) } else { Err(unknown()) });
+        let number = || number_of(size);
         match kind {
             "wall" => {
                 let (w, h) = size.split_once('x').ok_or_else(unknown)?;
-                match (w.parse(), h.parse()) {
-                    (Ok(w), Ok(h)) if w > 0 && h > 0 => Ok(Self::Wall(w, h)),
-                    _ => Err(unknown()),
-                }
+                Ok(Self::Wall(count_of(w)?, count_of(h)?))
             }
             "stack" => Ok(Self::Stack(count()?)),
             "pyramid" => Ok(Self::Pyramid(count()?)),
@@ -96,8 +100,18 @@ impl FromStr for Scene {
             },
             "heap" => Ok(Self::Heap(count()?)),
             "incline" => Ok(Self::Incline(number()?)),
-            "massratio" => Ok(Self::MassRatio(positive()?)),
+            "massratio" => {
+                let (ratio, carriers) = match size.split_once('x') {
+                    Some((ratio, n)) => (ratio, count_of(n)?),
+                    None => (size, CARRIERS),
+                };
+                match number_of(ratio)? {
+                    ratio if ratio > 0.0 => Ok(Self::MassRatio(ratio, carriers)),
+                    _ => Err(unknown()),
+                }
+            }
             "cardhouse" => Ok(Self::CardHouse(count()?)),
+            "cantilever" => Ok(Self::Cantilever(count()?)),
             "overlap" => Ok(Self::Overlap(number()?)),
             "pressed" => Ok(Self::Pressed(count()?)),
             "rolling" if size.is_empty() => Ok(Self::Rolling),
@@ -117,8 +131,10 @@ impl fmt::Display for Scene {
             Self::Arch(n) => write!(f, "arch:{n}"),
             Self::Heap(n) => write!(f, "heap:{n}"),
             Self::Incline(degrees) => write!(f, "incline:{degrees}"),
-            Self::MassRatio(ratio) => write!(f, "massratio:{ratio}"),
+            Self::MassRatio(ratio, CARRIERS) => write!(f, "massratio:{ratio}"),
+            Self::MassRatio(ratio, n) => write!(f, "massratio:{ratio}x{n}"),
             Self::CardHouse(n) => write!(f, "cardhouse:{n}"),
+            Self::Cantilever(n) => write!(f, "cantilever:{n}"),
             Self::Rolling => f.write_str("rolling"),
             Self::Sliding => f.write_str("sliding"),
             Self::Dropped => f.write_str("dropped"),
@@ -169,6 +185,14 @@ pub struct Built {
 }
 
 impl Scene {
+    /// True of what is built to stay where it is. Of the others, that they move is no failure.
+    pub fn stays(&self) -> bool {
+        !matches!(
+            self,
+            Self::Heap(_) | Self::Rolling | Self::Sliding | Self::Dropped | Self::Overlap(_)
+        )
+    }
+
     /// Spawns the scene's bodies.
     pub fn build(&self, world: &mut World, options: &SceneOptions) -> Built {
         let mut site = Site {
@@ -183,7 +207,8 @@ impl Scene {
             Self::Pyramid(n) => site.pyramid(n),
             Self::Arch(n) => site.arch(n),
             Self::CardHouse(n) => site.card_house(n),
-            Self::MassRatio(ratio) => site.mass_ratio(ratio),
+            Self::Cantilever(n) => site.cantilever(n),
+            Self::MassRatio(ratio, n) => site.mass_ratio(ratio, n),
             Self::Heap(n) => site.heap(n),
             Self::Incline(degrees) => site.incline(degrees),
             Self::Rolling => site.rolling(),
@@ -280,7 +305,9 @@ mod tests {
             "heap:100",
             "incline:26.4",
             "massratio:100",
+            "massratio:1000x3",
             "cardhouse:3",
+            "cantilever:4",
             "rolling",
             "sliding",
             "dropped",
@@ -302,12 +329,29 @@ mod tests {
             "arch:2",
             "rolling:1",
             "massratio:-1",
+            "massratio:10x0",
+            "massratio:x3",
+            "cantilever:0",
             "",
         ] {
             let error = name.parse::<Scene>().unwrap_err().to_string();
             assert!(
                 error.contains("cardhouse:N") && error.contains(name),
                 "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_cantilever_hangs_over_by_three_quarters_of_half_the_harmonic_number() {
+        for (n, half_harmonic) in [(1, 0.5), (2, 0.75), (3, 0.91667), (4, 1.04167)] {
+            let mut world = World::new();
+            let built = Scene::Cantilever(n).build(&mut world, &SceneOptions::default());
+            let right = |&body: &Entity| world.get::<Transform>(body).unwrap().translation.x + 0.5;
+            let overhang = built.bodies.iter().map(right).fold(0.0, f32::max);
+            assert!(
+                (overhang - 0.75 * half_harmonic).abs() < 1e-5,
+                "{n}: {overhang}"
             );
         }
     }

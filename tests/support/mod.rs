@@ -10,7 +10,7 @@ use drystone::body::{BodyIndex, BodyTable, MassProperties, Pose, RigidBody, Velo
 use drystone::collider::{Collider, Friction};
 use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::diagnosis::BodyError;
-use drystone::settings::{Preset, SolverSettings, StabilizationSettings};
+use drystone::settings::{Preset, SleepSettings, SolverSettings, StabilizationSettings};
 use glam::{Quat, Vec3};
 
 pub const G: f32 = 9.81;
@@ -40,20 +40,22 @@ impl Lab {
         }
     }
 
-    /// The paper's rows on surfaces that touch, with a solver that converges: to compare with closed forms, what counts is the
-    /// model, not how many sweeps a game can afford. No sleeping, since slow motion is what thresholds are about.
+    /// The default settings with NNCG, which converges: to compare with closed forms, what counts is the model, not how
+    /// many sweeps a game can afford. No sleeping; one substep, so that impulses are those of a whole step.
     pub fn exact(dt: f32) -> Self {
-        let mut lab = Self::with_preset(Preset::Paper);
-        lab.dt = dt;
-        lab.world.insert_resource(StabilizationSettings {
-            envelope: 0.02,
-            ideal_distance: 0.0,
-            ..Preset::Paper.stabilization()
-        });
+        let mut lab = Self::shipped(dt);
         let mut solver = lab.world.resource_mut::<SolverSettings>();
-        solver.iterations = 300;
-        solver.warm_start = 0.3;
+        *solver = solver.clone().with_nncg(300);
+        solver.substeps = 1;
         solver.tolerance = 1e-6;
+        lab
+    }
+
+    /// The default settings, but for sleeping, since slow motion is what thresholds are about.
+    pub fn shipped(dt: f32) -> Self {
+        let mut lab = Self::new();
+        lab.dt = dt;
+        lab.world.resource_mut::<SleepSettings>().enabled = false;
         lab
     }
 

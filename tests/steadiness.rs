@@ -1,0 +1,305 @@
+//! What the default settings must hold: structures that stay where they were put, at 60 Hz and at steps of a tenth of a second.
+//!
+//! No sleeping, which would hold anything after half a second; one thread each, as tests run side by side. What takes long is
+//! ignored, and so is what is missed, with the figure: `cargo test --test steadiness -- --ignored --nocapture` prints them.
+
+mod support;
+
+use drystone::contact::{ContactImpulses, ContactPair};
+use drystone::experiment::{Experiment, Outcome};
+use drystone::metrics::{self, Displacement};
+use drystone::scenes::Scene;
+use drystone::settings::{PhysicsThreads, Preset};
+use glam::Vec3;
+use support::Lab;
+
+const MINUTE: f32 = 60.0;
+
+/// A scene under the default settings.
+fn default(scene: &str) -> Experiment {
+    let scene: Scene = scene.parse().expect("a known scene");
+    let mut experiment = Experiment::new(scene, Preset::Default);
+    experiment.sleeping.enabled = false;
+    experiment.threads = PhysicsThreads::new(1).expect("one thread can be had");
+    experiment
+}
+
+/// At steps of 0.1 s.
+fn coarse(scene: &str) -> Experiment {
+    let mut experiment = default(scene);
+    experiment.dt = 0.1;
+    experiment
+}
+
+/// Off by ±2 mm and ±0.01 rad, with 36 mm between neighbours.
+fn noisy(mut experiment: Experiment, seed: u64) -> Experiment {
+    experiment.options.noise_position = 0.002;
+    experiment.options.noise_angle = 0.01;
+    experiment.options.lateral_gap = 0.036;
+    experiment.with_seed(seed)
+}
+
+/// How an experiment ends; printed.
+fn end(experiment: &Experiment, seconds: f32) -> Outcome {
+    let outcome = experiment.run_seconds(seconds);
+    let moved = outcome.displacement;
+    println!(
+        "{} at {:.4} s, noise {} m, seed {}, {seconds} s: fell at {:?}, drift {:.3} mm, sag {:.3} mm, tilt {:.5}, overlap {:.3} mm, at \
+         the end {:.3} mm, rms {:.2e} m/s, energy gained {:.1e}",
+        experiment.scene,
+        experiment.dt,
+        experiment.options.noise_position,
+        experiment.options.seed,
+        outcome.fell_at,
+        1e3 * moved.drift,
+        1e3 * moved.sag,
+        moved.tilt,
+        1e3 * outcome.penetration_max,
+        1e3 * outcome.penetration_end,
+        outcome.rms_speed,
+        outcome.energy_gain,
+    );
+    outcome
+}
+
+/// Asserts that nothing fell, drifted or sank by more than so many millimetres.
+#[track_caller]
+fn keeps(experiment: &Experiment, seconds: f32, drift: f32, sag: f32) {
+    let outcome = end(experiment, seconds);
+    assert!(outcome.stands, "fell at {:?} s", outcome.fell_at);
+    let [drifted, sank] = [outcome.displacement.drift, outcome.displacement.sag].map(|m| 1e3 * m);
+    assert!(drifted < drift, "drift {drifted} mm, wanted < {drift}");
+    assert!(sank < sag, "sag {sank} mm, wanted < {sag}");
+}
+
+#[test]
+fn a_wall_of_40_by_25_stays_within_millimetres() {
+    keeps(&default("wall:40x25"), 10.0, 3.0, 5.0);
+}
+
+#[test]
+fn a_stack_of_100_sinks_less_than_a_fifth_of_a_cube() {
+    keeps(&default("stack:100"), 20.0, f32::INFINITY, 200.0);
+}
+
+#[test]
+fn five_cubes_carry_a_hundred_times_their_mass() {
+    keeps(&default("massratio:100"), 30.0, f32::INFINITY, 5.0);
+}
+
+#[test]
+#[ignore = "missed: sags 13.1 mm, wanted 5 mm"]
+fn three_cubes_carry_a_thousand_times_their_mass() {
+    keeps(&default("massratio:1000x3"), 30.0, f32::INFINITY, 5.0);
+}
+
+#[test]
+fn a_house_of_cards_stands() {
+    keeps(&default("cardhouse:5"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn an_arch_of_15_stands() {
+    keeps(&default("arch:15"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn an_arch_of_25_stands() {
+    keeps(&default("arch:25"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn a_cantilever_of_4_stands() {
+    keeps(&default("cantilever:4"), 30.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_stack_of_20_stays() {
+    keeps(&coarse("stack:20"), MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_noisy_stack_of_20_stays() {
+    let experiment = noisy(coarse("stack:20"), 1);
+    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_wall_of_20_by_15_stays() {
+    keeps(&coarse("wall:20x15"), MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_noisy_wall_of_20_by_15_stays() {
+    let experiment = noisy(coarse("wall:20x15"), 1);
+    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_pyramid_of_20_stays() {
+    keeps(&coarse("pyramid:20"), MINUTE, 20.0, f32::INFINITY);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_noisy_pyramid_of_20_stays() {
+    let experiment = noisy(coarse("pyramid:20"), 1);
+    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+}
+
+/// Asserts that a cube on the ground hardly creeps or turns in so many seconds, from when it has settled.
+#[track_caller]
+fn rests(seconds: f32) {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    lab.ground();
+    let cube = lab.cube(Vec3::Y * 0.5);
+    lab.run(1.0);
+    let settled = lab.pose(cube);
+    lab.run(seconds);
+    let moved = Displacement::between([&settled], [&lab.pose(cube)]);
+    let crept = lab.position(cube).distance(settled.position);
+    let turned = moved.tilt.to_degrees();
+    println!("{seconds} s: crept {crept:e} m, turned {turned:e}°");
+    assert!(crept < 1e-4 && turned < 0.01, "{crept} m, {turned}°");
+}
+
+#[test]
+fn a_cube_rests_for_ten_minutes() {
+    rests(10.0 * MINUTE);
+}
+
+/// Asserts that mechanical energy never rises from one step to the next by more than a millionth of what there is, which is for
+/// the rounding of poses. The energy of springs that hold contacts is not counted, so what rebounds gains.
+#[track_caller]
+fn never_gains_energy(scene: &str) {
+    let mut run = default(scene).start();
+    let (mut last, mut worst, mut at) = (f64::INFINITY, 0.0, 0.0);
+    while run.time() < 10.0 {
+        run.step();
+        let energy = metrics::energy(&mut run.world);
+        let gain = (energy - last) / energy.abs().max(1.0);
+        if gain > worst {
+            (worst, at) = (gain, run.time());
+        }
+        last = energy;
+    }
+    println!("{scene}: gains {worst:.1e} of its energy at {at} s");
+    assert!(worst <= 1e-6, "{scene}: {worst} at {at} s");
+}
+
+#[test]
+fn what_starts_exactly_touching_never_gains_energy() {
+    for scene in [
+        "stack:10",
+        "wall:10x10",
+        "pyramid:10",
+        "cardhouse:3",
+        "cantilever:4",
+        "rolling",
+    ] {
+        never_gains_energy(scene);
+    }
+}
+
+#[test]
+#[ignore = "missed: gains 5.2e-5 of its energy at 0.23 s, wanted 1e-6"]
+fn an_arch_never_gains_energy() {
+    never_gains_energy("arch:15");
+}
+
+#[test]
+#[ignore = "missed: gains 1.1e-4 of its energy at 0.13 s, wanted 1e-6"]
+fn cubes_under_a_great_weight_never_gain_energy() {
+    never_gains_energy("massratio:100");
+}
+
+#[test]
+#[ignore = "missed: gains 4.2e-5 of its energy as it stops at 0.63 s, wanted 1e-6"]
+fn a_sliding_slab_never_gains_energy() {
+    never_gains_energy("sliding");
+}
+
+#[test]
+#[ignore = "missed: gains 3.7e-6 of its energy at 0.15 s, wanted 1e-6"]
+fn a_slab_on_a_slope_never_gains_energy() {
+    never_gains_energy("incline:26.4");
+}
+
+/// ‖λ_t‖ of a pair as a share of μ λ_n, the largest of all pairs in the last second of five.
+fn fullest_cone(experiment: &Experiment) -> f32 {
+    let mut run = experiment.start();
+    let mut fullest = 0.0f32;
+    while run.time() < 5.0 {
+        run.step();
+        if run.time() < 4.0 {
+            continue;
+        }
+        let mut pairs = run.world.query::<(&ContactPair, &ContactImpulses)>();
+        for (pair, impulses) in pairs.iter(&run.world) {
+            let carried: f32 = impulses.points.iter().map(|point| point.normal).sum();
+            let friction: Vec3 = impulses.points.iter().map(|point| point.tangential).sum();
+            if friction != Vec3::ZERO {
+                fullest = fullest.max(friction.length() / (pair.friction * carried));
+            }
+        }
+    }
+    println!("{}: {fullest}", experiment.scene);
+    fullest
+}
+
+#[test]
+fn friction_stays_inside_its_cone_and_fills_it_where_something_slides() {
+    for scene in ["incline:26.4", "incline:28", "arch:15", "cardhouse:3"] {
+        let fullest = fullest_cone(&default(scene));
+        assert!(fullest <= 1.001, "{scene}: {fullest}");
+        assert!(fullest > 0.999 || scene != "incline:28", "{fullest}");
+    }
+}
+
+#[test]
+#[ignore = "missed: 1.009 of a cone in the wall and 1.13 in the heap, wanted 1.001"]
+fn friction_between_loose_neighbours_stays_inside_its_cone() {
+    for scene in ["wall:10x10", "heap:100"] {
+        let fullest = fullest_cone(&default(scene));
+        assert!(fullest <= 1.001, "{scene}: {fullest}");
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn a_cube_rests_for_ten_hours() {
+    rests(600.0 * MINUTE);
+}
+
+#[test]
+#[ignore = "long"]
+fn a_wall_of_100_by_50_stands() {
+    keeps(&default("wall:100x50"), 10.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+#[ignore = "long"]
+fn a_pyramid_of_100_stands() {
+    keeps(&default("pyramid:100"), 10.0, f32::INFINITY, f32::INFINITY);
+}
+
+#[test]
+#[ignore = "long"]
+fn a_heap_of_1000_comes_to_rest() {
+    let outcome = end(&default("heap:1000"), 10.0);
+    assert!(outcome.stands, "to fall is what it is for");
+    let [speed, overlap] = [outcome.rms_speed, outcome.penetration_end].map(|x| 1e3 * x);
+    assert!(speed < 1.0, "{speed} mm/s");
+    assert!(overlap < 5.0, "{overlap} mm");
+}
+
+/// The noisy ones from above at a tenth of a second, with other noise.
+#[test]
+#[ignore = "long"]
+fn at_a_tenth_of_a_second_all_seeds_stay() {
+    for scene in ["stack:20", "wall:20x15", "pyramid:20"] {
+        for seed in 1..=3 {
+            let experiment = noisy(coarse(scene), seed);
+            keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+        }
+    }
+}

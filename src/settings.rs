@@ -139,7 +139,7 @@ pub struct SolverSettings {
     /// The shape of the friction cone.
     pub cone: FrictionCone,
     /// Share of last step's impulses that a solve starts from, 0..1. With position feedback in the same velocities it
-    /// is unstable when under-converged, so the paper's setting is 0.
+    /// is unstable when under-converged, so the paper's setting is 0. [`SoftStep`] starts from all of them, always.
     pub warm_start: f32,
     /// A solve ends early when its merit (see [`crate::solver::merit`]) falls below this. 0: never.
     pub tolerance: f32,
@@ -223,7 +223,7 @@ impl Preset {
                 iterations: 24,
                 substeps: 1,
                 cone: FrictionCone::Circular,
-                warm_start: 1.0,
+                warm_start: 0.3,
                 tolerance: 0.0,
                 record_history: false,
             },

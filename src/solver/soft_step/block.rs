@@ -24,20 +24,14 @@ pub struct Pass {
 
 /// How a row gives way: as a damped spring would, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
 #[derive(Clone, Copy, Debug, Default)]
-struct Softness {
+pub(super) struct Softness {
     /// Speed per distance at which errors are taken back, 1/s.
-    bias_rate: Lane,
+    pub(super) bias_rate: Lane,
     /// Share of the rigid impulse that a row gives.
-    mass_scale: Lane,
+    pub(super) mass_scale: Lane,
     /// Share of its impulse that a row gives back.
-    impulse_scale: Lane,
+    pub(super) impulse_scale: Lane,
 }
-
-/// Faster than this (m/s) a patch is landing, not resting.
-const LANDING: f32 = 0.25;
-
-/// How often the points of a patch that lands are visited.
-const LANDING_VISITS: usize = 8;
 
 /// The spring that a soft row is where a body has two neighbours.
 #[derive(Clone, Copy, Debug)]
@@ -69,56 +63,56 @@ impl Spring {
 /// See the module's text.
 #[derive(Clone, Debug, Default)]
 pub struct Block {
-    bodies: [[u32; LANES]; 2],
-    normal: Wide,
-    tangent: Wide,
-    arms: [Wide; 2],
-    inverse_inertia: [Symmetric; 2],
-    inverse_mass: [Lane; 2],
-    friction: Lane,
+    pub(super) bodies: [[u32; LANES]; 2],
+    pub(super) normal: Wide,
+    pub(super) tangent: Wide,
+    pub(super) arms: [Wide; 2],
+    pub(super) inverse_inertia: [Symmetric; 2],
+    pub(super) inverse_mass: [Lane; 2],
+    pub(super) friction: Lane,
     /// W over (F_n, T_1, T_2), the coordinates of normals.
-    normals: Symmetric,
+    pub(super) normals: Symmetric,
     /// 1/W of the twist.
-    twist_mass: Lane,
+    pub(super) twist_mass: Lane,
     /// What a twist does to u_1 and u_2, and to (u_n, Ω_1, Ω_2).
-    twist_to_tangents: [Lane; 2],
-    twist_to_normals: Wide,
+    pub(super) twist_to_tangents: [Lane; 2],
+    pub(super) twist_to_normals: Wide,
     /// What the two tangents do to (u_n, Ω_1, Ω_2).
-    tangents_to_normals: [Wide; 2],
+    pub(super) tangents_to_normals: [Wide; 2],
     /// The inverse of the tangential block: xx, yy, xy; and 1/λ_max of it.
-    tangent_mass: [Lane; 3],
-    isotropic_mass: Lane,
+    pub(super) tangent_mass: [Lane; 3],
+    pub(super) isotropic_mass: Lane,
     /// 1 where friction is anchored.
-    anchored: Lane,
-    slip: [Lane; 2],
-    slip_twist: Lane,
-    tangential: [Lane; 2],
-    twist: Lane,
-    stiffness: Lane,
-    softness: Softness,
-    first: u32,
-    count: u32,
+    pub(super) anchored: Lane,
+    pub(super) slip: [Lane; 2],
+    pub(super) slip_twist: Lane,
+    pub(super) tangential: [Lane; 2],
+    pub(super) twist: Lane,
+    pub(super) stiffness: Lane,
+    pub(super) softness: Softness,
+    pub(super) first: u32,
+    pub(super) count: u32,
 }
 
 /// The points of a block: the i-th of each of its patches.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Points {
-    x: Lane,
-    y: Lane,
+    pub(super) x: Lane,
+    pub(super) y: Lane,
     /// √(x² + y²), m.
-    radius: Lane,
+    pub(super) radius: Lane,
     /// Distance beyond the ideal when detected, m.
-    separation: Lane,
+    pub(super) separation: Lane,
     /// The same in this substep.
-    now: Lane,
+    pub(super) now: Lane,
     /// λ_n, N·s.
-    impulse: Lane,
+    pub(super) impulse: Lane,
     /// What it carries at rest, N·s.
-    load: Lane,
+    pub(super) load: Lane,
     /// 1/W, kg.
-    mass: Lane,
+    pub(super) mass: Lane,
     /// What an impulse does to (u_n, Ω_1, Ω_2).
-    effect: Wide,
+    pub(super) effect: Wide,
 }
 
 impl Block {
@@ -274,7 +268,7 @@ impl Block {
     }
 
     #[inline(always)]
-    fn frame(&self) -> Frame {
+    pub(super) fn frame(&self) -> Frame {
         Frame {
             n: self.normal,
             t1: self.tangent,
@@ -284,7 +278,7 @@ impl Block {
 
     /// Relative motion at the centre in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
     #[inline(always)]
-    fn relative(&self, frame: &Frame, a: Screw, b: Screw) -> Screw {
+    pub(super) fn relative(&self, frame: &Frame, a: Screw, b: Screw) -> Screw {
         let at_a = a.linear + a.angular.cross(self.arms[0]);
         let at_b = b.linear + b.angular.cross(self.arms[1]);
         Screw {
@@ -295,7 +289,14 @@ impl Block {
 
     /// Changes velocities by a wrench in the patch's frame, and writes them back.
     #[inline(always)]
-    fn push(&self, frame: &Frame, wrench: Screw, a: Screw, b: Screw, velocities: &mut [State]) {
+    pub(super) fn push(
+        &self,
+        frame: &Frame,
+        wrench: Screw,
+        a: Screw,
+        b: Screw,
+        velocities: &mut [State],
+    ) {
         let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
         let turn_a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
         let turn_b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
@@ -349,174 +350,11 @@ impl Block {
         }
         self.push(&self.frame(), wrench, a, b, velocities);
     }
-
-    /// One projected Gauss–Seidel visit: twist, friction, normals. With `SOFT` rows are springs and take errors back; without
-    /// they are rigid and only stop the motion. Σ W Δλ² of the normals, J.
-    #[inline(always)]
-    pub fn relax<const SOFT: bool>(
-        &mut self,
-        points: &mut [Points],
-        velocities: &mut [State],
-        motions: &[State],
-        pass: &Pass,
-    ) -> Lane {
-        let frame = self.frame();
-        let a = gather(velocities, &self.bodies[0]);
-        let b = gather(velocities, &self.bodies[1]);
-        let relative = self.relative(&frame, a, b);
-        let moved = if SOFT {
-            let a = gather(motions, &self.bodies[0]);
-            let b = gather(motions, &self.bodies[1]);
-            self.relative(&frame, a, b)
-        } else {
-            Screw::default()
-        };
-        let (zero, one) = (Lane::ZERO, Lane::splat(1.0));
-        let mut force = Wide::default();
-        let mut torque = Wide::default();
-
-        let (mut carried, mut lever) = (zero, zero);
-        for point in points.iter() {
-            carried += point.impulse;
-            lever += point.impulse * point.radius;
-        }
-        // Anchored friction is soft, any other rigid.
-        let (soft, give) = if SOFT {
-            (
-                one + self.anchored * (self.softness.mass_scale - one),
-                self.anchored * self.softness.impulse_scale,
-            )
-        } else {
-            (one, zero)
-        };
-
-        let twist_bias = if SOFT {
-            self.anchored * -self.softness.bias_rate * (self.slip_twist + moved.angular.x)
-        } else {
-            zero
-        };
-        let limit = self.friction * lever;
-        let found = self.twist
-            - self.twist_mass * soft * (relative.angular.x - twist_bias)
-            - give * self.twist;
-        let found = found.min(limit).max(-limit);
-        torque.x = found - self.twist;
-        self.twist = found;
-        let mut normals = on_normals_local(&relative) + self.twist_to_normals.scale(torque.x);
-
-        let limit = self.friction * carried;
-        let mut residual = [
-            relative.linear.y + self.twist_to_tangents[0] * torque.x,
-            relative.linear.z + self.twist_to_tangents[1] * torque.x,
-        ];
-        if SOFT {
-            let rate = self.anchored * self.softness.bias_rate;
-            let back_1 = rate * (self.slip[0] + moved.linear.y);
-            let back_2 = rate * (self.slip[1] + moved.linear.z);
-            residual[0] += back_1.min(pass.max_speed).max(-pass.max_speed);
-            residual[1] += back_2.min(pass.max_speed).max(-pass.max_speed);
-        }
-        // The exact step where it stays inside the cone, else an isotropic one, projected (see `rows.rs`).
-        let [xx, yy, xy] = self.tangent_mass;
-        let keep = one - give;
-        let start = [self.tangential[0] * keep, self.tangential[1] * keep];
-        let exact = [
-            start[0] - soft * (xx * residual[0] + xy * residual[1]),
-            start[1] - soft * (xy * residual[0] + yy * residual[1]),
-        ];
-        let mut found = exact;
-        let square = exact[0] * exact[0] + exact[1] * exact[1];
-        if square.any_above(limit * limit) {
-            let slid = [
-                start[0] - soft * self.isotropic_mass * residual[0],
-                start[1] - soft * self.isotropic_mass * residual[1],
-            ];
-            let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
-            let shorten = length.above(limit, limit * length.inverse(), one);
-            found = [
-                square.above(limit * limit, slid[0] * shorten, exact[0]),
-                square.above(limit * limit, slid[1] * shorten, exact[1]),
-            ];
-        }
-        force.y = found[0] - self.tangential[0];
-        force.z = found[1] - self.tangential[1];
-        self.tangential = found;
-        normals = normals
-            + self.tangents_to_normals[0].scale(force.y)
-            + self.tangents_to_normals[1].scale(force.z);
-
-        let moved_normals = on_normals_local(&moved);
-        let mut change = zero;
-        // What lands on a face, or still has the impulse of landing, would be turned by the point that is first: all points are
-        // stopped together, and then each is visited more than once.
-        let lands = normals.x.max(-normals.x).any_above(Lane::splat(LANDING));
-        if SOFT && lands {
-            let mut all = Wide::default();
-            let mut missing = zero;
-            for point in points.iter_mut() {
-                let along = point.direction();
-                let s = point.separation + along.dot(moved_normals);
-                let lack = -(along.dot(normals) + s.max(zero) * pass.rate);
-                point.now = lack;
-                let active = lack.max(point.impulse).above(zero, one, zero)
-                    * point.mass.above(zero, one, zero);
-                missing += active * lack;
-                all = all + along.scale(active);
-            }
-            let share = missing * all.dot(self.normals.apply(all)).inverse();
-            for point in points.iter_mut() {
-                let active = point.now.max(point.impulse).above(zero, one, zero)
-                    * point.mass.above(zero, one, zero);
-                let found = (point.impulse + active * share).max(zero);
-                let delta = found - point.impulse;
-                point.impulse = found;
-                normals = normals + point.effect.scale(delta);
-                force.x += delta;
-                torque.y += point.y * delta;
-                torque.z -= point.x * delta;
-            }
-        }
-        let visits = if lands { LANDING_VISITS } else { 1 };
-        for _ in 0..visits {
-            for point in points.iter_mut() {
-                let along = point.direction();
-                let approach = along.dot(normals);
-                let step = if SOFT {
-                    let s = point.separation + along.dot(moved_normals);
-                    point.now = s;
-                    let push = (-self.softness.bias_rate * s).min(pass.max_speed);
-                    let held = pass.preload
-                        * (point.load.min(point.impulse) - point.mass * pass.fall).max(zero);
-                    let soft = self.softness.mass_scale * point.mass * (approach - push)
-                        + self.softness.impulse_scale * (point.impulse - held);
-                    let apart = point.mass * (approach + s * pass.rate);
-                    s.above(zero, apart, soft)
-                } else {
-                    let excess = approach + point.now.max(zero) * pass.rate;
-                    point.mass * excess
-                };
-                let found = (point.impulse - step).max(zero);
-                let delta = found - point.impulse;
-                point.impulse = found;
-                normals = normals + point.effect.scale(delta);
-                force.x += delta;
-                torque.y += point.y * delta;
-                torque.z -= point.x * delta;
-                change -= delta * approach;
-            }
-        }
-        let wrench = Screw {
-            linear: force,
-            angular: torque,
-        };
-        self.push(&frame, wrench, a, b, velocities);
-        change
-    }
 }
 
 /// What normals see of a motion: (u_n, Ω_1, Ω_2).
 #[inline(always)]
-fn on_normals_local(motion: &Screw) -> Wide {
+pub(super) fn on_normals_local(motion: &Screw) -> Wide {
     Wide {
         x: motion.linear.x,
         y: motion.angular.y,
@@ -537,7 +375,7 @@ fn on_normals(frame: &Frame, motion: Screw) -> Wide {
 impl Points {
     /// The row of this point over (u_n, Ω_1, Ω_2).
     #[inline(always)]
-    fn direction(&self) -> Wide {
+    pub(super) fn direction(&self) -> Wide {
         Wide {
             x: Lane::splat(1.0),
             y: self.y,

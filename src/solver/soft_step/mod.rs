@@ -23,6 +23,7 @@ mod block;
 mod bounce;
 mod cold_start;
 mod lanes;
+mod visit;
 
 use super::{Body, ContactSolver, Patch, Problem, Rows, SolveReport};
 use batches::Batches;

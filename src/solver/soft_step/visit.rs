@@ -53,9 +53,11 @@ impl Block {
             let moved_b = gather(motions, &self.bodies[1]);
             let moved = self.relative(&frame, moved_a, moved_b);
             self.relax_friction(points, &mut visit, &self.spring(&moved, pass));
+            visit.follow_friction(self);
             self.relax_normals_softly(points, &mut visit, &on_normals_local(&moved), pass);
         } else {
             self.relax_normals_rigidly(points, &mut visit, pass);
+            visit.follow_normals(self);
             self.relax_friction(points, &mut visit, &Hold::RIGID);
         }
         self.push(&frame, visit.wrench, a, b, velocities);
@@ -126,12 +128,6 @@ impl Block {
         let change = [found[0] - self.tangential[0], found[1] - self.tangential[1]];
         self.tangential = found;
 
-        let on_normals = self.twist_to_normals.scale(twist)
-            + self.tangents_to_normals[0].scale(change[0])
-            + self.tangents_to_normals[1].scale(change[1]);
-        visit.velocity.linear.x += on_normals.x;
-        visit.velocity.angular.y += on_normals.y;
-        visit.velocity.angular.z += on_normals.z;
         visit.wrench.linear.y += change[0];
         visit.wrench.linear.z += change[1];
         visit.wrench.angular.x += twist;
@@ -147,11 +143,17 @@ impl Block {
     ) {
         let soft = &self.softness;
         let mut normals = on_normals_local(&visit.velocity);
-        let lands = normals.x.max(-normals.x).any_above(Lane::splat(LANDING));
-        if lands {
-            self.stop_together(points, &mut normals, &mut visit.wrench, moved, pass);
-        }
-        let visits = if lands { LANDING_VISITS } else { 1 };
+        // 1 where it lands. The patches beside it must find what they would find alone.
+        let landing = Lane::splat(LANDING);
+        let speed = normals.x.max(-normals.x);
+        let mut counts = Lane::ONE;
+        let visits = if speed.any_above(landing) {
+            let lands = speed.above(landing, Lane::ONE, Lane::ZERO);
+            self.stop_together(points, &lands, &mut normals, &mut visit.wrench, moved, pass);
+            LANDING_VISITS
+        } else {
+            1
+        };
         for _ in 0..visits {
             for point in points.iter_mut() {
                 let along = point.direction();
@@ -159,14 +161,14 @@ impl Block {
                 let s = point.separation + along.dot(*moved);
                 point.now = s;
                 let push = (-soft.bias_rate * s).min(pass.max_speed);
-                let load = point.load.min(point.impulse) - point.mass * pass.fall;
-                let held = pass.preload * load.max(Lane::ZERO);
+                let held = pass.preload * point.load.min(point.impulse);
                 let closed = soft.mass_scale * point.mass * (approach - push)
                     + soft.impulse_scale * (point.impulse - held);
                 let apart = point.mass * (approach + s * pass.rate);
-                let step = s.above(Lane::ZERO, apart, closed);
+                let step = counts * s.above(Lane::ZERO, apart, closed);
                 visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
             }
+            counts = speed.above(landing, Lane::ONE, Lane::ZERO);
         }
     }
 
@@ -176,6 +178,7 @@ impl Block {
     fn stop_together(
         &self,
         points: &mut [Points],
+        lands: &Lane,
         normals: &mut Wide,
         wrench: &mut Screw,
         moved: &Wide,
@@ -187,7 +190,7 @@ impl Block {
             let along = point.direction();
             let s = point.separation + along.dot(*moved);
             let lack = -(along.dot(*normals) + s.max(Lane::ZERO) * pass.rate);
-            let used = point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
+            let used = point.mass.above(Lane::ZERO, *lands, Lane::ZERO);
             point.now = lack.max(point.impulse).above(Lane::ZERO, used, Lane::ZERO);
             missing += point.now * lack;
             all = all + along.scale(point.now);
@@ -206,14 +209,32 @@ impl Block {
             let step = point.mass * (approach + point.now.max(Lane::ZERO) * pass.rate);
             visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
         }
+    }
+}
+
+impl Visit {
+    /// What friction sees of what the normals have found.
+    #[inline(always)]
+    fn follow_normals(&mut self, block: &Block) {
         let given = Wide {
-            x: visit.wrench.linear.x,
-            y: visit.wrench.angular.y,
-            z: visit.wrench.angular.z,
+            x: self.wrench.linear.x,
+            y: self.wrench.angular.y,
+            z: self.wrench.angular.z,
         };
-        visit.velocity.linear.y += self.tangents_to_normals[0].dot(given);
-        visit.velocity.linear.z += self.tangents_to_normals[1].dot(given);
-        visit.velocity.angular.x += self.twist_to_normals.dot(given);
+        self.velocity.linear.y += block.tangents_to_normals[0].dot(given);
+        self.velocity.linear.z += block.tangents_to_normals[1].dot(given);
+        self.velocity.angular.x += block.twist_to_normals.dot(given);
+    }
+
+    /// What normals see of what friction has found.
+    #[inline(always)]
+    fn follow_friction(&mut self, block: &Block) {
+        let on_normals = block.twist_to_normals.scale(self.wrench.angular.x)
+            + block.tangents_to_normals[0].scale(self.wrench.linear.y)
+            + block.tangents_to_normals[1].scale(self.wrench.linear.z);
+        self.velocity.linear.x += on_normals.x;
+        self.velocity.angular.y += on_normals.y;
+        self.velocity.angular.z += on_normals.z;
     }
 }
 

@@ -11,6 +11,7 @@ use crate::settings::{PhysicsThreads, SolverSettings, StabilizationSettings};
 use crate::sleeping::Sleeping;
 use crate::solver::{Body, Contact, ContactInput, Patch, PatchPoint, Rows, SolveReport};
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// From here on the contacts of one island are prepared on several threads.
@@ -393,7 +394,8 @@ impl IslandProblem {
                         .map(|(point, impulse)| PatchPoint {
                             offset: point.arms[0] - center,
                             separation: point.distance - ideal,
-                            impulse: impulse.normal,
+                            impulse: impulse.last,
+                            given: 0.0,
                             load: impulse.load,
                         }),
                 );
@@ -408,6 +410,7 @@ impl IslandProblem {
                     count: patch.count,
                     tangential: impulse.tangential,
                     twist: impulse.twist,
+                    given: Vec3::ZERO,
                 });
             }
         }

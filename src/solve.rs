@@ -125,6 +125,7 @@ impl IslandProblem {
             *impulse = Impulse {
                 normal: contact.impulse.x,
                 tangential: contact.world(contact.impulse.with_x(0.0)),
+                last: contact.impulse.x,
                 load: 0.0,
             };
         }
@@ -144,12 +145,13 @@ impl IslandProblem {
                 twist: found.twist,
             };
             let points = &self.points[found.range()];
-            let sum: f32 = points.iter().map(|point| point.impulse).sum();
+            let sum: f32 = points.iter().map(|point| point.given).sum();
             let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
             for (impulse, point) in impulses.points[patch.range()].iter_mut().zip(points) {
                 *impulse = Impulse {
-                    normal: point.impulse,
-                    tangential: found.tangential * (point.impulse * share),
+                    normal: point.given,
+                    tangential: found.given * (point.given * share),
+                    last: point.impulse,
                     load: point.load,
                 };
             }

@@ -665,7 +665,9 @@ fn soft_step_throws_a_falling_cube_back_with_e_times_its_speed() {
             let solved = falling(height, 2.0, restitution).solved(24);
             let cube = solved.bodies[1];
             println!("from {height} m, e {restitution}: {} m/s", cube.linear.y);
-            assert!((cube.linear.y - 2.0 * restitution).abs() < 1e-4);
+            // With the speed at which it arrives, not that before its fall.
+            let arrival = (2.0f32.powi(2) + 2.0 * 9.81 * height).sqrt();
+            assert!((cube.linear.y - arrival * restitution).abs() < 1e-3);
             assert!(cube.angular.length() < 1e-4);
         }
     }

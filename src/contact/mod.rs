@@ -120,13 +120,15 @@ pub struct ContactImpulses {
     pub patches: SmallVec<[PatchImpulse; 1]>,
 }
 
-/// What A gets at a contact point, and B the opposite of.
+/// What A gets at a contact point in a step, and B the opposite of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
     /// λ_n ≥ 0 along the normal, N·s.
     pub normal: f32,
     /// λ_t, N·s, world axes.
     pub tangential: Vec3,
+    /// λ_n of a solver's last substep, as if it had acted all through the step, N·s: what the next step starts from.
+    pub last: f32,
     /// A slow mean of λ_n, N·s: what the point carries at rest. Zero under solvers that need none.
     pub load: f32,
 }
@@ -134,9 +136,9 @@ pub struct Impulse {
 /// What a solver with one friction force for a patch keeps of it. Zero under others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PatchImpulse {
-    /// Friction on A at the patch's centre, N·s, world axes; the points' λ_t are shares of it.
+    /// Friction on A at the patch's centre in the last substep, as if it had acted all through the step, N·s, world axes.
     pub tangential: Vec3,
-    /// Moment of friction on A about the normal, N·m·s.
+    /// Moment of friction on A about the normal, likewise, N·m·s.
     pub twist: f32,
 }
 

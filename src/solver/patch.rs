@@ -21,10 +21,12 @@ pub struct Patch {
     pub first: u32,
     /// See `first`.
     pub count: u32,
-    /// λ_t at the centre, N·s over the step: to start from, and found.
+    /// λ_t at the centre, N·s: what to start from, as if it acted all through the step; and what to start the next from.
     pub tangential: Vec3,
-    /// Moment about the normal, N·m·s over the step: to start from, and found.
+    /// Moment about the normal, N·m·s, likewise.
     pub twist: f32,
+    /// What λ_t has given in the whole step, N·s: found.
+    pub given: Vec3,
 }
 
 impl Patch {
@@ -50,8 +52,10 @@ pub struct PatchPoint {
     pub offset: Vec3,
     /// Distance of the surfaces beyond the ideal one, m; negative: too near.
     pub separation: f32,
-    /// λ_n, N·s over the step: to start from, and found.
+    /// λ_n, N·s: what to start from, as if it acted all through the step; and what to start the next from.
     pub impulse: f32,
+    /// What λ_n has given in the whole step, N·s: found.
+    pub given: f32,
     /// A slow mean of λ_n, N·s over the step: what it carries at rest.
     pub load: f32,
 }

@@ -32,7 +32,7 @@ pub fn sticks(rule: Classifier, friction: f32, impulses: &[Impulse], was: bool) 
     let sum = Impulse {
         normal: impulses.iter().map(|i| i.normal).sum(),
         tangential: impulses.iter().map(|i| i.tangential).sum(),
-        load: 0.0,
+        ..Default::default()
     };
     let point = |i: &Impulse| holds(friction, i, AT_THE_CONE);
     match rule {
@@ -67,7 +67,7 @@ mod tests {
             .map(|&(normal, t)| Impulse {
                 normal,
                 tangential: Vec3::X * t,
-                load: 0.0,
+                ..Default::default()
             })
             .collect();
         let mut anchors = vec![

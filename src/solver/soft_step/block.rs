@@ -12,6 +12,8 @@ use crate::solver::{Patch, PatchPoint, Problem};
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
+    /// The first substep of the step.
+    pub first: bool,
     /// 1/s: of one substep.
     pub rate: Lane,
     /// Fastest correction, m/s.
@@ -86,6 +88,8 @@ pub struct Block {
     pub(super) slip_twist: Lane,
     pub(super) tangential: [Lane; 2],
     pub(super) twist: Lane,
+    /// What friction gave in the substeps before this one, N·s.
+    pub(super) given: [Lane; 2],
     pub(super) stiffness: Lane,
     pub(super) softness: Softness,
     pub(super) first: u32,
@@ -105,6 +109,8 @@ pub struct Points {
     pub(super) now: Lane,
     /// λ_n, N·s.
     pub(super) impulse: Lane,
+    /// What it gave in the substeps before this one, N·s.
+    pub(super) given: Lane,
     /// What it carries at rest, N·s.
     pub(super) load: Lane,
     /// 1/W, kg.
@@ -206,7 +212,10 @@ impl Block {
         let t2 = patch.normal.cross(t1);
         patch.tangential = (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
         patch.twist = self.twist[lane] * whole;
+        let [x, y] = [0, 1].map(|i| self.given[i][lane] + self.tangential[i][lane]);
+        patch.given = t1 * x + t2 * y;
         for (from, point) in points.iter().zip(patch_points) {
+            point.given = from.given[lane] + from.impulse[lane];
             point.impulse = from.impulse[lane] * whole;
             point.load += rate * (point.impulse - point.load);
         }
@@ -308,6 +317,16 @@ impl Block {
         };
         scatter(velocities, &self.bodies[0], &a);
         scatter(velocities, &self.bodies[1], &b);
+    }
+
+    /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.
+    #[inline(always)]
+    pub fn account(&mut self, points: &mut [Points]) {
+        self.given[0] += self.tangential[0];
+        self.given[1] += self.tangential[1];
+        for point in points {
+            point.given += point.impulse;
+        }
     }
 
     /// What the free motion misses, J (see [`crate::solver::merit`]).

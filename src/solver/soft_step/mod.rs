@@ -154,7 +154,8 @@ impl Island {
             damping_ratio: settings.damping_ratio,
             h,
         };
-        let pass = Pass {
+        let mut pass = Pass {
+            first: true,
             rate: Lane::splat(1.0 / h),
             max_speed: Lane::splat(problem.max_correction_speed),
             preload: Lane::splat(settings.preload),
@@ -164,6 +165,7 @@ impl Island {
         for substep in 1..=self.substeps {
             if substep > 1 {
                 self.extrapolate();
+                pass.first = false;
             }
             let change = self.sweep::<true>(&pass);
             report.record(change, problem);

@@ -49,6 +49,9 @@ impl Block {
             change: Lane::ZERO,
         };
         if SOFT {
+            if !pass.first {
+                self.account(points);
+            }
             let moved_a = gather(motions, &self.bodies[0]);
             let moved_b = gather(motions, &self.bodies[1]);
             let moved = self.relative(&frame, moved_a, moved_b);

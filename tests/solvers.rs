@@ -442,6 +442,7 @@ fn touch() -> impl Strategy<Value = Touch> {
                     offset: flat(offset),
                     separation,
                     impulse: impulse.max(0.0),
+                    given: 0.0,
                     load,
                 });
             (a, b, centre, patch, points.collect())
@@ -568,7 +569,6 @@ proptest! {
     }
 
     #[test]
-    #[ignore = "missed: by 11 % of patches after 24 sweeps; a visit bounds friction by the normals of the visit before"]
     fn soft_step_keeps_friction_and_twist_inside_their_cones(
         problem in patches(true, Vec3::NEG_Y * 9.81), iterations in 1usize..40,
     ) {

@@ -88,7 +88,7 @@ fn five_cubes_carry_a_hundred_times_their_mass() {
 }
 
 #[test]
-#[ignore = "missed: sags 13.1 mm, wanted 5 mm"]
+#[ignore = "missed: sags 13.0 mm, wanted 5 mm"]
 fn three_cubes_carry_a_thousand_times_their_mass() {
     keeps(&default("massratio:1000x3"), 30.0, f32::INFINITY, 5.0);
 }
@@ -201,25 +201,24 @@ fn what_starts_exactly_touching_never_gains_energy() {
 }
 
 #[test]
-#[ignore = "missed: gains 5.2e-5 of its energy at 0.23 s, wanted 1e-6"]
+#[ignore = "missed: from one step to the next gains 1.7e-4 of its energy, which was in its springs, wanted 1e-6"]
 fn an_arch_never_gains_energy() {
     never_gains_energy("arch:15");
 }
 
 #[test]
-#[ignore = "missed: gains 1.1e-4 of its energy at 0.13 s, wanted 1e-6"]
+#[ignore = "missed: from one step to the next gains 1.1e-4 of its energy, which was in its springs, wanted 1e-6"]
 fn cubes_under_a_great_weight_never_gain_energy() {
     never_gains_energy("massratio:100");
 }
 
 #[test]
-#[ignore = "missed: gains 4.2e-5 of its energy as it stops at 0.63 s, wanted 1e-6"]
+#[ignore = "missed: from one step to the next gains 3.9e-6 of its energy as it stops, wanted 1e-6"]
 fn a_sliding_slab_never_gains_energy() {
     never_gains_energy("sliding");
 }
 
 #[test]
-#[ignore = "missed: gains 3.7e-6 of its energy at 0.15 s, wanted 1e-6"]
 fn a_slab_on_a_slope_never_gains_energy() {
     never_gains_energy("incline:26.4");
 }
@@ -256,7 +255,7 @@ fn friction_stays_inside_its_cone_and_fills_it_where_something_slides() {
 }
 
 #[test]
-#[ignore = "missed: 1.009 of a cone in the wall and 1.13 in the heap, wanted 1.001"]
+#[ignore = "missed over whole steps: up to 2.7 cones between bricks that hardly touch; the sweep that ends a step is inside"]
 fn friction_between_loose_neighbours_stays_inside_its_cone() {
     for scene in ["wall:10x10", "heap:100"] {
         let fullest = fullest_cone(&default(scene));

@@ -70,8 +70,7 @@ fn study(scope: Scope) -> Study {
     let answers: Vec<Table> = questions.iter().map(|q| q.answer(scope, &bar)).collect();
     let records = ablations::run(trials, &bar);
     bar.finish_and_clear();
-    let mut tables = ablations::tables(&records);
-    tables.extend(answers);
+    let tables = [ablations::tables(&records), answers].concat();
     Study { records, tables }
 }
 

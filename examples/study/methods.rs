@@ -54,21 +54,21 @@ pub static METHODS: [Method; 14] = [
         label: "+ recycled manifolds of four points",
         preset: Preset::Paper,
         change: |e| {
-            let best = Preset::Default.stabilization();
             pair_pose(e);
             pgs(e);
-            e.stabilization.recycle_distance = best.recycle_distance;
-            e.stabilization.reduce_manifolds = best.reduce_manifolds;
+            keep_four(e);
         },
         color: (90, 50, 130),
     },
     Method {
-        label: "plain: PGS, Baumgarte, no anchors",
+        label: "plain engine: PGS, warm start, Baumgarte, no anchors",
         preset: Preset::Paper,
         change: |e| {
             e.stabilization.normal = NormalStabilization::BaumgarteOneSided { gain: 0.2 };
             e.stabilization.friction.enabled = false;
+            e.solver.warm_start = 1.0;
             pgs(e);
+            keep_four(e);
         },
         color: (130, 130, 130),
     },
@@ -135,6 +135,13 @@ fn pgs(experiment: &mut Experiment) {
     experiment.solver = solver.with_pgs(iterations);
 }
 
+/// Collision detection as the default has it.
+fn keep_four(experiment: &mut Experiment) {
+    let best = Preset::Default.stabilization();
+    experiment.stabilization.recycle_distance = best.recycle_distance;
+    experiment.stabilization.reduce_manifolds = best.reduce_manifolds;
+}
+
 fn soft(experiment: &mut Experiment, change: fn(&mut SoftStep)) {
     let mut solver = SoftStep::default();
     change(&mut solver);
@@ -145,6 +152,11 @@ impl Method {
     /// With Soft Step rather than one of the paper's solvers.
     pub fn is_soft(&self) -> bool {
         self.preset == Preset::Default
+    }
+
+    /// As many as it is meant for: the preset's.
+    pub fn own_iterations(&self) -> usize {
+        self.preset.solver().iterations
     }
 
     /// This way with so many iterations.

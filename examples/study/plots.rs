@@ -79,6 +79,9 @@ impl Quantity {
             .label_style(("sans-serif", 15))
             .axis_desc_style(("sans-serif", 16))
             .light_line_style(WHITE)
+            .x_labels(5)
+            .x_label_formatter(&|ms| short(*ms))
+            .y_label_formatter(&|mm| short(*mm))
             .draw()?;
         for method in &METHODS {
             let stroke = method.stroke();
@@ -106,4 +109,13 @@ impl Quantity {
         }
         Ok(())
     }
+}
+
+/// Without zeros at the end.
+fn short(x: f64) -> String {
+    let digits = format!("{x:.3}");
+    digits
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .to_owned()
 }

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use std::fmt::{self, Display};
 
 /// A table with a heading.
+#[derive(Clone)]
 pub struct Table {
     pub title: String,
     /// What is in the cells, and under which conditions.

@@ -76,8 +76,10 @@ pub fn time_step(dt: f32) -> String {
 
 impl Scope {
     pub fn cases(self) -> Vec<Case> {
-        let worth = |scene: &Scene| !self.quick || *scene != Scene::Wall(40, 25);
-        let scenes = SCENES.into_iter().filter(worth);
+        let is_long = |scene: &Scene| matches!(scene, Scene::Wall(40, _) | Scene::Pyramid(_));
+        let scenes = SCENES
+            .into_iter()
+            .filter(|scene| !self.quick || !is_long(scene));
         let at_times = |scene| {
             TIMES.map(|(dt, full, quick)| Case {
                 scene,
@@ -100,22 +102,31 @@ impl Scope {
         1e-6 * steps * case.bodies() as f32 * per_body
     }
 
-    /// Iterations of a method that are worth their time in a case.
+    /// Iterations of a method that are worth their time in a case. Those that it is meant for may take longer.
     pub fn budgets(self, case: &Case, method: &Method) -> Vec<usize> {
-        let longest = if self.quick { 0.4 } else { 5.0 };
         let all = if method.is_soft() {
             &SOFT_BUDGETS[..]
         } else {
             &BUDGETS[..]
         };
-        let affordable = |&n: &usize| self.expected(case, method, n) < longest;
+        let affordable = |&n: &usize| {
+            let longest = match self.quick {
+                true => 0.35,
+                false if n == method.own_iterations() => 15.0,
+                false => 3.0,
+            };
+            self.expected(case, method, n) < longest
+        };
         all.iter().copied().filter(affordable).collect()
     }
 
     /// One seed where a run takes long.
     pub fn seeds(self, case: &Case, method: &Method, iterations: usize) -> u64 {
-        let short = self.expected(case, method, iterations) < 0.6;
-        if self.quick || !short { 1 } else { 3 }
+        if self.expected(case, method, iterations) < 0.42 {
+            self.all_seeds()
+        } else {
+            1
+        }
     }
 
     /// Of the small cases.

@@ -22,7 +22,7 @@ pub struct Method {
 /// The default among [`METHODS`].
 pub const DEFAULT: &str = "Soft Step (default)";
 
-pub static METHODS: [Method; 14] = [
+pub static METHODS: [Method; 13] = [
     Method {
         label: "paper to the letter: NNCG, literal anchors",
         preset: Preset::Paper,
@@ -95,15 +95,6 @@ pub static METHODS: [Method; 14] = [
         preset: Preset::Default,
         change: |e| e.stabilization.reduce_manifolds = false,
         color: (110, 150, 180),
-    },
-    Method {
-        label: "… without both",
-        preset: Preset::Default,
-        change: |e| {
-            e.stabilization.recycle_distance = 0.0;
-            e.stabilization.reduce_manifolds = false;
-        },
-        color: (40, 90, 110),
     },
     Method {
         label: "… softer, 19 sweeps a period",

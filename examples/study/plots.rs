@@ -62,7 +62,9 @@ impl Quantity {
     fn panel(&self, area: &Area, records: &[Record]) -> Result<(), Box<dyn Error>> {
         let case = &records[0].trial.case;
         let times = || records.iter().map(|r| r.finding.ms);
-        let shortest = times().fold(f64::INFINITY, f64::min) / 1.3;
+        // Plotters labels a logarithmic axis from its first power of ten.
+        let shortest = times().fold(f64::INFINITY, f64::min).log10().floor();
+        let shortest = 10f64.powf(shortest);
         let longest = times().fold(0.0, f64::max) * 1.3;
         let title = format!("{}: {} after {} s", case.name(), self.name, case.seconds);
         let mut chart = ChartBuilder::on(area)
@@ -79,8 +81,8 @@ impl Quantity {
             .label_style(("sans-serif", 15))
             .axis_desc_style(("sans-serif", 16))
             .light_line_style(WHITE)
-            .x_labels(5)
-            .x_label_formatter(&|ms| short(*ms))
+            .x_labels(30)
+            .x_label_formatter(&|ms| one_two_five(*ms))
             .y_label_formatter(&|mm| short(*mm))
             .draw()?;
         for method in &METHODS {
@@ -118,4 +120,13 @@ fn short(x: f64) -> String {
         .trim_end_matches('0')
         .trim_end_matches('.')
         .to_owned()
+}
+
+/// On a logarithmic axis the other labels would run into each other.
+fn one_two_five(x: f64) -> String {
+    let label = short(x);
+    match label.trim_start_matches(['0', '.']).chars().next() {
+        Some('1' | '2' | '5') => label,
+        _ => String::new(),
+    }
 }

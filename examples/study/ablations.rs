@@ -105,7 +105,7 @@ pub fn tables(records: &[Record]) -> Vec<Table> {
             format!(
                 "Drift / sag after {seconds} s in mm, worst of the seeds, with (so many iterations): the most that cost no more than the \
                  default's in the last row, whose milliseconds a step stand there; where even the fewest cost more, those, and how many times \
-                 as much."
+                 as much. The time of what falls is that of its fall."
             ),
             &cases,
             at_equal_time,

@@ -4,6 +4,7 @@ use crate::ablations::{Record, by_case, of_method};
 use crate::drawing::{Area, legend};
 use crate::methods::METHODS;
 use crate::runs::Finding;
+use plotters::coord::combinators::BindKeyPoints;
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;
@@ -62,18 +63,20 @@ impl Quantity {
     fn panel(&self, area: &Area, records: &[Record]) -> Result<(), Box<dyn Error>> {
         let case = &records[0].trial.case;
         let times = || records.iter().map(|r| r.finding.ms);
-        // Plotters labels a logarithmic axis from its first power of ten.
-        let shortest = times().fold(f64::INFINITY, f64::min).log10().floor();
-        let shortest = 10f64.powf(shortest);
+        let shortest = times().fold(f64::INFINITY, f64::min) / 1.3;
         let longest = times().fold(0.0, f64::max) * 1.3;
         let title = format!("{}: {} after {} s", case.name(), self.name, case.seconds);
+        let axis: LogCoord<f64> = (shortest..longest).log_scale().into();
         let mut chart = ChartBuilder::on(area)
             .caption(title, ("sans-serif", 20))
             .margin(10)
             .margin_right(24)
             .x_label_area_size(42)
             .y_label_area_size(72)
-            .build_cartesian_2d((shortest..longest).log_scale(), (FLOOR..TOP).log_scale())?;
+            .build_cartesian_2d(
+                axis.with_key_points(one_two_five()),
+                (FLOOR..TOP).log_scale(),
+            )?;
         chart
             .configure_mesh()
             .x_desc("median time of a step, ms, one thread")
@@ -81,8 +84,7 @@ impl Quantity {
             .label_style(("sans-serif", 15))
             .axis_desc_style(("sans-serif", 16))
             .light_line_style(WHITE)
-            .x_labels(30)
-            .x_label_formatter(&|ms| one_two_five(*ms))
+            .x_label_formatter(&|ms| short(*ms))
             .y_label_formatter(&|mm| short(*mm))
             .draw()?;
         for method in &METHODS {
@@ -122,11 +124,8 @@ fn short(x: f64) -> String {
         .to_owned()
 }
 
-/// On a logarithmic axis the other labels would run into each other.
-fn one_two_five(x: f64) -> String {
-    let label = short(x);
-    match label.trim_start_matches(['0', '.']).chars().next() {
-        Some('1' | '2' | '5') => label,
-        _ => String::new(),
-    }
+/// Plotters leaves the lowest decade of a logarithmic axis without labels, and has too many in the others.
+fn one_two_five() -> Vec<f64> {
+    let decade = |power| [1.0, 2.0, 5.0].map(|x| x * 10f64.powi(power));
+    (-3..4).flat_map(decade).collect()
 }

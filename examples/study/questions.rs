@@ -49,9 +49,9 @@ const ANCHORS: &[(&str, Rule)] = &[
 const STATES: &[(&str, Rule)] = &[CLASSIFIERS[0], CLASSIFIERS[3]];
 
 const DRIFT: Figure = ("drift", |f| f.fate().unwrap_or_else(|| mm(f.drift)));
-const JITTER: Figure = ("rms speed, mm/s", |f| {
-    f.fate()
-        .unwrap_or_else(|| format!("{:.3}", 1e3 * f.rms_speed))
+const JITTER: Figure = ("drift, rms speed in mm/s", |f| {
+    let figures = || format!("{}, {:.2}", mm(f.drift), 1e3 * f.rms_speed);
+    f.fate().unwrap_or_else(figures)
 });
 const WAY: Figure = ("way, m", |f| format!("{:.3}", f.drift));
 const SPEED: Figure = ("speed, m/s", |f| format!("{:.4}", f.speed));
@@ -88,12 +88,8 @@ pub fn questions() -> Vec<Question> {
             column(preset, Scene::Sliding, SHORT, WAY),
         ]
     });
-    let states = [Scene::Wall(6, 6), Scene::Stack(10)].map(|scene| {
-        [
-            column(Preset::Paper, scene, LONG, DRIFT),
-            column(Preset::Paper, scene, LONG, JITTER),
-        ]
-    });
+    let states = [Scene::Wall(6, 6), Scene::Stack(10)]
+        .map(|scene| column(Preset::Paper, scene, LONG, JITTER));
     let slopes = [20.0, 24.0, 26.0, 26.4].map(|degrees| paper(Scene::Incline(degrees)));
     vec![
         Question {
@@ -131,7 +127,7 @@ pub fn questions() -> Vec<Question> {
             title: "One state per manifold?",
             note: "Each point for itself against the sums over its manifold: NNCG 75, persistent anchors, Δt 0.1, 60 s. Drift in mm.",
             rules: STATES,
-            columns: states.into_iter().flatten().chain(slopes).collect(),
+            columns: states.into_iter().chain(slopes).collect(),
         },
     ]
 }

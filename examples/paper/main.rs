@@ -7,6 +7,8 @@
 //!
 //! Writes `runs.jsonl`, plots and pictures to `target/paper`, and prints a table.
 
+#[path = "../drawing/mod.rs"]
+mod drawing;
 mod figures;
 mod plots;
 mod render;
@@ -18,7 +20,6 @@ mod table;
 
 use clap::Parser;
 use drystone::scenes::Scene;
-use plotters::style::{FontStyle, register_font};
 use rows::ROWS;
 use runs::Job;
 use std::error::Error;
@@ -44,9 +45,7 @@ const TASK: Scene = Scene::Pressed(5);
 fn main() -> Result<(), Box<dyn Error>> {
     let Arguments { quick, out } = Arguments::parse();
     fs::create_dir_all(&out)?;
-    // A font of our own: a fresh machine may have none.
-    let font = epaint_default_fonts::UBUNTU_LIGHT;
-    register_font("sans-serif", FontStyle::Normal, font).map_err(|_| "the font is damaged")?;
+    drawing::bring_font()?;
 
     let (scenes, seconds) = if quick {
         println!("quick: fewer scenes, 12 s simulated instead of 60 s");

@@ -1,11 +1,10 @@
 //! Quantities over time: one picture a quantity and group of scenes, a panel a scene, a line a row.
 
+use crate::drawing::{self, Area, Stroke};
 use crate::rows::{ROWS, Row};
 use crate::runs::Record;
 use drystone::experiment::Sample;
 use drystone::scenes::Scene;
-use plotters::coord::Shift;
-use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;
@@ -91,8 +90,6 @@ struct Line {
     points: Vec<(f64, f64)>,
 }
 
-type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
-
 impl Quantity {
     fn panel(&self, area: &Area, records: &[&Record]) -> Result<(), Box<dyn Error>> {
         let seconds = records.iter().map(|r| r.job.seconds).fold(0.0, f32::max) as f64;
@@ -170,32 +167,20 @@ fn percent(y: &f64) -> String {
 }
 
 /// A row's lines.
+fn stroke(row: &Row) -> Stroke {
+    Stroke {
+        color: row.color,
+        width: 2,
+        dashed: !row.friction,
+    }
+}
+
 fn style(row: &Row) -> ShapeStyle {
-    let (r, g, b) = row.color;
-    RGBColor(r, g, b).stroke_width(2)
+    stroke(row).style()
 }
 
 fn legend(area: &Area) -> Result<(), Box<dyn Error>> {
-    let (width, _) = area.dim_in_pixel();
-    let columns = 4;
-    let step = (width as i32 - 40) / columns;
-    let note = "× falls".to_owned();
-    let entries = ROWS
-        .iter()
-        .map(|row| (Some(row), format!("{}: {}", row.id, row.label)));
-    for (i, (row, label)) in entries.chain([(None, note)]).enumerate() {
-        let x = 20 + (i as i32 % columns) * step;
-        let y = 16 + (i as i32 / columns) * 28;
-        if let Some(row) = row {
-            let ends = [(x, y), (x + 30, y)];
-            if row.friction {
-                area.draw(&PathElement::new(ends, style(row)))?;
-            } else {
-                area.draw(&DashedPathElement::new(ends, 6, 4, style(row)))?;
-            }
-        }
-        let text = Text::new(label, (x + 38, y - 8), ("sans-serif", 15).into_font());
-        area.draw(&text)?;
-    }
-    Ok(())
+    let rows = ROWS.iter();
+    let entries = rows.map(|row| (Some(stroke(row)), format!("{}: {}", row.id, row.label)));
+    drawing::legend(area, 4, entries.chain([(None, "× falls".to_owned())]))
 }

@@ -1,0 +1,93 @@
+//! What each part of the method is worth, from the paper to the default, at equal time; and the paper's open questions.
+//!
+//! ```text
+//! cargo run --release --example study -- [--quick] [--out target/study]
+//! ```
+//!
+//! Writes `study.md`, `study.json`, `runs.jsonl` and a plot for each case to `target/study`. All but times is the same in every run.
+
+mod ablations;
+mod cases;
+#[path = "../drawing/mod.rs"]
+mod drawing;
+mod methods;
+mod plots;
+mod questions;
+#[path = "../report/mod.rs"]
+mod report;
+mod runs;
+mod tables;
+
+use cases::Scope;
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use questions::Question;
+use serde_json::Value;
+use std::error::Error;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tables::Table;
+
+/// Measures what each part of the method is worth.
+#[derive(Parser)]
+struct Arguments {
+    /// Fewer scenes, shorter, one seed: ends within a minute.
+    #[arg(long)]
+    quick: bool,
+    /// Where results go.
+    #[arg(long, default_value = "target/study")]
+    out: PathBuf,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Arguments { quick, out } = Arguments::parse();
+    fs::create_dir_all(&out)?;
+    drawing::bring_font()?;
+    // All of it on one thread of rayon's, so that no step is handed over to another.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let study = pool.install(|| study(Scope { quick }));
+    study.write(&out)?;
+    println!(
+        "\nplots, study.md, study.json and runs.jsonl are in {}",
+        out.display()
+    );
+    Ok(())
+}
+
+struct Study {
+    records: Vec<ablations::Record>,
+    tables: Vec<Table>,
+}
+
+fn study(scope: Scope) -> Study {
+    let trials = ablations::trials(scope);
+    let questions = questions::questions();
+    let cells: usize = questions.iter().map(Question::cells).sum();
+    let style = "{elapsed:>4} {wide_bar} {pos}/{len}, {msg}";
+    let style = ProgressStyle::with_template(style).expect("the template is valid");
+    let bar = ProgressBar::new((trials.len() + cells) as u64).with_style(style);
+    let answers: Vec<Table> = questions.iter().map(|q| q.answer(scope, &bar)).collect();
+    let records = ablations::run(trials, &bar);
+    bar.finish_and_clear();
+    let tables = [ablations::tables(&records), answers].concat();
+    Study { records, tables }
+}
+
+impl Study {
+    fn write(&self, out: &Path) -> Result<(), Box<dyn Error>> {
+        plots::draw(&self.records, out)?;
+        let mut lines = fs::File::create(out.join("runs.jsonl"))?;
+        for line in self.records.iter().flat_map(ablations::Record::json) {
+            writeln!(lines, "{line}")?;
+        }
+        let tables: Vec<Value> = self.tables.iter().map(Table::json).collect();
+        let json = serde_json::to_string_pretty(&tables)?;
+        fs::write(out.join("study.json"), json)?;
+        let sections: Vec<String> = self.tables.iter().map(Table::to_string).collect();
+        let text = sections.join("\n");
+        fs::write(out.join("study.md"), &text)?;
+        println!("{text}");
+        Ok(())
+    }
+}

@@ -1,0 +1,170 @@
+//! What is compared: the way from the paper to the default, and the default with one part taken out.
+
+use crate::cases::Case;
+use crate::drawing::Stroke;
+use drystone::experiment::Experiment;
+use drystone::settings::{AnchorRule, NormalStabilization, Preset};
+use drystone::solver::SoftStep;
+use std::sync::Arc;
+
+/// A way to simulate, but for the iterations.
+pub struct Method {
+    /// Short.
+    pub label: &'static str,
+    /// Where its settings start from.
+    preset: Preset,
+    /// What is different.
+    change: fn(&mut Experiment),
+    /// Red, green, blue.
+    color: (u8, u8, u8),
+}
+
+/// The default among [`METHODS`].
+pub const DEFAULT: &str = "Soft Step (default)";
+
+pub static METHODS: [Method; 13] = [
+    Method {
+        label: "paper to the letter: NNCG, literal anchors",
+        preset: Preset::Paper,
+        change: |e| e.stabilization.friction.anchors = AnchorRule::Literal,
+        color: (150, 20, 20),
+    },
+    Method {
+        label: "+ persistent anchors (paper preset)",
+        preset: Preset::Paper,
+        change: |_| {},
+        color: (225, 60, 40),
+    },
+    Method {
+        label: "+ pair-pose anchors",
+        preset: Preset::Paper,
+        change: pair_pose,
+        color: (240, 150, 40),
+    },
+    Method {
+        label: "the same with PGS",
+        preset: Preset::Paper,
+        change: |e| {
+            pair_pose(e);
+            pgs(e);
+        },
+        color: (170, 90, 170),
+    },
+    Method {
+        label: "+ recycled manifolds of four points",
+        preset: Preset::Paper,
+        change: |e| {
+            pair_pose(e);
+            pgs(e);
+            keep_four(e);
+        },
+        color: (90, 50, 130),
+    },
+    Method {
+        label: "plain engine: PGS, warm start, Baumgarte, no anchors",
+        preset: Preset::Paper,
+        change: |e| {
+            e.stabilization.normal = NormalStabilization::BaumgarteOneSided { gain: 0.2 };
+            e.stabilization.friction.enabled = false;
+            e.solver.warm_start = 1.0;
+            pgs(e);
+            keep_four(e);
+        },
+        color: (130, 130, 130),
+    },
+    Method {
+        label: "Soft Step without anchors",
+        preset: Preset::Default,
+        change: |e| e.stabilization.friction.enabled = false,
+        color: (60, 160, 60),
+    },
+    Method {
+        label: "… without preload",
+        preset: Preset::Default,
+        change: |e| soft(e, |s| s.preload = 0.0),
+        color: (150, 200, 60),
+    },
+    Method {
+        label: "… without recycled manifolds",
+        preset: Preset::Default,
+        change: |e| e.stabilization.recycle_distance = 0.0,
+        color: (20, 170, 160),
+    },
+    Method {
+        label: "… without reduction to four points",
+        preset: Preset::Default,
+        change: |e| e.stabilization.reduce_manifolds = false,
+        color: (110, 150, 180),
+    },
+    Method {
+        label: "… softer, 19 sweeps a period",
+        preset: Preset::Default,
+        change: |e| soft(e, |s| s.sweeps_per_period = 19.0),
+        color: (100, 190, 250),
+    },
+    Method {
+        label: "… stiffer, 7 sweeps a period",
+        preset: Preset::Default,
+        change: |e| soft(e, |s| s.sweeps_per_period = 7.0),
+        color: (210, 120, 200),
+    },
+    Method {
+        label: DEFAULT,
+        preset: Preset::Default,
+        change: |_| {},
+        color: (20, 60, 200),
+    },
+];
+
+fn pair_pose(experiment: &mut Experiment) {
+    experiment.stabilization.friction.anchors = AnchorRule::PairPose;
+}
+
+fn pgs(experiment: &mut Experiment) {
+    let solver = experiment.solver.clone();
+    let iterations = solver.iterations;
+    experiment.solver = solver.with_pgs(iterations);
+}
+
+/// Collision detection as the default has it.
+fn keep_four(experiment: &mut Experiment) {
+    let best = Preset::Default.stabilization();
+    experiment.stabilization.recycle_distance = best.recycle_distance;
+    experiment.stabilization.reduce_manifolds = best.reduce_manifolds;
+}
+
+fn soft(experiment: &mut Experiment, change: fn(&mut SoftStep)) {
+    let mut solver = SoftStep::default();
+    change(&mut solver);
+    experiment.solver.solver = Arc::new(solver);
+}
+
+impl Method {
+    /// With Soft Step rather than one of the paper's solvers.
+    pub fn is_soft(&self) -> bool {
+        self.preset == Preset::Default
+    }
+
+    /// As many as it is meant for: the preset's.
+    pub fn own_iterations(&self) -> usize {
+        self.preset.solver().iterations
+    }
+
+    /// This way with so many iterations.
+    pub fn experiment(&self, case: &Case, iterations: usize) -> Experiment {
+        let mut experiment = case.experiment(self.preset);
+        experiment.solver.iterations = iterations;
+        (self.change)(&mut experiment);
+        experiment
+    }
+
+    /// Solid on the way to the default, dashed where a part of it is taken out.
+    pub fn stroke(&self) -> Stroke {
+        let default = self.label == DEFAULT;
+        Stroke {
+            color: self.color,
+            width: if default { 4 } else { 2 },
+            dashed: self.is_soft() && !default,
+        }
+    }
+}

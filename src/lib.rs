@@ -1,8 +1,10 @@
 //! **Drystone** brings rigid-body contact to Bevy that holds without mortar: walls, stacks and arches that stay where they were
 //! put, at large time steps and with few solver iterations.
 //!
-//! The method is that of Silcowitz-Hansen, Niebe and Erleben, "Normal and Friction Stabilization Techniques for Interactive
-//! Rigid Body Constraint-based Contact Force Computations" (VRIPHYS 2010). Everything is data in an ECS: bodies, contact
+//! Contacts that stick are held by anchors, and normals by a correction that settles them, after Silcowitz-Hansen, Niebe and
+//! Erleben, "Normal and Friction Stabilization Techniques for Interactive Rigid Body Constraint-based Contact Force
+//! Computations" (VRIPHYS 2010). The paper's own rows and solvers are a preset; the default is
+//! [`SoftStep`](solver::SoftStep), which is steadier and faster. Everything is data in an ECS: bodies, contact
 //! pairs, manifolds, impulses and anchors are components, a step is a row of systems, and each of them can be seen, timed
 //! and replaced.
 //!

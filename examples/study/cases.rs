@@ -27,7 +27,7 @@ const SCENES: [Scene; 6] = [
     Scene::Stack(20),
     Scene::Pyramid(20),
     Scene::Arch(15),
-    Scene::MassRatio(100.0),
+    Scene::MassRatio(100.0, 5),
 ];
 
 /// Time steps, and how long is simulated, s; less when quick.

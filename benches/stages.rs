@@ -1,4 +1,4 @@
-//! One bench per system on a resting wall of 1 000 bricks, and both solvers per contact point and sweep.
+//! One bench per system on a resting wall of 1 000 bricks, and every solver per contact point and sweep.
 //!
 //! ```text
 //! cargo bench --bench stages
@@ -14,7 +14,8 @@ use drystone::schedule::step;
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone::solver::merit::free_merit;
 use drystone::solver::{
-    Body, Contact, ContactInput, ContactSolver, FrictionCone, Nncg, Pgs, Problem,
+    Body, Contact, ContactInput, ContactSolver, FrictionCone, Nncg, Patch, PatchPoint, Pgs,
+    Problem, SoftStep,
 };
 use glam::{Mat3, Vec3};
 use std::hint::black_box;
@@ -142,5 +143,69 @@ fn solvers(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, systems, solvers);
+/// The same contacts as patches of four points.
+fn patches(contacts: &[Contact]) -> (Vec<Patch>, Vec<PatchPoint>) {
+    let mut points = Vec::new();
+    let patch = |contacts: &[Contact]| {
+        let first = points.len() as u32;
+        let mean = |side: usize| {
+            let arms = contacts.iter().map(|c| c.arms[side]);
+            arms.sum::<Vec3>() / contacts.len() as f32
+        };
+        let arms = [mean(0), mean(1)];
+        points.extend(contacts.iter().map(|c| PatchPoint {
+            offset: c.arms[0] - arms[0],
+            ..Default::default()
+        }));
+        Patch {
+            bodies: contacts[0].bodies,
+            normal: contacts[0].normal,
+            arms,
+            friction: 0.5,
+            first,
+            count: contacts.len() as u32,
+            ..Default::default()
+        }
+    };
+    let patches = contacts
+        .chunk_by(|a, b| a.bodies == b.bodies)
+        .map(patch)
+        .collect();
+    (patches, points)
+}
+
+/// Soft Step, preparation and all, for each contact point and sweep.
+fn soft_step(criterion: &mut Criterion) {
+    const SWEEPS: usize = 24;
+    let (bodies, contacts) = wall_problem(40, 25);
+    let (patches, points) = patches(&contacts);
+    let mut group = criterion.benchmark_group("solver, per contact point and sweep");
+    group.sample_size(20);
+    group.throughput(Throughput::Elements((points.len() * SWEEPS) as u64));
+    group.bench_function("soft-step", |bencher| {
+        bencher.iter_batched_ref(
+            || (bodies.clone(), patches.clone(), points.clone()),
+            |(bodies, patches, points)| {
+                black_box(SoftStep::default().solve(&mut Problem {
+                    bodies,
+                    contacts: &mut [],
+                    patches,
+                    points,
+                    dt: DT,
+                    gravity: Vec3::NEG_Y * 9.81,
+                    max_correction_speed: 2.0,
+                    cone: FrictionCone::Circular,
+                    iterations: SWEEPS,
+                    tolerance: 0.0,
+                    free_merit: 0.0,
+                    record_history: false,
+                }))
+            },
+            criterion::BatchSize::LargeInput,
+        );
+    });
+    group.finish();
+}
+
+criterion_group!(benches, systems, solvers, soft_step);
 criterion_main!(benches);

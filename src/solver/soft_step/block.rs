@@ -1,4 +1,4 @@
-//! Eight patches side by side, each solved in the six coordinates of its own contact.
+//! Four patches side by side, each solved in the six coordinates of its own contact.
 //!
 //! Two bodies meet in a patch with a relative motion u = (u_n, u_1, u_2, Ω_n, Ω_1, Ω_2): velocity at the patch's centre and
 //! relative spin, along the normal and two tangents. Every row of the patch is a combination of these: a point at (x, y) from

@@ -35,7 +35,7 @@ pub const TIMES: [(f32, f32, f32); 2] = [(1.0 / 60.0, 10.0, 4.0), (0.1, 60.0, 20
 
 /// Iterations of the paper's solvers. Two to six cost what the default does.
 const BUDGETS: [usize; 8] = [2, 4, 6, 12, 24, 48, 75, 150];
-const SOFT_BUDGETS: [usize; 5] = [6, 12, 24, 48, 96];
+const SOFT_BUDGETS: [usize; 4] = [6, 12, 24, 48];
 
 impl Case {
     /// The scene under a preset but for time step and sleep, with the prototype's noise and gaps.
@@ -113,7 +113,7 @@ impl Scope {
             let longest = match self.quick {
                 true => 0.35,
                 false if n == method.own_iterations() => 15.0,
-                false => 3.0,
+                false => 2.5,
             };
             self.expected(case, method, n) < longest
         };

@@ -83,6 +83,7 @@ impl Quantity {
             .y_desc(format!("{}, mm", self.name))
             .label_style(("sans-serif", 15))
             .axis_desc_style(("sans-serif", 16))
+            .disable_x_mesh()
             .light_line_style(WHITE)
             .x_label_formatter(&|ms| short(*ms))
             .y_label_formatter(&|mm| short(*mm))

@@ -14,9 +14,6 @@ use bevy_ecs::prelude::*;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// From here on the contacts of one island are prepared on several threads.
-const LARGE_ISLAND: usize = 256;
-
 /// Which island each body is in, and each island's problem. Plain union–find over slots; rebuilt in every step, which
 /// costs less than keeping it.
 #[derive(Resource, Default)]
@@ -99,12 +96,13 @@ impl Islands {
         work: impl Fn(&mut IslandProblem) + Sync + Send,
     ) {
         let contacts = self.problems.iter().map(IslandProblem::contact_count).sum();
-        if contacts < PhysicsThreads::SMALL {
-            self.problems.iter_mut().for_each(work);
-        } else {
+        let busy = self.problems.iter().filter(|p| p.contact_count() > 0);
+        if busy.count() > 1 && threads.share(contacts) {
             threads.run(contacts, || {
                 self.problems.par_iter_mut().with_max_len(1).for_each(work)
             });
+        } else {
+            self.problems.iter_mut().for_each(work);
         }
     }
 
@@ -274,11 +272,11 @@ pub fn islands(
     let gather = |(problem, touches): (&mut IslandProblem, &mut [Touch])| {
         let ends = problem.ends(touches, local, velocities);
         match rows {
-            Rows::Points => problem.gather_contacts(touches, &ends),
+            Rows::Points => problem.gather_contacts(touches, &ends, &threads),
             Rows::Patches => problem.gather_patches(touches, &ends, ideal),
         }
     };
-    if pairs >= LARGE_ISLAND {
+    if work.len() > 1 && threads.share(pairs) {
         threads.run(pairs, || work.into_par_iter().for_each(gather));
     } else {
         work.into_iter().for_each(gather);
@@ -354,7 +352,12 @@ impl IslandProblem {
             .collect()
     }
 
-    fn gather_contacts(&mut self, touches: &mut [Touch], ends: &[[u32; 2]]) {
+    fn gather_contacts(
+        &mut self,
+        touches: &mut [Touch],
+        ends: &[[u32; 2]],
+        threads: &PhysicsThreads,
+    ) {
         let mut first = 0;
         for touch in touches.iter_mut() {
             *touch.slot = SolverSlot {
@@ -364,10 +367,10 @@ impl IslandProblem {
             first += touch.manifold.points.len() as u32;
         }
         let bodies = &self.bodies;
-        if touches.len() >= LARGE_ISLAND {
+        if threads.share(touches.len()) {
             let touches = touches.par_iter().zip(ends);
-            self.contacts
-                .par_extend(touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, bodies)));
+            let contacts = touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, bodies));
+            threads.run(ends.len(), || self.contacts.par_extend(contacts));
         } else {
             let touches = touches.iter().zip(ends);
             self.contacts

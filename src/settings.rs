@@ -306,12 +306,26 @@ impl PhysicsThreads {
         }
     }
 
-    /// Runs work on these threads. Handing over costs some 20 µs, so fewer than [`Self::SMALL`] `items` stay on this one (where
-    /// rayon's iterators must be kept from splitting, with a minimum length or by being plain ones).
+    /// Whether so many items are worth handing over to other threads, which costs some 20 µs.
+    pub fn share(&self, items: usize) -> bool {
+        items >= Self::SMALL && self.count() > 1
+    }
+
+    /// Runs work on these threads, or on this one where sharing does not pay. Rayon's iterators in it must then be kept from
+    /// splitting: by [`Self::grain`], or by being plain ones.
     pub fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
         match &self.0 {
-            Some(pool) if items >= Self::SMALL => pool.install(work),
+            Some(pool) if self.share(items) => pool.install(work),
             _ => work(),
+        }
+    }
+
+    /// The least number of items that a thread takes of so many.
+    pub fn grain(&self, items: usize) -> usize {
+        if self.share(items) {
+            Self::SMALL / 2
+        } else {
+            usize::MAX
         }
     }
 

@@ -23,9 +23,6 @@ use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-/// The least share of pairs that is worth a thread: what [`PhysicsThreads::run`] keeps on this thread is then not split.
-pub(crate) const SERIAL_PAIRS: usize = PhysicsThreads::SMALL / 2;
-
 /// Points of a patch nearer to each other than this share of the smaller body's radius become one: two bricks that are all but
 /// aligned touch at each corner twice, a few millimetres apart, and the point that a step finds there would not be that
 /// of the last one.
@@ -66,8 +63,9 @@ pub fn narrowphase(
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
+        let grain = threads.grain(columns.0.len());
         threads.run(columns.0.len(), || {
-            columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
+            columns.into_par_iter().with_min_len(grain).for_each(
                 |(pair, cache, manifold, impulses, anchors, targets)| {
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                         return;

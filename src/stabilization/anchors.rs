@@ -7,7 +7,6 @@ use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Manifold, Patch,
     PatchAnchor,
 };
-use crate::narrowphase::SERIAL_PAIRS;
 use crate::settings::{AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -67,8 +66,9 @@ pub fn anchors(
             impulses,
             anchors.bypass_change_detection(),
         );
+        let grain = threads.grain(columns.0.len());
         threads.run(columns.0.len(), || {
-            columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
+            columns.into_par_iter().with_min_len(grain).for_each(
                 |(pair, manifold, impulses, anchors)| {
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                         return;

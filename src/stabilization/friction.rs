@@ -8,7 +8,6 @@ use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
     PatchAnchor, Target,
 };
-use crate::narrowphase::SERIAL_PAIRS;
 use crate::settings::{
     AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
 };
@@ -247,8 +246,9 @@ pub fn friction_error(
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
+        let grain = threads.grain(columns.0.len());
         threads.run(columns.0.len(), || {
-            columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
+            columns.into_par_iter().with_min_len(grain).for_each(
                 |(pair, manifold, anchors, targets)| {
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                         return;

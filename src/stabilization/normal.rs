@@ -7,7 +7,6 @@
 
 use crate::body::BodyTable;
 use crate::contact::{ContactPair, ContactTargets, Manifold};
-use crate::narrowphase::SERIAL_PAIRS;
 use crate::settings::{
     NormalStabilization, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
 };
@@ -109,9 +108,12 @@ pub fn normal_correction(
         .expect("pair components are stored in tables")
     {
         let columns = (pairs, manifolds, targets.bypass_change_detection());
+        let grain = threads.grain(columns.0.len());
         threads.run(columns.0.len(), || {
-            columns.into_par_iter().with_min_len(SERIAL_PAIRS).for_each(
-                |(pair, manifold, targets)| {
+            columns
+                .into_par_iter()
+                .with_min_len(grain)
+                .for_each(|(pair, manifold, targets)| {
                     let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                         return;
                     };
@@ -125,8 +127,7 @@ pub fn normal_correction(
                                 normal_target(settings, pair.restitution, point.distance, u_n, dt);
                         }
                     }
-                },
-            );
+                });
         });
     }
 }

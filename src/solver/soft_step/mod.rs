@@ -9,14 +9,14 @@
 //! - **Impulses carry over whole** from substep to substep. With arms frozen they do again what they did, so that forces and
 //!   warm start are an extrapolation of the velocities and cost no pass over the contacts.
 //! - **Every second substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
-//!   course in walls and pyramids of 40 courses; one in three holds these, one in two 50 and 100.
+//!   course in walls and pyramids of 40 courses; after every third they do in walls of 50.
 //! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry most of the slow mean
 //!   of their patch's load by themselves. The mean is slow because a fast one shakes, and the patch's because
 //!   a point's own would let a body rock.
 //! - **Cold start** ([`cold_start`]): what was just built gets the load it will carry from the top down.
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
-//! What each part is worth is measured by `examples/study.rs`, and stands in `docs/stability.md`.
+//! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
 
 mod batches;
 mod block;

@@ -261,6 +261,7 @@ pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
                     friction: a.friction.combine(b.friction),
                     restitution: a.restitution.combine(b.restitution),
                     touching: false,
+                    parted: false,
                     announced: false,
                 })
             })

@@ -170,9 +170,13 @@ pub fn islands(
     mut sleepers: Query<&mut Sleeping>,
 ) {
     let mut touches: Vec<Touch> = Vec::with_capacity(pairs.iter().len());
+    let mut parted: Vec<[u32; 2]> = Vec::new();
     for (pair, manifold, targets, impulses, slot) in &mut pairs {
         let slot = slot.into_inner();
         *slot = SolverSlot::NONE;
+        if pair.parted {
+            parted.push(pair.slots);
+        }
         if !manifold.points.is_empty() {
             touches.push(Touch {
                 island: u32::MAX,
@@ -197,7 +201,7 @@ pub fn islands(
             .map(|touch| touch.pair.slots)
             .filter(|slots| slots.iter().all(|&slot| dynamic(slot))),
     );
-    wake(&mut table, &islands, &touches, &mut sleepers);
+    wake(&mut table, &islands, &touches, &parted, &mut sleepers);
     let table = &*table;
 
     let Islands {
@@ -288,6 +292,7 @@ fn wake(
     table: &mut BodyTable,
     islands: &Islands,
     touches: &[Touch],
+    parted: &[[u32; 2]],
     sleepers: &mut Query<&mut Sleeping>,
 ) {
     if !table.iter().any(|(_, body)| body.asleep) {
@@ -309,6 +314,12 @@ fn wake(
             if moves && let Some(island) = islands.of(carried) {
                 awake[island] = true;
             }
+        }
+    }
+    // What it lay on, or what held it down, has gone away by a little.
+    for slot in parted.iter().flatten() {
+        if let Some(island) = islands.of(*slot) {
+            awake[island] = true;
         }
     }
     let rising: Vec<u32> = table

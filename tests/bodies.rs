@@ -798,3 +798,32 @@ fn a_brick_slides_along_flush_bricks_as_on_a_plane() {
         assert!(lab.position(brick).z.abs() < 0.01);
     }
 }
+
+/// Its support goes away by less than the margin of the boxes, so that the pair lives on without a point.
+#[test]
+fn a_sleeper_wakes_when_its_support_sinks_a_little() {
+    for sink in [0.005, 0.02, 0.06, 0.2] {
+        let mut lab = Lab::new();
+        let block = lab.spawn((
+            RigidBody::Static,
+            Collider::cuboid(4.0, 1.0, 4.0),
+            Transform::from_xyz(0.0, -0.5, 0.0),
+        ));
+        let cubes = [0.5, 1.5].map(|y| lab.cube(Vec3::Y * y));
+        lab.run(3.0);
+        assert!(
+            cubes
+                .iter()
+                .all(|&c| lab.world.get::<Sleeping>(c).unwrap().asleep)
+        );
+        lab.world.get_mut::<Transform>(block).unwrap().translation.y -= sink;
+        lab.run(2.0);
+        for (cube, y) in cubes.iter().zip([0.5, 1.5]) {
+            let at = lab.position(*cube).y;
+            assert!(
+                (at + sink - y).abs() < 0.005,
+                "at {at} after sinking {sink}"
+            );
+        }
+    }
+}

@@ -40,6 +40,8 @@ pub struct ContactPair {
     pub restitution: f32,
     /// Some point is inside the collision envelope.
     pub touching: bool,
+    /// It touched in the last step, and does no more.
+    pub(crate) parted: bool,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
 }

@@ -74,6 +74,7 @@ pub fn narrowphase(
                         pair.friction = a.friction.combine(b.friction);
                         pair.restitution = a.restitution.combine(b.restitution);
                     }
+                    pair.parted = false;
                     if is_idle(a) && is_idle(b) {
                         return;
                     }
@@ -123,7 +124,9 @@ pub fn narrowphase(
                         cache.stand = keep.then(|| Stand::of(a, b, reach));
                     }
                     let outer = settings.outer_distance();
+                    let touched = pair.touching;
                     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
+                    pair.parted = touched && !pair.touching;
                 },
             );
         });

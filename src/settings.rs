@@ -130,18 +130,19 @@ impl StabilizationSettings {
 /// Which solver, and how hard it tries.
 #[derive(Resource, Clone)]
 pub struct SolverSettings {
-    /// [`Pgs`], [`Nncg`], or a user's own.
+    /// [`SoftStep`], [`Pgs`], [`Nncg`], or a user's own.
     pub solver: Arc<dyn ContactSolver>,
     /// Sweeps over all contacts, at most.
     pub iterations: usize,
     /// Whole steps of Δt/n that one step is cut into, detection included.
     pub substeps: usize,
-    /// The shape of the friction cone.
+    /// The shape of the friction cone, for solvers of points; that of a patch is circular.
     pub cone: FrictionCone,
     /// Share of last step's impulses that a solve starts from, 0..1. With position feedback in the same velocities it
     /// is unstable when under-converged, so the paper's setting is 0. [`SoftStep`] starts from all of them, always.
     pub warm_start: f32,
-    /// A solve ends early when its merit (see [`crate::solver::merit`]) falls below this. 0: never.
+    /// A solve ends early when its merit (see [`crate::solver::merit`]) falls below this. 0: never. [`SoftStep`] takes all its
+    /// substeps.
     pub tolerance: f32,
     /// Keep the merit after every sweep (see [`crate::solve::SolveReports`]).
     pub record_history: bool,

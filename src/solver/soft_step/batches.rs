@@ -102,6 +102,9 @@ mod tests {
     #[test]
     fn what_nothing_moves_may_be_shared() {
         let on_ground = (1..=16).map(|body| [0, body]);
-        assert_eq!(Batches::new(on_ground, 17, |body| body != 0).blocks, 16 / LANES);
+        assert_eq!(
+            Batches::new(on_ground, 17, |body| body != 0).blocks,
+            16 / LANES
+        );
     }
 }

@@ -181,7 +181,7 @@ impl Plugin for FrictionStabilizationPlugin {
     }
 }
 
-/// Normal correction. Without it contacts bound velocities only, and penetration creeps in.
+/// Normal correction, for solvers of points. Without it contacts bound velocities only, and penetration creeps in.
 pub struct NormalStabilizationPlugin;
 
 impl Plugin for NormalStabilizationPlugin {

@@ -43,10 +43,25 @@ impl Body {
         [self.linear - self.start[0], self.angular - self.start[1]]
     }
 
+    /// What an impulse at an arm from the centre of mass (N·s, m) does to the linear and angular velocity, m/s, rad/s.
+    pub fn answer(&self, impulse: Vec3, arm: Vec3) -> [Vec3; 2] {
+        [
+            self.inverse_mass * impulse,
+            self.inverse_inertia * arm.cross(impulse),
+        ]
+    }
+
     /// Adds an impulse at an arm from the centre of mass, N·s, m.
     pub fn apply(&mut self, impulse: Vec3, arm: Vec3) {
-        self.linear += self.inverse_mass * impulse;
-        self.angular += self.inverse_inertia * arm.cross(impulse);
+        let [linear, angular] = self.answer(impulse, arm);
+        self.linear += linear;
+        self.angular += angular;
+    }
+
+    /// Inverse effective mass along a unit direction at an arm from the centre of mass, 1/kg.
+    pub fn response(&self, direction: Vec3, arm: Vec3) -> f32 {
+        let turn = arm.cross(direction);
+        self.inverse_mass + turn.dot(self.inverse_inertia * turn)
     }
 }
 

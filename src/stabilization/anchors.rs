@@ -4,7 +4,7 @@
 use super::classifier::{classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Manifold, Patch,
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Impulse, Manifold, Patch,
     PatchAnchor,
 };
 use crate::settings::{AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings};
@@ -122,8 +122,7 @@ fn hold_patches(
         let solved = &impulses.points[patch.range()];
         let points = &manifold.points[patch.range()];
         let center = Patch::center(points);
-        let lever = |(point, impulse): (&ContactPoint, _)| {
-            let impulse: &crate::contact::Impulse = impulse;
+        let lever = |(point, impulse): (&ContactPoint, &Impulse)| {
             impulse.normal * (point.arms[0] - center).length()
         };
         let lever = points.iter().zip(solved).map(lever).sum();

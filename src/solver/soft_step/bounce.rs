@@ -41,7 +41,8 @@ pub fn find(problem: &Problem) -> Vec<Bouncing> {
                 found.push(Bouncing {
                     patch: index,
                     arms,
-                    response: response(bodies, &arms, patch.normal),
+                    response: bodies[0].response(patch.normal, arms[0])
+                        + bodies[1].response(patch.normal, arms[1]),
                     came,
                     leave: patch.restitution * (came * came + gained).max(0.0).sqrt(),
                     impulse: 0.0,
@@ -87,14 +88,4 @@ fn speed(
         linear + angular.cross(arms[i])
     };
     normal.dot(at(0) - at(1))
-}
-
-fn response(bodies: [&Body; 2], arms: &[Vec3; 2], normal: Vec3) -> f32 {
-    [0, 1]
-        .map(|i| {
-            let turn = arms[i].cross(normal);
-            bodies[i].inverse_mass + turn.dot(bodies[i].inverse_inertia * turn)
-        })
-        .iter()
-        .sum()
 }

@@ -75,11 +75,6 @@ struct Foot {
 /// The closed points that a body stands on.
 fn feet(problem: &Problem, body: usize, beneath: &[(usize, usize)], closed: f32) -> Vec<Foot> {
     let mut feet = Vec::new();
-    let Body {
-        inverse_mass,
-        inverse_inertia,
-        ..
-    } = problem.bodies[body];
     for &(patch, side) in beneath {
         let patch = &problem.patches[patch];
         let normal = patch.normal * if side == 0 { 1.0 } else { -1.0 };
@@ -88,8 +83,7 @@ fn feet(problem: &Problem, body: usize, beneath: &[(usize, usize)], closed: f32)
                 offset, separation, ..
             } = problem.points[point];
             let arm = patch.arms[side] + offset;
-            let turn = arm.cross(normal);
-            let response = inverse_mass + turn.dot(inverse_inertia * turn);
+            let response = problem.bodies[body].response(normal, arm);
             if separation <= closed && response > 0.0 {
                 feet.push(Foot {
                     point,
@@ -164,6 +158,7 @@ pub fn cold_start(problem: &mut Problem) {
 }
 
 fn push(body: &Body, motion: &mut [Vec3; 2], impulse: Vec3, arm: Vec3) {
-    motion[0] += body.inverse_mass * impulse;
-    motion[1] += body.inverse_inertia * arm.cross(impulse);
+    let [linear, angular] = body.answer(impulse, arm);
+    motion[0] += linear;
+    motion[1] += angular;
 }

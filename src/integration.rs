@@ -42,10 +42,12 @@ pub fn integration(
         if !table.contains(*index) || still && !pose.is_changed() && !transform.is_changed() {
             continue;
         }
-        if !still && *velocity != Velocity::default() {
+        // Corrections move bodies that have no velocity of their own.
+        let motion = islands.motion(index.0);
+        let Velocity { linear, angular } = motion.unwrap_or(*velocity);
+        let moves = [linear, angular, velocity.linear, velocity.angular];
+        if !still && moves != [Vec3::ZERO; 4] {
             let (velocity, pose) = (velocity.bypass_change_detection(), &mut *pose);
-            let motion = islands.motion(index.0);
-            let Velocity { linear, angular } = motion.unwrap_or(*velocity);
             let center = pose.transform_point(mass.local_center) + dt * linear;
             let spin =
                 |rotation: Quat| (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize();

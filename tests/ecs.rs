@@ -9,10 +9,12 @@ use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 use drystone::body::{RigidBody, Velocity};
 use drystone::collider::Collider;
-use drystone::contact::{ContactAnchors, ContactEnded, ContactEvents, ContactStarted, Manifold};
+use drystone::contact::{
+    ContactAnchors, ContactEnded, ContactEvents, ContactStarted, ContactTargets, Manifold,
+};
 use drystone::profile::Profile;
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
-use drystone::settings::SolverSettings;
+use drystone::settings::{SleepSettings, SolverSettings, StabilizationSettings};
 use drystone::solve::SolveReports;
 use drystone::solver::{ContactSolver, Pgs, Problem, SolveReport};
 use drystone::{DrystonePlugins, FrictionStabilizationPlugin};
@@ -316,4 +318,26 @@ fn a_contact_ends_with_one_of_its_bodies() {
     lab.step();
     assert_eq!(lab.world.resource::<Seen>().ended, [(listener, ground)]);
     assert_eq!(drain::<ContactEnded>(&mut lab).len(), 1);
+}
+
+/// Manifolds at rest are kept, and with them what is demanded of them.
+#[test]
+fn friction_stabilization_may_be_turned_off_at_any_time() {
+    let mut app = app(DrystonePlugins::default().build());
+    ground(&mut app);
+    for y in [0.5, 1.5] {
+        cube(&mut app, Vec3::Y * y);
+    }
+    app.world_mut().resource_mut::<SleepSettings>().enabled = false;
+    frames(&mut app, 20);
+    let held = |app: &mut App| {
+        let mut targets = app.world_mut().query::<&ContactTargets>();
+        let patches = targets.iter(app.world()).flat_map(|t| &t.patches);
+        patches.flatten().count()
+    };
+    assert_eq!(held(&mut app), 2);
+    let mut settings = app.world_mut().resource_mut::<StabilizationSettings>();
+    settings.friction.enabled = false;
+    frames(&mut app, 2);
+    assert_eq!(held(&mut app), 0);
 }

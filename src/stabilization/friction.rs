@@ -203,6 +203,10 @@ fn measure(
     anchors: &mut [Anchor],
     dt: f32,
 ) -> Option<PlanarSlip> {
+    if !settings.friction.enabled {
+        // Kept manifolds keep their targets, so what friction was asked for must be taken back.
+        return None;
+    }
     if settings.friction.anchors != AnchorRule::PairPose {
         return measure_points(settings, patch, bodies, points, anchors, dt);
     }
@@ -231,9 +235,6 @@ pub fn friction_error(
         &mut ContactTargets,
     )>,
 ) {
-    if !settings.friction.enabled {
-        return;
-    }
     let (table, settings, dt) = (&*table, &*settings, time.dt);
     let rows = solver.solver.rows();
     for (pairs, manifolds, mut anchors, mut targets) in pairs

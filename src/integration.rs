@@ -9,9 +9,9 @@
 use crate::body::{
     BodyIndex, BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity, local_pose,
 };
+use crate::gather::Problems;
 use crate::islands::Islands;
 use crate::settings::StepTime;
-use crate::sleeping::Sleeping;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
 use bevy_transform::components::Transform;
@@ -20,14 +20,12 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 /// First half of the stage: moves the bodies, and writes the `Transform` of those without a parent.
 pub fn integration(
     time: Res<StepTime>,
-    table: Res<BodyTable>,
-    islands: Res<Islands>,
+    (table, islands, problems): (Res<BodyTable>, Res<Islands>, Res<Problems>),
     mut bodies: Query<
         (
-            &RigidBody,
+            Entity,
             &BodyIndex,
             &MassProperties,
-            &Sleeping,
             &mut Velocity,
             &mut Pose,
             &mut Transform,
@@ -37,22 +35,27 @@ pub fn integration(
     >,
 ) {
     let dt = time.dt;
-    for (kind, index, mass, sleeping, mut velocity, mut pose, mut transform, child) in &mut bodies {
-        let still = *kind == RigidBody::Static || sleeping.asleep;
-        if !table.contains(*index) || still && !pose.is_changed() && !transform.is_changed() {
+    for (entity, index, mass, mut velocity, mut pose, mut transform, child) in &mut bodies {
+        let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
+            continue;
+        };
+        let still = body.kind == RigidBody::Static || body.asleep;
+        if still && !pose.is_changed() && !transform.is_changed() {
             continue;
         }
         // Corrections move bodies that have no velocity of their own.
-        let motion = islands.motion(index.0);
+        let motion = problems.motion(&islands, index.0);
         let Velocity { linear, angular } = motion.unwrap_or(*velocity);
         let moves = [linear, angular, velocity.linear, velocity.angular];
-        if !still && moves != [Vec3::ZERO; 4] {
+        if let Some(target) = body.target.filter(|_| time.is_last()) {
+            *pose = target;
+        } else if !still && moves != [Vec3::ZERO; 4] {
             let (velocity, pose) = (velocity.bypass_change_detection(), &mut *pose);
             let center = pose.transform_point(mass.local_center) + dt * linear;
             let spin =
                 |rotation: Quat| (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize();
             let before = pose.rotation;
-            match (kind, motion) {
+            match (body.kind, motion) {
                 (RigidBody::Dynamic, None) => {
                     (pose.rotation, velocity.angular) = rotate(mass, before, velocity.angular, dt);
                 }
@@ -84,7 +87,9 @@ pub fn child_transforms(
     children.sort_by_cached_key(|(child, ..)| parents.iter_ancestors(*child).count());
     for (child, index, pose, parent) in children {
         let local = local_pose(*pose, Some(parent), placed.as_readonly());
-        if table.contains(*index)
+        if table.holds(child, *index)
+            // A frame of size zero has no inside.
+            && local.is_finite()
             && let Ok((mut transform, _)) = placed.get_mut(child)
             && (local.position, local.rotation) != (transform.translation, transform.rotation)
         {

@@ -18,6 +18,9 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
     {
         return false;
     }
+    let (Some(shape_a), Some(shape_b)) = (&a.collider, &b.collider) else {
+        return false;
+    };
     let options = ShapeCastOptions {
         max_time_of_impact: dt,
         target_distance: near.max(0.0),
@@ -26,10 +29,10 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
     let hit = cast_shapes(
         &a.pose.to_parry(),
         a.velocity.linear,
-        &**a.collider.shape(),
+        &**shape_a.shape(),
         &b.pose.to_parry(),
         b.velocity.linear,
-        &**b.collider.shape(),
+        &**shape_b.shape(),
         options,
     );
     // What cannot be cast keeps its contacts.

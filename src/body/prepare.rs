@@ -15,6 +15,7 @@ use crate::sleeping::Sleeping;
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, name::Name, prelude::*};
 use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
+use glam::Vec3;
 
 /// The body is outside the simulation because of bad input. Mend the input and remove this component, and it is back.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
@@ -230,6 +231,7 @@ impl BodyState {
             events: false,
             gravity_scale: 1.0,
             radius: 0.0,
+            half: Vec3::ZERO,
             moved: true,
             renewed: true,
         }
@@ -276,6 +278,7 @@ fn describe(
     *properties = computed;
     body.center = body.pose.transform_point(computed.local_center);
     body.radius = collider.radius_about(computed.local_center);
+    body.half = collider.half_extents();
     body.renewed = true;
     Ok(())
 }

@@ -7,6 +7,7 @@ use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
 use crate::contact::ContactEvents;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 
 use super::BodyIndex;
 
@@ -100,6 +101,7 @@ pub(super) fn describe(
     *properties = computed;
     body.center = body.pose.transform_point(computed.local_center);
     body.radius = radius;
+    body.half = collider.map_or(Vec3::ZERO, Collider::half_extents);
     body.renewed = true;
     Ok(())
 }

@@ -210,6 +210,7 @@ impl BodyState {
             events: false,
             gravity_scale: 1.0,
             radius: 0.0,
+            half: Vec3::ZERO,
             moved: true,
             renewed: true,
             arrived: true,

@@ -66,6 +66,8 @@ pub struct BodyState {
     pub gravity_scale: f32,
     /// Radius of the sphere about the centre of mass that holds the shape, m.
     pub radius: f32,
+    /// Half the edges of the box that holds the shape in its own frame, m; infinite for a half-space.
+    pub half: Vec3,
     /// Its pose is not that of the last step.
     pub moved: bool,
     /// Its shape, mass, surface or layers were set anew before this step.
@@ -92,11 +94,27 @@ impl BodyState {
         self.velocity.at(point - self.center)
     }
 
+    /// What is small against the body, m: its bounding radius, or less where it is thin.
+    pub fn size(&self) -> f32 {
+        self.radius.min(THICKNESS * self.half.min_element())
+    }
+
+    /// The same of its face towards a direction in the world: how thick the body is behind it does not count.
+    pub fn face_size(&self, direction: Vec3) -> f32 {
+        let towards = (self.pose.rotation.inverse() * direction).abs();
+        let mut half = self.half;
+        half[towards.max_position()] = f32::INFINITY;
+        self.radius.min(THICKNESS * half.min_element())
+    }
+
     /// True for a body that contacts can move.
     pub fn is_dynamic(&self) -> bool {
         self.kind == RigidBody::Dynamic
     }
 }
+
+/// A body thinner than its bounding radius by this is thin: a brick of 1 × 0.5 × 0.5 m is not, just.
+const THICKNESS: f32 = 2.5;
 
 /// All live bodies by slot. See the module's text.
 #[derive(Resource, Default)]

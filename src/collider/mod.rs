@@ -224,6 +224,14 @@ impl Collider {
         (sphere.center - center).length() + sphere.radius
     }
 
+    /// Half the edges of the box that holds the shape, m; infinite for a half-space.
+    pub(crate) fn half_extents(&self) -> Vec3 {
+        if self.0.as_halfspace().is_some() {
+            return Vec3::INFINITY;
+        }
+        self.0.compute_local_aabb().half_extents()
+    }
+
     /// True where the surface is curved, so that a rolling contact point moves over it.
     pub(crate) fn is_curved(&self) -> bool {
         use parry3d::shape::ShapeType as S;

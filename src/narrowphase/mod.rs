@@ -25,12 +25,12 @@ use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-/// Points of a patch nearer to each other than this share of the smaller body's radius become one: two bricks that are all but
+/// Points of a patch nearer to each other than this share of the smaller face's size become one: two bricks that are all but
 /// aligned touch at each corner twice, a few millimetres apart, and the point that a step finds there would not be that
 /// of the last one.
 const MERGE: f32 = 0.05;
 
-/// How far outside a face, as a share of the smaller body's radius, a corner still lies on it.
+/// How far outside a face, as a share of the smaller face's size, a corner still lies on it.
 const SLACK: f32 = 1e-4;
 
 type PairColumns<'w> = (
@@ -95,7 +95,7 @@ pub fn narrowphase(
                     }
                     let reach = settings.outer_distance().max(0.0)
                         + (approach_speed(a, b) + fall) * time.dt;
-                    let limit = settings.recycle_distance;
+                    let limit = settings.recycle_share * a.size().min(b.size());
                     let kept = cache
                         .stand
                         .is_some_and(|stand| stand.holds(a, b, limit, reach));
@@ -212,7 +212,6 @@ fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
-    let size = a.radius.min(b.radius);
     let block = |body: &BodyState, half| corners::Block {
         pose: body.pose,
         half,
@@ -242,6 +241,7 @@ fn detect(
             continue;
         }
 
+        let size = a.face_size(normal).min(b.face_size(normal));
         let mut candidates = Candidates::new();
         for (i, contact) in found.points.iter().enumerate() {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);

@@ -122,7 +122,7 @@ impl Checked for StabilizationSettings {
             ("ideal_distance", self.ideal_distance, 0.0..=LENGTH),
             ("the gain of `normal`", normal_gain, 0.0..=1.0),
             ("max_correction_speed", self.max_correction_speed, 0.0..=limits::SPEED),
-            ("recycle_distance", self.recycle_distance, 0.0..=LENGTH),
+            ("recycle_share", self.recycle_share, 0.0..=1.0),
             ("friction.gain", friction.gain, 0.0..=2.0),
             ("friction.tolerance", friction.tolerance, 0.0..=LENGTH),
             ("friction.max_error", friction.max_error, 0.0..=f32::INFINITY),

@@ -171,9 +171,10 @@ pub struct StabilizationSettings {
     pub max_correction_speed: f32,
     /// How friction is corrected.
     pub friction: FrictionStabilization,
-    /// A contact manifold is kept, with normal and arms frozen, until its bodies have moved this far against each other, m. 0:
-    /// found anew in every step.
-    pub recycle_distance: f32,
+    /// A contact manifold is kept, with normal and arms frozen, until its bodies have moved against each other by this share of
+    /// the smaller one's size (its bounding radius, or 2.5 times half its least thickness where that is less). 0: found anew in
+    /// every step.
+    pub recycle_share: f32,
     /// Keep four points of a patch that has more: the corners of the largest quadrangle.
     pub reduce_manifolds: bool,
 }
@@ -267,7 +268,7 @@ impl Preset {
                     anchors: AnchorRule::PairPose,
                     ..friction
                 },
-                recycle_distance: 0.01,
+                recycle_share: 0.016,
                 reduce_manifolds: true,
             },
             Preset::Paper => StabilizationSettings {
@@ -276,7 +277,7 @@ impl Preset {
                 normal: NormalStabilization::Envelope,
                 max_correction_speed: 2.0,
                 friction,
-                recycle_distance: 0.0,
+                recycle_share: 0.0,
                 reduce_manifolds: false,
             },
         }

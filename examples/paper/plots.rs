@@ -156,6 +156,7 @@ impl Quantity {
             points: samples
                 .take_while(|s| s.time <= end)
                 .map(|s| (s.time as f64, (self.of)(s).max(floor)))
+                .filter(|(_, y)| y.is_finite())
                 .collect(),
         }
     }

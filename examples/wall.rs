@@ -64,15 +64,13 @@ mod tests {
     #[derive(Component)]
     struct Put(Vec3);
 
-    fn look(
-        mut commands: Commands,
-        new: Query<(Entity, &Transform), (With<RigidBody>, Without<Put>)>,
-        bricks: Query<(&Put, &Transform)>,
-        mut worst: ResMut<Worst>,
-    ) {
-        for (brick, at) in &new {
+    fn put(mut commands: Commands, bricks: Query<(Entity, &Transform), With<RigidBody>>) {
+        for (brick, at) in &bricks {
             commands.entity(brick).insert(Put(at.translation));
         }
+    }
+
+    fn look(bricks: Query<(&Put, &Transform)>, mut worst: ResMut<Worst>) {
         for (put, at) in &bricks {
             worst.0 = worst.0.max(at.translation.distance(put.0));
         }
@@ -87,7 +85,7 @@ mod tests {
             .insert_resource(TimeUpdateStrategy::ManualDuration(frame))
             .init_resource::<Worst>()
             .add_systems(Startup, build)
-            .add_systems(PostStartup, look)
+            .add_systems(PostStartup, put)
             .add_systems(Update, look);
         for _ in 0..625 {
             app.update();

@@ -82,6 +82,7 @@ mod tests {
     use crate::engine::Engine;
     use crate::rapier::Ground;
     use drystone::body::MassProperties;
+    use drystone::prelude::{Vec3, Velocity};
 
     const CONDITIONS: Conditions = Conditions {
         dt: 1.0 / 60.0,
@@ -169,7 +170,7 @@ mod tests {
         assert!(outcome.rms_speed.is_nan() && outcome.overlap == f32::INFINITY);
 
         let mut meter = Metered::new(rapier, &bodies, CONDITIONS.dt);
-        meter.engine.bodies_mut()[2].set_linvel(Vec3::NAN, true);
+        meter.engine.lose(2);
         meter.steps(5);
         let outcome = meter.outcome(&bodies);
         assert!(outcome.fell_at.is_some() && outcome.displacement.has_fallen());

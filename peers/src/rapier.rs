@@ -73,6 +73,11 @@ impl Rapier {
     pub fn bodies(&self) -> impl Iterator<Item = &rapier3d::prelude::RigidBody> {
         self.bodies.iter().map(|&handle| &self.world.bodies[handle])
     }
+
+    #[cfg(test)]
+    pub fn lose(&mut self, body: usize) {
+        self.world.bodies[self.bodies[body]].set_linvel(drystone::prelude::Vec3::NAN, true);
+    }
 }
 
 #[cfg(feature = "parallel")]

@@ -17,12 +17,14 @@ pub fn watch(world: &World, body: Entity) -> (Pose, Velocity) {
         let sound = !body.contains::<Quarantined>();
         sound.then(|| Some((*body.get::<Pose>()?, *body.get::<Velocity>()?)))?
     };
-    let lost = Pose {
-        position: Vec3::NAN,
-        rotation: Quat::from_array([f32::NAN; 4]),
-    };
-    seen().unwrap_or((lost, Velocity::linear(Vec3::NAN)))
+    seen().unwrap_or((NOWHERE, Velocity::linear(Vec3::NAN)))
 }
+
+/// Where a lost body is.
+pub const NOWHERE: Pose = Pose {
+    position: Vec3::NAN,
+    rotation: Quat::from_array([f32::NAN; 4]),
+};
 
 /// What is no number is worse than any: comparisons and `max` would overlook it.
 fn or_infinite(x: f32) -> f32 {

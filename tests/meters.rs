@@ -36,10 +36,7 @@ fn a_pose_that_is_no_number_has_fallen() {
     }
     assert!(Displacement::between([&here], [&turned]).has_fallen());
     assert!(Displacement::between([&turned], [&here]).has_fallen());
-    let nowhere = Pose {
-        position: Vec3::NAN,
-        rotation: Quat::from_array([f32::NAN; 4]),
-    };
+    let nowhere = metrics::NOWHERE;
     assert_eq!(Displacement::between([&here], [&nowhere]), INFINITE);
 }
 

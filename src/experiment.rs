@@ -157,15 +157,14 @@ impl Run {
         self.time
     }
 
-    /// Poses of the bodies to watch; the start's for those that are gone, and for all before the first step.
+    /// Poses of the bodies to watch: before the first step the start's, and then as [`metrics::watch`] sees them, NaN for what is
+    /// despawned or quarantined.
     pub fn poses(&self) -> Vec<Pose> {
         if self.time == 0.0 {
             return self.start.clone();
         }
-        let pose = |(&body, start): (&Entity, &Pose)| {
-            self.world.get::<Pose>(body).copied().unwrap_or(*start)
-        };
-        self.bodies.iter().zip(&self.start).map(pose).collect()
+        let pose = |&body: &Entity| metrics::watch(&self.world, body).0;
+        self.bodies.iter().map(pose).collect()
     }
 
     fn start_poses(&self) -> Vec<Pose> {
@@ -212,14 +211,22 @@ impl Run {
             self.start = self.poses();
             self.energy_start = metrics::energy(&mut self.world);
         }
-        let displacement = Displacement::between(&self.start, &self.poses());
+        let poses = self.poses();
+        let displacement = Displacement::between(&self.start, &poses);
         let gaps = metrics::gaps(&mut self.world);
         let rms_speed = metrics::rms_speed(&mut self.world);
         let gained = metrics::energy(&mut self.world) - self.energy_start;
-        let energy_gain = gained / self.energy_scale;
+        let energy_gain = match gained.is_finite() {
+            true => gained / self.energy_scale,
+            false => f64::INFINITY,
+        };
 
         let meter = &mut self.meter;
-        if self.stays && displacement.has_fallen() {
+        let fell = match self.stays {
+            true => displacement.has_fallen(),
+            false => poses.iter().any(is_lost),
+        };
+        if fell {
             meter.fell_at.get_or_insert(self.time);
         }
         meter.energy_gain = meter.energy_gain.max(energy_gain);
@@ -282,6 +289,11 @@ impl Run {
     }
 }
 
+/// Nowhere, or with its centre in the ground, which is level in all scenes that are to move.
+fn is_lost(pose: &Pose) -> bool {
+    !(pose.is_finite() && pose.position.y > 0.0)
+}
+
 /// Median and 95th percentile of times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
@@ -318,9 +330,10 @@ fn median<T: Copy + Ord>(values: &[T]) -> Option<T> {
 /// What became of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Nothing has fallen ([`metrics::FALLEN`]) at any time; always true of what is meant to move ([`Scene::stays`]).
+    /// Nothing has fallen ([`metrics::FALLEN`]) at any time. Of what is meant to move ([`Scene::stays`]): nothing is lost, despawned,
+    /// quarantined, or through the ground.
     pub stands: bool,
-    /// When something first fell, s.
+    /// When something first fell or was lost, s.
     pub fell_at: Option<f32>,
     /// Worst body at the end against its start. Scenes start with the method's ideal gaps, so sag is free of them.
     pub displacement: Displacement,

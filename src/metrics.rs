@@ -1,50 +1,93 @@
 //! The meters that examples, tests and users share: penetration, drift, sag, tilt, jitter, energy.
 //!
-//! All of them read components only and change nothing.
+//! All of them read components only and change nothing. None of them overlooks a body: what is quarantined, despawned or not finite is
+//! infinitely far off, fast and energetic.
 
 use crate::body::{GravityScale, MassProperties, Pose, Quarantined, RigidBody, Velocity};
 use crate::contact::{ContactImpulses, Manifold};
 use crate::settings::{Gravity, StabilizationSettings};
 use bevy_ecs::prelude::*;
+use glam::{Quat, Vec3};
 
-/// Mechanical energy of all dynamic bodies, J: kinetic, and potential against the origin.
+/// Where a body is that is watched, and how it moves there. What is despawned or quarantined is nowhere: NaN, which [`Displacement`]
+/// takes for fallen.
+pub fn watch(world: &World, body: Entity) -> (Pose, Velocity) {
+    let seen = || {
+        let body = world.get_entity(body).ok()?;
+        let sound = !body.contains::<Quarantined>();
+        sound.then(|| Some((*body.get::<Pose>()?, *body.get::<Velocity>()?)))?
+    };
+    seen().unwrap_or((NOWHERE, Velocity::linear(Vec3::NAN)))
+}
+
+/// Where a lost body is.
+pub const NOWHERE: Pose = Pose {
+    position: Vec3::NAN,
+    rotation: Quat::from_array([f32::NAN; 4]),
+};
+
+/// What is no number is worse than any: comparisons and `max` would overlook it.
+fn or_infinite(x: f32) -> f32 {
+    if x.is_nan() { f32::INFINITY } else { x }
+}
+
+/// Mechanical energy of all dynamic bodies, J: kinetic, and potential against the origin. Infinite where one of them is lost.
 pub fn energy(world: &mut World) -> f64 {
     let gravity = world.resource::<Gravity>().0;
-    let mut bodies = world.query_filtered::<(&RigidBody, &Pose, &Velocity, &MassProperties, &GravityScale), Without<Quarantined>>();
-    bodies
-        .iter(world)
-        .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
-        .map(|(_, pose, velocity, mass, scale)| {
-            let height = -(gravity * scale.0).dot(pose.transform_point(mass.local_center));
-            mass.kinetic_energy(pose.rotation, velocity) as f64 + (mass.mass() * height) as f64
-        })
-        .sum()
+    of_dynamic(world, |pose, velocity, mass, scale| {
+        let height = -(gravity * scale.0).dot(pose.transform_point(mass.local_center));
+        mass.kinetic_energy(pose.rotation, velocity) as f64 + (mass.mass() * height) as f64
+    })
 }
 
-/// Kinetic energy of all dynamic bodies, J.
+/// Kinetic energy of all dynamic bodies, J. Infinite where one of them is lost.
 pub fn kinetic_energy(world: &mut World) -> f64 {
-    let mut bodies = world
-        .query_filtered::<(&RigidBody, &Pose, &Velocity, &MassProperties), Without<Quarantined>>();
-    bodies
-        .iter(world)
-        .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
-        .map(|(_, pose, velocity, mass)| mass.kinetic_energy(pose.rotation, velocity) as f64)
-        .sum()
+    of_dynamic(world, |pose, velocity, mass, _| {
+        mass.kinetic_energy(pose.rotation, velocity) as f64
+    })
 }
 
-/// Root mean square of the speeds of all dynamic bodies' centres, m/s: jitter, where nothing should move.
+fn of_dynamic(
+    world: &mut World,
+    energy: impl Fn(&Pose, &Velocity, &MassProperties, &GravityScale) -> f64,
+) -> f64 {
+    let mut bodies = world.query::<(
+        &RigidBody,
+        &Pose,
+        &Velocity,
+        &MassProperties,
+        &GravityScale,
+        Has<Quarantined>,
+    )>();
+    let all: f64 = bodies
+        .iter(world)
+        .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
+        .map(|(_, pose, velocity, mass, scale, lost)| match lost {
+            true => f64::NAN,
+            false => energy(pose, velocity, mass, scale),
+        })
+        .sum();
+    if all.is_finite() { all } else { f64::INFINITY }
+}
+
+/// Root mean square of the speeds of all dynamic bodies' centres, m/s: jitter, where nothing should move. Infinite where one of
+/// them is lost.
 pub fn rms_speed(world: &mut World) -> f32 {
-    let mut bodies = world.query_filtered::<(&RigidBody, &Velocity), Without<Quarantined>>();
+    let mut bodies = world.query::<(&RigidBody, &Velocity, Has<Quarantined>)>();
     let (sum, count) = bodies
         .iter(world)
-        .filter(|(kind, _)| **kind == RigidBody::Dynamic)
-        .fold((0.0, 0), |(sum, count), (_, v)| {
-            (sum + v.linear.length_squared(), count + 1)
+        .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
+        .fold((0.0, 0), |(sum, count), (_, velocity, lost)| {
+            let square = match lost {
+                true => f32::INFINITY,
+                false => velocity.linear.length_squared(),
+            };
+            (sum + square, count + 1)
         });
     if count == 0 {
         0.0
     } else {
-        (sum / count as f32).sqrt()
+        or_infinite((sum / count as f32).sqrt())
     }
 }
 
@@ -70,15 +113,15 @@ pub fn gaps(world: &mut World) -> Gaps {
     for (manifold, impulses) in pairs.iter(world) {
         gaps.points += manifold.points.len();
         for (point, impulse) in manifold.points.iter().zip(&impulses.points) {
-            let overlap = (-point.distance).max(0.0);
+            let overlap = or_infinite(-point.distance).max(0.0);
             gaps.penetration_max = gaps.penetration_max.max(overlap);
-            if point.distance <= settings.outer_distance() {
+            if overlap > 0.0 || point.distance <= settings.outer_distance() {
                 sum += overlap;
                 inside += 1;
             }
             if impulse.normal > 0.0 {
                 let error = (point.distance - settings.rest_distance()).abs();
-                gaps.ideal_error_max = gaps.ideal_error_max.max(error);
+                gaps.ideal_error_max = gaps.ideal_error_max.max(or_infinite(error));
             }
         }
     }
@@ -90,7 +133,7 @@ pub fn gaps(world: &mut World) -> Gaps {
     gaps
 }
 
-/// How far bodies are from where they were.
+/// How far bodies are from where they were. Infinite where one of them is lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
     /// Largest distance sideways, m.
@@ -116,10 +159,14 @@ impl Displacement {
     ) -> Self {
         let mut worst = Self::default();
         for (start, now) in start.into_iter().zip(now) {
-            let moved = now.position - start.position;
-            worst.drift = worst.drift.max(moved.with_y(0.0).length());
-            worst.sag = worst.sag.max(-moved.y);
-            worst.tilt = worst.tilt.max(turn(start, now));
+            let moved = match start.is_finite() && now.is_finite() {
+                true => now.position - start.position,
+                // Also what is infinitely high, and so neither drifts nor sags.
+                false => Vec3::NAN,
+            };
+            worst.drift = worst.drift.max(or_infinite(moved.with_y(0.0).length()));
+            worst.sag = worst.sag.max(or_infinite(-moved.y));
+            worst.tilt = worst.tilt.max(or_infinite(turn(start, now)));
         }
         worst
     }
@@ -130,8 +177,9 @@ impl Displacement {
     }
 }
 
-/// The angle between two orientations, rad. From the sine of the half: the cosine loses small angles in rounding.
+/// The angle between two orientations, rad. From the sine of the half: the cosine loses small angles in rounding. By `clamp`, which
+/// keeps NaN, and not `min`, which makes it 1.
 fn turn(a: &Pose, b: &Pose) -> f32 {
     let between = a.rotation.inverse() * b.rotation;
-    2.0 * between.xyz().length().min(1.0).asin()
+    2.0 * between.xyz().length().clamp(0.0, 1.0).asin()
 }

@@ -1,6 +1,6 @@
 //! The time of every system, always recorded: a pair of clock readings costs 50 ns.
 //!
-//! [`timed`] wraps a system; drystone's own are all wrapped by [`crate::schedule`], under the names of their stages, and a
+//! [`timed`] wraps a system; drystone's own are all wrapped by its [plugins](crate::DrystonePlugins), under the names of their stages, and a
 //! user's system is shown beside them when it is wrapped too. With several substeps a step's time is their sum.
 
 use bevy_ecs::prelude::*;

@@ -1,7 +1,7 @@
 //! The acceptance list: what the method must hold, and what must fall without friction stabilization.
 //!
-//! Δt 0.1, 60 s, three seeds, no warm start, the new normal stabilization unless said. The figures that each row gave last stand in
-//! `docs/findings.md`.
+//! Δt 0.1, 60 s, three seeds, no warm start, the new normal stabilization unless said. Limits of drift are the README's figures with a
+//! little room, or the list's.
 
 use drystone::body::Velocity;
 use drystone::experiment::{Experiment, Outcome};
@@ -93,7 +93,7 @@ fn row_01_stack_of_3() {
 #[test]
 fn row_02_wall_3x3() {
     let experiment = pgs_12(Scene::Wall(3, 3));
-    each_seed(&experiment, MINUTE, |outcome| stands(outcome, 0.04));
+    each_seed(&experiment, MINUTE, |outcome| stands(outcome, 0.012));
     falls_without_before(&experiment, 30.0);
 }
 
@@ -130,7 +130,7 @@ fn row_05_wall_6x6() {
 fn row_06_wall_10x10() {
     let experiment = nncg_75(Scene::Wall(10, 10));
     each_seed(&experiment, MINUTE, |outcome| {
-        stands(outcome, 0.05);
+        stands(outcome, 0.008);
         assert!(outcome.penetration_max < 0.01);
         assert!(outcome.rms_speed < 0.01);
     });
@@ -147,7 +147,7 @@ fn row_07_stack_of_10() {
 fn tall_wall(mut experiment: Experiment, substeps: usize) {
     experiment.solver.substeps = substeps;
     each_seed(&experiment, MINUTE, |outcome| {
-        stands(outcome, 0.20);
+        stands(outcome, 0.042);
         assert!(outcome.penetration_max < 0.025);
     });
     falls_without_before(&experiment, 8.0);
@@ -308,6 +308,7 @@ fn row_15_overlap_leaves_no_faster_than_the_clamp() {
                 .world
                 .get::<Velocity>(body)
                 .expect("the cubes are there");
+            assert!(velocity.is_finite(), "{velocity:?}");
             fastest = fastest.max(velocity.linear.length());
         }
     }

@@ -459,6 +459,7 @@ fn row_19_a_free_brick_keeps_momentum_and_energy_while_it_tumbles() {
     let (mut lowest, mut worst_momentum, mut worst_energy) = (1.0f32, 0.0f32, 0.0f32);
     for _ in 0..3600 {
         lab.step();
+        assert!(lab.pose(brick).is_finite() && lab.velocity(brick).is_finite());
         let off = (momentum(&lab) - momentum_0).length() / momentum_0.length();
         worst_momentum = worst_momentum.max(off);
         worst_energy = worst_energy.max((energy(&lab) / energy_0 - 1.0).abs());
@@ -549,6 +550,7 @@ fn a_cube_that_falls_flat_stays_where_it_lands(settings: Settings) {
         let (mut up, mut aside) = (0.0f32, 0.0f32);
         for _ in 0..180 {
             lab.step();
+            assert!(lab.pose(cube).is_finite() && lab.velocity(cube).is_finite());
             up = up.max(lab.velocity(cube).linear.y);
             aside = aside.max(lab.position(cube).with_y(0.0).length());
         }

@@ -595,7 +595,7 @@ proptest! {
         prop_assert!((angular_after - angular).length() <= slack, "{angular} {angular_after}");
     }
 
-    /// Eight patches are relaxed side by side, and must be what they would be one after the other.
+    /// Four patches are relaxed side by side, and must be what they would be one after the other.
     #[test]
     fn groups_solved_in_one_problem_are_what_each_is_alone_to_the_bit(groups in groups()) {
         let (whole, places) = together(&groups);

@@ -72,78 +72,105 @@ fn keeps(experiment: &Experiment, seconds: f32, drift: f32, sag: f32) {
     assert!(sank < sag, "sag {sank} mm, wanted < {sag}");
 }
 
-#[test]
-fn a_wall_of_40_by_25_stays_within_millimetres() {
-    keeps(&default("wall:40x25"), 10.0, 3.0, 5.0);
+/// The same off by noise, under three seeds.
+#[track_caller]
+fn keeps_under_all_seeds(experiment: Experiment, seconds: f32, drift: f32, sag: f32) {
+    for seed in 1..=3 {
+        keeps(&noisy(experiment.clone(), seed), seconds, drift, sag);
+    }
 }
 
 #[test]
-fn a_stack_of_100_sinks_less_than_a_fifth_of_a_cube() {
-    keeps(&default("stack:100"), 20.0, f32::INFINITY, 200.0);
+fn a_wall_of_40_by_25_stays_within_millimetres() {
+    keeps(&default("wall:40x25"), MINUTE, 0.25, 2.6);
+}
+
+#[test]
+fn a_stack_of_100_sinks_by_a_fiftieth_of_a_cube() {
+    keeps(&default("stack:100"), MINUTE, 6.0, 27.0);
+}
+
+#[test]
+fn a_noisy_stack_of_100_sinks_by_a_fortieth_of_a_cube() {
+    keeps_under_all_seeds(default("stack:100"), MINUTE, 21.0, 29.0);
 }
 
 #[test]
 fn five_cubes_carry_a_hundred_times_their_mass() {
-    keeps(&default("massratio:100"), 30.0, f32::INFINITY, 5.0);
+    keeps(&default("massratio:100"), MINUTE, 0.1, 2.7);
+    keeps_under_all_seeds(default("massratio:100"), MINUTE, 0.4, 4.6);
 }
 
 #[test]
-#[ignore = "missed: sags 13.0 mm, wanted 5 mm"]
+#[ignore = "missed: sags 13.1 mm, wanted 5 mm"]
 fn three_cubes_carry_a_thousand_times_their_mass() {
-    keeps(&default("massratio:1000x3"), 30.0, f32::INFINITY, 5.0);
+    keeps(&default("massratio:1000x3"), MINUTE, 1.0, 5.0);
+}
+
+#[test]
+fn three_cubes_under_a_thousand_times_their_mass_sag_by_a_centimetre() {
+    keeps(&default("massratio:1000x3"), MINUTE, 1.0, 16.0);
 }
 
 #[test]
 fn a_house_of_cards_stands() {
-    keeps(&default("cardhouse:5"), 30.0, f32::INFINITY, f32::INFINITY);
+    keeps(&default("cardhouse:5"), MINUTE, 0.2, 2.1);
 }
 
 #[test]
 fn an_arch_of_15_stands() {
-    keeps(&default("arch:15"), 30.0, f32::INFINITY, f32::INFINITY);
+    keeps(&default("arch:15"), MINUTE, 29.0, 7.5);
+    keeps_under_all_seeds(default("arch:15"), MINUTE, 7.5, 3.1);
 }
 
 #[test]
 fn an_arch_of_25_stands() {
-    keeps(&default("arch:25"), 30.0, f32::INFINITY, f32::INFINITY);
+    keeps(&default("arch:25"), MINUTE, 18.0, 12.0);
+    keeps_under_all_seeds(default("arch:25"), MINUTE, 7.5, 4.0);
 }
 
 #[test]
 fn a_cantilever_of_4_stands() {
-    keeps(&default("cantilever:4"), 30.0, f32::INFINITY, f32::INFINITY);
+    keeps(&default("cantilever:4"), MINUTE, 0.2, 0.3);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_stack_of_20_stays() {
-    keeps(&coarse("stack:20"), MINUTE, 20.0, f32::INFINITY);
+    keeps(&coarse("stack:20"), MINUTE, 4.6, 37.0);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_noisy_stack_of_20_stays() {
     let experiment = noisy(coarse("stack:20"), 1);
-    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+    keeps(&experiment, MINUTE, 20.0, 39.0);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_wall_of_20_by_15_stays() {
-    keeps(&coarse("wall:20x15"), MINUTE, 20.0, f32::INFINITY);
+    keeps(&coarse("wall:20x15"), MINUTE, 3.5, 35.0);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_noisy_wall_of_20_by_15_stays() {
-    let experiment = noisy(coarse("wall:20x15"), 1);
-    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+    keeps_under_all_seeds(coarse("wall:20x15"), MINUTE, 3.8, 36.0);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_pyramid_of_20_stays() {
-    keeps(&coarse("pyramid:20"), MINUTE, 20.0, f32::INFINITY);
+    keeps(&coarse("pyramid:20"), MINUTE, 1.8, 36.0);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_noisy_pyramid_of_20_stays() {
-    let experiment = noisy(coarse("pyramid:20"), 1);
-    keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
+    keeps_under_all_seeds(coarse("pyramid:20"), MINUTE, 8.6, 40.0);
+}
+
+#[test]
+fn at_a_tenth_of_a_second_a_stack_built_by_hand_takes_a_press_on_its_edge() {
+    let experiment = coarse("pressed:5");
+    let task = experiment.start();
+    let seconds = task.hand().expect("the task has a hand").duration();
+    keeps(&experiment, seconds, 0.03, 0.1);
 }
 
 /// Asserts that a cube on the ground hardly creeps or turns in so many seconds, from when it has settled.
@@ -159,7 +186,7 @@ fn rests(seconds: f32) {
     let crept = lab.position(cube).distance(settled.position);
     let turned = moved.tilt.to_degrees();
     println!("{seconds} s: crept {crept:e} m, turned {turned:e}°");
-    assert!(crept < 1e-4 && turned < 0.01, "{crept} m, {turned}°");
+    assert!(crept < 1e-7 && turned < 1e-5, "{crept} m, {turned}°");
 }
 
 #[test]
@@ -176,6 +203,7 @@ fn never_gains_energy(scene: &str) {
     while run.time() < 10.0 {
         run.step();
         let energy = metrics::energy(&mut run.world);
+        assert!(energy.is_finite(), "{scene}: {energy} J");
         let gain = (energy - last) / energy.abs().max(1.0);
         if gain > worst {
             (worst, at) = (gain, run.time());
@@ -237,7 +265,9 @@ fn fullest_cone(experiment: &Experiment) -> f32 {
             let carried: f32 = impulses.points.iter().map(|point| point.normal).sum();
             let friction: Vec3 = impulses.points.iter().map(|point| point.tangential).sum();
             if friction != Vec3::ZERO {
-                fullest = fullest.max(friction.length() / (pair.friction * carried));
+                let share = friction.length() / (pair.friction * carried);
+                assert!(!share.is_nan(), "{friction}, {carried} N·s");
+                fullest = fullest.max(share);
             }
         }
     }
@@ -271,34 +301,48 @@ fn a_cube_rests_for_ten_hours() {
 
 #[test]
 #[ignore = "long"]
+fn a_noisy_wall_of_40_by_25_stays_within_millimetres() {
+    keeps_under_all_seeds(default("wall:40x25"), MINUTE, 1.8, 4.4);
+}
+
+#[test]
+#[ignore = "long"]
 fn a_wall_of_100_by_50_stands() {
-    keeps(&default("wall:100x50"), 10.0, f32::INFINITY, f32::INFINITY);
+    keeps(&default("wall:100x50"), MINUTE, 1.0, 9.6);
+}
+
+#[test]
+#[ignore = "long"]
+fn a_noisy_wall_of_100_by_50_stands() {
+    keeps_under_all_seeds(default("wall:100x50"), 20.0, 4.1, 9.3);
 }
 
 #[test]
 #[ignore = "long"]
 fn a_pyramid_of_100_stands() {
-    keeps(&default("pyramid:100"), 10.0, f32::INFINITY, f32::INFINITY);
+    keeps(&default("pyramid:100"), MINUTE, 1.5, 23.0);
 }
 
+#[test]
+#[ignore = "long"]
+fn a_noisy_pyramid_of_100_stands() {
+    keeps_under_all_seeds(default("pyramid:100"), 20.0, 21.0, 24.0);
+}
+
+/// Awake; it may sleep by default.
 #[test]
 #[ignore = "long"]
 fn a_heap_of_1000_comes_to_rest() {
     let outcome = end(&default("heap:1000"), 10.0);
-    assert!(outcome.stands, "to fall is what it is for");
+    assert!(outcome.stands, "a box is lost at {:?} s", outcome.fell_at);
     let [speed, overlap] = [outcome.rms_speed, outcome.penetration_end].map(|x| 1e3 * x);
-    assert!(speed < 1.0, "{speed} mm/s");
-    assert!(overlap < 5.0, "{overlap} mm");
+    assert!(speed < 0.2, "{speed} mm/s");
+    assert!(overlap < 1.2, "{overlap} mm");
 }
 
-/// The noisy ones from above at a tenth of a second, with other noise.
+/// The stack from above at a tenth of a second, with other noise.
 #[test]
-#[ignore = "long"]
-fn at_a_tenth_of_a_second_all_seeds_stay() {
-    for scene in ["stack:20", "wall:20x15", "pyramid:20"] {
-        for seed in 1..=3 {
-            let experiment = noisy(coarse(scene), seed);
-            keeps(&experiment, MINUTE, 20.0, f32::INFINITY);
-        }
-    }
+#[ignore = "missed: seed 2 drifts 21.3 mm, wanted 20 mm"]
+fn at_a_tenth_of_a_second_all_noisy_stacks_of_20_stay() {
+    keeps_under_all_seeds(coarse("stack:20"), MINUTE, 20.0, 39.0);
 }

@@ -1,5 +1,10 @@
 //! What plots of all examples have in common: a font, and legends.
 
+mod letters;
+
+pub use letters::Picture;
+
+use letters::FONT;
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
@@ -7,7 +12,7 @@ use plotters::style::{FontStyle, register_font};
 use std::error::Error;
 
 /// Part of a picture.
-pub type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
+pub type Area<'a> = DrawingArea<Picture<'a>, Shift>;
 
 /// How a line is drawn.
 #[derive(Clone, Copy)]
@@ -30,8 +35,7 @@ impl Stroke {
 
 /// A font of our own under the name `sans-serif`: a fresh machine may have none.
 pub fn bring_font() -> Result<(), Box<dyn Error>> {
-    let font = epaint_default_fonts::UBUNTU_LIGHT;
-    register_font("sans-serif", FontStyle::Normal, font).map_err(|_| "the font is damaged".into())
+    register_font("sans-serif", FontStyle::Normal, FONT).map_err(|_| "the font is damaged".into())
 }
 
 /// Strokes and what they stand for, in so many columns; entries without a stroke are notes.

@@ -1,5 +1,6 @@
 //! The paper's Figures 1, 3 and 4: frames of one or more runs, side by side.
 
+use crate::drawing::Picture;
 use crate::render::{Camera, SIZE, frame};
 use crate::rows::Row;
 use crate::runs::{Moment, Record};
@@ -100,7 +101,7 @@ impl Figure {
         let strip_height = HEADING + SIZE.1 + CAPTION;
         let height = TITLE + self.strips.len() as u32 * strip_height + SPACE;
         let path = out.join(format!("{}.png", self.name));
-        let area = BitMapBackend::new(&path, (width, height)).into_drawing_area();
+        let area = Picture::new(&path, (width, height)).into_drawing_area();
         area.fill(&WHITE)?;
         let write = |text: &str, x: u32, y: u32, size: u32| {
             let font = ("sans-serif", size).into_font();
@@ -136,7 +137,7 @@ impl Figure {
                 write(&caption(moment), left, top + HEADING + SIZE.1 + 5, 17)?;
                 let file = format!("{}{}-{}.png", self.name, char::from(b'a' + i as u8), k + 1);
                 let file = out.join("frames").join(file);
-                let alone = BitMapBackend::new(&file, SIZE).into_drawing_area();
+                let alone = Picture::new(&file, SIZE).into_drawing_area();
                 alone.draw(&picture((0, 0))?)?;
                 alone.present()?;
             }

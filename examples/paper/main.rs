@@ -10,6 +10,8 @@
 #[path = "../drawing/mod.rs"]
 mod drawing;
 mod figures;
+#[path = "../output/mod.rs"]
+mod output;
 mod plots;
 mod render;
 #[path = "../report/mod.rs"]
@@ -23,9 +25,9 @@ use drystone::scenes::Scene;
 use rows::ROWS;
 use runs::Job;
 use std::error::Error;
-use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// Reruns the paper's experiments.
 #[derive(Parser)]
@@ -42,9 +44,18 @@ const STACKS: [Scene; 3] = [Scene::Stack(3), Scene::Stack(5), Scene::Stack(10)];
 const WALLS: [Scene; 3] = [Scene::Wall(3, 3), Scene::Wall(6, 6), Scene::Wall(10, 10)];
 const TASK: Scene = Scene::Pressed(5);
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let Arguments { quick, out } = Arguments::parse();
-    fs::create_dir_all(&out)?;
+fn main() -> ExitCode {
+    match rerun(Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn rerun(Arguments { quick, out }: Arguments) -> Result<(), Box<dyn Error>> {
+    let mut lines = output::begin(&out)?;
     drawing::bring_font()?;
 
     let (scenes, seconds) = if quick {
@@ -63,7 +74,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let jobs: Vec<Job> = scenes.iter().flat_map(on_all_rows).collect();
     let records = runs::run_all(&jobs);
 
-    let mut lines = fs::File::create(out.join("runs.jsonl"))?;
     for record in &records {
         writeln!(lines, "{}", record.json())?;
     }

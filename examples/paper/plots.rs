@@ -1,6 +1,6 @@
 //! Quantities over time: one picture a quantity and group of scenes, a panel a scene, a line a row.
 
-use crate::drawing::{self, Area, Stroke};
+use crate::drawing::{self, Area, Picture, Stroke};
 use crate::rows::{ROWS, Row};
 use crate::runs::Record;
 use drystone::experiment::Sample;
@@ -69,7 +69,7 @@ pub fn draw(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
             // The legend wants the width of two panels.
             let width = PANEL.0 * scenes.len().max(2) as u32;
             let path = out.join(format!("{}-{group}.png", quantity.file));
-            let area = BitMapBackend::new(&path, (width, PANEL.1 + LEGEND)).into_drawing_area();
+            let area = Picture::new(&path, (width, PANEL.1 + LEGEND)).into_drawing_area();
             area.fill(&WHITE)?;
             let (plots, below) = area.split_vertically(PANEL.1);
             for (panel, scene) in plots.split_evenly((1, scenes.len())).iter().zip(&scenes) {
@@ -156,6 +156,7 @@ impl Quantity {
             points: samples
                 .take_while(|s| s.time <= end)
                 .map(|s| (s.time as f64, (self.of)(s).max(floor)))
+                .filter(|(_, y)| y.is_finite())
                 .collect(),
         }
     }

@@ -11,6 +11,8 @@ mod cases;
 #[path = "../drawing/mod.rs"]
 mod drawing;
 mod methods;
+#[path = "../output/mod.rs"]
+mod output;
 mod plots;
 mod questions;
 #[path = "../report/mod.rs"]
@@ -24,9 +26,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use questions::Question;
 use serde_json::Value;
 use std::error::Error;
-use std::fs;
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use tables::Table;
 
 /// Measures what each part of the method is worth.
@@ -40,14 +43,23 @@ struct Arguments {
     out: PathBuf,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let Arguments { quick, out } = Arguments::parse();
-    fs::create_dir_all(&out)?;
+fn main() -> ExitCode {
+    match measure(Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn measure(Arguments { quick, out }: Arguments) -> Result<(), Box<dyn Error>> {
+    let lines = output::begin(&out)?;
     drawing::bring_font()?;
     // All of it on one thread of rayon's, so that no step is handed over to another.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let study = pool.install(|| study(Scope { quick }));
-    study.write(&out)?;
+    study.write(lines, &out)?;
     println!(
         "\nplots, study.md, study.json and runs.jsonl are in {}",
         out.display()
@@ -75,9 +87,8 @@ fn study(scope: Scope) -> Study {
 }
 
 impl Study {
-    fn write(&self, out: &Path) -> Result<(), Box<dyn Error>> {
+    fn write(&self, mut lines: File, out: &Path) -> Result<(), Box<dyn Error>> {
         plots::draw(&self.records, out)?;
-        let mut lines = fs::File::create(out.join("runs.jsonl"))?;
         for line in self.records.iter().flat_map(ablations::Record::json) {
             writeln!(lines, "{line}")?;
         }

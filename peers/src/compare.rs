@@ -82,6 +82,7 @@ mod tests {
     use crate::engine::Engine;
     use crate::rapier::Ground;
     use drystone::body::MassProperties;
+    use drystone::prelude::{Vec3, Velocity};
 
     const CONDITIONS: Conditions = Conditions {
         dt: 1.0 / 60.0,
@@ -153,6 +154,24 @@ mod tests {
         let (_, rapier, bodies) = engines("overlap:0.125", Ground::HalfSpace);
         let deepest = crate::overlap::deepest(&bodies, &rapier.poses());
         assert!((deepest - 0.125).abs() < 1e-5, "{deepest}");
+    }
+
+    /// Both engines take a body that is no number out of the simulation and leave it where it was.
+    #[test]
+    fn what_is_lost_has_fallen() {
+        let (mut drystone, rapier, bodies) = engines("stack:3", Ground::Slab);
+        let lost = bodies[2].entity;
+        let nowhere = Velocity::linear(Vec3::NAN);
+        drystone.world().entity_mut(lost).insert(nowhere);
+        let mut drystone = Metered::new(drystone, &bodies, CONDITIONS.dt);
+        let mut rapier = Metered::new(rapier, &bodies, CONDITIONS.dt);
+        rapier.engine.lose(2);
+        drystone.steps(5);
+        rapier.steps(5);
+        for outcome in [drystone.outcome(&bodies), rapier.outcome(&bodies)] {
+            assert!(outcome.fell_at.is_some() && outcome.displacement.has_fallen());
+            assert!(outcome.rms_speed.is_nan() && outcome.overlap == f32::INFINITY);
+        }
     }
 
     #[test]

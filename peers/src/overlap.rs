@@ -7,8 +7,11 @@ use rapier3d::math::Pose as ParryPose;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 
-/// Deepest overlap of any two bodies, m.
+/// Deepest overlap of any two bodies, m; infinite where one of them is nowhere.
 pub fn deepest(bodies: &[Body], poses: &[Pose]) -> f32 {
+    if !poses.iter().all(Pose::is_finite) {
+        return f32::INFINITY;
+    }
     let mut placed: Vec<Placed> = bodies.iter().zip(poses).map(Placed::new).collect();
     // Sweep and prune along x.
     placed.sort_by(|a, b| a.aabb.mins.x.total_cmp(&b.aabb.mins.x));

@@ -4,7 +4,8 @@ use crate::engine::Engine;
 use crate::scene::Body;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
-use drystone::prelude::{Pose, RigidBody, Vec3, Velocity};
+use drystone::metrics;
+use drystone::prelude::{Pose, RigidBody, Vec3};
 
 /// The world in which the scene was built. Stepped by [`drystone::step`] itself: an experiment's own step measures too, and that
 /// would be timed.
@@ -24,8 +25,8 @@ impl Drystone {
     }
 
     #[cfg(test)]
-    pub fn world(&self) -> &World {
-        &self.world
+    pub fn world(&mut self) -> &mut World {
+        &mut self.world
     }
 }
 
@@ -35,10 +36,7 @@ impl Engine for Drystone {
     }
 
     fn poses(&self) -> Vec<Pose> {
-        let pose = |(body, _): &(Entity, RigidBody)| {
-            let pose = self.world.get::<Pose>(*body);
-            *pose.expect("no scene removes a body")
-        };
+        let pose = |(body, _): &(Entity, RigidBody)| metrics::watch(&self.world, *body).0;
         self.bodies.iter().map(pose).collect()
     }
 
@@ -46,8 +44,7 @@ impl Engine for Drystone {
         self.bodies
             .iter()
             .filter(|(_, kind)| *kind == RigidBody::Dynamic)
-            .filter_map(|(body, _)| self.world.get::<Velocity>(*body))
-            .map(|velocity| velocity.linear)
+            .map(|(body, _)| metrics::watch(&self.world, *body).1.linear)
             .collect()
     }
 }

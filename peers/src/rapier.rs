@@ -5,6 +5,7 @@
 
 use crate::engine::Engine;
 use crate::scene::{Body, Conditions};
+use drystone::metrics;
 use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
 use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
@@ -72,6 +73,11 @@ impl Rapier {
     #[cfg(test)]
     pub fn bodies(&self) -> impl Iterator<Item = &rapier3d::prelude::RigidBody> {
         self.bodies.iter().map(|&handle| &self.world.bodies[handle])
+    }
+
+    #[cfg(test)]
+    pub fn lose(&mut self, body: usize) {
+        self.world.bodies[self.bodies[body]].set_linvel(drystone::prelude::Vec3::NAN, true);
     }
 }
 
@@ -150,12 +156,13 @@ impl Engine for Rapier {
     }
 
     fn poses(&self) -> Vec<Pose> {
-        let pose = |&body: &RigidBodyHandle| {
-            let pose = self.world.bodies[body].position();
-            Pose {
-                position: pose.translation,
-                rotation: pose.rotation,
-            }
+        // Rapier too takes a body that is no number out of the simulation, and leaves it where it was.
+        let pose = |&body: &RigidBodyHandle| match &self.world.bodies[body] {
+            body if body.is_enabled() => Pose {
+                position: body.position().translation,
+                rotation: body.position().rotation,
+            },
+            _ => metrics::NOWHERE,
         };
         self.bodies.iter().map(pose).collect()
     }
@@ -165,7 +172,10 @@ impl Engine for Rapier {
             .iter()
             .map(|&body| &self.world.bodies[body])
             .filter(|body| body.is_dynamic())
-            .map(|body| body.linvel())
+            .map(|body| match body.is_enabled() {
+                true => body.linvel(),
+                false => Vec3::NAN,
+            })
             .collect()
     }
 }

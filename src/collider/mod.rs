@@ -157,6 +157,8 @@ impl Collider {
     /// A triangle mesh: a surface, for static and kinematic bodies. Seams between its triangles are smooth: contacts use
     /// the face normals where an edge is not a true corner.
     ///
+    /// It holds from one side: that from which its triangles run counterclockwise. What comes from behind goes through.
+    ///
     /// # Errors
     /// [`ColliderError::InvalidMesh`] where parry cannot build it.
     pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ColliderError> {
@@ -176,6 +178,8 @@ impl Collider {
 
     /// A height field over the x–z plane, centred on the origin: `heights[row][column]` with rows along z and columns
     /// along x, and its full size along x, y (a factor on the heights) and z.
+    ///
+    /// It holds from above. What comes from below goes through.
     ///
     /// # Errors
     /// [`ColliderError::InvalidHeightField`] where it has fewer than two rows or columns, ragged rows, or a bad height.

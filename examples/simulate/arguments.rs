@@ -1,0 +1,302 @@
+//! The command line: what may be asked for, and the experiment that it means. What is out of bounds is refused with the option,
+//! the value and the bounds.
+
+use clap::builder::RangedU64ValueParser;
+use clap::{Parser, ValueEnum};
+use drystone::experiment::Experiment;
+use drystone::scenes::{KNOWN, Scene};
+use drystone::settings::{AnchorRule, Classifier, NormalStabilization, PhysicsThreads, Preset};
+use drystone::solver::{FrictionCone, Nncg, Pgs, SoftStep};
+use std::f32::consts::PI;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+/// Simulates a scene and prints what became of it.
+#[derive(Parser)]
+#[command(after_help = format!("Scenes: {KNOWN}"))]
+pub struct Arguments {
+    /// What to simulate.
+    #[arg(long)]
+    scene: Scene,
+    /// Where the settings start from; every other option changes one of them.
+    #[arg(long, value_enum, default_value = "default")]
+    preset: PresetName,
+    /// Length of a step, s.
+    #[arg(long, value_parser = number(STEP), allow_hyphen_values = true)]
+    dt: Option<f32>,
+    /// How many steps.
+    #[arg(long, default_value_t = 600, value_parser = count(1_000_000_000))]
+    pub steps: usize,
+    /// Contact solver.
+    #[arg(long, value_enum)]
+    solver: Option<SolverName>,
+    /// Sweeps a solve, at most.
+    #[arg(long, value_parser = count(100_000))]
+    iterations: Option<usize>,
+    /// Substeps a step.
+    #[arg(long, value_parser = count(1000))]
+    substeps: Option<usize>,
+    /// Normal stabilization.
+    #[arg(long, value_enum)]
+    normal: Option<NormalName>,
+    /// Friction stabilization.
+    #[arg(long, value_enum)]
+    friction_stabilization: Option<Switch>,
+    /// Where anchors come from.
+    #[arg(long, value_enum)]
+    anchors: Option<AnchorName>,
+    /// What counts as sticking.
+    #[arg(long, value_enum)]
+    classifier: Option<ClassifierName>,
+    /// Shape of the friction cone.
+    #[arg(long, value_enum)]
+    friction: Option<ConeName>,
+    /// Share of last step's impulses that a solve starts from, 0 to 1.
+    #[arg(long, value_parser = number(0.0..=1.0), allow_hyphen_values = true)]
+    warm_start: Option<f32>,
+    /// Threads; rayon's default if not given.
+    #[arg(long, value_parser = count(256))]
+    threads: Option<usize>,
+    /// Whether bodies at rest sleep.
+    #[arg(long, value_enum)]
+    sleeping: Option<Switch>,
+    /// Seeds of the noise, one run each.
+    #[arg(long, value_delimiter = ',', default_value = "1")]
+    pub seeds: Vec<u64>,
+    /// Gap between neighbours in a course, m.
+    #[arg(long, value_parser = number(LENGTH), allow_hyphen_values = true)]
+    gap: Option<f32>,
+    /// Noise on the start poses, m and rad, such as 0.002,0.01.
+    #[arg(long, value_name = "M,RAD", value_parser = noise, allow_hyphen_values = true)]
+    noise: Option<Noise>,
+    /// One JSON line a seed instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// s
+const STEP: RangeInclusive<f32> = 1e-6..=1.0;
+/// Of noise and gaps, m: more than a brick's length leaves nothing of a scene.
+const LENGTH: RangeInclusive<f32> = 0.0..=1.0;
+/// rad
+const ANGLE: RangeInclusive<f32> = 0.0..=PI;
+
+/// At the start, either way.
+#[derive(Clone, Copy)]
+struct Noise {
+    /// m
+    position: f32,
+    /// rad
+    angle: f32,
+}
+
+fn count(most: u64) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=most)
+}
+
+fn number(allowed: RangeInclusive<f32>) -> impl Fn(&str) -> Result<f32, String> + Clone {
+    move |text| match text.trim().parse() {
+        Ok(x) if allowed.contains(&x) => Ok(x),
+        _ => Err(format!(
+            "must be a number from {} to {}",
+            allowed.start(),
+            allowed.end()
+        )),
+    }
+}
+
+fn noise(text: &str) -> Result<Noise, String> {
+    let (position, angle) = text
+        .split_once(',')
+        .ok_or("must be two numbers, metres and radians, such as 0.002,0.01")?;
+    Ok(Noise {
+        position: number(LENGTH)(position).map_err(|why| format!("metres {why}"))?,
+        angle: number(ANGLE)(angle).map_err(|why| format!("radians {why}"))?,
+    })
+}
+
+/// A command-line name for each value of a setting.
+macro_rules! names {
+    ($name:ident: $($variant:ident),+) => {
+        #[derive(ValueEnum, Clone, Copy, PartialEq)]
+        enum $name { $($variant),+ }
+    };
+}
+
+names!(PresetName: Default, Paper);
+names!(SolverName: SoftStep, Pgs, Nncg);
+names!(NormalName: None, Baumgarte, BaumgarteOneSided, Envelope);
+names!(Switch: On, Off);
+names!(AnchorName: Literal, Persistent, PairPose, Trackless);
+names!(ClassifierName: PerPoint, Any, All, Sum, Hysteresis);
+names!(ConeName: Cone, Box);
+
+/// Table 1: the error reduction of the Baumgarte rows.
+const BAUMGARTE_GAIN: f32 = 0.5;
+
+impl Arguments {
+    pub fn preset(&self) -> Preset {
+        match self.preset {
+            PresetName::Default => Preset::Default,
+            PresetName::Paper => Preset::Paper,
+        }
+    }
+
+    /// # Errors
+    /// Where the operating system gives no threads.
+    pub fn experiment(&self) -> Result<Experiment, String> {
+        let mut experiment = Experiment::new(self.scene, self.preset());
+        experiment.dt = self.dt.unwrap_or(experiment.dt);
+        let solver = &mut experiment.solver;
+        match self.solver {
+            Some(SolverName::SoftStep) => solver.solver = Arc::new(SoftStep::default()),
+            Some(SolverName::Pgs) => solver.solver = Arc::new(Pgs),
+            Some(SolverName::Nncg) => solver.solver = Arc::new(Nncg),
+            None => {}
+        }
+        solver.iterations = self.iterations.unwrap_or(solver.iterations);
+        solver.substeps = self.substeps.unwrap_or(solver.substeps);
+        solver.warm_start = self.warm_start.unwrap_or(solver.warm_start);
+        match self.friction {
+            Some(ConeName::Cone) => solver.cone = FrictionCone::Circular,
+            Some(ConeName::Box) => solver.cone = FrictionCone::Box,
+            None => {}
+        }
+        let stabilization = &mut experiment.stabilization;
+        let gain = BAUMGARTE_GAIN;
+        match self.normal {
+            Some(NormalName::None) => stabilization.normal = NormalStabilization::None,
+            Some(NormalName::Baumgarte) => {
+                stabilization.normal = NormalStabilization::Baumgarte { gain }
+            }
+            Some(NormalName::BaumgarteOneSided) => {
+                stabilization.normal = NormalStabilization::BaumgarteOneSided { gain };
+            }
+            Some(NormalName::Envelope) => stabilization.normal = NormalStabilization::Envelope,
+            None => {}
+        }
+        let friction = &mut stabilization.friction;
+        if let Some(switch) = self.friction_stabilization {
+            friction.enabled = switch == Switch::On;
+        }
+        match self.anchors {
+            Some(AnchorName::Literal) => friction.anchors = AnchorRule::Literal,
+            Some(AnchorName::Persistent) => friction.anchors = AnchorRule::Persistent,
+            Some(AnchorName::PairPose) => friction.anchors = AnchorRule::PairPose,
+            Some(AnchorName::Trackless) => friction.anchors = AnchorRule::Trackless,
+            None => {}
+        }
+        match self.classifier {
+            Some(ClassifierName::PerPoint) => friction.classifier = Classifier::PerPoint,
+            Some(ClassifierName::Any) => friction.classifier = Classifier::Any,
+            Some(ClassifierName::All) => friction.classifier = Classifier::All,
+            Some(ClassifierName::Sum) => friction.classifier = Classifier::Sum,
+            Some(ClassifierName::Hysteresis) => friction.classifier = Classifier::Hysteresis,
+            None => {}
+        }
+        if let Some(switch) = self.sleeping {
+            experiment.sleeping.enabled = switch == Switch::On;
+        }
+        if let Some(n) = self.threads {
+            experiment.threads =
+                PhysicsThreads::new(n).map_err(|e| format!("--threads {n}: {e}"))?;
+        }
+        experiment.options.lateral_gap = self.gap.unwrap_or(experiment.options.lateral_gap);
+        if let Some(Noise { position, angle }) = self.noise {
+            experiment.options.noise_position = position;
+            experiment.options.noise_angle = angle;
+        }
+        Ok(experiment)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(options: &[&str]) -> Result<Arguments, clap::Error> {
+        let given = ["simulate", "--scene", "stack:2"].iter().chain(options);
+        Arguments::try_parse_from(given)
+    }
+
+    #[track_caller]
+    fn refuses(options: &[&str], allowed: &str) {
+        let error = parse(options).err().expect("it is out of bounds");
+        let text = error.to_string();
+        assert_eq!(error.exit_code(), 2, "{text}");
+        for part in options.iter().chain([&allowed]) {
+            assert!(text.contains(part), "{part} is not in: {text}");
+        }
+    }
+
+    #[test]
+    fn what_is_out_of_bounds_is_refused_with_option_value_and_bounds() {
+        for bad in [
+            "nan,nan", "0.1,inf", "-1,0", "1e9,0", "0,4", "0.1", "a,b", "0,0,0",
+        ] {
+            refuses(&["--noise", bad], "must be");
+        }
+        for bad in ["nan", "inf", "-inf", "-1", "1e9", "x"] {
+            refuses(&["--gap", bad], "from 0 to 1");
+        }
+        for bad in ["nan", "inf", "-0.1", "0", "1e-30", "10"] {
+            refuses(&["--dt", bad], "from 0.000001 to 1");
+        }
+        for bad in ["nan", "-0.1", "1.1"] {
+            refuses(&["--warm-start", bad], "from 0 to 1");
+        }
+        refuses(&["--iterations", "0"], "1..=100000");
+        refuses(&["--iterations", "100001"], "1..=100000");
+        refuses(&["--substeps", "0"], "1..=1000");
+        refuses(&["--steps", "0"], "1..=1000000000");
+        refuses(&["--threads", "0"], "1..=256");
+        refuses(&["--threads", "100000"], "1..=256");
+        refuses(&["--solver", "gauss"], "soft-step, pgs, nncg");
+    }
+
+    #[test]
+    fn absurd_scenes_are_refused() {
+        for name in ["wall:1000000x1000000", "stack:1000000", "heap:1000000"] {
+            let error = Arguments::try_parse_from(["simulate", "--scene", name]);
+            let error = error.err().expect("it is too large");
+            let text = error.to_string();
+            assert_eq!(error.exit_code(), 2, "{text}");
+            assert!(
+                text.contains("--scene") && text.contains(name) && text.contains("100000 bodies"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_within_bounds_is_taken() {
+        let options = [
+            "--solver=soft-step",
+            "--noise=0.002,0.01",
+            "--gap=0.036",
+            "--dt=0.1",
+            "--iterations=12",
+            "--substeps=2",
+            "--threads=2",
+            "--warm-start=0.5",
+        ];
+        let experiment = parse(&options).unwrap().experiment().unwrap();
+        assert_eq!(experiment.solver.solver.name(), "soft-step");
+        assert_eq!(experiment.solver.iterations, 12);
+        assert_eq!(experiment.solver.substeps, 2);
+        assert_eq!(experiment.options.noise_position, 0.002);
+        assert_eq!(experiment.options.noise_angle, 0.01);
+        assert_eq!(experiment.options.lateral_gap, 0.036);
+        assert_eq!((experiment.dt, experiment.threads.count()), (0.1, 2));
+    }
+
+    #[test]
+    fn every_solver_holds_a_stack_under_every_preset() {
+        for preset in ["--preset=default", "--preset=paper"] {
+            for solver in ["--solver=soft-step", "--solver=pgs", "--solver=nncg"] {
+                let experiment = parse(&[preset, solver]).unwrap().experiment().unwrap();
+                assert!(experiment.run(30).stands, "{preset} {solver}");
+            }
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Scenes by name, there and back.
+
+use super::Scene;
+use std::fmt;
+use std::num::IntErrorKind;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+/// How every scene is called.
+pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, incline:DEG, massratio:R[xN], cardhouse:N, \
+    cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N";
+
+/// A scene by name has at most so many bodies: more would not fit into memory, or not end in a day.
+pub const MAX_BODIES: u64 = 100_000;
+
+/// How many cubes carry the weight of `massratio:R`.
+const CARRIERS: u32 = 5;
+
+/// Thinner voussoirs are no hulls.
+const VOUSSOIRS: RangeInclusive<f32> = 3.0..=1000.0;
+/// °
+const SLOPES: RangeInclusive<f32> = -90.0..=90.0;
+/// Beyond, single precision has no digits left.
+const RATIOS: RangeInclusive<f32> = 1e-6..=1e6;
+/// m; from a gap between the cubes to one all inside the other.
+const OVERLAPS: RangeInclusive<f32> = -10.0..=1.0;
+
+/// Why a name is not that of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SceneError {
+    /// No scene is called so.
+    Unknown(String),
+    /// It would have more than [`MAX_BODIES`].
+    TooManyBodies(String),
+    /// Its number is not one of these.
+    OutOfRange(String, RangeInclusive<f32>),
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(name) => write!(f, "no scene `{name}`; known scenes: {KNOWN}"),
+            Self::TooManyBodies(name) => {
+                write!(f, "`{name}` is too large: at most {MAX_BODIES} bodies")
+            }
+            Self::OutOfRange(name, allowed) => write!(
+                f,
+                "`{name}` is out of range: from {} to {}",
+                allowed.start(),
+                allowed.end()
+            ),
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl FromStr for Scene {
+    type Err = SceneError;
+
+    fn from_str(name: &str) -> Result<Self, SceneError> {
+        let unknown = || SceneError::Unknown(name.to_owned());
+        let (kind, size) = name.split_once(':').unwrap_or((name, ""));
+        let count_of = |text: &str| match text.parse::<u32>() {
+            Ok(n) if n > 0 => Ok(n),
+            Err(error) if *error.kind() == IntErrorKind::PosOverflow => {
+                Err(SceneError::TooManyBodies(name.to_owned()))
+            }
+            _ => Err(unknown()),
+        };
+        let count = || count_of(size);
+        let within = |x: f32, allowed: RangeInclusive<f32>| match allowed.contains(&x) {
+            true => Ok(x),
+            false => Err(SceneError::OutOfRange(name.to_owned(), allowed)),
+        };
+        let number = |text: &str, allowed| within(text.parse().map_err(|_| unknown())?, allowed);
+        let scene = match kind {
+            "wall" => {
+                let (w, h) = size.split_once('x').ok_or_else(unknown)?;
+                Self::Wall(count_of(w)?, count_of(h)?)
+            }
+            "stack" => Self::Stack(count()?),
+            "pyramid" => Self::Pyramid(count()?),
+            "arch" => {
+                let n = count()?;
+                within(n as f32, VOUSSOIRS)?;
+                Self::Arch(n)
+            }
+            "heap" => Self::Heap(count()?),
+            "incline" => Self::Incline(number(size, SLOPES)?),
+            "massratio" => {
+                let (ratio, carriers) = match size.split_once('x') {
+                    Some((ratio, n)) => (ratio, count_of(n)?),
+                    None => (size, CARRIERS),
+                };
+                Self::MassRatio(number(ratio, RATIOS)?, carriers)
+            }
+            "cardhouse" => Self::CardHouse(count()?),
+            "cantilever" => Self::Cantilever(count()?),
+            "overlap" => Self::Overlap(number(size, OVERLAPS)?),
+            "pressed" => Self::Pressed(count()?),
+            "rolling" if size.is_empty() => Self::Rolling,
+            "sliding" if size.is_empty() => Self::Sliding,
+            "dropped" if size.is_empty() => Self::Dropped,
+            _ => return Err(unknown()),
+        };
+        if scene.bodies() > MAX_BODIES {
+            return Err(SceneError::TooManyBodies(name.to_owned()));
+        }
+        Ok(scene)
+    }
+}
+
+impl fmt::Display for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Wall(w, h) => write!(f, "wall:{w}x{h}"),
+            Self::Stack(n) => write!(f, "stack:{n}"),
+            Self::Pyramid(n) => write!(f, "pyramid:{n}"),
+            Self::Arch(n) => write!(f, "arch:{n}"),
+            Self::Heap(n) => write!(f, "heap:{n}"),
+            Self::Incline(degrees) => write!(f, "incline:{degrees}"),
+            Self::MassRatio(ratio, CARRIERS) => write!(f, "massratio:{ratio}"),
+            Self::MassRatio(ratio, n) => write!(f, "massratio:{ratio}x{n}"),
+            Self::CardHouse(n) => write!(f, "cardhouse:{n}"),
+            Self::Cantilever(n) => write!(f, "cantilever:{n}"),
+            Self::Rolling => f.write_str("rolling"),
+            Self::Sliding => f.write_str("sliding"),
+            Self::Dropped => f.write_str("dropped"),
+            Self::Overlap(depth) => write!(f, "overlap:{depth}"),
+            Self::Pressed(n) => write!(f, "pressed:{n}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_go_there_and_back() {
+        for name in [
+            "wall:40x25",
+            "stack:20",
+            "pyramid:5",
+            "arch:15",
+            "heap:100",
+            "incline:26.4",
+            "massratio:100",
+            "massratio:1000x3",
+            "cardhouse:3",
+            "cantilever:4",
+            "rolling",
+            "sliding",
+            "dropped",
+            "overlap:0.4",
+            "pressed:5",
+        ] {
+            assert_eq!(name.parse::<Scene>().unwrap().to_string(), name);
+        }
+    }
+
+    #[test]
+    fn unknown_names_get_the_list() {
+        for name in [
+            "wal:3x3",
+            "wall:3",
+            "wall:0x3",
+            "stack:",
+            "stack:x",
+            "rolling:1",
+            "massratio:10x0",
+            "massratio:x3",
+            "cantilever:0",
+            "",
+        ] {
+            let error = name.parse::<Scene>().unwrap_err().to_string();
+            assert!(
+                error.contains("cardhouse:N") && error.contains(name),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn absurd_sizes_get_what_is_allowed() {
+        for (name, allowed) in [
+            ("wall:1000000x1000000", "100000 bodies"),
+            ("wall:4294967295x4294967295", "100000 bodies"),
+            ("stack:99999999999999999999", "100000 bodies"),
+            ("stack:1000000", "100000 bodies"),
+            ("pyramid:447", "100000 bodies"),
+            ("heap:100001", "100000 bodies"),
+            ("cardhouse:4294967295", "100000 bodies"),
+            ("cantilever:100001", "100000 bodies"),
+            ("pressed:100001", "100000 bodies"),
+            ("massratio:2x100000", "100000 bodies"),
+            ("arch:2", "from 3 to 1000"),
+            ("arch:100000", "from 3 to 1000"),
+            ("incline:1e30", "from -90 to 90"),
+            ("incline:nan", "from -90 to 90"),
+            ("massratio:-1", "from 0.000001 to 1000000"),
+            ("massratio:1e38", "from 0.000001 to 1000000"),
+            ("overlap:inf", "from -10 to 1"),
+            ("overlap:-1e30", "from -10 to 1"),
+        ] {
+            let error = name.parse::<Scene>().unwrap_err().to_string();
+            assert!(error.contains(allowed) && error.contains(name), "{error}");
+        }
+        for name in ["wall:316x315", "pyramid:446", "arch:1000", "massratio:1e6"] {
+            name.parse::<Scene>().unwrap();
+        }
+    }
+}

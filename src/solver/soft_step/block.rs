@@ -18,7 +18,7 @@ pub struct Pass {
     pub rate: Lane,
     /// Fastest correction, m/s.
     pub max_speed: Lane,
-    /// Share of the mean load that a soft row does not give back.
+    /// Share by which a soft row holds on to what is being taken off it.
     pub preload: Lane,
 }
 
@@ -90,6 +90,8 @@ pub struct Block {
     pub(super) twist: Lane,
     /// What friction gave in the substeps before this one, N·s.
     pub(super) given: [Lane; 2],
+    /// 1/n with n points.
+    pub(super) share: Lane,
     pub(super) stiffness: Lane,
     pub(super) softness: Softness,
     pub(super) first: u32,
@@ -107,6 +109,7 @@ pub struct Points {
     pub(super) separation: Lane,
     /// The same in this substep.
     pub(super) now: Lane,
+    /// The distance at which its spring no longer pushes, m: the spring rests where the surfaces meet, with all of its load.
     pub(super) reach: Lane,
     /// λ_n, N·s.
     pub(super) impulse: Lane,
@@ -185,6 +188,7 @@ impl Block {
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
         self.twist[lane] = patch.twist * share;
         let mine = &problem.points[patch.range()];
+        self.share[lane] = 1.0 / mine.len() as f32;
         let mean = mine.iter().map(|p| p.load).sum::<f32>() / mine.len() as f32;
         for (to, point) in points.iter_mut().zip(mine) {
             to.load[lane] = mean * share;
@@ -267,11 +271,14 @@ impl Block {
         let half = Lane::splat(0.5);
         let spread = (half * half * (xx - yy) * (xx - yy) + xy * xy).sqrt();
         self.isotropic_mass = (half * (xx + yy) + spread).inverse();
+        let soft = &self.softness;
+        let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
         for point in points {
             let along = point.direction();
             point.radius = (point.x * point.x + point.y * point.y).sqrt();
             point.effect = self.normals.apply(along);
             point.mass = point.mass * along.dot(point.effect).inverse();
+            point.reach = point.load * gives * point.mass.inverse();
         }
     }
 

@@ -17,6 +17,8 @@ struct Visit {
     wrench: Screw,
     /// Σ W Δλ² of the normals, J.
     change: Lane,
+    /// Σλ_n when the patch was come to, N·s.
+    carried: Lane,
 }
 
 /// How friction is held: as a spring about its anchor, or rigidly.
@@ -47,6 +49,7 @@ impl Block {
             velocity: self.relative(&frame, a, b),
             wrench: Screw::default(),
             change: Lane::ZERO,
+            carried: Lane::ZERO,
         };
         if SOFT {
             if !pass.first {
@@ -92,6 +95,7 @@ impl Block {
             carried += point.impulse;
             lever += point.impulse * point.radius;
         }
+        visit.carried = carried;
         let keep = Lane::ONE - hold.impulse_scale;
 
         let limit = self.friction * lever;
@@ -145,14 +149,7 @@ impl Block {
         pass: &Pass,
     ) {
         let soft = &self.softness;
-        // What each point has of what the patch carries now.
-        let (mut mean, mut count) = (Lane::ZERO, Lane::ZERO);
-        for point in points.iter() {
-            mean += point.impulse;
-            count += point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
-        }
-        let mean = mean * count.inverse();
-        let per_rate = (soft.mass_scale * soft.bias_rate).inverse() * soft.impulse_scale;
+        let mean = visit.carried * self.share;
         let mut normals = on_normals_local(&visit.velocity);
         // 1 where it lands. The patches beside it must find what they would find alone.
         let landing = Lane::splat(LANDING);
@@ -174,12 +171,10 @@ impl Block {
                 let push = (-soft.bias_rate * s).min(pass.max_speed);
                 let lost = (point.load.min(mean) - point.impulse).max(Lane::ZERO);
                 let held = point.load - pass.preload * lost;
-                let reach = point.load * per_rate * point.mass.inverse();
-                point.reach = reach;
                 let closed = soft.mass_scale * point.mass * (approach - push)
                     + soft.impulse_scale * (point.impulse - held);
                 let apart = point.mass * (approach + s * pass.rate);
-                let step = counts * s.above(reach, apart, closed);
+                let step = counts * s.above(point.reach, apart, closed);
                 visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
             }
             counts = speed.above(landing, Lane::ONE, Lane::ZERO);
@@ -221,7 +216,7 @@ impl Block {
         for point in points.iter_mut() {
             let approach = point.direction().dot(normals);
             let gap = point.now.above(point.reach, point.now, Lane::ZERO);
-            let step = point.mass * (approach + gap.max(Lane::ZERO) * pass.rate);
+            let step = point.mass * (approach + gap * pass.rate);
             visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
         }
     }

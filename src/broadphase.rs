@@ -260,6 +260,8 @@ pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
                     order: [a.order, b.order],
                     friction: a.friction.combine(b.friction),
                     restitution: a.restitution.combine(b.restitution),
+                    rolling_friction: a.rolling.combine(b.rolling),
+                    rolling_radius: a.rolling_radius().min(b.rolling_radius()),
                     touching: false,
                     parted: false,
                     announced: false,

@@ -17,7 +17,7 @@ pub enum BodyProblem {
     InvalidMass,
     /// The shape has no size in some direction, or a size that is not finite.
     DegenerateShape,
-    /// Friction or restitution is negative or not finite.
+    /// Friction, rolling friction or restitution is negative or not finite.
     InvalidMaterial,
     /// The solve gave it a velocity that is not finite; the one before is kept.
     Diverged,
@@ -60,7 +60,7 @@ impl fmt::Display for BodyProblem {
             Self::DegenerateShape => {
                 f.write_str("its shape has no volume, or a size that is not finite")
             }
-            Self::InvalidMaterial => f.write_str("its friction or restitution is negative or not finite"),
+            Self::InvalidMaterial => f.write_str("its friction, rolling friction or restitution is negative or not finite"),
             Self::Diverged => f.write_str(
                 "the solve gave it a velocity that is not finite; look for extreme forces, masses or sizes",
             ),

@@ -424,6 +424,12 @@ impl IslandProblem {
                     count: patch.count,
                     tangential: impulse.tangential,
                     twist: impulse.twist,
+                    rolling_friction: match patch.curved {
+                        true => touch.pair.rolling_friction,
+                        false => 0.0,
+                    },
+                    rolling_radius: touch.pair.rolling_radius,
+                    rolling: impulse.rolling,
                     given: Vec3::ZERO,
                 });
             }

@@ -143,6 +143,7 @@ impl IslandProblem {
             *kept = PatchImpulse {
                 tangential: found.tangential,
                 twist: found.twist,
+                rolling: found.rolling,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.given).sum();

@@ -7,7 +7,7 @@ use super::{
     AngularInertia, BodyIndex, BodyState, BodyTable, CenterOfMass, Density, ExternalForce,
     ExternalImpulse, GravityScale, Mass, MassProperties, Pose, RigidBody, Velocity,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::ContactEvents;
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use crate::settings::Gravity;
@@ -34,6 +34,7 @@ type Changes = Or<(
     Changed<CenterOfMass>,
     Changed<Friction>,
     Changed<Restitution>,
+    Changed<RollingFriction>,
     Changed<CollisionLayers>,
     Changed<GravityScale>,
     Changed<ContactEvents>,
@@ -51,6 +52,7 @@ type Described<'w> = (
     (
         Option<&'w Friction>,
         Option<&'w Restitution>,
+        Option<&'w RollingFriction>,
         Option<&'w CollisionLayers>,
         Has<ContactEvents>,
         &'w GravityScale,
@@ -227,6 +229,7 @@ impl BodyState {
             collider: Collider::default(),
             friction: Friction::default(),
             restitution: Restitution::default(),
+            rolling: RollingFriction::default(),
             layers: CollisionLayers::default(),
             events: false,
             gravity_scale: 1.0,
@@ -245,7 +248,7 @@ fn describe(
         kind,
         collider,
         (density, mass, inertia, center),
-        (friction, restitution, layers, events, gravity_scale),
+        (friction, restitution, rolling, layers, events, gravity_scale),
         mut properties,
     ): <Described as bevy_ecs::query::QueryData>::Item<'_, '_>,
 ) -> Result<(), BodyProblem> {
@@ -265,10 +268,11 @@ fn describe(
     body.collider = collider.clone();
     body.friction = friction.copied().unwrap_or_default();
     body.restitution = restitution.copied().unwrap_or_default();
+    body.rolling = rolling.copied().unwrap_or_default();
     body.layers = layers.copied().unwrap_or_default();
     body.events = events;
     body.gravity_scale = gravity_scale.0;
-    if !body.friction.is_valid() || !body.restitution.is_valid() {
+    if !body.friction.is_valid() || !body.restitution.is_valid() || !body.rolling.is_valid() {
         return Err(BodyProblem::InvalidMaterial);
     }
     if !computed.local_center.is_finite() {

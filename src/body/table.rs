@@ -5,7 +5,7 @@
 //! nobody else writes it.
 
 use super::{MassProperties, Pose, RigidBody, Velocity};
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use glam::Vec3;
 
@@ -69,6 +69,8 @@ pub struct BodyState {
     pub friction: Friction,
     /// Its bounce.
     pub restitution: Restitution,
+    /// What resists its rolling.
+    pub rolling: RollingFriction,
     /// What it collides with.
     pub layers: CollisionLayers,
     /// Triggers contact events for observers.
@@ -102,6 +104,14 @@ impl BodyState {
         let mut half = self.half;
         half[towards.max_position()] = f32::INFINITY;
         self.radius.min(THICKNESS * half.min_element())
+    }
+
+    /// The radius of a round body, on its side if it is not a ball, m; infinite for others.
+    pub fn rolling_radius(&self) -> f32 {
+        match self.collider.is_curved() {
+            true => self.half.element_sum() - self.half.max_element() - self.half.min_element(),
+            false => f32::INFINITY,
+        }
     }
 
     /// True for a body that contacts can move.

@@ -4,7 +4,7 @@ mod layers;
 mod material;
 
 pub use layers::CollisionLayers;
-pub use material::{CombineRule, Friction, Restitution};
+pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};

@@ -73,6 +73,8 @@ pub fn narrowphase(
                     if a.renewed || b.renewed {
                         pair.friction = a.friction.combine(b.friction);
                         pair.restitution = a.restitution.combine(b.restitution);
+                        pair.rolling_friction = a.rolling.combine(b.rolling);
+                        pair.rolling_radius = a.rolling_radius().min(b.rolling_radius());
                     }
                     pair.parted = false;
                     if is_idle(a) && is_idle(b) {

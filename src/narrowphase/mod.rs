@@ -5,6 +5,7 @@
 //! finding it anew. Pairs at rest (asleep, or static) keep theirs untouched.
 
 mod corners;
+mod cylinders;
 pub mod matching;
 mod passing;
 mod recycling;
@@ -30,6 +31,9 @@ const MERGE: f32 = 0.05;
 
 /// How far outside a face, as a share of the smaller face's size, a corner still lies on it.
 const SLACK: f32 = 1e-4;
+
+/// Of the way for which manifolds are kept, the share for which those of round bodies are: so little that nothing can roll.
+const CREPT: f32 = 0.02;
 
 type PairColumns<'w> = (
     &'w mut ContactPair,
@@ -82,48 +86,54 @@ pub fn narrowphase(
                     }
                     let reach = settings.outer_distance().max(0.0)
                         + (approach_speed(a, b) + fall) * time.dt;
-                    let limit = settings.recycle_share * a.size().min(b.size());
-                    let kept = !a.renewed
-                        && !b.renewed
-                        && cache
-                            .stand
-                            .is_some_and(|stand| stand.holds(a, b, limit, reach));
-                    if kept {
+                    let curved = a.collider.is_curved() || b.collider.is_curved();
+                    // What rolls must be found where it is, or it would gain speed.
+                    let share = if curved { CREPT } else { 1.0 };
+                    let limit = share * settings.recycle_share * a.size().min(b.size());
+                    let stand = cache.stand.filter(|_| !a.renewed && !b.renewed);
+                    let holds = |limit| stand.is_some_and(|stand| stand.holds(a, b, limit, reach));
+                    if holds(limit) {
                         recycling::refresh(manifold, a, b);
                     } else {
                         let reach = reach + limit;
                         let old = std::mem::take(manifold);
-                        let curved = detect(settings, a, b, reach, cache, manifold);
-                        let near = settings.outer_distance() + fall * time.dt;
-                        let passing = passing::pass(a, b, manifold, near, time.dt);
-                        if passing {
-                            *manifold = Manifold::default();
-                            cache.manifolds.clear();
-                            cache.workspace = None;
-                        }
-                        // A point that rolls is the same wherever it has rolled to.
-                        let radius = if curved {
-                            f32::INFINITY
+                        detect(settings, a, b, reach, cache, manifold);
+                        if manifold.points.is_empty()
+                            && holds(limit / share)
+                            && recycling::is_lost(&old, cache, a, b)
+                        {
+                            *manifold = old;
+                            recycling::refresh(manifold, a, b);
                         } else {
-                            settings.envelope
-                        };
-                        let origins = matching::match_points(&old, manifold, cache, radius);
-                        matching::inherit(&origins, &mut impulses.points);
-                        matching::inherit(&origins, &mut anchors.points);
-                        let origins = matching::match_patches(&old, manifold);
-                        matching::inherit(&origins, &mut impulses.patches);
-                        matching::inherit(&origins, &mut anchors.patches);
-                        targets.points.clear();
-                        targets
-                            .points
-                            .resize(manifold.points.len(), Default::default());
-                        targets.patches.clear();
-                        targets
-                            .patches
-                            .resize(manifold.patches.len(), Default::default());
-                        // What rolls must be found where it is, or it would gain speed.
-                        let keep = limit > 0.0 && !curved && !passing;
-                        cache.stand = keep.then(|| Stand::of(a, b, reach));
+                            let near = settings.outer_distance() + fall * time.dt;
+                            let passing = passing::pass(a, b, manifold, near, time.dt);
+                            if passing {
+                                *manifold = Manifold::default();
+                                cache.manifolds.clear();
+                                cache.workspace = None;
+                            }
+                            // A point that rolls is the same wherever it has rolled to.
+                            let radius = match curved {
+                                true => f32::INFINITY,
+                                false => settings.envelope,
+                            };
+                            let origins = matching::match_points(&old, manifold, cache, radius);
+                            matching::inherit(&origins, &mut impulses.points);
+                            matching::inherit(&origins, &mut anchors.points);
+                            let origins = matching::match_patches(&old, manifold);
+                            matching::inherit(&origins, &mut impulses.patches);
+                            matching::inherit(&origins, &mut anchors.patches);
+                            targets.points.clear();
+                            targets
+                                .points
+                                .resize(manifold.points.len(), Default::default());
+                            targets.patches.clear();
+                            targets
+                                .patches
+                                .resize(manifold.patches.len(), Default::default());
+                            let keep = limit > 0.0 && !passing;
+                            cache.stand = keep.then(|| Stand::of(a, b, reach));
+                        }
                     }
                     let outer = settings.outer_distance();
                     let touched = pair.touching;
@@ -149,7 +159,7 @@ fn approach_speed(a: &BodyState, b: &BodyState) -> f32 {
     (a.velocity.linear - b.velocity.linear).length() + turning(a) + turning(b)
 }
 
-/// Fills the manifold with the points no further apart than `reach`, m. True where one of the surfaces is curved.
+/// Fills the manifold with the points no further apart than `reach`, m.
 fn detect(
     settings: &StabilizationSettings,
     a: &BodyState,
@@ -157,7 +167,7 @@ fn detect(
     reach: f32,
     cache: &mut NarrowphaseCache,
     manifold: &mut Manifold,
-) -> bool {
+) {
     let NarrowphaseCache {
         manifolds,
         workspace,
@@ -188,6 +198,7 @@ fn detect(
         }
         _ => None,
     };
+    let cylinders = cylinders::meet(a, b);
     for found in manifolds.iter_mut() {
         let (sub_a, sub_b) = (
             found.subshape_pos1().copied(),
@@ -196,7 +207,10 @@ fn detect(
         let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
         // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
         let normal = -(a.pose.rotation * turned);
-        let normal = normal.try_normalize().unwrap_or(Vec3::Y);
+        let mut normal = normal.try_normalize().unwrap_or(Vec3::Y);
+        if cylinders {
+            normal = cylinders::normal(a, b, normal);
+        }
 
         if let Some((in_a, in_b)) = &blocks
             && seams::graze(in_a, in_b, normal, settings.outer_distance())
@@ -212,13 +226,19 @@ fn detect(
         for (i, contact) in found.points.iter().enumerate() {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
-            let on = [
+            let mut on = [
                 a.pose.transform_point(local_a),
                 b.pose.transform_point(local_b),
             ];
+            let mut distance = contact.dist;
+            if cylinders {
+                on[0] = cylinders::on_surface(a, on[0], -normal);
+                on[1] = cylinders::on_surface(b, on[1], normal);
+                distance = normal.dot(on[0] - on[1]);
+            }
             candidates.push(Candidate {
                 position: 0.5 * (on[0] + on[1]),
-                distance: contact.dist,
+                distance,
                 source: Some(i),
             });
         }
@@ -242,6 +262,11 @@ fn detect(
             thin_out(&mut candidates, MERGE * size);
         }
 
+        // A round side touches along a line, whose middle adds nothing and comes and goes.
+        let rolls = curved && reduction::is_line(&candidates, size);
+        if rolls {
+            reduction::keep_ends(&mut candidates);
+        }
         if settings.reduce_manifolds {
             reduction::reduce(&mut candidates, normal);
         }
@@ -275,11 +300,10 @@ fn detect(
                 normal,
                 first: first as u32,
                 count: count as u32,
-                curved: curved && count <= 2,
+                curved: rolls,
             });
         }
     }
-    curved
 }
 
 /// A contact point on its way into the manifold.

@@ -74,8 +74,7 @@ fn may_collide(a: &BodyState, b: &BodyState) -> bool {
 
 /// A box reaches into a half-space.
 fn below(body: &BodyState, aabb: &Aabb) -> bool {
-    let shape = body.collider.as_ref().map(|collider| collider.shape());
-    let Some(plane) = shape.and_then(|shape| shape.as_halfspace()) else {
+    let Some(plane) = body.shape().and_then(|shape| shape.as_halfspace()) else {
         return false;
     };
     let normal = body.pose.rotation * plane.normal;
@@ -328,6 +327,8 @@ pub fn pair_changes(
                 ages: [a.age, b.age],
                 friction: a.friction.combine(b.friction),
                 restitution: a.restitution.combine(b.restitution),
+                rolling_friction: a.rolling.combine(b.rolling),
+                rolling_radius: a.rolling_radius().min(b.rolling_radius()),
                 touching: false,
                 parted: false,
                 detected: false,

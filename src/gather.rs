@@ -324,6 +324,12 @@ impl IslandProblem {
                     count: patch.count,
                     tangential: impulse.warm_tangential * time.carried(),
                     twist: impulse.warm_twist * time.carried(),
+                    rolling_friction: match patch.curved {
+                        true => touch.pair.rolling_friction,
+                        false => 0.0,
+                    },
+                    rolling_radius: touch.pair.rolling_radius,
+                    rolling: impulse.warm_rolling * time.carried(),
                     given: Vec3::ZERO,
                 });
             }

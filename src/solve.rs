@@ -187,6 +187,7 @@ impl IslandProblem {
             *kept = PatchImpulse {
                 warm_tangential: found.tangential / dt,
                 warm_twist: found.twist / dt,
+                warm_rolling: found.rolling / dt,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.given).sum();

@@ -6,7 +6,7 @@ use super::{
     Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     MassProperties, Pose, Quarantined, RigidBody, Teleport, Velocity, limits,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
@@ -206,6 +206,7 @@ impl BodyState {
             collider: None,
             friction: Friction::default(),
             restitution: Restitution::default(),
+            rolling: RollingFriction::default(),
             layers: CollisionLayers::default(),
             events: false,
             gravity_scale: 1.0,

@@ -5,7 +5,7 @@ mod material;
 mod sizes;
 
 pub use layers::CollisionLayers;
-pub use material::{CombineRule, Friction, Restitution};
+pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};

@@ -60,8 +60,14 @@ impl Block {
             let moved = self.relative(&frame, moved_a, moved_b);
             self.relax_friction(points, &mut visit, &self.spring(&moved, pass));
             visit.follow_friction(self);
+            if self.rolls {
+                self.relax_rolling(points, &mut visit);
+            }
             self.relax_normals_softly(points, &mut visit, &on_normals_local(&moved), pass);
         } else {
+            if self.rolls {
+                self.relax_rolling(points, &mut visit);
+            }
             self.relax_normals_rigidly(points, &mut visit, pass);
             visit.follow_normals(self);
             self.relax_friction(points, &mut visit, &Hold::RIGID);
@@ -98,7 +104,7 @@ impl Block {
         visit.carried = carried;
         let keep = Lane::ONE - hold.impulse_scale;
 
-        let limit = self.friction * lever;
+        let limit = self.friction * lever + self.rolling_lever * carried;
         let excess = visit.velocity.angular.x + hold.back_twist;
         let found = self.twist * keep - self.twist_mass * hold.mass_scale * excess;
         let found = found.min(limit).max(-limit);
@@ -138,6 +144,39 @@ impl Block {
         visit.wrench.linear.y += change[0];
         visit.wrench.linear.z += change[1];
         visit.wrench.angular.x += twist;
+    }
+
+    /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now and less where it rolls.
+    fn relax_rolling(&mut self, points: &[Points], visit: &mut Visit) {
+        let mut carried = Lane::ZERO;
+        for point in points {
+            carried += point.impulse;
+        }
+        let spin = [visit.velocity.angular.y, visit.velocity.angular.z];
+        let creeps = self.rolling_time * self.rolling_time;
+        let fast = Lane::ONE + creeps * (spin[0] * spin[0] + spin[1] * spin[1]);
+        let limit = self.rolling_lever * carried * (fast * fast).inverse();
+        let [xx, yy, xy] = self.rolling_mass;
+        let exact = [
+            self.rolling[0] - (xx * spin[0] + xy * spin[1]),
+            self.rolling[1] - (xy * spin[0] + yy * spin[1]),
+        ];
+        let length = (exact[0] * exact[0] + exact[1] * exact[1]).sqrt();
+        let shorten = length.above(limit, limit * length.inverse(), Lane::ONE);
+        let found = exact.map(|moment| moment * shorten);
+        let change = [found[0] - self.rolling[0], found[1] - self.rolling[1]];
+        self.rolling = found;
+
+        visit.wrench.angular.y += change[0];
+        visit.wrench.angular.z += change[1];
+        let seen = self.normals.apply(Wide {
+            x: Lane::ZERO,
+            y: change[0],
+            z: change[1],
+        });
+        visit.velocity.linear.x += seen.x;
+        visit.velocity.angular.y += seen.y;
+        visit.velocity.angular.z += seen.z;
     }
 
     #[inline(always)]

@@ -1,0 +1,224 @@
+//! What must hold after every step.
+
+use crate::site::{Half, Site};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::message::Messages;
+use bevy_ecs::prelude::*;
+use drystone::body::{BodyTable, Pose, Quarantined, RigidBody, Velocity};
+use drystone::collider::Collider;
+use drystone::contact::{
+    ContactAnchors, ContactEnded, ContactImpulses, ContactPair, ContactStarted, ContactTargets,
+    Manifold,
+};
+use drystone::diagnosis::{BodyError, StepError};
+use parry3d::shape::ShapeType;
+use std::collections::{HashMap, HashSet};
+
+/// What was found wrong: its kind, which stays the same while operations are cut away, and the rest.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    pub kind: String,
+    pub detail: String,
+}
+
+fn fault<T>(kind: impl Into<String>, detail: impl std::fmt::Debug) -> Result<T, Fault> {
+    Err(Fault {
+        kind: kind.into(),
+        detail: format!("{detail:?}"),
+    })
+}
+
+/// What is remembered from step to step.
+#[derive(Default)]
+pub struct Watch {
+    /// Bodies that touch, as events tell it.
+    touching: HashSet<[Entity; 2]>,
+    /// Guests that there have been since the last step: their slots are free only after the next.
+    present: HashSet<Entity>,
+    /// The most bodies of which that was ever so.
+    most: usize,
+    /// Entities that are neither bodies nor pairs.
+    others: Option<usize>,
+}
+
+/// m/s; nothing good numbers do comes near.
+const ABSURD: f32 = 1000.0;
+
+impl Watch {
+    /// Before every operation.
+    pub fn count(&mut self, site: &Site) {
+        self.present.extend(&site.guests);
+        let bodies = self.present.len() + site.residents();
+        self.most = self.most.max(bodies);
+    }
+
+    pub fn look(&mut self, site: &mut Site, spoils: bool) -> Result<(), Fault> {
+        self.present.clear();
+        innocent(site)?;
+        for &guest in &site.guests {
+            self::guest(&site.noisy.world, guest, spoils)?;
+        }
+        let pairs = pairs(site)?;
+        self.events(site, &pairs)?;
+        self.memory(site, pairs.len())
+    }
+
+    /// By pair: started, ended, and so on; and touching now is what has started and not ended.
+    fn events(&mut self, site: &mut Site, pairs: &HashMap<[Entity; 2], bool>) -> Result<(), Fault> {
+        let world = &mut site.noisy.world;
+        let ended: Vec<_> = drain::<ContactEnded>(world);
+        for ContactEnded { body, other, .. } in ended {
+            if !self.touching.remove(&key([body, other])) {
+                return fault("an end without start", (body, other));
+            }
+        }
+        for start in drain::<ContactStarted>(world) {
+            if !self.touching.insert(key([start.body, start.other])) {
+                return fault("a start after a start", start);
+            }
+        }
+        for (&bodies, &touching) in pairs {
+            if touching != self.touching.contains(&bodies) {
+                return fault(format!("touching, {touching}, and told otherwise"), bodies);
+            }
+        }
+        match self
+            .touching
+            .iter()
+            .find(|bodies| !pairs.contains_key(*bodies))
+        {
+            Some(bodies) => fault("a start without end: the pair is gone", bodies),
+            None => Ok(()),
+        }
+    }
+
+    fn memory(&mut self, site: &Site, pairs: usize) -> Result<(), Fault> {
+        let world = &site.noisy.world;
+        let slots = world.resource::<BodyTable>().slots();
+        if slots > self.most {
+            return fault("slots leak", (slots, self.most));
+        }
+        let entities = world.entities().count_spawned() as usize;
+        let others = entities - site.guests.len() - pairs;
+        if others > *self.others.get_or_insert(others) {
+            return fault("entities leak", (others, self.others));
+        }
+        Ok(())
+    }
+}
+
+/// The same bits as in the world without guests, and nobody has anything to say of them.
+fn innocent(site: &mut Site) -> Result<(), Fault> {
+    drain::<StepError>(&mut site.noisy.world);
+    drain::<StepError>(&mut site.quiet.world);
+    for half in [&mut site.quiet, &mut site.noisy] {
+        let mut told = HashSet::new();
+        for error in drain::<BodyError>(&mut half.world) {
+            let problem = &error.problem;
+            if half.innocent.contains(&error.entity) {
+                return fault(format!("an innocent {}", name(problem)), error);
+            }
+            if problem.is_fatal() && !told.insert(error.entity) {
+                return fault("told twice", error);
+            }
+        }
+    }
+    let bits = |half: &Half| -> Vec<_> {
+        let of = |&body: &Entity| {
+            let pose = half.world.get::<Pose>(body).copied();
+            let velocity = half.world.get::<Velocity>(body).copied();
+            format!("{pose:?} {velocity:?}")
+        };
+        half.innocent.iter().map(of).collect()
+    };
+    let (noisy, quiet) = (bits(&site.noisy), bits(&site.quiet));
+    if noisy != quiet {
+        return fault("an innocent is not where it would be", (noisy, quiet));
+    }
+    Ok(())
+}
+
+fn guest(world: &World, guest: Entity, spoils: bool) -> Result<(), Fault> {
+    let body = world.entity(guest);
+    if let Some(Quarantined { problem }) = body.get() {
+        let surface = body.get::<Collider>().is_some_and(is_surface);
+        return match spoils || surface {
+            true => Ok(()),
+            false => fault(format!("quarantined for nothing: {}", name(problem)), guest),
+        };
+    }
+    if !is_body(world, guest) {
+        return Ok(());
+    }
+    let (Some(pose), Some(velocity)) = (body.get::<Pose>(), body.get::<Velocity>()) else {
+        return Ok(());
+    };
+    if !pose.is_finite() || !velocity.is_finite() {
+        return fault("not finite, and not quarantined", (guest, pose, velocity));
+    }
+    if !spoils && velocity.linear.length() > ABSURD {
+        return fault("absurdly fast", (guest, pose, velocity));
+    }
+    Ok(())
+}
+
+/// Without volume, and so without mass.
+fn is_surface(collider: &Collider) -> bool {
+    matches!(
+        collider.shape().shape_type(),
+        ShapeType::HalfSpace | ShapeType::Triangle | ShapeType::TriMesh | ShapeType::HeightField
+    )
+}
+
+fn is_body(world: &World, body: Entity) -> bool {
+    world.get_entity(body).is_ok_and(|body| {
+        body.contains::<RigidBody>()
+            && body.contains::<Collider>()
+            && !body.contains::<Quarantined>()
+            && !body.contains::<Disabled>()
+    })
+}
+
+/// All pairs by their bodies, and whether they touch: of live bodies, once, and with all their components.
+fn pairs(site: &mut Site) -> Result<HashMap<[Entity; 2], bool>, Fault> {
+    let world = &mut site.noisy.world;
+    let mut found = world.query::<(Entity, &ContactPair)>();
+    let found: Vec<_> = found.iter(world).map(|(e, pair)| (e, *pair)).collect();
+    let mut pairs = HashMap::new();
+    for (entity, pair) in found {
+        let [a, b] = pair.bodies;
+        if !is_body(world, a) || !is_body(world, b) {
+            return fault("a pair without its bodies", pair);
+        }
+        if pairs.insert(key(pair.bodies), pair.touching).is_some() {
+            return fault("two pairs of the same bodies", pair);
+        }
+        type All = (
+            &'static Manifold,
+            &'static ContactTargets,
+            &'static ContactImpulses,
+            &'static ContactAnchors,
+        );
+        if world.entity(entity).get_components::<All>().is_err() {
+            return fault("a pair without all of its components", pair);
+        }
+    }
+    Ok(pairs)
+}
+
+fn key([a, b]: [Entity; 2]) -> [Entity; 2] {
+    [a.min(b), a.max(b)]
+}
+
+fn drain<M: Message>(world: &mut World) -> Vec<M> {
+    world.resource_mut::<Messages<M>>().drain().collect()
+}
+
+/// Without what differs from body to body.
+fn name(problem: &impl std::fmt::Debug) -> String {
+    let text = format!("{problem:?}");
+    text.split([' ', '{', '('])
+        .next()
+        .unwrap_or_default()
+        .to_owned()
+}

@@ -5,12 +5,19 @@
 //! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
 //! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
 
-use crate::body::{BodyIndex, BodyState, BodyTable};
-use crate::contact::{ContactPair, EndedPairs, Manifold};
+use crate::body::{BodyState, BodyTable};
+use crate::collider::Collider;
+use crate::contact::{
+    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, Manifold,
+    NarrowphaseCache,
+};
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use crate::gather::SolverSlot;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
-use crate::sleeping::Sleeping;
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace};
@@ -30,6 +37,8 @@ pub struct Broadphase {
     unbounded: Vec<u32>,
     pairs: HashSet<[u32; 2]>,
     begun: Vec<[u32; 2]>,
+    /// Pairs whose entity is gone, whoever despawned it.
+    lost: Vec<ContactPair>,
     /// Something moved or went, so pairs may have ended.
     stirred: bool,
     /// Slots to give back once no pair names them.
@@ -65,7 +74,8 @@ fn may_collide(a: &BodyState, b: &BodyState) -> bool {
 
 /// A box reaches into a half-space.
 fn below(body: &BodyState, aabb: &Aabb) -> bool {
-    let Some(plane) = body.collider.shape().as_halfspace() else {
+    let shape = body.collider.as_ref().map(|collider| collider.shape());
+    let Some(plane) = shape.and_then(|shape| shape.as_halfspace()) else {
         return false;
     };
     let normal = body.pose.rotation * plane.normal;
@@ -90,6 +100,7 @@ pub fn broadphase(
         begun,
         stirred,
         removed,
+        lost: _,
     } = &mut *broadphase;
     fat.resize(table.slots(), None);
     for slot in table.removed.drain(..) {
@@ -106,6 +117,16 @@ pub fn broadphase(
         if resting && !body.moved && !body.renewed {
             continue;
         }
+        let Some(collider) = &body.collider else {
+            // It may have had one until now.
+            if body.renewed {
+                unbounded.retain(|u| *u != slot);
+                fat[slot as usize] = None;
+                tree.remove(slot);
+                *stirred = true;
+            }
+            continue;
+        };
         if !body.radius.is_finite() {
             if !unbounded.contains(&slot) {
                 unbounded.push(slot);
@@ -122,7 +143,7 @@ pub fn broadphase(
         if body.renewed {
             unbounded.retain(|u| *u != slot);
         }
-        let tight = tight_box(body, &settings, gravity.0, time.dt);
+        let tight = tight_box(body, collider, &settings, gravity.0, time.dt);
         let entry = &mut fat[slot as usize];
         if body.renewed || entry.is_none_or(|fat| !fat.contains(&tight)) {
             // A body that moves fast would leave a fixed margin in every step.
@@ -141,7 +162,8 @@ pub fn broadphase(
     tree.optimize_incremental(workspace);
 
     let mut consider = |a: u32, b: u32| {
-        let key = match table.get(a).map(|b| b.order) <= table.get(b).map(|b| b.order) {
+        let rank = |slot: u32| (table.get(slot).map(|body| body.age), slot);
+        let key = match rank(a) <= rank(b) {
             true => [a, b],
             false => [b, a],
         };
@@ -175,13 +197,23 @@ pub fn broadphase(
         }
     }
     // The tree's shape depends on its history; the order of pairs must not.
+    sort(begun, &table);
+}
+
+fn sort(begun: &mut [[u32; 2]], table: &BodyTable) {
     begun.sort_unstable_by_key(|&[a, b]| {
-        [a, b].map(|slot| table.get(slot).map_or(u64::MAX, |body| body.order))
+        [a, b].map(|slot| table.get(slot).map(|body| body.age))
     });
 }
 
 /// Everything a body may touch within the step lies in here: shape, envelope, and its way.
-fn tight_box(body: &BodyState, settings: &StabilizationSettings, gravity: Vec3, dt: f32) -> Aabb {
+fn tight_box(
+    body: &BodyState,
+    collider: &Collider,
+    settings: &StabilizationSettings,
+    gravity: Vec3,
+    dt: f32,
+) -> Aabb {
     let fall = if body.is_dynamic() {
         (gravity * body.gravity_scale).length() * dt
     } else {
@@ -189,86 +221,121 @@ fn tight_box(body: &BodyState, settings: &StabilizationSettings, gravity: Vec3, 
     };
     let speed = body.velocity.linear.length() + body.velocity.angular.length() * body.radius + fall;
     let reach = settings.outer_distance().max(0.0) + speed * dt;
-    let shape = body.collider.shape();
+    let shape = collider.shape();
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
 }
 
+/// A pair's entity is gone, or is a pair no more: by [`pair_changes`], or by a user. The hook of [`ContactPair`].
+pub(crate) fn lose_pair(mut world: DeferredWorld, context: HookContext) {
+    let pair = world.get::<ContactPair>(context.entity).copied();
+    if let (Some(pair), Some(mut broadphase)) = (pair, world.get_resource_mut::<Broadphase>()) {
+        broadphase.pairs.remove(&pair.slots);
+        broadphase.lost.push(pair);
+    }
+}
+
+/// What is left of a pair that somebody took apart.
+type Broken = (
+    Or<(
+        (
+            With<ContactPair>,
+            Or<(
+                Without<Manifold>,
+                Without<ContactTargets>,
+                Without<ContactImpulses>,
+                Without<ContactAnchors>,
+                Without<NarrowphaseCache>,
+                Without<SolverSlot>,
+                With<Disabled>,
+            )>,
+        ),
+        (
+            Without<ContactPair>,
+            Or<(With<Manifold>, With<ContactImpulses>, With<SolverSlot>)>,
+        ),
+    )>,
+    Allow<Disabled>,
+);
+
 /// Second half of the stage: despawns the pairs that ended and spawns those that began. Wakes what rested on a body that
-/// is gone.
-pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
-    let stirred = std::mem::take(&mut world.resource_mut::<Broadphase>().stirred);
-    if !stirred {
+/// is gone. Pairs that somebody took away or apart are made anew.
+pub fn pair_changes(
+    world: &mut World,
+    mut ending: Local<Vec<Entity>>,
+    broken: &mut QueryState<Entity, Broken>,
+    pairs: &mut QueryState<(Entity, &ContactPair)>,
+) {
+    ending.clear();
+    ending.extend(broken.iter(world));
+    let mut broadphase = world.resource_mut::<Broadphase>();
+    let stirred = std::mem::take(&mut broadphase.stirred);
+    if !stirred && broadphase.lost.is_empty() && ending.is_empty() {
         return;
     }
+    let (table, broadphase) = (world.resource::<BodyTable>(), world.resource::<Broadphase>());
+    let lives = |pair: &ContactPair, i: usize| {
+        let body = table.get(pair.slots[i]);
+        body.is_some_and(|body| (body.entity, body.age) == (pair.bodies[i], pair.ages[i]))
+    };
+    let goes_on = |pair: &ContactPair| {
+        lives(pair, 0) && lives(pair, 1) && broadphase.overlap(table, pair.slots)
+    };
+    let ended = pairs.iter(world).filter(|(_, pair)| !goes_on(pair));
+    ending.extend(ended.map(|(entity, _)| entity));
+    for pair in ending.drain(..) {
+        world.try_despawn(pair).ok();
+    }
+
+    let mut broadphase = world.resource_mut::<Broadphase>();
+    let lost = std::mem::take(&mut broadphase.lost);
+    let removed = std::mem::take(&mut broadphase.removed);
+    let mut begun = std::mem::take(&mut broadphase.begun);
     world.resource_scope(|world, mut broadphase: Mut<Broadphase>| {
-        ending.clear();
-        let mut pairs = world.query::<(Entity, &ContactPair, &Manifold)>();
-        let mut wake = Vec::new();
-        let mut gone = Vec::new();
-        let mut forgotten = Vec::new();
-        let table = world.resource::<BodyTable>();
-        for (entity, pair, manifold) in pairs.iter(world) {
+        let mut table = world.resource_mut::<BodyTable>();
+        for pair in &lost {
             let alive = [0, 1].map(|i| {
-                table
-                    .get(pair.slots[i])
-                    .is_some_and(|body| body.entity == pair.bodies[i])
+                let body = table.get_mut(pair.slots[i]);
+                body.filter(|body| (body.entity, body.age) == (pair.bodies[i], pair.ages[i]))
+                    .map(|body| body.roused |= pair.touching)
+                    .is_some()
             });
-            if alive == [true, true] && broadphase.overlap(table, pair.slots) {
-                continue;
-            }
-            ending.push(entity);
-            forgotten.push(pair.slots);
-            if !manifold.points.is_empty() {
-                let alive = (0..2).filter(|&i| alive[i]);
-                wake.extend(alive.map(|i| (pair.bodies[i], pair.slots[i])));
-            }
-            if pair.announced {
-                gone.push((pair.order, pair.bodies));
-            }
-        }
-        for slots in forgotten {
-            broadphase.pairs.remove(&slots);
-        }
-        world.resource_mut::<EndedPairs>().0.extend(gone);
-        for &pair in ending.iter() {
-            world.despawn(pair);
-        }
-        for (body, slot) in wake {
-            if let Some(mut sleeping) = world.get_mut::<Sleeping>(body) {
-                sleeping.wake();
-            }
-            if let Some(body) = world.resource_mut::<BodyTable>().get_mut(BodyIndex(slot)) {
-                body.asleep = false;
+            if alive == [true; 2]
+                && broadphase.overlap(&table, pair.slots)
+                && broadphase.pairs.insert(pair.slots)
+            {
+                begun.push(pair.slots);
             }
         }
         // Only now may a slot go to another body: no pair names it any more.
-        let removed = std::mem::take(&mut broadphase.removed);
-        let mut table = world.resource_mut::<BodyTable>();
         removed.into_iter().for_each(|slot| table.recycle(slot));
-
-        let begun = std::mem::take(&mut broadphase.begun);
-        let mut warnings = Vec::new();
-        let table = world.resource::<BodyTable>();
-        let new: Vec<ContactPair> = begun
-            .iter()
-            .filter_map(|&slots| {
-                let [a, b] = [table.get(slots[0])?, table.get(slots[1])?];
-                warn(a, b, &mut warnings);
-                Some(ContactPair {
-                    bodies: [a.entity, b.entity],
-                    slots,
-                    order: [a.order, b.order],
-                    friction: a.friction.combine(b.friction),
-                    restitution: a.restitution.combine(b.restitution),
-                    touching: false,
-                    parted: false,
-                    announced: false,
-                })
-            })
-            .collect();
-        world.spawn_batch(new);
-        world.resource_mut::<Suspects>().0.extend(warnings);
+        sort(&mut begun, &table);
     });
+    let told = lost.iter().filter(|pair| pair.announced);
+    let told = told.map(|pair| (pair.ages, pair.bodies));
+    world.resource_mut::<EndedPairs>().0.extend(told);
+
+    let mut warnings = Vec::new();
+    let table = world.resource::<BodyTable>();
+    let new: Vec<ContactPair> = begun
+        .iter()
+        .filter_map(|&slots| {
+            let [a, b] = [table.get(slots[0])?, table.get(slots[1])?];
+            warn(a, b, &mut warnings);
+            Some(ContactPair {
+                bodies: [a.entity, b.entity],
+                slots,
+                ages: [a.age, b.age],
+                friction: a.friction.combine(b.friction),
+                restitution: a.restitution.combine(b.restitution),
+                touching: false,
+                parted: false,
+                detected: false,
+                announced: false,
+            })
+        })
+        .collect();
+    world.spawn_batch(new);
+    world.resource_mut::<Suspects>().0.extend(warnings);
 }
 
 /// What cannot go well, said once when two bodies meet.

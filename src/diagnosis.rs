@@ -1,25 +1,33 @@
 //! Bad input, as values with a sentence a user can act on.
 
+use crate::body::limits;
+use crate::schedule::LENGTHS;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;
 
-/// What is wrong with a body or about to go wrong.
+/// What is wrong with a body or about to go wrong. The bounds stand in [`limits`].
 #[derive(Clone, Debug, PartialEq, Reflect)]
 pub enum BodyProblem {
-    /// Its `Transform` or `Pose` holds NaN or infinity, or a rotation of length zero.
+    /// Its `Transform` or `Pose` holds NaN, infinity or a position out of bounds, or a rotation of length zero.
     NonFinitePose,
-    /// Its `Velocity` holds NaN or infinity.
+    /// Its `Velocity` holds NaN, infinity or a speed out of bounds.
     NonFiniteVelocity,
-    /// Its external force or impulse holds NaN or infinity.
+    /// Its external force or impulse holds NaN or infinity, is out of bounds, or makes it faster than anything may be.
     NonFiniteForce,
-    /// Mass or moments of inertia of a dynamic body are zero, negative or not finite.
+    /// Its damping is negative, not finite or out of bounds.
+    InvalidDamping,
+    /// Its gravity scale is not finite or out of bounds.
+    InvalidGravityScale,
+    /// Its hand pulls to a place, with a stiffness, a damping or a strength that is negative, not finite or out of bounds.
+    InvalidGrab,
+    /// Mass or moments of inertia of a dynamic body are zero, negative, not finite or out of bounds.
     InvalidMass,
-    /// The shape has no size in some direction, or a size that is not finite.
+    /// The shape has no size in some direction, or a size that is not finite or out of bounds.
     DegenerateShape,
-    /// Friction or restitution is negative or not finite.
+    /// Friction or restitution is negative, not finite or out of bounds.
     InvalidMaterial,
-    /// The solve gave it a velocity that is not finite; the one before is kept.
+    /// The solve of its island gave a velocity that is none; the island keeps velocities and poses from before, and starts anew.
     Diverged,
     /// It touches a body more than [`EXTREME_MASS_RATIO`] times as heavy or light: the solve converges slowly.
     ExtremeMassRatio {
@@ -31,17 +39,31 @@ pub enum BodyProblem {
         /// The other body.
         other: Entity,
     },
+    /// An entity has a collider but is no body: nothing touches it.
+    ColliderWithoutBody,
+    /// An entity has a collider and a body above it in the hierarchy: it is no part of that body, and nothing touches it.
+    ChildCollider {
+        /// The body above.
+        body: Entity,
+    },
+    /// Its `Transform` has a scale, which the collider does not follow.
+    ScaleIgnored,
 }
 
-/// Ratios from here on are reported, since an iterative solver spreads impulses over them very slowly.
-pub const EXTREME_MASS_RATIO: f32 = 1e5;
+/// Ratios from here on are reported, since an iterative solver spreads impulses over them slowly.
+pub const EXTREME_MASS_RATIO: f32 = 5e3;
 
 impl BodyProblem {
     /// True where the body cannot be simulated at all.
     pub fn is_fatal(&self) -> bool {
         !matches!(
             self,
-            Self::ExtremeMassRatio { .. } | Self::Coincident { .. }
+            Self::Diverged
+                | Self::ExtremeMassRatio { .. }
+                | Self::Coincident { .. }
+                | Self::ColliderWithoutBody
+                | Self::ChildCollider { .. }
+                | Self::ScaleIgnored
         )
     }
 }
@@ -49,20 +71,54 @@ impl BodyProblem {
 impl fmt::Display for BodyProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NonFinitePose => {
-                f.write_str("its pose is not finite, or its rotation has length zero")
-            }
-            Self::NonFiniteVelocity => f.write_str("its velocity is not finite"),
-            Self::NonFiniteForce => f.write_str("its external force or impulse is not finite"),
-            Self::InvalidMass => f.write_str(
-                "its mass or inertia is zero, negative or not finite; a body without mass must be static or kinematic",
+            Self::NonFinitePose => write!(
+                f,
+                "its pose is not finite or farther than {:.0e} m from the origin, or its rotation has length zero",
+                limits::POSITION
             ),
-            Self::DegenerateShape => {
-                f.write_str("its shape has no volume, or a size that is not finite")
+            Self::NonFiniteVelocity => write!(
+                f,
+                "its velocity is not finite or above {:.0e} m/s or rad/s",
+                limits::SPEED
+            ),
+            Self::NonFiniteForce => write!(
+                f,
+                "its external force or impulse is not finite, above {:.0e} N, or makes it faster than {:.0e} m/s",
+                limits::FORCE,
+                limits::SPEED
+            ),
+            Self::InvalidDamping => {
+                write!(f, "its damping is not between 0 and {:.0e} 1/s", limits::DAMPING)
             }
-            Self::InvalidMaterial => f.write_str("its friction or restitution is negative or not finite"),
+            Self::InvalidGravityScale => write!(
+                f,
+                "its gravity scale is not finite or above {:.0e}",
+                limits::GRAVITY_SCALE
+            ),
+            Self::InvalidGrab => write!(
+                f,
+                "its `Grab` has a point that is not finite, or a stiffness, damping or strength that is not between 0 and {:.0e}",
+                limits::STIFFNESS
+            ),
+            Self::InvalidMass => write!(
+                f,
+                "its mass or inertia is zero, negative, not finite or not between {:.0e} and {:.0e} kg; a body without mass must be static or kinematic",
+                limits::LIGHTEST,
+                limits::HEAVIEST
+            ),
+            Self::DegenerateShape => write!(
+                f,
+                "its shape has no volume, or a size that is not between {:.0e} and {:.0e} m",
+                limits::SMALLEST,
+                limits::LARGEST
+            ),
+            Self::InvalidMaterial => write!(
+                f,
+                "its friction is not between 0 and {:.0e}, or its restitution not between 0 and 1",
+                limits::FRICTION
+            ),
             Self::Diverged => f.write_str(
-                "the solve gave it a velocity that is not finite; look for extreme forces, masses or sizes",
+                "the solve of its island went wrong, and was taken back; look for extreme forces, masses or sizes",
             ),
             Self::ExtremeMassRatio { other } => write!(
                 f,
@@ -71,6 +127,16 @@ impl fmt::Display for BodyProblem {
             Self::Coincident { other } => {
                 write!(f, "it lies exactly where {other} lies; they are parted along one axis")
             }
+            Self::ColliderWithoutBody => f.write_str(
+                "it has a `Collider` but no `RigidBody`: nothing touches it; make it static if it is to stand still",
+            ),
+            Self::ChildCollider { body } => write!(
+                f,
+                "its `Collider` is no part of {body} above it, and nothing touches it: give that body a `Collider::compound`"
+            ),
+            Self::ScaleIgnored => f.write_str(
+                "its `Transform` has a scale, and its `Collider` does not follow it: make the collider as large as it is to be",
+            ),
         }
     }
 }
@@ -103,20 +169,33 @@ impl fmt::Display for BodyError {
 
 impl std::error::Error for BodyError {}
 
-/// Sent when a step cannot be taken at all.
-#[derive(Message, Clone, Copy, Debug, PartialEq)]
+/// Sent when a step cannot be taken at all, or not as asked for.
+#[derive(Message, Clone, Debug, PartialEq)]
 pub enum StepError {
-    /// Δt is negative, NaN or infinite. (Zero is a pause, and takes no step either.)
+    /// Δt is negative, not finite or not in [`LENGTHS`]. (Zero is a pause, and takes no step either.)
     InvalidTimeStep(f32),
+    /// A resource holds what cannot be; it has been set back to what it was before, and the step was taken with that.
+    InvalidSettings {
+        /// Which resource.
+        resource: &'static str,
+        /// What is wrong with it.
+        why: String,
+    },
 }
 
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::InvalidTimeStep(dt) = self;
-        write!(
-            f,
-            "no step taken: Δt is {dt} s, but must be positive and finite"
-        )
+        match self {
+            Self::InvalidTimeStep(dt) => write!(
+                f,
+                "no step taken: Δt is {dt} s, but must be between {:e} and {} s",
+                LENGTHS.start(),
+                LENGTHS.end()
+            ),
+            Self::InvalidSettings { resource, why } => {
+                write!(f, "`{resource}` is set back to what it was before: {why}")
+            }
+        }
     }
 }
 

@@ -39,10 +39,11 @@
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
+//! | islands | [`islands`] | | pairs, manifolds | which bodies wake; [`Sleeping`](sleeping::Sleeping) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
-//! | islands | [`islands`] | | pairs, velocities | solver scratch |
+//! | gather | [`gather`] | | pairs, velocities | solver scratch |
 //! | warm start | [`warm_start`] | | last impulses | solver scratch |
 //! | solve | [`solve`], [`solver`] | (1), (4) | solver scratch | `Velocity`, [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
@@ -68,6 +69,7 @@ pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
 pub mod diagnostics;
 pub mod experiment;
+pub mod gather;
 pub mod grab;
 pub mod integration;
 pub mod islands;
@@ -85,13 +87,13 @@ pub mod stabilization;
 pub mod warm_start;
 
 pub use plugin::*;
-pub use schedule::step;
+pub use schedule::{advance, step};
 
 /// What most users need.
 pub mod prelude {
     pub use crate::body::{
         AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-        GravityScale, Mass, Pose, Quarantined, RigidBody, Velocity,
+        GravityScale, Mass, Pose, Quarantined, RigidBody, Teleport, Velocity,
     };
     pub use crate::collider::{Collider, CollisionLayers, CombineRule, Friction, Restitution};
     pub use crate::contact::{ContactEnded, ContactEvents, ContactPair, ContactStarted};
@@ -99,7 +101,9 @@ pub mod prelude {
     pub use crate::grab::Grab;
     pub use crate::profile::Profile;
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
-    pub use crate::settings::{Gravity, SleepSettings, SolverSettings, StabilizationSettings};
+    pub use crate::settings::{
+        Gravity, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+    };
     pub use crate::sleeping::Sleeping;
     pub use crate::{DrystonePlugins, step};
     pub use glam::{Quat, Vec3};

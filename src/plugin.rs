@@ -4,12 +4,13 @@ use crate::body::{self, BodyTable};
 use crate::broadphase::{self, Broadphase};
 use crate::contact::{self, ContactEnded, ContactStarted, EndedPairs, Untriggered};
 use crate::diagnosis::{BodyError, StepError, Suspects};
-use crate::grab;
+use crate::gather::{self, Problems};
 use crate::islands::Islands;
 use crate::profile::{Profile, timed};
-use crate::schedule::{PhysicsSchedule, PhysicsSystems, physics_schedule, step};
+use crate::schedule::{PhysicsSchedule, PhysicsSystems, advance, physics_schedule};
 use crate::settings::{
-    Gravity, PhysicsThreads, SleepSettings, SolverSettings, StabilizationSettings, StepTime,
+    Gravity, InForce, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
+    StabilizationSettings, StepTime,
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
@@ -80,6 +81,8 @@ impl Plugin for StepPlugin {
             .init_resource::<StabilizationSettings>()
             .init_resource::<SolverSettings>()
             .init_resource::<SleepSettings>()
+            .init_resource::<SpeedLimits>()
+            .init_resource::<InForce>()
             .init_resource::<PhysicsThreads>()
             .init_resource::<StepTime>()
             .init_resource::<Profile>()
@@ -87,6 +90,7 @@ impl Plugin for StepPlugin {
             .init_resource::<BodyTable>()
             .init_resource::<Broadphase>()
             .init_resource::<Islands>()
+            .init_resource::<Problems>()
             .init_resource::<SolveReports>()
             .init_resource::<EndedPairs>()
             .init_resource::<Untriggered>()
@@ -107,7 +111,7 @@ impl Plugin for StepPlugin {
 fn take_step(world: &mut World) {
     if let Some(time) = world.get_resource::<Time>() {
         // What went wrong has been logged and sent as a message.
-        let _ = step(world, time.delta_secs());
+        let _ = advance(world, time.delta_secs());
     }
 }
 
@@ -122,7 +126,7 @@ macro_rules! stages {
     }};
 }
 
-/// Prepare, quarantine, forces, the scripted hand.
+/// Prepare, quarantine, forces, hands.
 pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
@@ -131,7 +135,9 @@ impl Plugin for BodyPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
+                timed(&profile, "prepare", body::complete),
                 timed(&profile, "prepare", body::prepare),
+                timed(&profile, "prepare", body::strays),
                 timed(&profile, "prepare", body::quarantine),
             )
                 .chain()
@@ -140,8 +146,8 @@ impl Plugin for BodyPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "forces", grab::grab),
                 timed(&profile, "forces", body::forces),
+                timed(&profile, "forces", body::quarantine),
             )
                 .chain()
                 .in_set(PhysicsSystems::Forces),
@@ -190,7 +196,7 @@ impl Plugin for NormalStabilizationPlugin {
     }
 }
 
-/// Islands, warm start, solve.
+/// Islands, gather, warm start, solve.
 pub struct SolverPlugin;
 
 impl Plugin for SolverPlugin {
@@ -198,6 +204,7 @@ impl Plugin for SolverPlugin {
         stages!(
             app,
             Islands: "islands" islands::islands,
+            Gather: "gather" gather::gather,
             WarmStart: "warm_start" warm_start::warm_start,
             Solve: "solve" solve::solve,
         );
@@ -236,6 +243,15 @@ pub struct ContactEventsPlugin;
 
 impl Plugin for ContactEventsPlugin {
     fn build(&self, app: &mut App) {
-        stages!(app, ContactEvents: "contact_events" contact::contact_events);
+        let profile = app.world().resource::<Profile>().clone();
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "contact_events", contact::whole_step),
+                timed(&profile, "contact_events", contact::contact_events),
+            )
+                .chain()
+                .in_set(PhysicsSystems::ContactEvents),
+        );
     }
 }

@@ -7,7 +7,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::{Adapt, IntoAdapterSystem, RunSystemError, System, SystemIn};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use bevy_platform::time::Instant;
+use std::time::Duration;
 
 /// How long each system took in the last step, in the order in which they were added.
 #[derive(Resource, Clone, Default)]

@@ -4,12 +4,14 @@
 //! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`; replace one by taking its plugin out of
 //! [`DrystonePlugins`](crate::DrystonePlugins) and adding a system of your own to its set.
 
-use crate::diagnosis::StepError;
+use crate::contact::{ContactEnded, ContactStarted};
+use crate::diagnosis::{BodyError, StepError};
 use crate::profile::Profile;
-use crate::settings::{SolverSettings, StepTime};
+use crate::settings::{self, SolverSettings, StepTime};
+use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
-use std::time::Instant;
+use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use bevy_platform::time::Instant;
 
 /// The schedule of one step (of one substep, where there are several). Runs single-threaded; the parallelism is inside
 /// the systems.
@@ -25,14 +27,16 @@ pub enum PhysicsSystems {
     Broadphase,
     /// Contact points at xᵗ, matched with those before.
     Narrowphase,
+    /// Links bodies that push on each other, finds what stands on what, and wakes what must not sleep on.
+    Islands,
     /// e and c_t, equations (11)–(15).
     FrictionError,
     /// c_n, equations (1)–(9).
     NormalCorrection,
     /// v += Δt M⁻¹ f.
     Forces,
-    /// Groups bodies, gathers the solver's problems.
-    Islands,
+    /// Gathers the solver's problems.
+    Gather,
     /// λ from the last step.
     WarmStart,
     /// λ and v.
@@ -49,14 +53,15 @@ pub enum PhysicsSystems {
 
 impl PhysicsSystems {
     /// All of them, in the order in which they run.
-    pub const ORDER: [Self; 13] = [
+    pub const ORDER: [Self; 14] = [
         Self::Prepare,
         Self::Broadphase,
         Self::Narrowphase,
+        Self::Islands,
         Self::FrictionError,
         Self::NormalCorrection,
         Self::Forces,
-        Self::Islands,
+        Self::Gather,
         Self::WarmStart,
         Self::Solve,
         Self::Anchors,
@@ -70,39 +75,63 @@ impl PhysicsSystems {
 pub(crate) fn physics_schedule() -> Schedule {
     let mut schedule = Schedule::new(PhysicsSchedule);
     schedule.set_executor(SingleThreadedExecutor::new());
-    schedule.set_build_settings(ScheduleBuildSettings {
-        ambiguity_detection: LogLevel::Error,
-        ..Default::default()
-    });
     for [earlier, later] in PhysicsSystems::ORDER.array_windows() {
         schedule.configure_sets(earlier.before(*later));
     }
     schedule
 }
 
-/// Advances physics by `dt` seconds, in as many substeps as [`SolverSettings`] asks for.
+/// How long a step may be, s. Shorter ones can't be divided by in single precision, longer ones are none.
+pub const LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
+
+/// Takes a step of `dt` seconds in a world without an app around it, whose every step is a frame: messages of drystone's live until
+/// the step after the next, and the world forgets what was removed ([`World::clear_trackers`]). Zero is a pause.
 ///
-/// The plugin calls this from its schedule; a headless user may call it directly. Zero is a pause.
+/// In an app the plugin takes steps, and the app does the rest.
 ///
 /// # Errors
-/// [`StepError::InvalidTimeStep`] (also sent as a message and logged) where `dt` is negative or not finite; nothing moves
-/// then.
+/// [`StepError::InvalidTimeStep`] (also sent as a message and logged) where `dt` is negative, not finite or not in [`LENGTHS`]; nothing
+/// moves then.
 pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
-    if !dt.is_finite() || dt < 0.0 {
-        let error = StepError::InvalidTimeStep(dt);
-        tracing::error!("{error}");
-        world.write_message(error);
-        return Err(error);
-    }
+    world.resource_mut::<Messages<BodyError>>().update();
+    world.resource_mut::<Messages<StepError>>().update();
+    world.resource_mut::<Messages<ContactStarted>>().update();
+    world.resource_mut::<Messages<ContactEnded>>().update();
+    let result = advance(world, dt);
+    world.clear_trackers();
+    result
+}
+
+/// Takes a step of `dt` seconds, in as many substeps as [`SolverSettings`] asks for, and nothing else: for who steps by hand inside an
+/// app, or clears messages in a way of their own.
+///
+/// # Errors
+/// As [`step`].
+pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     if dt == 0.0 {
         return Ok(());
     }
+    if !LENGTHS.contains(&dt) {
+        let error = StepError::InvalidTimeStep(dt);
+        tracing::error!("{error}");
+        world.write_message(error.clone());
+        return Err(error);
+    }
     let start = Instant::now();
-    let substeps = world.resource::<SolverSettings>().substeps.max(1);
-    world.insert_resource(StepTime {
-        dt: dt / substeps as f32,
-    });
-    for _ in 0..substeps {
+    settings::check(world);
+    let substeps = world.resource::<SolverSettings>().substeps;
+    let dt = dt / substeps as f32;
+    for substep in 0..substeps {
+        let last = match world.resource::<StepTime>().dt {
+            0.0 => dt,
+            last => last,
+        };
+        world.insert_resource(StepTime {
+            dt,
+            last,
+            substep,
+            substeps,
+        });
         world.run_schedule(PhysicsSchedule);
     }
     crate::contact::trigger(world);

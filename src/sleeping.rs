@@ -1,19 +1,21 @@
 //! The stage **sleeping**: islands whose bodies have all been still for a while stop costing time.
 //!
 //! A sleeping body keeps its contacts, impulses and anchors as they are, so that it wakes exactly where it lay. It wakes
-//! when the user moves, pushes or changes it, when gravity changes, when something awake comes into its island, and when
-//! a body that it touched goes (in [`crate::broadphase`]).
+//! when the user moves, pushes, holds or changes it, when settings change, when something awake comes into its island, and when
+//! a body that it touched goes: in [`crate::islands`].
 
 use crate::body::{BodyIndex, Quarantined, RigidBody, Velocity};
 use crate::islands::Islands;
 use crate::settings::{SleepSettings, StepTime};
+use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// Whether a body sleeps, and may.
+/// Whether a body sleeps, and may. A body may be spawned asleep, or put to sleep. A copy of it is awake.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(clone_behavior = Custom(copy_awake))]
 pub struct Sleeping {
     /// Now asleep.
     pub asleep: bool,
@@ -21,6 +23,15 @@ pub struct Sleeping {
     pub still_for: f32,
     /// False keeps it, and every island it is in, awake.
     pub allowed: bool,
+}
+
+/// It lies where the original lies, and must get out of its way.
+fn copy_awake(source: &SourceComponent, context: &mut ComponentCloneCtx) {
+    if let Some(&original) = source.read::<Sleeping>() {
+        let mut copy = original;
+        copy.wake();
+        context.write_target_component(copy);
+    }
 }
 
 impl Default for Sleeping {

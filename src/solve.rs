@@ -1,15 +1,21 @@
 //! The stage **solve**: every island by the chosen [`ContactSolver`](crate::solver::ContactSolver), side by side; then
 //! velocities and impulses go back to their components.
+//!
+//! Where a solve goes wrong all the same, with input that was checked, its island keeps the velocities and poses from before, and
+//! forgets its impulses; nobody else notices.
 
-use crate::body::{BodyIndex, Quarantined, RigidBody, Velocity};
+use crate::body::{BodyIndex, BodyTable, Quarantined, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::diagnosis::{BodyProblem, Suspects};
-use crate::islands::{IslandProblem, Islands, SolverSlot};
-use crate::settings::{Gravity, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime};
-use crate::sleeping::Sleeping;
-use crate::solver::{Problem, Rows, SolveReport};
+use crate::gather::{IslandProblem, Problems, SolverSlot};
+use crate::islands::Islands;
+use crate::settings::{
+    Gravity, PhysicsThreads, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
+};
+use crate::solver::{Body, Problem, Rows, SolveReport};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use glam::Vec3;
 
 /// How the last step's solves went, one entry for each island that had contacts.
 #[derive(Resource, Default, Clone, Debug)]
@@ -28,23 +34,21 @@ pub struct IslandReport {
 
 /// See the module's text.
 pub fn solve(
-    mut islands: ResMut<Islands>,
+    mut problems: ResMut<Problems>,
+    (islands, table): (Res<Islands>, Res<BodyTable>),
     given: Given,
     threads: Res<PhysicsThreads>,
     mut reports: ResMut<SolveReports>,
     mut suspects: ResMut<Suspects>,
     mut pairs: Query<(&SolverSlot, &Manifold, &mut ContactImpulses)>,
-    mut bodies: Query<
-        (Entity, &RigidBody, &BodyIndex, &Sleeping, &mut Velocity),
-        Without<Quarantined>,
-    >,
+    mut bodies: Query<(Entity, &BodyIndex, &mut Velocity), Without<Quarantined>>,
 ) {
-    islands.each_problem(&threads, |problem| problem.solve(&given));
+    problems.each(&threads, |problem| problem.solve(&given));
 
     reports.0.clear();
     reports.0.extend(
-        islands
-            .problems
+        problems
+            .islands
             .iter()
             .filter(|p| p.contact_count() > 0)
             .map(|p| IslandReport {
@@ -53,35 +57,37 @@ pub fn solve(
                 report: p.report.clone(),
             }),
     );
-    let rows = given.solver.solver.rows();
+    let (rows, dt) = (given.solver.solver.rows(), given.time.dt);
     for (slot, manifold, mut impulses) in &mut pairs {
-        if *slot == SolverSlot::NONE {
-            continue;
-        }
-        let problem = &islands.problems[slot.island as usize];
-        let impulses = impulses.bypass_change_detection();
-        match rows {
-            Rows::Points => problem.store_contacts(slot.first, impulses),
-            Rows::Patches => problem.store_patches(slot.first, manifold, impulses),
-        }
-    }
-    for (entity, kind, index, sleeping, mut velocity) in &mut bodies {
-        let Some(island) = islands.of(index.0) else {
+        let Some(problem) = problems.islands.get(slot.island as usize) else {
             continue;
         };
-        let local = islands.local[index.0 as usize];
-        // Not gathered: asleep, or woken since.
-        if *kind != RigidBody::Dynamic || sleeping.asleep || local == u32::MAX {
+        let impulses = impulses.bypass_change_detection();
+        match rows {
+            _ if problem.diverged => impulses.forget(),
+            Rows::Points => problem.store_contacts(slot.first, impulses, dt),
+            Rows::Patches => problem.store_patches(slot.first, manifold, impulses, dt),
+        }
+    }
+    let mut told = vec![false; problems.islands.len()];
+    for (entity, index, mut velocity) in &mut bodies {
+        // Bodies that sleep are not gathered.
+        let Some(body) = problems.body(&islands, index.0).copied() else {
+            continue;
+        };
+        if !table.holds(entity, *index) {
             continue;
         }
-        let body = &islands.problems[island].bodies[local as usize];
-        let solved = Velocity {
+        let mut solved = Velocity {
             linear: body.linear,
             angular: body.angular,
         };
-        if solved.is_finite() {
-            *velocity.bypass_change_detection() = solved;
-        } else {
+        given.speeds.cap(&mut solved);
+        *velocity.bypass_change_detection() = solved;
+        if let Some(island) = islands.of(index.0)
+            && problems.islands[island].diverged
+            && !std::mem::replace(&mut told[island], true)
+        {
             suspects.0.push((entity, BodyProblem::Diverged));
         }
     }
@@ -93,12 +99,29 @@ pub struct Given<'w> {
     solver: Res<'w, SolverSettings>,
     stabilization: Res<'w, StabilizationSettings>,
     gravity: Res<'w, Gravity>,
+    speeds: Res<'w, SpeedLimits>,
     time: Res<'w, StepTime>,
+}
+
+/// What a solve may leave a body with. Well above the cap on speeds: what lands hard may be fast for a moment.
+fn is_sound(body: &Body) -> bool {
+    let [linear, angular] = body.motion.unwrap_or_default();
+    [body.linear, linear].into_iter().all(|v| limits::within(v, limits::SPEED))
+        && [body.angular, angular].into_iter().all(|v| limits::within(v, limits::SPIN))
+}
+
+impl ContactImpulses {
+    /// As if nothing had ever pushed.
+    fn forget(&mut self) {
+        self.points.fill(Impulse::default());
+        self.patches.fill(PatchImpulse::default());
+    }
 }
 
 impl IslandProblem {
     fn solve(&mut self, given: &Given) {
         let settings = &*given.solver;
+        self.diverged = false;
         if self.contact_count() == 0 {
             return;
         }
@@ -117,22 +140,38 @@ impl IslandProblem {
             record_history: settings.record_history,
         };
         self.report = settings.solver.solve(&mut problem);
+        self.diverged = !self.bodies.iter().all(is_sound);
+        if self.diverged {
+            for body in &mut self.bodies {
+                [body.linear, body.angular] = body.start;
+                body.motion = Some([Vec3::ZERO; 2]);
+            }
+        }
     }
 
-    fn store_contacts(&self, first: u32, impulses: &mut ContactImpulses) {
+    fn store_contacts(&self, first: u32, impulses: &mut ContactImpulses, dt: f32) {
         let solved = &self.contacts[first as usize..];
         for (impulse, contact) in impulses.points.iter_mut().zip(solved) {
+            let (normal, tangential) = (contact.impulse.x, contact.impulse.with_x(0.0));
+            let tangential = contact.world(tangential);
             *impulse = Impulse {
-                normal: contact.impulse.x,
-                tangential: contact.world(contact.impulse.with_x(0.0)),
-                last: contact.impulse.x,
+                normal,
+                tangential,
+                warm_normal: normal / dt,
+                warm_tangential: tangential / dt,
                 load: 0.0,
             };
         }
     }
 
     /// Each point is told the share of its patch's friction that it has in the load.
-    fn store_patches(&self, first: u32, manifold: &Manifold, impulses: &mut ContactImpulses) {
+    fn store_patches(
+        &self,
+        first: u32,
+        manifold: &Manifold,
+        impulses: &mut ContactImpulses,
+        dt: f32,
+    ) {
         let solved = &self.patches[first as usize..];
         for ((patch, found), kept) in manifold
             .patches
@@ -141,8 +180,8 @@ impl IslandProblem {
             .zip(&mut impulses.patches)
         {
             *kept = PatchImpulse {
-                tangential: found.tangential,
-                twist: found.twist,
+                warm_tangential: found.tangential / dt,
+                warm_twist: found.twist / dt,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.given).sum();
@@ -151,8 +190,9 @@ impl IslandProblem {
                 *impulse = Impulse {
                     normal: point.given,
                     tangential: found.given * (point.given * share),
-                    last: point.impulse,
-                    load: point.load,
+                    warm_normal: point.impulse / dt,
+                    warm_tangential: Vec3::ZERO,
+                    load: point.load / dt,
                 };
             }
         }

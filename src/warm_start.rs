@@ -1,6 +1,7 @@
-//! The stage **warm start**: measures the merit of the free motion, then gives each contact its share of last step's impulses.
+//! The stage **warm start**: measures the merit of the free motion, then gives each contact its share of the force that it ended the
+//! last step with.
 
-use crate::islands::{IslandProblem, Islands};
+use crate::gather::{IslandProblem, Problems};
 use crate::settings::{PhysicsThreads, SolverSettings};
 use crate::solver::Rows;
 use crate::solver::merit::free_merit;
@@ -8,7 +9,7 @@ use bevy_ecs::prelude::*;
 
 /// See the module's text.
 pub fn warm_start(
-    mut islands: ResMut<Islands>,
+    mut problems: ResMut<Problems>,
     settings: Res<SolverSettings>,
     threads: Res<PhysicsThreads>,
 ) {
@@ -17,7 +18,7 @@ pub fn warm_start(
         return;
     }
     let share = settings.warm_start;
-    islands.each_problem(&threads, |problem| {
+    problems.each(&threads, |problem| {
         let IslandProblem {
             bodies,
             contacts,

@@ -87,7 +87,7 @@ pub static METHODS: [Method; 13] = [
     Method {
         label: "… without recycled manifolds",
         preset: Preset::Default,
-        change: |e| e.stabilization.recycle_distance = 0.0,
+        change: |e| e.stabilization.recycle_share = 0.0,
         color: (20, 170, 160),
     },
     Method {
@@ -129,7 +129,7 @@ fn pgs(experiment: &mut Experiment) {
 /// Collision detection as the default has it.
 fn keep_four(experiment: &mut Experiment) {
     let best = Preset::Default.stabilization();
-    experiment.stabilization.recycle_distance = best.recycle_distance;
+    experiment.stabilization.recycle_share = best.recycle_share;
     experiment.stabilization.reduce_manifolds = best.reduce_manifolds;
 }
 

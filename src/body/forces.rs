@@ -1,8 +1,9 @@
 //! What pushes a body besides contact, and the stage that turns it into velocity: v += Δt M⁻¹ f.
 
-use super::{BodyIndex, BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity};
-use crate::settings::{Gravity, StepTime};
-use crate::sleeping::Sleeping;
+use super::{BodyIndex, BodyState, BodyTable, MassProperties, Pose, Quarantined, Velocity, limits};
+use crate::diagnosis::{BodyProblem, Suspects};
+use crate::grab::Grab;
+use crate::settings::{Gravity, SpeedLimits, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
@@ -65,46 +66,70 @@ impl Default for GravityScale {
     }
 }
 
-/// The stage **forces**: gravity, external forces and impulses, damping.
+impl Damping {
+    /// True where both are what they may be.
+    pub fn is_valid(&self) -> bool {
+        [self.linear, self.angular]
+            .into_iter()
+            .all(|share| limits::share_of(share, limits::DAMPING))
+    }
+}
+
+/// The stage **forces**: gravity, external forces and impulses, damping, and last the hands.
 ///
-/// It comes after the normal correction, which must see the velocities before it ([`crate::stabilization::normal`]).
+/// It comes after the normal correction, which must see the velocities before it ([`crate::stabilization::normal`]). A body that
+/// forces make faster than anything may be is left as it was, and quarantined before anything is solved.
 pub fn forces(
-    time: Res<StepTime>,
-    gravity: Res<Gravity>,
+    (time, gravity, speeds): (Res<StepTime>, Res<Gravity>, Res<SpeedLimits>),
     table: Res<BodyTable>,
+    mut suspects: ResMut<Suspects>,
     mut bodies: Query<
         (
-            &RigidBody,
-            &BodyIndex,
-            &Pose,
-            &MassProperties,
-            &ExternalForce,
-            &mut ExternalImpulse,
-            &Damping,
-            &GravityScale,
-            &Sleeping,
+            (Entity, &BodyIndex, &Pose, &MassProperties),
+            Option<&ExternalForce>,
+            Option<&mut ExternalImpulse>,
+            Option<&Damping>,
+            Option<&GravityScale>,
+            Option<&Grab>,
             &mut Velocity,
         ),
         Without<Quarantined>,
     >,
 ) {
     let dt = time.dt;
-    for (kind, index, pose, mass, force, mut impulse, damping, scale, sleeping, mut velocity) in
-        &mut bodies
-    {
-        if *kind != RigidBody::Dynamic || sleeping.asleep || !table.contains(*index) {
+    for (of, force, impulse, damping, scale, grab, mut velocity) in &mut bodies {
+        let (entity, index, pose, mass) = of;
+        let is_awake = |body: &BodyState| body.entity == entity && body.is_dynamic() && !body.asleep;
+        if !table.get(index.0).is_some_and(is_awake) {
             continue;
         }
         let velocity = velocity.bypass_change_detection();
+        let before = *velocity;
         let inverse_inertia = mass.world_inverse_inertia(pose.rotation);
-        velocity.linear += dt * (scale.0 * gravity.0 + mass.inverse_mass * force.force);
-        velocity.angular += dt * (inverse_inertia * force.torque);
-        if impulse.linear != Vec3::ZERO || impulse.angular != Vec3::ZERO {
+        velocity.linear += dt * (scale.map_or(1.0, |scale| scale.0) * gravity.0);
+        if let Some(force) = force {
+            velocity.linear += dt * (mass.inverse_mass * force.force);
+            velocity.angular += dt * (inverse_inertia * force.torque);
+        }
+        if let Some(mut impulse) = impulse
+            && *impulse != ExternalImpulse::default()
+        {
             velocity.linear += mass.inverse_mass * impulse.linear;
             velocity.angular += inverse_inertia * impulse.angular;
             *impulse = ExternalImpulse::default();
         }
-        velocity.linear /= 1.0 + dt * damping.linear;
-        velocity.angular /= 1.0 + dt * damping.angular;
+        if let Some(damping) = damping {
+            velocity.linear /= 1.0 + dt * damping.linear;
+            velocity.angular /= 1.0 + dt * damping.angular;
+        }
+        if let Some(grab) = grab {
+            grab.pull(pose, mass, velocity, dt);
+        }
+        if velocity.is_within_limits() {
+            speeds.cap(velocity);
+        } else {
+            *velocity = before;
+            suspects.0.push((entity, BodyProblem::NonFiniteForce));
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Mass, inertia and centre of mass: from shape and density, or set by hand.
 
+use super::{limits, table};
 use crate::collider::Collider;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -8,6 +9,7 @@ use glam::{Mat3, Quat, Vec3};
 /// Density of a body's material, kg/m³; 1000 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[component(on_remove = table::lost_description)]
 pub struct Density(pub f32);
 
 impl Density {
@@ -18,11 +20,13 @@ impl Density {
 /// Sets a body's mass by hand, kg. Inertia follows it in proportion unless [`AngularInertia`] is set too.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[component(on_remove = table::lost_description)]
 pub struct Mass(pub f32);
 
 /// Sets a body's principal moments of inertia by hand, kg·m², about its centre of mass.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[component(on_remove = table::lost_description)]
 pub struct AngularInertia {
     /// About the three principal axes, kg·m².
     pub principal: Vec3,
@@ -33,6 +37,7 @@ pub struct AngularInertia {
 /// Sets a body's centre of mass by hand, m, in the body's frame.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[component(on_remove = table::lost_description)]
 pub struct CenterOfMass(pub Vec3);
 
 /// What the solver needs to know of a body's inertia. Computed; set [`Density`], [`Mass`], [`AngularInertia`] or
@@ -55,17 +60,24 @@ pub struct MassProperties {
 
 impl MassProperties {
     /// From a shape, and what was set by hand. Not finite or not positive where the input is bad: the stage
-    /// *prepare* checks.
+    /// *prepare* checks. A body without a shape is a ball of 1 kg and 1 m across, for want of anything better.
     pub(crate) fn new(
-        collider: &Collider,
+        collider: Option<&Collider>,
         density: Option<&Density>,
         mass: Option<&Mass>,
         inertia: Option<&AngularInertia>,
         center: Option<&CenterOfMass>,
     ) -> Self {
         let density = density.map_or(Density::DEFAULT, |d| d.0);
-        // Unit density first: parry would hide a bad density behind its own guards against division by zero.
-        let unit = collider.shape().mass_properties(1.0);
+        let unit = match collider {
+            // Unit density first: parry would hide a bad density behind its own guards against division by zero.
+            Some(collider) => collider.shape().mass_properties(1.0),
+            None => parry3d::mass_properties::MassProperties::new(
+                Vec3::ZERO,
+                1.0 / Density::DEFAULT,
+                Vec3::splat(0.1 / Density::DEFAULT),
+            ),
+        };
         let mut inverse_mass = unit.inv_mass / density;
         let mut inverse_inertia = unit.inv_principal_inertia / density;
         let mut local_frame = unit.principal_inertia_local_frame;
@@ -93,12 +105,15 @@ impl MassProperties {
         self.inverse_mass.recip()
     }
 
-    /// True where a dynamic body can have it: every number finite, mass and moments positive.
-    pub fn is_valid(&self) -> bool {
-        self.inverse_mass.is_finite()
-            && self.inverse_mass > 0.0
+    /// True where a dynamic body with this bounding radius (m) can have it: every number finite, mass and moments positive and
+    /// within [`limits`].
+    pub fn is_valid(&self, radius: f32) -> bool {
+        let masses = limits::HEAVIEST.recip()..=limits::LIGHTEST.recip();
+        masses.contains(&self.inverse_mass)
             && self.inverse_inertia.is_finite()
             && self.inverse_inertia.min_element() > 0.0
+            && self.inverse_inertia.max_element() * radius * radius
+                <= limits::THINNEST * self.inverse_mass
             && self.local_center.is_finite()
             && self.local_frame.is_normalized()
     }

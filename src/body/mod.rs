@@ -1,19 +1,29 @@
 //! Bodies: what moves, how heavy it is, and what pushes it.
 //!
-//! A body is an entity with a [`RigidBody`] and a [`Collider`](crate::collider::Collider). Everything else is
-//! added with a sensible default. The components here are the truth; the [`BodyTable`] is a dense copy of them
+//! A body is an entity with a [`RigidBody`], and a [`Collider`](crate::collider::Collider) if it is to touch anything. Everything
+//! else is added with a sensible default. The components here are the truth; the [`BodyTable`] is a dense copy of them
 //! that the pair stages read at random, written once a step by [`prepare`].
 
+mod age;
+mod complete;
+mod describe;
 mod forces;
+pub mod limits;
 mod mass;
+mod placement;
 mod prepare;
+mod quarantine;
 mod table;
 
+pub use age::Age;
+pub use complete::complete;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
-pub(crate) use prepare::local_pose;
-pub use prepare::{Quarantined, prepare, quarantine};
-pub(crate) use table::leave;
+pub use placement::Teleport;
+pub(crate) use placement::local_pose;
+pub use prepare::{prepare, strays};
+pub use quarantine::{Quarantined, quarantine};
+pub(crate) use table::lost_description;
 pub use table::{BodyIndex, BodyState, BodyTable};
 
 use crate::sleeping::Sleeping;
@@ -25,7 +35,6 @@ use glam::{Quat, Vec3};
 /// How a body answers to contact. May be changed at any time.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = table::leave)]
 #[require(
     Pose,
     Velocity,
@@ -36,15 +45,17 @@ use glam::{Quat, Vec3};
     GravityScale,
     Sleeping,
     BodyIndex,
+    Age,
     Transform
 )]
 pub enum RigidBody {
     /// Moved by forces and contacts.
     #[default]
     Dynamic,
-    /// Never moves; infinitely heavy.
+    /// Never moves; infinitely heavy. Moved by its `Transform` it is elsewhere at once and carries nothing along.
     Static,
-    /// Moved by its [`Velocity`] alone, which the user sets; infinitely heavy to whatever it touches.
+    /// Moved by the user alone, infinitely heavy to whatever it touches: by its [`Velocity`], or by its `Transform`, and then its
+    /// velocity is for that step what takes it there, so that it carries what stands on it. See [`Teleport`].
     Kinematic,
 }
 
@@ -88,6 +99,22 @@ impl Pose {
         self.position.is_finite() && self.rotation.is_finite()
     }
 
+    /// This pose with a rotation of unit length.
+    pub(crate) fn normalized(mut self) -> Self {
+        if !self.rotation.is_normalized() {
+            self.rotation = self.rotation.normalize();
+        }
+        self
+    }
+
+    /// This pose in another's frame.
+    pub(crate) fn within(&self, frame: &Self) -> Self {
+        Self {
+            position: frame.inverse_transform_point(self.position),
+            rotation: frame.rotation.inverse() * self.rotation,
+        }
+    }
+
     pub(crate) fn to_parry(self) -> parry3d::math::Pose {
         parry3d::math::Pose::from_parts(self.position, self.rotation)
     }
@@ -120,5 +147,10 @@ impl Velocity {
     /// True where every number is finite.
     pub fn is_finite(&self) -> bool {
         self.linear.is_finite() && self.angular.is_finite()
+    }
+
+    /// True where every number is within [`limits`].
+    pub fn is_within_limits(&self) -> bool {
+        limits::within(self.linear, limits::SPEED) && limits::within(self.angular, limits::SPIN)
     }
 }

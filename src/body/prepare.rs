@@ -1,313 +1,244 @@
 //! The stage **prepare**: reads what the user changed, checks it, and fills the [`BodyTable`].
-//!
-//! A body with bad input gets a [`Quarantined`] marker, a [`BodyError`] message and a log line with its name, and stands
-//! outside the simulation until the marker is taken off. Nothing of it is lost, and nothing else notices.
 
+use super::describe::{Changes, Described, describe};
+use super::placement::{Placed, user_pose, velocity_between};
 use super::{
-    AngularInertia, BodyIndex, BodyState, BodyTable, CenterOfMass, Density, ExternalForce,
-    ExternalImpulse, GravityScale, Mass, MassProperties, Pose, RigidBody, Velocity,
+    Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
+    MassProperties, Pose, Quarantined, RigidBody, Teleport, Velocity, limits,
 };
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
-use crate::contact::ContactEvents;
-use crate::diagnosis::{BodyError, BodyProblem, Suspects};
-use crate::settings::Gravity;
+use crate::diagnosis::{BodyProblem, Suspects};
+use crate::grab::Grab;
+use crate::settings::{InForce, SpeedLimits, StepTime};
 use crate::sleeping::Sleeping;
-use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, name::Name, prelude::*};
-use bevy_reflect::Reflect;
+use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
+use bevy_ecs::query::QueryData;
 use bevy_transform::components::Transform;
+use glam::Vec3;
 
-/// The body is outside the simulation because of bad input. Mend the input and remove this component, and it is back.
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
-pub struct Quarantined {
-    /// What was wrong.
-    pub problem: BodyProblem,
-}
-
-type Changes = Or<(
-    Changed<RigidBody>,
-    Changed<Collider>,
-    Changed<Density>,
-    Changed<Mass>,
-    Changed<AngularInertia>,
-    Changed<CenterOfMass>,
-    Changed<Friction>,
-    Changed<Restitution>,
-    Changed<CollisionLayers>,
-    Changed<GravityScale>,
-    Changed<ContactEvents>,
-)>;
-
-type Described<'w> = (
-    &'w RigidBody,
-    &'w Collider,
-    (
-        Option<&'w Density>,
-        Option<&'w Mass>,
-        Option<&'w AngularInertia>,
-        Option<&'w CenterOfMass>,
-    ),
-    (
-        Option<&'w Friction>,
-        Option<&'w Restitution>,
-        Option<&'w CollisionLayers>,
-        Has<ContactEvents>,
-        &'w GravityScale,
-    ),
-    &'w mut MassProperties,
-);
+/// What a query finds.
+type Item<'w, 's, D> = <D as QueryData>::Item<'w, 's>;
 
 type Moving<'w> = (
-    Entity,
+    (Entity, &'w RigidBody, &'w Age, &'w Sleeping),
     &'w mut BodyIndex,
     &'w mut Pose,
-    &'w Velocity,
-    (&'w Transform, Option<&'w ChildOf>),
-    Ref<'w, ExternalForce>,
-    &'w ExternalImpulse,
-    &'w mut Sleeping,
+    &'w mut Velocity,
+    (&'w Transform, Option<&'w ChildOf>, Has<Teleport>),
+    Pushed<'w>,
+);
+
+/// What pushes a body. All of it may be taken off.
+type Pushed<'w> = (
+    Option<&'w ExternalForce>,
+    Option<&'w ExternalImpulse>,
+    Option<&'w Damping>,
+    Option<&'w GravityScale>,
+    Option<&'w Grab>,
 );
 
 /// See the module's text.
+#[expect(clippy::too_many_arguments, reason = "it is where everything enters")]
 pub fn prepare(
+    mut commands: Commands,
     mut table: ResMut<BodyTable>,
     mut suspects: ResMut<Suspects>,
-    gravity: Res<Gravity>,
-    changed: Query<Entity, (With<BodyIndex>, Without<Quarantined>, Changes)>,
+    (time, speeds, in_force): (Res<StepTime>, Res<SpeedLimits>, Res<InForce>),
+    mut bodies: ParamSet<(
+        Query<Entity, (With<BodyIndex>, Without<Quarantined>, Changes)>,
+        Query<Moving, Without<Quarantined>>,
+    )>,
     mut described: Query<Described, Without<Quarantined>>,
-    mut moving: Query<Moving, Without<Quarantined>>,
-    placed: Query<(&Transform, Option<&ChildOf>)>,
+    placed: Placed,
 ) {
-    let changed: EntityHashSet = changed.iter().collect();
-    let mut joining: Vec<Entity> = Vec::new();
-    for (entity, index, mut pose, velocity, placement, force, impulse, mut sleeping) in &mut moving
-    {
+    let changed: EntityHashSet = bodies.p0().iter().collect();
+    let mut moving = bodies.p1();
+    let mut joining: Vec<(Age, Entity)> = Vec::new();
+    let visit = table.begin_visit();
+    for (of, index, mut pose, mut velocity, placement, pushed) in &mut moving {
+        let (entity, kind, age, sleeping) = of;
+        let (transform, parent, teleported) = placement;
+        if teleported {
+            commands.entity(entity).remove::<Teleport>();
+        }
         let pose = pose.bypass_change_detection();
-        let known = table.get_mut(*index);
-        let moved_to = user_pose(placement, *pose, known.is_none(), placed);
-        *pose = moved_to.unwrap_or(*pose);
-        if let Some(problem) = check_motion(pose, velocity, &force, impulse) {
+        let body = table.body_mut(entity, *index);
+        let moved_to = user_pose((transform, parent), *pose, body.is_none(), placed);
+        let goes_to = moved_to.unwrap_or(*pose);
+        if let Some(problem) = check(&goes_to, &velocity, pushed) {
             suspects.0.push((entity, problem));
             continue;
         }
-        if !pose.rotation.is_normalized() {
-            pose.rotation = pose.rotation.normalize();
-        }
-        let sleeping = sleeping.bypass_change_detection();
-        if sleeping.asleep
-            && (moved_to.is_some()
-                || *velocity != Velocity::default()
-                || *impulse != ExternalImpulse::default()
-                || force.is_changed()
-                || gravity.is_changed()
-                || changed.contains(&entity))
-        {
-            sleeping.wake();
-        }
-        let Some(body) = known else {
-            joining.push(entity);
+        let goes_to = goes_to.normalized();
+        let Some(body) = body.filter(|body| body.age == *age) else {
+            *pose = goes_to;
+            joining.push((*age, entity));
             continue;
         };
-        body.moved = body.pose != *pose;
+        body.visited = visit;
+
+        body.put_from = None;
+        let was_driven = time.substep == 0 && body.target.take().is_some();
+        let mut way = None;
+        if moved_to.is_some() && *kind == RigidBody::Kinematic && !teleported {
+            let center = body.mass.local_center;
+            way = Some(velocity_between(pose, &goes_to, center, time.whole()))
+                .filter(|way| speeds.allow(way));
+        }
+        if let Some(way) = way {
+            body.target = Some(goes_to);
+            *velocity = way;
+        } else {
+            if moved_to.is_some() {
+                body.put_from = Some(*pose);
+            }
+            *pose = goes_to;
+            if was_driven && *velocity == body.velocity {
+                *velocity = Velocity::default();
+            }
+        }
+
+        let force = pushed.0.copied().unwrap_or_default();
+        body.arrived = false;
         body.renewed = false;
+        body.moved = body.pose != *pose;
         body.pose = *pose;
         body.center = pose.transform_point(body.mass.local_center);
         body.velocity = *velocity;
-        body.asleep = sleeping.asleep;
-        // Without a collider it is no body any more, and its slot is free already.
+        body.asleep = sleeping.asleep && *kind == RigidBody::Dynamic;
+        let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
         if changed.contains(&entity)
             && let Ok(description) = described.get_mut(entity)
             && let Err(problem) = describe(body, description)
         {
             suspects.0.push((entity, problem));
         }
+        body.roused = in_force.changed
+            || body.put_from.is_some()
+            || body.renewed
+            || (force, gravity_scale) != (body.force, body.gravity_scale)
+            || is_stirred(&velocity, pushed);
+        body.force = force;
+        body.gravity_scale = gravity_scale;
+        if transform.scale != Vec3::ONE && body.collider.is_some() && !body.scale_told {
+            body.scale_told = true;
+            suspects.0.push((entity, BodyProblem::ScaleIgnored));
+        }
     }
-    // In the order in which the bodies were spawned, not in that of archetypes: `order` must not depend on which
-    // optional components a body has. By index, since `Entity`'s own order runs backwards. It matters for convergence:
-    // walls are built from the ground up, and sweeping them from the top down let one of 10 × 10 drift six times as far.
-    joining.sort_unstable_by_key(|entity| (entity.index_u32(), entity.generation().to_bits()));
-    for entity in joining {
-        let Ok((_, mut index, pose, velocity, _, _, _, sleeping)) = moving.get_mut(entity) else {
+    // Despawned, disabled, robbed of what makes a body, or older or younger than they were.
+    table.retain(|body| body.visited == visit);
+    // Those that came before there was anybody to stamp them, in the order in which they were spawned. By index, since `Entity`'s
+    // own order runs backwards.
+    joining.sort_unstable_by_key(|(age, entity)| {
+        (*age, entity.index_u32(), entity.generation().to_bits())
+    });
+    for (age, entity) in joining {
+        let Ok((of, mut index, pose, velocity, _, pushed)) = moving.get_mut(entity) else {
             continue;
         };
-        // A body waits here until it has a collider.
         let Ok(description) = described.get_mut(entity) else {
             continue;
         };
-        let mut body = BodyState::new(entity, *pose, *velocity, sleeping.asleep);
+        let mut body = BodyState::new(entity, *pose, *velocity);
+        body.visited = visit;
+        body.age = age;
+        if age == Age::NONE {
+            body.age = table.next_age();
+            commands.entity(entity).insert(body.age);
+        }
+        body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
+        body.force = pushed.0.copied().unwrap_or_default();
         match describe(&mut body, description) {
-            Ok(()) => *index = table.insert(body),
+            Ok(()) => {
+                // Spawned asleep it sleeps on; what comes back after it was disabled does not.
+                body.asleep = of.3.asleep && body.is_dynamic();
+                body.roused = is_stirred(&velocity, pushed) || *index != BodyIndex::NONE;
+                *index.bypass_change_detection() = table.insert(body);
+            }
             Err(problem) => suspects.0.push((entity, problem)),
         }
     }
 }
 
-/// The pose a user gave the body through `Transform` (or, for a new body, through `Pose`), if it was moved. What moves a
-/// parent's `Transform` between two steps moves the body too.
-fn user_pose(
-    (transform, parent): (&Transform, Option<&ChildOf>),
-    pose: Pose,
-    new: bool,
-    placed: Query<(&Transform, Option<&ChildOf>)>,
-) -> Option<Pose> {
-    let stays = if new {
-        // A pose set by hand counts where the transform was left alone.
-        *transform == Transform::IDENTITY && pose != Pose::default() && pose.is_finite()
-    } else {
-        // To the bit: the same sum as at the end of the last step, from the same numbers where nobody touched them. How far
-        // its own or a parent's frame is from the origin does not matter then.
-        let local = local_pose(pose, parent, placed);
-        (local.position, local.rotation) == (transform.translation, transform.rotation)
-    };
-    (!stays).then(|| {
-        let mut world = *transform;
-        let mut above = parent;
-        while let Some(ChildOf(parent)) = above
-            && let Ok((transform, grandparent)) = placed.get(*parent)
-        {
-            world = transform.mul_transform(world);
-            above = grandparent;
-        }
-        Pose {
-            position: world.translation,
-            rotation: world.rotation,
-        }
-    })
+/// True where a body cannot sleep as it is.
+fn is_stirred(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bool {
+    let impulse = impulse.copied().unwrap_or_default();
+    *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
 }
 
-/// A pose in its parent's frame, or as it is where there is none.
-pub(crate) fn local_pose(
-    pose: Pose,
-    parent: Option<&ChildOf>,
-    placed: Query<(&Transform, Option<&ChildOf>)>,
-) -> Pose {
-    let Some((frame, above)) = parent.and_then(|parent| placed.get(parent.0).ok()) else {
-        return pose;
-    };
-    let pose = local_pose(pose, above, placed);
-    let back = frame.rotation.inverse();
-    Pose {
-        position: back * (pose.position - frame.translation) / frame.scale,
-        rotation: back * pose.rotation,
-    }
-}
-
-fn check_motion(
+fn check(
     pose: &Pose,
     velocity: &Velocity,
-    force: &ExternalForce,
-    impulse: &ExternalImpulse,
+    (force, impulse, damping, scale, grab): Item<Pushed>,
 ) -> Option<BodyProblem> {
-    if !pose.is_finite() || pose.rotation.length_squared() < 1e-12 {
+    let force = force.copied().unwrap_or_default();
+    let impulse = impulse.copied().unwrap_or_default();
+    let forces = [force.force, force.torque, impulse.linear, impulse.angular];
+    let turned = pose.rotation.length_squared();
+    if !limits::within(pose.position, limits::POSITION) || !(1e-12..1e12).contains(&turned) {
         Some(BodyProblem::NonFinitePose)
-    } else if !velocity.is_finite() {
+    } else if !velocity.is_within_limits() {
         Some(BodyProblem::NonFiniteVelocity)
-    } else if ![force.force, force.torque, impulse.linear, impulse.angular]
-        .iter()
-        .all(|v| v.is_finite())
-    {
+    } else if !forces.iter().all(|v| limits::within(*v, limits::FORCE)) {
         Some(BodyProblem::NonFiniteForce)
+    } else if damping.is_some_and(|damping| !damping.is_valid()) {
+        Some(BodyProblem::InvalidDamping)
+    } else if scale.is_some_and(|scale| !(scale.0.abs() <= limits::GRAVITY_SCALE)) {
+        Some(BodyProblem::InvalidGravityScale)
+    } else if grab.is_some_and(|grab| !grab.is_valid()) {
+        Some(BodyProblem::InvalidGrab)
     } else {
         None
     }
 }
 
 impl BodyState {
-    fn new(entity: Entity, pose: Pose, velocity: Velocity, asleep: bool) -> Self {
+    fn new(entity: Entity, pose: Pose, velocity: Velocity) -> Self {
         Self {
             entity,
-            order: 0,
+            age: Age::NONE,
             kind: RigidBody::Static,
-            asleep,
+            asleep: false,
             pose,
             center: pose.position,
             velocity,
             mass: MassProperties::default(),
-            collider: Collider::default(),
+            collider: None,
             friction: Friction::default(),
             restitution: Restitution::default(),
             layers: CollisionLayers::default(),
             events: false,
             gravity_scale: 1.0,
             radius: 0.0,
+            half: Vec3::ZERO,
             moved: true,
             renewed: true,
+            arrived: true,
+            roused: false,
+            put_from: None,
+            target: None,
+            force: ExternalForce::default(),
+            scale_told: false,
+            visited: 0,
         }
     }
 }
 
-/// Takes over what changes seldom: shape, mass, surface.
-fn describe(
-    body: &mut BodyState,
-    (
-        kind,
-        collider,
-        (density, mass, inertia, center),
-        (friction, restitution, layers, events, gravity_scale),
-        mut properties,
-    ): <Described as bevy_ecs::query::QueryData>::Item<'_, '_>,
-) -> Result<(), BodyProblem> {
-    if collider.is_degenerate() {
-        return Err(BodyProblem::DegenerateShape);
-    }
-    let computed = MassProperties::new(collider, density, mass, inertia, center);
-    if *kind == RigidBody::Dynamic && !computed.is_valid() {
-        let by_hand = density.is_some() || mass.is_some() || inertia.is_some() || center.is_some();
-        return Err(if by_hand {
-            BodyProblem::InvalidMass
-        } else {
-            BodyProblem::DegenerateShape
-        });
-    }
-    body.kind = *kind;
-    body.collider = collider.clone();
-    body.friction = friction.copied().unwrap_or_default();
-    body.restitution = restitution.copied().unwrap_or_default();
-    body.layers = layers.copied().unwrap_or_default();
-    body.events = events;
-    body.gravity_scale = gravity_scale.0;
-    if !body.friction.is_valid() || !body.restitution.is_valid() {
-        return Err(BodyProblem::InvalidMaterial);
-    }
-    if !computed.local_center.is_finite() {
-        return Err(BodyProblem::InvalidMass);
-    }
-    body.mass = computed;
-    *properties = computed;
-    body.center = body.pose.transform_point(computed.local_center);
-    body.radius = collider.radius_about(computed.local_center);
-    body.renewed = true;
-    Ok(())
-}
-
-/// The stage **quarantine**: takes bodies with bad input out of the simulation and says so.
-///
-/// Runs after *prepare*. What the solve of one step breaks is caught before the next one reads it.
-pub fn quarantine(world: &mut World) {
-    let suspects = std::mem::take(&mut world.resource_mut::<Suspects>().0);
-    for (entity, problem) in suspects {
-        let Ok(mut body) = world.get_entity_mut(entity) else {
-            continue;
-        };
-        let name = body.get::<Name>().map(|name| name.as_str().to_owned());
-        if problem.is_fatal() {
-            let index = body.get::<BodyIndex>().copied();
-            body.insert((
-                Quarantined {
-                    problem: problem.clone(),
-                },
-                BodyIndex::NONE,
-            ));
-            if let Some(index) = index {
-                world.resource_mut::<BodyTable>().remove(index);
-            }
-        }
-        let error = BodyError {
+/// Part of the stage *prepare*: shapes that belong to no body, said once.
+pub fn strays(
+    mut suspects: ResMut<Suspects>,
+    new: Query<Entity, (Added<Collider>, Without<RigidBody>)>,
+    parents: Query<&ChildOf>,
+    bodies: Query<(), With<RigidBody>>,
+) {
+    for entity in &new {
+        let above = parents.iter_ancestors(entity).find(|&e| bodies.contains(e));
+        suspects.0.push((
             entity,
-            name,
-            problem,
-        };
-        tracing::error!("{error}");
-        world.write_message(error);
+            match above {
+                Some(body) => BodyProblem::ChildCollider { body },
+                None => BodyProblem::ColliderWithoutBody,
+            },
+        ));
     }
 }

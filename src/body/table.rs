@@ -1,17 +1,16 @@
 //! The dense mirror of the bodies.
 //!
 //! Pair stages need their two bodies at random, which costs 5–30 ns through a query and 2 through a slice. So each body
-//! has a slot for life ([`BodyIndex`]), the stage *prepare* copies what those stages read into it once a step, and
-//! nobody else writes it.
+//! has a slot for life ([`BodyIndex`]), and the stage *prepare* copies what those stages read into it once a step.
 
-use super::{MassProperties, Pose, RigidBody, Velocity};
+use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use glam::Vec3;
 
-/// A body's slot in the [`BodyTable`].
+/// A body's slot in the [`BodyTable`]. Internal.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-#[component(on_remove = free_slot)]
+#[component(clone_behavior = Ignore)]
 pub struct BodyIndex(pub u32);
 
 impl BodyIndex {
@@ -25,20 +24,11 @@ impl Default for BodyIndex {
     }
 }
 
-/// A body without its collider, or a collider without its body, is none.
-pub(crate) fn leave(mut world: DeferredWorld, context: HookContext) {
+/// What describes a body has been taken off: *prepare* shall look at it anew, as when it is changed. By a hook, since the list of
+/// removed components is cleared with every frame, and a step may come after several.
+pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut index) = world.get_mut::<BodyIndex>(context.entity) {
-        let index = std::mem::replace(&mut *index, BodyIndex::NONE);
-        if let Some(mut table) = world.get_resource_mut::<BodyTable>() {
-            table.remove(index);
-        }
-    }
-}
-
-fn free_slot(mut world: DeferredWorld, context: HookContext) {
-    let index = world.get::<BodyIndex>(context.entity).copied();
-    if let (Some(index), Some(mut table)) = (index, world.get_resource_mut::<BodyTable>()) {
-        table.remove(index);
+        index.set_changed();
     }
 }
 
@@ -48,9 +38,8 @@ fn free_slot(mut world: DeferredWorld, context: HookContext) {
 pub struct BodyState {
     /// Whose slot this is.
     pub entity: Entity,
-    /// Counts bodies in the order in which they came; what pairs and contacts are sorted by, since `Entity` order
-    /// differs between a server and its clients.
-    pub order: u64,
+    /// When it came; what pairs and contacts are sorted by, since `Entity` order differs between a server and its clients.
+    pub age: Age,
     /// How it answers to contact.
     pub kind: RigidBody,
     /// Asleep: its pairs keep what they have.
@@ -63,8 +52,8 @@ pub struct BodyState {
     pub velocity: Velocity,
     /// The material's inertia.
     pub mass: MassProperties,
-    /// Its shape.
-    pub collider: Collider,
+    /// Its shape, if it has one.
+    pub collider: Option<Collider>,
     /// Its surface.
     pub friction: Friction,
     /// Its bounce.
@@ -77,10 +66,26 @@ pub struct BodyState {
     pub gravity_scale: f32,
     /// Radius of the sphere about the centre of mass that holds the shape, m.
     pub radius: f32,
+    /// Half the edges of the box that holds the shape in its own frame, m; infinite for a half-space.
+    pub half: Vec3,
     /// Its pose is not that of the last step.
     pub moved: bool,
     /// Its shape, mass, surface or layers were set anew before this step.
     pub renewed: bool,
+    /// It was not in the table in the last step.
+    pub arrived: bool,
+    /// The user did something to it that wakes it.
+    pub(crate) roused: bool,
+    /// Where it was, if the user has put it elsewhere.
+    pub(crate) put_from: Option<Pose>,
+    /// A kinematic body's pose at the end of the step, if its `Transform` says so.
+    pub(crate) target: Option<Pose>,
+    /// The force on it in the last step.
+    pub(crate) force: ExternalForce,
+    /// Its user has been told that the scale of its `Transform` is ignored.
+    pub(crate) scale_told: bool,
+    /// The last visit of *prepare* that found it.
+    pub(crate) visited: u64,
 }
 
 impl BodyState {
@@ -89,20 +94,38 @@ impl BodyState {
         self.velocity.at(point - self.center)
     }
 
+    /// What is small against the body, m: its bounding radius, or less where it is thin.
+    pub fn size(&self) -> f32 {
+        self.radius.min(THICKNESS * self.half.min_element())
+    }
+
+    /// The same of its face towards a direction in the world: how thick the body is behind it does not count.
+    pub fn face_size(&self, direction: Vec3) -> f32 {
+        let towards = (self.pose.rotation.inverse() * direction).abs();
+        let mut half = self.half;
+        half[towards.max_position()] = f32::INFINITY;
+        self.radius.min(THICKNESS * half.min_element())
+    }
+
     /// True for a body that contacts can move.
     pub fn is_dynamic(&self) -> bool {
         self.kind == RigidBody::Dynamic
     }
 }
 
+/// A body thinner than its bounding radius by this is thin: a brick of 1 × 0.5 × 0.5 m is not, just.
+const THICKNESS: f32 = 2.5;
+
 /// All live bodies by slot. See the module's text.
 #[derive(Resource, Default)]
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,
+    count: usize,
     free: Vec<u32>,
     /// Slots whose body went since the broadphase last looked.
     pub(crate) removed: Vec<u32>,
-    next_order: u64,
+    ages: u64,
+    visits: u64,
 }
 
 impl BodyTable {
@@ -111,9 +134,14 @@ impl BodyTable {
         self.slots.len()
     }
 
-    /// True where the slot holds a body.
-    pub fn contains(&self, index: BodyIndex) -> bool {
-        self.get(index.0).is_some()
+    /// Number of bodies.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// True where the slot holds this body. (A body that was disabled may remember one that is another's by now.)
+    pub fn holds(&self, entity: Entity, index: BodyIndex) -> bool {
+        self.get(index.0).is_some_and(|body| body.entity == entity)
     }
 
     /// The body in a slot, if there is one.
@@ -129,13 +157,28 @@ impl BodyTable {
             .filter_map(|(slot, body)| Some((slot as u32, body.as_ref()?)))
     }
 
-    pub(crate) fn get_mut(&mut self, index: BodyIndex) -> Option<&mut BodyState> {
-        self.slots.get_mut(index.0 as usize)?.as_mut()
+    pub(crate) fn get_mut(&mut self, slot: u32) -> Option<&mut BodyState> {
+        self.slots.get_mut(slot as usize)?.as_mut()
     }
 
-    pub(crate) fn insert(&mut self, mut body: BodyState) -> BodyIndex {
-        body.order = self.next_order;
-        self.next_order += 1;
+    /// A body in its slot.
+    pub(crate) fn body_mut(&mut self, entity: Entity, index: BodyIndex) -> Option<&mut BodyState> {
+        self.get_mut(index.0).filter(|body| body.entity == entity)
+    }
+
+    pub(crate) fn next_age(&mut self) -> Age {
+        self.ages += 1;
+        Age(self.ages - 1)
+    }
+
+    /// Numbers the visits of *prepare*, from 1.
+    pub(crate) fn begin_visit(&mut self) -> u64 {
+        self.visits += 1;
+        self.visits
+    }
+
+    pub(crate) fn insert(&mut self, body: BodyState) -> BodyIndex {
+        self.count += 1;
         match self.free.pop() {
             Some(slot) => {
                 self.slots[slot as usize] = Some(body);
@@ -148,12 +191,24 @@ impl BodyTable {
         }
     }
 
-    /// Empties a slot. It is given to another body only after the broadphase has forgotten its pairs.
-    pub(crate) fn remove(&mut self, index: BodyIndex) {
-        if let Some(slot) = self.slots.get_mut(index.0 as usize)
-            && slot.take().is_some()
-        {
+    /// Empties a body's slot. It is given to another body only after the broadphase has forgotten its pairs.
+    pub(crate) fn remove(&mut self, entity: Entity, index: BodyIndex) {
+        if self.holds(entity, index) {
+            self.slots[index.0 as usize] = None;
+            self.count -= 1;
             self.removed.push(index.0);
+        }
+    }
+
+    /// Empties the slots of all bodies but those that stay.
+    pub(crate) fn retain(&mut self, stays: impl Fn(&BodyState) -> bool) {
+        let gone: Vec<_> = self
+            .iter()
+            .filter(|(_, body)| !stays(body))
+            .map(|(slot, body)| (body.entity, BodyIndex(slot)))
+            .collect();
+        for (entity, index) in gone {
+            self.remove(entity, index);
         }
     }
 

@@ -1,5 +1,6 @@
 //! Friction and restitution, and how those of two bodies are combined.
 
+use crate::body::limits;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -35,8 +36,9 @@ impl CombineRule {
 /// Coulomb friction of a body's surface; 0.5 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = crate::body::lost_description)]
 pub struct Friction {
-    /// μ, not negative.
+    /// μ, not negative and at most [`limits::FRICTION`](crate::body::limits::FRICTION).
     pub coefficient: f32,
     /// How it is combined with the other body's.
     pub rule: CombineRule,
@@ -45,15 +47,16 @@ pub struct Friction {
 /// Restitution of a body's surface; 0 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = crate::body::lost_description)]
 pub struct Restitution {
-    /// e, not negative; 1 bounces without loss.
+    /// e, from 0 to 1, which bounces without loss.
     pub coefficient: f32,
     /// How it is combined with the other body's.
     pub rule: CombineRule,
 }
 
 macro_rules! surface {
-    ($name:ident, $default:expr) => {
+    ($name:ident, $default:expr, $most:expr) => {
         impl Default for $name {
             fn default() -> Self {
                 Self::new($default)
@@ -82,13 +85,13 @@ macro_rules! surface {
                     .apply(self.coefficient, other.coefficient)
             }
 
-            /// True for a finite coefficient that is not negative.
+            /// True for a coefficient that is not negative and not beyond what can be.
             pub fn is_valid(self) -> bool {
-                self.coefficient.is_finite() && self.coefficient >= 0.0
+                limits::share_of(self.coefficient, $most)
             }
         }
     };
 }
 
-surface!(Friction, 0.5);
-surface!(Restitution, 0.0);
+surface!(Friction, 0.5, limits::FRICTION);
+surface!(Restitution, 0.0, limits::RESTITUTION);

@@ -2,6 +2,7 @@
 
 mod layers;
 mod material;
+mod sizes;
 
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution};
@@ -16,7 +17,7 @@ use std::fmt;
 /// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
 /// the constructors here cover the common ones.
 #[derive(Component, Clone)]
-#[component(on_remove = crate::body::leave)]
+#[component(on_remove = crate::body::lost_description)]
 pub struct Collider(SharedShape);
 
 /// Why a shape could not be made.
@@ -40,7 +41,9 @@ impl fmt::Display for ColliderError {
             ),
             Self::InvalidMesh(why) => write!(f, "invalid triangle mesh: {why}"),
             Self::InvalidCompound => {
-                f.write_str("a compound needs at least one part, and its parts must be convex")
+                f.write_str(
+                    "a compound needs at least one part, and its parts must be convex and have a size",
+                )
             }
             Self::InvalidHeightField => {
                 f.write_str("a height field needs two rows and two columns of finite heights")
@@ -134,10 +137,10 @@ impl Collider {
     /// Several convex shapes, each at a position and rotation in the body's frame.
     ///
     /// # Errors
-    /// [`ColliderError::InvalidCompound`] where there are none, or one is itself composite.
+    /// [`ColliderError::InvalidCompound`] where there are none, or one is itself composite or without size.
     pub fn compound(parts: Vec<(Vec3, Quat, Collider)>) -> Result<Self, ColliderError> {
         let placed = |p: &(Vec3, Quat, Collider)| {
-            p.0.is_finite() && p.1.is_normalized() && p.2.0.is_convex()
+            p.0.is_finite() && p.1.is_normalized() && p.2.0.is_convex() && !p.2.is_degenerate()
         };
         if parts.is_empty() || !parts.iter().all(placed) {
             return Err(ColliderError::InvalidCompound);
@@ -205,21 +208,15 @@ impl Collider {
         &self.0
     }
 
-    /// True where no contact can be computed with it: a size that is zero, negative or not finite.
+    /// True where no contact can be computed with it: a size that is zero, negative, not finite or beyond
+    /// [`limits`](crate::body::limits).
     pub fn is_degenerate(&self) -> bool {
-        if let Some(ball) = self.0.as_ball() {
-            return !(ball.radius.is_finite() && ball.radius > 0.0);
-        }
-        if let Some(cuboid) = self.0.as_cuboid() {
-            return !(cuboid.half_extents.is_finite() && cuboid.half_extents.min_element() > 0.0);
-        }
-        let aabb = self.0.compute_local_aabb();
-        let size = aabb.maxs - aabb.mins;
-        let sizes = [size.x, size.y, size.z];
-        // A surface may be flat in one direction, never in two.
-        !size.is_finite() && self.0.as_halfspace().is_none()
-            || sizes.iter().any(|s| s.is_nan() || *s < 0.0)
-            || sizes.iter().filter(|s| **s > 0.0).count() < 2
+        !sizes::are_valid(&*self.0)
+    }
+
+    /// True where the other is certainly the same shape.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        std::sync::Arc::ptr_eq(&self.0.0, &other.0.0) || sizes::are_equal(&*self.0, &*other.0)
     }
 
     /// Radius of the sphere about a local point that holds the shape, m; infinite for a half-space.
@@ -229,6 +226,14 @@ impl Collider {
         }
         let sphere = self.0.compute_local_bounding_sphere();
         (sphere.center - center).length() + sphere.radius
+    }
+
+    /// Half the edges of the box that holds the shape, m; infinite for a half-space.
+    pub(crate) fn half_extents(&self) -> Vec3 {
+        if self.0.as_halfspace().is_some() {
+            return Vec3::INFINITY;
+        }
+        self.0.compute_local_aabb().half_extents()
     }
 
     /// True where the surface is curved, so that a rolling contact point moves over it.

@@ -1,18 +1,22 @@
 //! The stage **contact events**: tells when bodies begin and cease to touch, as messages for everyone and as events for the
 //! observers of entities that ask for them with [`ContactEvents`].
 
-use super::ContactPair;
-use crate::body::BodyTable;
+use super::{ContactImpulses, ContactPair};
+use crate::body::{Age, BodyTable};
+use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::Vec3;
 
 /// Asks for [`ContactStarted`] and [`ContactEnded`] to be triggered on this body for observers.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = crate::body::lost_description)]
 pub struct ContactEvents;
 
-/// Two bodies began to touch. As an entity event its target is `body`; as a message `body` is A of the pair.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+/// Two bodies began to touch: sent in the step in which they first push on each other, or come within the collision envelope. As an
+/// entity event its target is `body`; as a message `body` is A of the pair.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ContactStarted {
     /// One body.
     #[event_target]
@@ -21,6 +25,9 @@ pub struct ContactStarted {
     pub other: Entity,
     /// The pair's entity, with its [`Manifold`](super::Manifold) and [`ContactImpulses`](super::ContactImpulses).
     pub pair: Entity,
+    /// How hard they hit: Σλ_n over the whole step, its bounce included, N·s. What lands softly goes on to push in later steps, see
+    /// [`ContactImpulses`].
+    pub impulse: f32,
 }
 
 /// Two bodies ceased to touch, or one of them is gone. As an entity event its target is `body`.
@@ -33,51 +40,60 @@ pub struct ContactEnded {
     pub other: Entity,
 }
 
-/// Touching pairs whose entity the broadphase removed.
+/// Pairs that listeners believe to touch, and that are gone.
 #[derive(Resource, Default)]
-pub struct EndedPairs(pub(crate) Vec<([u64; 2], [Entity; 2])>);
+#[doc(hidden)]
+pub struct EndedPairs(pub(crate) Vec<([Age; 2], [Entity; 2])>);
 
 /// Events for observers, triggered once the step is over.
 #[derive(Resource, Default)]
+#[doc(hidden)]
 pub struct Untriggered {
     started: Vec<ContactStarted>,
     ended: Vec<ContactEnded>,
 }
 
-/// See the module's text.
+/// See the module's text. With several substeps it speaks of the whole step, at its end.
 pub fn contact_events(
-    mut pairs: Query<(Entity, &mut ContactPair)>,
-    table: Res<BodyTable>,
+    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses)>,
+    (table, time): (Res<BodyTable>, Res<StepTime>),
     mut removed: ResMut<EndedPairs>,
     mut started: MessageWriter<ContactStarted>,
     mut ended: MessageWriter<ContactEnded>,
     mut untriggered: ResMut<Untriggered>,
 ) {
+    if !time.is_last() {
+        return;
+    }
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
-    for (entity, mut pair) in &mut pairs {
-        if pair.touching != pair.announced {
+    for (entity, mut pair, impulses) in &mut pairs {
+        let pushes = || impulses.normal() > 0.0 || impulses.elsewhere != Vec3::ZERO;
+        let touches = pair.touching || pushes();
+        if touches != pair.announced {
             let pair = pair.bypass_change_detection();
-            pair.announced = pair.touching;
-            match pair.touching {
-                true => begins.push((pair.order, pair.bodies, pair.slots, entity)),
-                false => ends.push((pair.order, pair.bodies)),
+            pair.announced = touches;
+            if touches {
+                let impulse = impulses.normal() + impulses.elsewhere.length();
+                begins.push((pair.ages, pair.bodies, pair.slots, entity, impulse));
+            } else {
+                ends.push((pair.ages, pair.bodies));
             }
         }
     }
-    begins.sort_unstable_by_key(|&(order, ..)| order);
-    ends.sort_unstable_by_key(|&(order, ..)| order);
-    for (_, [a, b], slots, pair) in begins {
-        started.write(ContactStarted {
-            body: a,
-            other: b,
+    begins.sort_unstable_by_key(|&(ages, ..)| ages);
+    ends.sort_unstable_by_key(|&(ages, ..)| ages);
+    for (_, [a, b], slots, pair, impulse) in begins {
+        let event = |body, other| ContactStarted {
+            body,
+            other,
             pair,
-        });
+            impulse,
+        };
+        started.write(event(a, b));
         for (slot, body, other) in [(slots[0], a, b), (slots[1], b, a)] {
             if table.get(slot).is_some_and(|body| body.events) {
-                untriggered
-                    .started
-                    .push(ContactStarted { body, other, pair });
+                untriggered.started.push(event(body, other));
             }
         }
     }

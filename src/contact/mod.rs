@@ -1,24 +1,29 @@
 //! The contact pair as an entity: which bodies, where they touch, what acts there, and where it is held.
 //!
 //! A pair lives as long as the fat boxes of its two bodies overlap, touching or not, so that pairs seldom come and go. All its
-//! lists run in parallel over the points of its [`Manifold`].
+//! lists run in parallel over the points of its [`Manifold`]. The broadphase makes pairs and ends them; what somebody else despawns,
+//! disables or takes a component off is made anew in the next step.
 
 mod events;
+mod whole_step;
 
 pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
+pub use whole_step::whole_step;
 
-use crate::islands::SolverSlot;
+use crate::body::Age;
+use crate::gather::SolverSlot;
 use crate::solver::Slip;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::query::{ContactManifold, ContactManifoldsWorkspace};
 use smallvec::SmallVec;
 
-/// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`; normals point from B to A.
+/// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`, the younger; normals point from B to A.
 #[derive(Component, Clone, Copy, Debug)]
+#[component(on_remove = crate::broadphase::lose_pair, clone_behavior = Ignore)]
 #[require(
     Manifold,
     ContactTargets,
@@ -32,8 +37,8 @@ pub struct ContactPair {
     pub bodies: [Entity; 2],
     /// Their slots in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
-    /// What pairs are sorted by: the order in which A and B came into the world.
-    pub order: [u64; 2],
+    /// When they came into the world.
+    pub ages: [Age; 2],
     /// Combined coefficient of friction μ.
     pub friction: f32,
     /// Combined coefficient of restitution e.
@@ -42,17 +47,28 @@ pub struct ContactPair {
     pub touching: bool,
     /// It touched in the last step, and does no more.
     pub(crate) parted: bool,
+    /// Contacts have been looked for.
+    pub(crate) detected: bool,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
 }
 
 /// Where two bodies touch, or may within the step.
 #[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
 pub struct Manifold {
     /// Parts of the manifold with one normal each. A pair of convex bodies has one at most.
     pub patches: SmallVec<[Patch; 1]>,
     /// The points of all patches.
     pub points: SmallVec<[ContactPoint; 4]>,
+}
+
+impl Manifold {
+    /// The normal of a point's patch.
+    pub(crate) fn normal_of(&self, point: usize) -> Vec3 {
+        let patch = self.patches.iter().find(|patch| patch.range().contains(&point));
+        patch.map_or(Vec3::ZERO, |patch| patch.normal)
+    }
 }
 
 /// Contact points with one normal.
@@ -97,6 +113,7 @@ pub struct ContactPoint {
 
 /// What the two stabilizations demand of each point's velocity.
 #[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
 pub struct ContactTargets {
     /// One for each point.
     pub points: SmallVec<[Target; 4]>,
@@ -113,13 +130,25 @@ pub struct Target {
     pub tangential: Vec3,
 }
 
-/// The impulses λ of the last solve.
+/// The impulses λ of the step: of all its substeps, and of bounces.
 #[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
 pub struct ContactImpulses {
     /// One for each point.
     pub points: SmallVec<[Impulse; 4]>,
     /// One for each patch.
     pub patches: SmallVec<[PatchImpulse; 1]>,
+    /// What acted on A in this step at points that are no more, N·s, world axes. Zero but with several substeps.
+    pub elsewhere: Vec3,
+    /// While the substeps of a step go on, what points got in those before this one.
+    pub(crate) earlier: Vec<Earlier>,
+}
+
+impl ContactImpulses {
+    /// Σλ_n of all points in the step, N·s.
+    pub fn normal(&self) -> f32 {
+        self.points.iter().map(|point| point.normal).sum()
+    }
 }
 
 /// What A gets at a contact point in a step, and B the opposite of.
@@ -129,23 +158,35 @@ pub struct Impulse {
     pub normal: f32,
     /// λ_t, N·s, world axes.
     pub tangential: Vec3,
-    /// λ_n of a solver's last substep, as if it had acted all through the step, N·s: what the next step starts from.
-    pub last: f32,
-    /// A slow mean of λ_n, N·s: what the point carries at rest. Zero under solvers that need none.
+    /// The normal force at the end of the last solve, N: what the next one starts from, whatever the length of its step.
+    pub warm_normal: f32,
+    /// The friction force at the end of the last solve, N, world axes. Zero under solvers with one friction force for a patch.
+    pub warm_tangential: Vec3,
+    /// A slow mean of the normal force, N: what the point carries at rest. Zero under solvers that need none.
     pub load: f32,
 }
 
 /// What a solver with one friction force for a patch keeps of it. Zero under others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PatchImpulse {
-    /// Friction on A at the patch's centre in the last substep, as if it had acted all through the step, N·s, world axes.
+    /// The friction force on A at the patch's centre at the end of the last solve, N, world axes.
+    pub warm_tangential: Vec3,
+    /// Moment of friction on A about the normal, likewise, N·m.
+    pub warm_twist: f32,
+}
+
+/// What a point got in the substeps before the one at hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Earlier {
+    /// N·s
+    pub normal: f32,
+    /// N·s, world axes.
     pub tangential: Vec3,
-    /// Moment of friction on A about the normal, likewise, N·m·s.
-    pub twist: f32,
 }
 
 /// The tracked contact anchors of section 3 of the paper.
 #[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
 pub struct ContactAnchors {
     /// One for each point; unused with pair-pose anchors.
     pub points: SmallVec<[Anchor; 4]>,
@@ -181,13 +222,24 @@ pub struct Anchor {
     pub slip: Vec3,
 }
 
-/// What collision detection keeps from step to step. Internal.
+/// What collision detection keeps from step to step.
 #[derive(Component, Default)]
+#[component(clone_behavior = Ignore)]
+#[doc(hidden)]
 pub struct NarrowphaseCache {
     /// How the bodies stood when the manifold was detected.
     pub(crate) stand: Option<Stand>,
     pub(crate) manifolds: Vec<ContactManifold<(), u32>>,
     pub(crate) workspace: Option<ContactManifoldsWorkspace>,
+}
+
+impl NarrowphaseCache {
+    /// What is found next is found anew.
+    pub(crate) fn forget(&mut self) {
+        self.stand = None;
+        self.manifolds.clear();
+        self.workspace = None;
+    }
 }
 
 /// How two bodies stand to each other, and up to what distance their surfaces were searched for contact.

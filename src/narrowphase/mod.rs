@@ -1,17 +1,19 @@
 //! The stage **narrowphase**: where the bodies of each pair touch, or may within the step, and which point of the last step
-//! each point is ([`matching`]).
+//! each point is.
 //!
 //! Parry finds the points; it keeps a manifold while the two bodies hardly move against each other, which costs a tenth of
 //! finding it anew. Pairs at rest (asleep, or static) keep theirs untouched.
 
 mod corners;
-pub mod matching;
+mod matching;
 mod passing;
 mod recycling;
 mod reduction;
 mod seams;
 
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable, Pose};
+pub(crate) use matching::{Origins, inherit};
+
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Manifold,
     NarrowphaseCache, Patch, Stand,
@@ -23,12 +25,12 @@ use parry3d::query::{DefaultQueryDispatcher, PersistentQueryDispatcher};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-/// Points of a patch nearer to each other than this share of the smaller body's radius become one: two bricks that are all but
+/// Points of a patch nearer to each other than this share of the smaller face's size become one: two bricks that are all but
 /// aligned touch at each corner twice, a few millimetres apart, and the point that a step finds there would not be that
 /// of the last one.
 const MERGE: f32 = 0.05;
 
-/// How far outside a face, as a share of the smaller body's radius, a corner still lies on it.
+/// How far outside a face, as a share of the smaller face's size, a corner still lies on it.
 const SLACK: f32 = 1e-4;
 
 type PairColumns<'w> = (
@@ -75,17 +77,28 @@ pub fn narrowphase(
                         pair.restitution = a.restitution.combine(b.restitution);
                     }
                     pair.parted = false;
-                    if is_idle(a) && is_idle(b) {
+                    if pair.detected && is_idle(a) && is_idle(b) {
                         return;
+                    }
+                    pair.detected = true;
+                    impulses.begin_substep(&time);
+                    let renewed = a.renewed || b.renewed;
+                    if renewed {
+                        // Parry would keep the points of shapes that are no more.
+                        cache.forget();
+                    }
+                    let apart = put_apart(a, b);
+                    if apart {
+                        cache.stand = None;
+                        anchors.points.fill(Default::default());
+                        anchors.patches.fill(Default::default());
                     }
                     let reach = settings.outer_distance().max(0.0)
                         + (approach_speed(a, b) + fall) * time.dt;
-                    let limit = settings.recycle_distance;
-                    let kept = !a.renewed
-                        && !b.renewed
-                        && cache
-                            .stand
-                            .is_some_and(|stand| stand.holds(a, b, limit, reach));
+                    let limit = settings.recycle_share * a.size().min(b.size());
+                    let kept = cache
+                        .stand
+                        .is_some_and(|stand| stand.holds(a, b, limit, reach));
                     if kept {
                         recycling::refresh(manifold, a, b);
                     } else {
@@ -96,8 +109,7 @@ pub fn narrowphase(
                         let passing = passing::pass(a, b, manifold, near, time.dt);
                         if passing {
                             *manifold = Manifold::default();
-                            cache.manifolds.clear();
-                            cache.workspace = None;
+                            cache.forget();
                         }
                         // A point that rolls is the same wherever it has rolled to.
                         let radius = if curved {
@@ -106,7 +118,7 @@ pub fn narrowphase(
                             settings.envelope
                         };
                         let origins = matching::match_points(&old, manifold, cache, radius);
-                        matching::inherit(&origins, &mut impulses.points);
+                        impulses.reorder(&origins, |i| old.normal_of(i));
                         matching::inherit(&origins, &mut anchors.points);
                         let origins = matching::match_patches(&old, manifold);
                         matching::inherit(&origins, &mut impulses.patches);
@@ -138,6 +150,27 @@ fn is_idle(body: &BodyState) -> bool {
     !body.moved && !body.renewed && (body.asleep || !body.is_dynamic())
 }
 
+/// The user has put one of the two elsewhere, and by that changed how they stand to each other: nothing that held them there holds any
+/// more. What is put elsewhere as a whole keeps all it has.
+fn put_apart(a: &BodyState, b: &BodyState) -> bool {
+    if a.put_from.is_none() && b.put_from.is_none() {
+        return false;
+    }
+    let was = |body: &BodyState| body.put_from.unwrap_or(body.pose);
+    let (before, after) = (was(a).within(&was(b)), a.pose.within(&b.pose));
+    let turned = 2.0 * (before.rotation.inverse() * after.rotation).xyz().length();
+    let moved = (after.position - before.position).length();
+    let farthest = [was(a), was(b), a.pose, b.pose]
+        .map(|pose: Pose| pose.position.abs().max_element())
+        .into_iter()
+        .fold(0.0, f32::max);
+    let radius = if a.radius.is_finite() { a.radius } else { b.radius };
+    moved + turned * radius > NOTHING + 8.0 * f32::EPSILON * farthest
+}
+
+/// Less than this, m, is rounding.
+const NOTHING: f32 = 1e-5;
+
 /// Bound on how fast two surfaces can come nearer, m/s, from the velocities before forces.
 fn approach_speed(a: &BodyState, b: &BodyState) -> f32 {
     let turning = |body: &BodyState| match body.velocity.angular.length() {
@@ -162,8 +195,11 @@ fn detect(
         ..
     } = cache;
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
-    let (shape_a, shape_b) = (a.collider.shape(), b.collider.shape());
-    let curved = a.collider.is_curved() || b.collider.is_curved();
+    let (Some(on_a), Some(on_b)) = (&a.collider, &b.collider) else {
+        return false;
+    };
+    let (shape_a, shape_b) = (on_a.shape(), on_b.shape());
+    let curved = on_a.is_curved() || on_b.is_curved();
     if curved {
         // A manifold that is kept turns with the surface, and a cylinder would roll off by itself.
         manifolds.clear();
@@ -176,7 +212,6 @@ fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
-    let size = a.radius.min(b.radius);
     let block = |body: &BodyState, half| corners::Block {
         pose: body.pose,
         half,
@@ -206,6 +241,7 @@ fn detect(
             continue;
         }
 
+        let size = a.face_size(normal).min(b.face_size(normal));
         let mut candidates = Candidates::new();
         for (i, contact) in found.points.iter().enumerate() {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);

@@ -8,16 +8,19 @@ use crate::body::BodyState;
 use crate::contact::Manifold;
 use parry3d::query::{ShapeCastOptions, cast_shapes};
 
-/// Slower than this share of the smaller body's radius a step, points are where they will be.
+/// Slower than this share of the smaller body's size a step, points are where they will be.
 const FAST: f32 = 0.25;
 
 /// True where all points are further apart than `near` (m), and the bodies as they fly miss each other by as much within `dt`.
 pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32, dt: f32) -> bool {
     let flight = (a.velocity.linear - b.velocity.linear).length() * dt;
-    if flight < FAST * a.radius.min(b.radius) || manifold.points.iter().any(|p| p.distance <= near)
+    if flight < FAST * a.size().min(b.size()) || manifold.points.iter().any(|p| p.distance <= near)
     {
         return false;
     }
+    let (Some(shape_a), Some(shape_b)) = (&a.collider, &b.collider) else {
+        return false;
+    };
     let options = ShapeCastOptions {
         max_time_of_impact: dt,
         target_distance: near.max(0.0),
@@ -26,10 +29,10 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
     let hit = cast_shapes(
         &a.pose.to_parry(),
         a.velocity.linear,
-        &**a.collider.shape(),
+        &**shape_a.shape(),
         &b.pose.to_parry(),
         b.velocity.linear,
-        &**b.collider.shape(),
+        &**shape_b.shape(),
         options,
     );
     // What cannot be cast keeps its contacts.

@@ -60,6 +60,11 @@ pub trait ContactSolver: Send + Sync {
         Rows::Points
     }
 
+    /// What is wrong with its own settings, as a sentence; it is not asked to solve then.
+    fn problem(&self) -> Option<String> {
+        None
+    }
+
     /// Changes impulses and velocities of `problem` towards a solution.
     fn solve(&self, problem: &mut Problem) -> SolveReport;
 }

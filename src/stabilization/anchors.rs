@@ -7,7 +7,9 @@ use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Impulse, Manifold, Patch,
     PatchAnchor,
 };
-use crate::settings::{AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings};
+use crate::settings::{
+    AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
+};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -42,7 +44,7 @@ pub fn write_pose([a, b]: [&BodyState; 2]) -> PatchAnchor {
 /// See the module's text.
 pub fn anchors(
     table: Res<BodyTable>,
-    settings: Res<StabilizationSettings>,
+    (settings, time): (Res<StabilizationSettings>, Res<StepTime>),
     threads: Res<PhysicsThreads>,
     mut pairs: Query<(
         &ContactPair,
@@ -74,7 +76,8 @@ pub fn anchors(
                         return;
                     };
                     if friction.anchors == AnchorRule::PairPose {
-                        hold_patches(&friction, pair, manifold, impulses, [a, b], anchors);
+                        let bodies = [a, b];
+                        hold_patches(&friction, pair, manifold, impulses, bodies, anchors, time.dt);
                     } else {
                         hold_points(&friction, pair, manifold, impulses, [a, b], anchors);
                     }
@@ -116,6 +119,7 @@ fn hold_patches(
     impulses: &ContactImpulses,
     bodies: [&BodyState; 2],
     anchors: &mut ContactAnchors,
+    dt: f32,
 ) {
     for (i, patch) in manifold.patches.iter().enumerate() {
         let anchor = &mut anchors.patches[i];
@@ -129,7 +133,7 @@ fn hold_patches(
         let was = anchor.sticking;
         anchor.sticking = !patch.curved
             && sticks(friction.classifier, pair.friction, solved, was)
-            && holds_twist(pair.friction, impulses.patches[i].twist, lever);
+            && holds_twist(pair.friction, impulses.patches[i].warm_twist * dt, lever);
         if !anchor.sticking {
             *anchor = PatchAnchor::default();
         } else if !anchor.set {

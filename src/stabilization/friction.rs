@@ -41,7 +41,7 @@ pub fn slip_correction(settings: &StabilizationSettings, error: Vec3, dt: f32) -
 /// How far a sticking point has slipped, m, world axes; `None` where its anchor no longer holds.
 ///
 /// Anchors are given up when they have come too far apart, along the surface or along the normal, and when the normal has
-/// turned in either body: that is rolling, which must not be undone.
+/// turned in either body: that is rolling, which must not be undone. `last` is the length of the last step, s.
 pub fn slip(
     settings: &StabilizationSettings,
     anchor: &Anchor,
@@ -49,14 +49,14 @@ pub fn slip(
     curved: bool,
     [a, b]: [&BodyState; 2],
     point: &ContactPoint,
-    dt: f32,
+    last: f32,
 ) -> Option<Vec3> {
     let friction = &settings.friction;
     let last_step = || {
         project(
             normal,
             a.velocity_at(point.position) - b.velocity_at(point.position),
-        ) * dt
+        ) * last
     };
     if friction.anchors == AnchorRule::Trackless {
         return Some(last_step());
@@ -170,7 +170,7 @@ fn measure_points(
     bodies: [&BodyState; 2],
     points: &[ContactPoint],
     anchors: &mut [Anchor],
-    dt: f32,
+    last: f32,
 ) -> Option<PlanarSlip> {
     let mut slips: SmallVec<[(Vec3, Vec3); 8]> = SmallVec::new();
     for (point, anchor) in points.iter().zip(anchors) {
@@ -184,7 +184,7 @@ fn measure_points(
             patch.curved,
             bodies,
             point,
-            dt,
+            last,
         ) {
             Some(error) => slips.push((point.position, error)),
             None => *anchor = Anchor::default(),
@@ -201,14 +201,14 @@ fn measure(
     points: &[ContactPoint],
     anchor: &mut PatchAnchor,
     anchors: &mut [Anchor],
-    dt: f32,
+    last: f32,
 ) -> Option<PlanarSlip> {
     if !settings.friction.enabled {
         // Kept manifolds keep their targets, so what friction was asked for must be taken back.
         return None;
     }
     if settings.friction.anchors != AnchorRule::PairPose {
-        return measure_points(settings, patch, bodies, points, anchors, dt);
+        return measure_points(settings, patch, bodies, points, anchors, last);
     }
     if !anchor.set {
         return None;
@@ -235,7 +235,7 @@ pub fn friction_error(
         &mut ContactTargets,
     )>,
 ) {
-    let (table, settings, dt) = (&*table, &*settings, time.dt);
+    let (table, settings, dt, last) = (&*table, &*settings, time.dt, time.last);
     let rows = solver.solver.rows();
     for (pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
@@ -258,7 +258,7 @@ pub fn friction_error(
                         let points = &manifold.points[patch.range()];
                         let held = &mut anchors.points[patch.range()];
                         let anchor = &mut anchors.patches[i];
-                        let slip = measure(settings, patch, [a, b], points, anchor, held, dt);
+                        let slip = measure(settings, patch, [a, b], points, anchor, held, last);
                         targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
                         if rows == Rows::Points {
                             let targets = &mut targets.points[patch.range()];

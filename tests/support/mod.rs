@@ -4,12 +4,14 @@
 use bevy_app::App;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
-use drystone::body::{BodyIndex, BodyTable, MassProperties, Pose, RigidBody, Velocity};
+use drystone::body::{Age, BodyIndex, BodyTable, MassProperties, Pose, RigidBody, Velocity};
 use drystone::collider::{Collider, Friction};
 use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::diagnosis::BodyError;
+use drystone::schedule::PhysicsSchedule;
 use drystone::settings::{Preset, SleepSettings, SolverSettings, StabilizationSettings};
 use glam::{Quat, Vec3};
 
@@ -31,6 +33,13 @@ impl Lab {
         let mut app = App::new();
         app.add_plugins(DrystonePlugins::default());
         let mut world = std::mem::take(app.world_mut());
+        // Two systems of ours that could run either way round are an error here, and a user's business elsewhere.
+        let mut schedules = world.resource_mut::<Schedules>();
+        let physics = schedules.get_mut(PhysicsSchedule).expect("it was added");
+        physics.set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Error,
+            ..Default::default()
+        });
         world.insert_resource(preset.stabilization());
         world.insert_resource(preset.solver());
         world.insert_resource(preset.sleeping());
@@ -65,8 +74,9 @@ impl Lab {
         self
     }
 
+    /// Messages stay until they are read.
     pub fn step(&mut self) {
-        drystone::step(&mut self.world, self.dt).expect("the step is positive");
+        drystone::advance(&mut self.world, self.dt).expect("the step is positive");
     }
 
     pub fn run(&mut self, seconds: f32) {
@@ -163,9 +173,9 @@ impl Lab {
     /// Poses and velocities of all bodies in the order in which they came, to the bit.
     pub fn bits(&self) -> Vec<[u32; 13]> {
         let table = self.world.resource::<BodyTable>();
-        let mut bodies: Vec<_> = table.iter().map(|(_, b)| (b.order, b.entity)).collect();
+        let mut bodies: Vec<_> = table.iter().map(|(_, b)| (b.age, b.entity)).collect();
         bodies.sort_unstable();
-        let of = |&(_, body): &(u64, Entity)| {
+        let of = |&(_, body): &(Age, Entity)| {
             let (p, v) = (self.pose(body), self.velocity(body));
             let (x, q, l, a) = (p.position, p.rotation, v.linear, v.angular);
             [

@@ -1,91 +1,302 @@
 //! Restitution, after the substeps: what was stopped leaves again (Box2D v3's `restitution` stage).
+//!
+//! What arrives at u leaves at −e u, and what it pushes on in the meantime gives way no further. Then a bounce takes the share
+//! 1 − e² of the energy that the contacts have taken out of the approach, however many bodies have a part in it, and none at e = 1:
+//! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn don't keep to that, so what would
+//! gain is weakened.
 
-use crate::solver::{Body, Problem};
-use glam::Vec3;
+use crate::solver::{Body, PatchPoint, Problem};
+use glam::{DVec3, Vec3};
 
-/// Visits to all points that bounce; a body that lands flat has several.
-const VISITS: usize = 8;
+/// Visits to all points that take part, at most.
+const VISITS: usize = 50;
 
-/// Less than this share of the approach is left where a contact has stopped it.
-const STOPPED: f32 = 0.5;
+/// Visits end when none has changed a velocity by more than this share of the fastest bounce.
+const SETTLED: f32 = 1e-5;
+
+/// What may bounce.
+pub struct Bounces {
+    points: Vec<Bouncing>,
+    /// What forces do to each body's velocity in this step.
+    pushes: Vec<[Vec3; 2]>,
+}
 
 /// A point that may bounce.
-pub struct Bouncing {
-    patch: usize,
-    arms: [Vec3; 2],
-    /// W, 1/kg.
-    response: f32,
-    /// Normal velocity before the step, m/s.
-    came: f32,
+struct Bouncing {
+    /// Its index among the problem's.
+    point: usize,
     /// Normal velocity to leave with, m/s.
     leave: f32,
-    /// What the bounce has given so far, N·s.
-    impulse: f32,
 }
 
 /// The points that will bounce if they are stopped, and how fast; before the substeps.
 ///
 /// They leave with a share e of the velocity with which they arrive, equation (2) of the paper: that before this step's forces,
 /// and what these add on the way to the surface. Without the second a ball would lose height in every bounce.
-pub fn find(problem: &Problem) -> Vec<Bouncing> {
-    let mut found = Vec::new();
-    let patches = problem.patches.iter().enumerate();
-    for (index, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
+pub fn find(problem: &Problem) -> Bounces {
+    let mut points = Vec::new();
+    for patch in problem.patches.iter().filter(|p| p.restitution > 0.0) {
         let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
-        for point in &problem.points[patch.range()] {
-            let arms = patch.arms.map(|arm| arm + point.offset);
-            let came = speed(bodies, &arms, patch.normal, |body| body.start);
+        for point in patch.range() {
+            let PatchPoint {
+                offset, separation, ..
+            } = problem.points[point];
+            let arms = patch.arms.map(|arm| arm + offset);
+            let came = approach(bodies.map(|body| body.start), &arms, patch.normal);
             if came < 0.0 {
-                let pull = speed(bodies, &arms, patch.normal, Body::push) / problem.dt;
-                let gained = -2.0 * pull * point.separation.max(0.0);
-                found.push(Bouncing {
-                    patch: index,
-                    arms,
-                    response: bodies[0].response(patch.normal, arms[0])
-                        + bodies[1].response(patch.normal, arms[1]),
-                    came,
-                    leave: patch.restitution * (came * came + gained).max(0.0).sqrt(),
-                    impulse: 0.0,
-                });
+                let gained = approach(bodies.map(Body::push), &arms, patch.normal);
+                let fallen = -2.0 * gained / problem.dt * separation.max(0.0);
+                let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
+                // What would be back within the step rests.
+                if leave > -0.5 * gained {
+                    points.push(Bouncing { point, leave });
+                }
             }
         }
     }
-    found
+    let pushes = match points.is_empty() {
+        true => Vec::new(),
+        false => problem.bodies.iter().map(Body::push).collect(),
+    };
+    Bounces { points, pushes }
 }
 
-/// Lets those leave that have been stopped; after the substeps.
-pub fn bounce(problem: &mut Problem, mut bouncing: Vec<Bouncing>) {
-    let speed = |problem: &Problem, point: &Bouncing| {
-        let patch = &problem.patches[point.patch];
-        let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
-        speed(bodies, &point.arms, patch.normal, |body| {
-            [body.linear, body.angular]
-        })
-    };
-    bouncing.retain(|point| speed(problem, point) > STOPPED * point.came);
-    for _ in 0..VISITS {
-        for point in &mut bouncing {
-            let missing = point.leave - speed(problem, point);
-            let found = (point.impulse + missing / point.response).max(0.0);
-            let patch = &problem.patches[point.patch];
-            let change = (found - point.impulse) * patch.normal;
-            point.impulse = found;
-            let [a, b] = patch.bodies;
-            problem.bodies[a as usize].apply(change, point.arms[0]);
-            problem.bodies[b as usize].apply(-change, point.arms[1]);
+/// A point that takes part in a bounce: it bounces itself, or held something.
+struct Row {
+    point: usize,
+    patch: usize,
+    /// Rows of other groups have no part in its bounce.
+    group: usize,
+    bodies: [usize; 2],
+    normal: Vec3,
+    arms: [Vec3; 2],
+    /// W, 1/kg.
+    response: f32,
+    /// Normal velocity to leave with, m/s; 0 where it only holds.
+    leave: f32,
+    /// What the bounce may give at least, N·s: what holds may let go.
+    least: f32,
+    /// What it has given so far, N·s.
+    impulse: f32,
+}
+
+impl Row {
+    fn speed(&self, bodies: &[Body]) -> f32 {
+        let velocities = self
+            .bodies
+            .map(|body| [bodies[body].linear, bodies[body].angular]);
+        approach(velocities, &self.arms, self.normal)
+    }
+
+    /// Adds to its impulse; how much of it was added.
+    fn give(&mut self, change: f32, bodies: &mut [Body]) -> f32 {
+        let found = (self.impulse + change).max(self.least);
+        let given = found - self.impulse;
+        self.impulse = found;
+        let push = given * self.normal;
+        bodies[self.bodies[0]].apply(push, self.arms[0]);
+        bodies[self.bodies[1]].apply(-push, self.arms[1]);
+        given
+    }
+}
+
+/// Lets those leave that have been stopped; after so many substeps.
+pub fn bounce(problem: &mut Problem, bounces: Bounces, substeps: usize) {
+    let mut bouncing = bounces.points;
+    bouncing.retain(|bouncing| problem.points[bouncing.point].given > 0.0);
+    if bouncing.is_empty() {
+        return;
+    }
+    let mut rows = rows(problem, &bouncing, substeps);
+    group(&mut rows, problem.bodies);
+    for group in rows.chunk_by_mut(|a, b| a.group == b.group) {
+        if group.iter().any(|row| row.leave > 0.0) {
+            throw(group, problem.points, problem.bodies, &bounces.pushes);
+        }
+    }
+    for row in rows {
+        let point = &mut problem.points[row.point];
+        point.given += row.impulse;
+        if row.leave > 0.0 {
+            // It is off, and carries nothing.
+            point.impulse = 0.0;
+            let patch = &mut problem.patches[row.patch];
+            (patch.tangential, patch.twist) = (Vec3::ZERO, 0.0);
         }
     }
 }
 
-fn speed(
-    bodies: [&Body; 2],
-    arms: &[Vec3; 2],
-    normal: Vec3,
-    velocity: impl Fn(&Body) -> [Vec3; 2],
+/// Sorts rows into groups that share bodies which can be moved.
+fn group(rows: &mut [Row], bodies: &[Body]) {
+    let mut parent: Vec<usize> = (0..bodies.len()).collect();
+    fn root(parent: &mut [usize], mut body: usize) -> usize {
+        while parent[body] != body {
+            parent[body] = parent[parent[body]];
+            body = parent[body];
+        }
+        body
+    }
+    let moves = |body: usize| bodies[body].inverse_mass > 0.0;
+    for row in rows.iter() {
+        if row.bodies.into_iter().all(moves) {
+            let [a, b] = row.bodies.map(|body| root(&mut parent, body));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    for row in rows.iter_mut() {
+        let moved = row.bodies.into_iter().find(|&body| moves(body));
+        row.group = root(&mut parent, moved.unwrap_or(0));
+    }
+    rows.sort_by_key(|row| row.group);
+}
+
+/// Lets one group leave.
+fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
+    let mut ends: Vec<usize> = group.iter().flat_map(|row| row.bodies).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let before: Vec<_> = ends
+        .iter()
+        .map(|&end| [bodies[end].linear, bodies[end].angular])
+        .collect();
+    let fastest = group.iter().map(|row| row.leave).fold(0.0, f32::max);
+    for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
+        throw_together(patch, points, bodies);
+    }
+    for _ in 0..VISITS {
+        let mut change = 0.0f32;
+        for row in group.iter_mut() {
+            let missing = row.leave - row.speed(bodies);
+            let given = row.give(missing / row.response, bodies);
+            change = change.max(given.abs() * row.response);
+        }
+        if change < SETTLED * fastest {
+            break;
+        }
+    }
+    let share = affordable(group, bodies, &ends, &before, pushes);
+    if share < 1.0 {
+        for (&end, before) in ends.iter().zip(&before) {
+            let body = &mut bodies[end];
+            body.linear = before[0] + share * (body.linear - before[0]);
+            body.angular = before[1] + share * (body.angular - before[1]);
+        }
+        for row in group {
+            row.impulse *= share;
+        }
+    }
+}
+
+fn rows(problem: &Problem, bouncing: &[Bouncing], substeps: usize) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut next = bouncing.iter().peekable();
+    for (number, patch) in problem.patches.iter().enumerate() {
+        for index in patch.range() {
+            let bounces = next.next_if(|bouncing| bouncing.point == index);
+            let point = &problem.points[index];
+            if point.given <= 0.0 {
+                continue;
+            }
+            let bodies = patch.bodies.map(|body| body as usize);
+            let arms = patch.arms.map(|arm| arm + point.offset);
+            let response = |i: usize| problem.bodies[bodies[i]].response(patch.normal, arms[i]);
+            rows.push(Row {
+                point: index,
+                patch: number,
+                group: 0,
+                bodies,
+                normal: patch.normal,
+                arms,
+                response: response(0) + response(1),
+                leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
+                least: match bounces {
+                    Some(_) => 0.0,
+                    None => -point.impulse / substeps as f32,
+                },
+                impulse: 0.0,
+            });
+        }
+    }
+    rows
+}
+
+/// What landed on a face leaves it as it came, all points together: in the proportion in which they were stopped, as fast as fits
+/// them best.
+fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body]) {
+    let (mut push, mut turns, mut missing) = (0.0, [Vec3::ZERO; 2], 0.0);
+    for row in patch.iter().filter(|row| row.leave > 0.0) {
+        let given = points[row.point].given;
+        push += given;
+        for (turn, arm) in turns.iter_mut().zip(row.arms) {
+            *turn += arm.cross(given * row.normal);
+        }
+        missing += given * (row.leave - row.speed(bodies));
+    }
+    let first = &patch[0];
+    let [a, b] = first.bodies.map(|body| &bodies[body]);
+    let takes = push * push * (a.inverse_mass + b.inverse_mass)
+        + turns[0].dot(a.inverse_inertia * turns[0])
+        + turns[1].dot(b.inverse_inertia * turns[1]);
+    if missing > 0.0 && takes > 0.0 {
+        for row in patch.iter_mut().filter(|row| row.leave > 0.0) {
+            row.give(missing / takes * points[row.point].given, bodies);
+        }
+    }
+}
+
+/// The share of a bounce that can be had without more energy, kinetic and of place, than there was before the step; from the
+/// velocities of the bodies at the ends before the bounce, and those now.
+fn affordable(
+    group: &[Row],
+    bodies: &[Body],
+    ends: &[usize],
+    before: &[[Vec3; 2]],
+    pushes: &[[Vec3; 2]],
 ) -> f32 {
-    let at = |i: usize| {
-        let [linear, angular] = velocity(bodies[i]);
-        linear + angular.cross(arms[i])
+    let moves = |end: &Body| end.inverse_mass > 0.0;
+    let driven = |end: &Body| !moves(end) && end.start != [Vec3::ZERO; 2];
+    if ends.iter().any(|&end| driven(&bodies[end])) {
+        // What is moved from outside does work.
+        return 1.0;
+    }
+    // E(s) = E(0) + s d + s² q.
+    let (mut d, mut q) = (0.0f64, 0.0f64);
+    for row in group {
+        let was = row.bodies.map(|body| {
+            let end = ends.binary_search(&body).expect("all ends were collected");
+            before[end]
+        });
+        let was = approach(was, &row.arms, row.normal);
+        d += (row.impulse * was) as f64;
+        q += (0.5 * row.impulse * (row.speed(bodies) - was)) as f64;
+    }
+    let spare: f64 = ends
+        .iter()
+        .zip(before)
+        .filter(|(end, _)| moves(&bodies[**end]))
+        .map(|(&end, before)| spent(&bodies[end], *before, pushes[end]))
+        .sum();
+    if d + q <= spare || q <= 0.0 {
+        return 1.0;
+    }
+    let root = (d * d + 4.0 * q * spare).max(0.0).sqrt();
+    ((root - d) / (2.0 * q)).clamp(0.0, 1.0) as f32
+}
+
+/// What contacts have taken of a body's energy in the substeps, J: what it had, and what forces gave it on its way, less what it
+/// has.
+fn spent(body: &Body, now: [Vec3; 2], push: [Vec3; 2]) -> f64 {
+    let inertia = body.inverse_inertia.as_dmat3().inverse();
+    let product = |[v, w]: [DVec3; 2], [x, y]: [DVec3; 2]| {
+        v.dot(x) / body.inverse_mass as f64 + w.dot(inertia * y)
     };
-    normal.dot(at(0) - at(1))
+    let [start, now, push, moved] =
+        [body.start, now, push, body.motion.unwrap_or(now)].map(|v| v.map(|v| v.as_dvec3()));
+    0.5 * (product(start, start) - product(now, now)) + product(push, moved)
+}
+
+/// Normal velocity of A against B, from linear and angular velocities, m/s.
+fn approach([a, b]: [[Vec3; 2]; 2], arms: &[Vec3; 2], normal: Vec3) -> f32 {
+    let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
+    normal.dot(at(a, arms[0]) - at(b, arms[1]))
 }

@@ -70,12 +70,13 @@ impl ContactSolver for SoftStep {
     }
 
     fn solve(&self, problem: &mut Problem) -> SolveReport {
-        let bouncing = bounce::find(problem);
+        let bounces = bounce::find(problem);
         cold_start::cold_start(problem);
-        let mut island = Island::new(problem, substeps(problem.iterations));
+        let substeps = substeps(problem.iterations);
+        let mut island = Island::new(problem, substeps);
         let report = island.advance(self, problem);
         island.store(problem, self.preload_rate);
-        bounce::bounce(problem, bouncing);
+        bounce::bounce(problem, bounces, substeps);
         report
     }
 }

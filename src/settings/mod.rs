@@ -1,6 +1,12 @@
 //! What a user can set: gravity, stabilization, solver. The defaults are what a Bevy user gets; [`Preset::Paper`]
-//! is the setting of the paper's Table 1.
+//! is the setting of the paper's Table 1. All of it may be changed between any two steps; what cannot be is refused ([`check`]).
 
+mod check;
+
+pub use check::InForce;
+pub(crate) use check::check;
+
+use crate::body::Velocity;
 use crate::solver::{ContactSolver, FrictionCone, Nncg, Pgs, SoftStep};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -16,11 +22,71 @@ impl Default for Gravity {
     }
 }
 
-/// The length of the step at hand, s; one substep of it where there are several. Written by [`step`](crate::step).
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+/// How fast a body may be. What forces and contacts make faster is slowed down to this, so that nothing gets lost in one step.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct SpeedLimits {
+    /// m/s; 1000 by default.
+    pub linear: f32,
+    /// rad/s; 1000 by default.
+    pub angular: f32,
+}
+
+impl Default for SpeedLimits {
+    fn default() -> Self {
+        Self {
+            linear: 1000.0,
+            angular: 1000.0,
+        }
+    }
+}
+
+impl SpeedLimits {
+    /// True for a velocity that a body may have.
+    pub fn allow(&self, velocity: &Velocity) -> bool {
+        velocity.linear.length() <= self.linear && velocity.angular.length() <= self.angular
+    }
+
+    /// The velocity that a body has instead.
+    pub(crate) fn cap(&self, velocity: &mut Velocity) {
+        velocity.linear = velocity.linear.clamp_length_max(self.linear);
+        velocity.angular = velocity.angular.clamp_length_max(self.angular);
+    }
+}
+
+/// The step at hand; a substep of it where there are several. Written by [`step`](crate::step).
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct StepTime {
-    /// s
+    /// Length of the substep at hand, s.
     pub dt: f32,
+    /// Length of the one before, s; of this one if it is the first.
+    pub last: f32,
+    /// Number of the substep at hand, from 0.
+    pub substep: usize,
+    /// How many there are.
+    pub substeps: usize,
+}
+
+impl Default for StepTime {
+    fn default() -> Self {
+        Self {
+            dt: 0.0,
+            last: 0.0,
+            substep: 0,
+            substeps: 1,
+        }
+    }
+}
+
+impl StepTime {
+    /// Length of the whole step, s.
+    pub fn whole(&self) -> f32 {
+        self.dt * self.substeps as f32
+    }
+
+    /// True in the last substep.
+    pub fn is_last(&self) -> bool {
+        self.substep + 1 == self.substeps
+    }
 }
 
 /// How normals are corrected (paper, section 2).
@@ -105,9 +171,10 @@ pub struct StabilizationSettings {
     pub max_correction_speed: f32,
     /// How friction is corrected.
     pub friction: FrictionStabilization,
-    /// A contact manifold is kept, with normal and arms frozen, until its bodies have moved this far against each other, m. 0:
-    /// found anew in every step.
-    pub recycle_distance: f32,
+    /// A contact manifold is kept, with normal and arms frozen, until its bodies have moved against each other by this share of
+    /// the smaller one's size (its bounding radius, or 2.5 times half its least thickness where that is less). 0: found anew in
+    /// every step.
+    pub recycle_share: f32,
     /// Keep four points of a patch that has more: the corners of the largest quadrangle.
     pub reduce_manifolds: bool,
 }
@@ -201,7 +268,7 @@ impl Preset {
                     anchors: AnchorRule::PairPose,
                     ..friction
                 },
-                recycle_distance: 0.01,
+                recycle_share: 0.016,
                 reduce_manifolds: true,
             },
             Preset::Paper => StabilizationSettings {
@@ -210,7 +277,7 @@ impl Preset {
                 normal: NormalStabilization::Envelope,
                 max_correction_speed: 2.0,
                 friction,
-                recycle_distance: 0.0,
+                recycle_share: 0.0,
                 reduce_manifolds: false,
             },
         }

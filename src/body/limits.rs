@@ -1,0 +1,47 @@
+//! What the numbers of a body may be. Input beyond is an error ([`BodyProblem`](crate::diagnosis::BodyProblem)) and quarantines the body: single
+//! precision cannot compute with it, and what touched it would be lost as well.
+//!
+//! These are bounds of what can be simulated, not of what is sensible: how fast a body may become is a setting,
+//! [`SpeedLimits`](crate::settings::SpeedLimits).
+
+use glam::Vec3;
+
+/// Farthest from the origin along an axis, m.
+pub const POSITION: f32 = 1e7;
+/// Fastest, m/s.
+pub const SPEED: f32 = 1e6;
+/// Fastest spin, rad/s.
+pub const SPIN: f32 = 1e6;
+/// Smallest extent of a shape that has volume, m.
+pub const SMALLEST: f32 = 1e-6;
+/// Largest extent of a shape, m; half-spaces have none.
+pub const LARGEST: f32 = 1e6;
+/// Least mass, kg.
+pub const LIGHTEST: f32 = 1e-9;
+/// Greatest mass, kg.
+pub const HEAVIEST: f32 = 1e15;
+/// Greatest inverse moment of inertia, as a multiple of that of a ring of the body's mass and bounding radius.
+pub const THINNEST: f32 = 1e12;
+/// Strongest force (N), torque (N·m) and impulse (N·s, N·m·s).
+pub const FORCE: f32 = 1e20;
+/// Largest [`GravityScale`](super::GravityScale) either way.
+pub const GRAVITY_SCALE: f32 = 1e4;
+/// Strongest damping, 1/s.
+pub const DAMPING: f32 = 1e9;
+/// Greatest coefficient of friction.
+pub const FRICTION: f32 = 1e6;
+/// Greatest coefficient of restitution.
+pub const RESTITUTION: f32 = 1.0;
+/// Stiffest and most damped spring of a hand, N/m and N·s/m.
+pub const STIFFNESS: f32 = 1e15;
+
+/// Finite, and no component beyond a bound either way.
+pub(crate) fn within(v: Vec3, bound: f32) -> bool {
+    // A comparison with NaN is false.
+    v.abs().max_element() <= bound && v.is_finite()
+}
+
+/// Finite, not negative, not beyond a bound.
+pub(crate) fn share_of(x: f32, bound: f32) -> bool {
+    (0.0..=bound).contains(&x)
+}

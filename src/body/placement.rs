@@ -1,0 +1,81 @@
+//! `Transform` in and out: where a user put a body, what its frame is, and how fast a kinematic body goes that is moved by it.
+
+use super::{Pose, Velocity};
+use bevy_ecs::{hierarchy::ChildOf, prelude::*};
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use bevy_transform::components::Transform;
+use glam::Vec3;
+
+/// The `Transform` set along with this takes a kinematic body elsewhere at once: it was not on the way, has no velocity from it, and
+/// carries nothing along. The next step takes it off.
+///
+/// Other bodies are always put where their `Transform` says, and so is a kinematic one that would be faster than
+/// [`SpeedLimits`](crate::settings::SpeedLimits) allows.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[component(storage = "SparseSet")]
+pub struct Teleport;
+
+/// The transforms of bodies and of what stands above them.
+pub(super) type Placed<'w, 's> = Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>;
+
+/// The pose a user gave the body through `Transform` (or, for a new body, through `Pose`), if it was moved. What moves a
+/// parent's `Transform` between two steps moves the body too.
+pub(super) fn user_pose(
+    (transform, parent): (&Transform, Option<&ChildOf>),
+    pose: Pose,
+    new: bool,
+    placed: Query<(&Transform, Option<&ChildOf>)>,
+) -> Option<Pose> {
+    let stays = if new {
+        // A pose set by hand counts where the transform was left alone.
+        *transform == Transform::IDENTITY && pose != Pose::default() && pose.is_finite()
+    } else {
+        // To the bit: the same sum as at the end of the last step, from the same numbers where nobody touched them. How far
+        // its own or a parent's frame is from the origin does not matter then.
+        let local = local_pose(pose, parent, placed);
+        (local.position, local.rotation) == (transform.translation, transform.rotation)
+    };
+    (!stays).then(|| {
+        let mut world = *transform;
+        let mut above = parent;
+        while let Some(ChildOf(parent)) = above
+            && let Ok((transform, grandparent)) = placed.get(*parent)
+        {
+            world = transform.mul_transform(world);
+            above = grandparent;
+        }
+        Pose {
+            position: world.translation,
+            rotation: world.rotation,
+        }
+    })
+}
+
+/// A pose in its parent's frame, or as it is where there is none.
+pub(crate) fn local_pose(
+    pose: Pose,
+    parent: Option<&ChildOf>,
+    placed: Query<(&Transform, Option<&ChildOf>)>,
+) -> Pose {
+    let Some((frame, above)) = parent.and_then(|parent| placed.get(parent.0).ok()) else {
+        return pose;
+    };
+    let pose = local_pose(pose, above, placed);
+    let back = frame.rotation.inverse();
+    Pose {
+        position: back * (pose.position - frame.translation) / frame.scale,
+        rotation: back * pose.rotation,
+    }
+}
+
+/// The velocity that takes a body from one pose to another in `dt` s; `center` is its centre of mass in its frame.
+pub(super) fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
+    let turn = to.rotation * from.rotation.inverse();
+    // The shorter way round.
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    Velocity {
+        linear: (to.transform_point(center) - from.transform_point(center)) / dt,
+        angular: turn.to_scaled_axis() / dt,
+    }
+}

@@ -1,0 +1,195 @@
+//! Settings are checked before every step. What cannot be is set back to what it was, and said.
+
+use super::{
+    Gravity, NormalStabilization, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+};
+use crate::body::limits;
+use crate::diagnosis::StepError;
+use bevy_ecs::prelude::*;
+use std::sync::Arc;
+
+/// The settings of the last step.
+#[derive(Resource, Clone, Default)]
+pub struct InForce {
+    gravity: Gravity,
+    stabilization: StabilizationSettings,
+    solver: SolverSettings,
+    sleeping: SleepSettings,
+    speeds: SpeedLimits,
+    steps: u64,
+    /// Some of them are not those of the step before, so that what sleeps must look again.
+    pub changed: bool,
+}
+
+/// Settings that can be wrong.
+trait Checked: Resource + Clone {
+    const NAME: &'static str;
+
+    /// What is wrong, as a sentence.
+    fn problem(&self) -> Option<String>;
+
+    fn is_same(&self, other: &Self) -> bool;
+}
+
+/// Sets back what is wrong, or gone; tells whether anything changed.
+pub(crate) fn check(world: &mut World) {
+    let mut last = world.resource::<InForce>().clone();
+    let changed = [
+        take_over(world, &mut last.gravity),
+        take_over(world, &mut last.stabilization),
+        take_over(world, &mut last.solver),
+        take_over(world, &mut last.sleeping),
+        take_over(world, &mut last.speeds),
+    ];
+    // The first settings are no change.
+    last.changed = last.steps > 0 && changed.contains(&true);
+    last.steps += 1;
+    world.insert_resource(last);
+}
+
+/// True where a resource is valid and another than before.
+fn take_over<T: Checked + Component>(world: &mut World, last: &mut T) -> bool {
+    let problem = match world.get_resource::<T>() {
+        Some(now) => match now.problem() {
+            None => {
+                let changed = !now.is_same(last);
+                if changed {
+                    *last = now.clone();
+                }
+                return changed;
+            }
+            Some(problem) => problem,
+        },
+        None => "it was removed".to_owned(),
+    };
+    let error = StepError::InvalidSettings {
+        resource: T::NAME,
+        why: problem,
+    };
+    tracing::error!("{error}");
+    world.write_message(error);
+    world.insert_resource(last.clone());
+    false
+}
+
+/// The first of some numbers that is not where it must be.
+fn out_of_bounds(numbers: &[(&str, f32, std::ops::RangeInclusive<f32>)]) -> Option<String> {
+    numbers
+        .iter()
+        .find(|(_, x, bounds)| !bounds.contains(x))
+        .map(|(name, x, bounds)| {
+            let (least, most) = (bounds.start(), bounds.end());
+            format!("{name} is {x}, and must be between {least:?} and {most:?}")
+        })
+}
+
+/// Longest length that a setting may be, m, and shortest that is not nothing.
+const LENGTH: f32 = 1e3;
+const TINY: f32 = 1e-9;
+
+/// Strongest gravity, m/s².
+const GRAVITY: f32 = 1e5;
+
+/// Most sweeps and most substeps.
+const SWEEPS: usize = 1_000_000;
+const SUBSTEPS: usize = 10_000;
+
+impl Checked for Gravity {
+    const NAME: &'static str = "Gravity";
+
+    fn problem(&self) -> Option<String> {
+        let fine = limits::within(self.0, GRAVITY);
+        (!fine).then(|| format!("{} is not finite or above {GRAVITY:.0e} m/s²", self.0))
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+impl Checked for StabilizationSettings {
+    const NAME: &'static str = "StabilizationSettings";
+
+    fn problem(&self) -> Option<String> {
+        let friction = &self.friction;
+        let normal_gain = match self.normal {
+            NormalStabilization::Baumgarte { gain }
+            | NormalStabilization::BaumgarteOneSided { gain } => gain,
+            NormalStabilization::None | NormalStabilization::Envelope => 0.0,
+        };
+        out_of_bounds(&[
+            ("envelope", self.envelope, 0.0..=LENGTH),
+            ("ideal_distance", self.ideal_distance, 0.0..=LENGTH),
+            ("the gain of `normal`", normal_gain, 0.0..=1.0),
+            ("max_correction_speed", self.max_correction_speed, 0.0..=limits::SPEED),
+            ("recycle_share", self.recycle_share, 0.0..=1.0),
+            ("friction.gain", friction.gain, 0.0..=2.0),
+            ("friction.tolerance", friction.tolerance, 0.0..=LENGTH),
+            ("friction.max_error", friction.max_error, 0.0..=f32::INFINITY),
+            ("friction.max_separation", friction.max_separation, 0.0..=f32::INFINITY),
+            ("friction.max_turn", friction.max_turn, 0.0..=f32::INFINITY),
+        ])
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+impl Checked for SolverSettings {
+    const NAME: &'static str = "SolverSettings";
+
+    fn problem(&self) -> Option<String> {
+        if !(1..=SWEEPS).contains(&self.iterations) {
+            let n = self.iterations;
+            return Some(format!("iterations is {n}, and must be between 1 and {SWEEPS}"));
+        }
+        if !(1..=SUBSTEPS).contains(&self.substeps) {
+            let n = self.substeps;
+            return Some(format!("substeps is {n}, and must be between 1 and {SUBSTEPS}"));
+        }
+        out_of_bounds(&[
+            ("warm_start", self.warm_start, 0.0..=1.0),
+            ("tolerance", self.tolerance, 0.0..=f32::INFINITY),
+        ])
+        .or_else(|| self.solver.problem())
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.solver, &other.solver)
+            && (self.iterations, self.substeps) == (other.iterations, other.substeps)
+            && self.cone == other.cone
+            && (self.warm_start, self.tolerance) == (other.warm_start, other.tolerance)
+    }
+}
+
+impl Checked for SleepSettings {
+    const NAME: &'static str = "SleepSettings";
+
+    fn problem(&self) -> Option<String> {
+        out_of_bounds(&[
+            ("linear_speed", self.linear_speed, 0.0..=limits::SPEED),
+            ("angular_speed", self.angular_speed, 0.0..=limits::SPIN),
+            ("delay", self.delay, 0.0..=f32::INFINITY),
+        ])
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+impl Checked for SpeedLimits {
+    const NAME: &'static str = "SpeedLimits";
+
+    fn problem(&self) -> Option<String> {
+        out_of_bounds(&[
+            ("linear", self.linear, TINY..=limits::SPEED),
+            ("angular", self.angular, TINY..=limits::SPIN),
+        ])
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+}

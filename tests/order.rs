@@ -1,0 +1,142 @@
+//! The order in which contacts are swept follows from what stands on what, not from who was spawned first or as which `Entity`.
+
+mod support;
+
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use drystone::body::{Pose, RigidBody};
+use drystone::collider::Collider;
+use drystone::metrics::Displacement;
+use drystone::scenes::{Scene, SceneOptions};
+use drystone::settings::SleepSettings;
+use glam::Vec3;
+use support::*;
+
+/// A wall spawned in a permutation of its order; drift and sag after some seconds, mm.
+fn stands(scene: &str, seconds: f32, permute: impl Fn(&mut Vec<(Collider, Transform)>)) -> [f32; 2] {
+    // Built once to see where everything goes.
+    let mut plan = Lab::new();
+    let scene: Scene = scene.parse().unwrap();
+    let built = scene.build(&mut plan.world, &SceneOptions::default());
+    let mut bodies: Vec<(Collider, Transform)> = built
+        .bodies
+        .iter()
+        .map(|&b| {
+            let body = plan.world.entity(b);
+            (body.get::<Collider>().unwrap().clone(), *body.get::<Transform>().unwrap())
+        })
+        .collect();
+    permute(&mut bodies);
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    lab.ground();
+    let bodies: Vec<Entity> = bodies
+        .into_iter()
+        .map(|(collider, transform)| lab.spawn((RigidBody::Dynamic, collider, transform)))
+        .collect();
+    let poses = |lab: &Lab| -> Vec<Pose> { bodies.iter().map(|&b| lab.pose(b)).collect() };
+    let start = poses(&lab);
+    lab.run(seconds);
+    let moved = Displacement::between(&start, &poses(&lab));
+    [1e3 * moved.drift, 1e3 * moved.sag]
+}
+
+#[track_caller]
+fn alike(scene: &str, seconds: f32) {
+    let built = stands(scene, seconds, |_| ());
+    println!("{scene} in order: {built:?}");
+    let check = |what: &str, found: [f32; 2]| {
+        println!("{scene} {what}: {found:?}");
+        for (found, built) in found.into_iter().zip(built) {
+            // A hundredth of a millimetre is nothing to compare.
+            assert!(
+                found < 1.5 * built + 0.01 && built < 1.5 * found + 0.01,
+                "{what}: {found} mm, in order {built} mm"
+            );
+        }
+    };
+    check("reversed", stands(scene, seconds, |bodies| bodies.reverse()));
+    for seed in 1..=3 {
+        let shuffled = stands(scene, seconds, |bodies| {
+            fastrand::Rng::with_seed(seed).shuffle(bodies);
+        });
+        check(&format!("shuffled {seed}"), shuffled);
+    }
+}
+
+#[test]
+fn a_wall_of_10_by_10_stands_alike_in_whatever_order_it_is_spawned() {
+    alike("wall:10x10", 10.0);
+}
+
+#[test]
+fn a_wall_of_40_by_25_stands_alike_in_whatever_order_it_is_spawned() {
+    alike("wall:40x25", 5.0);
+}
+
+/// Despawned and spawned again: `Entity`s are handed out last in, first out.
+#[test]
+fn a_wall_spawned_again_stands() {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    let scene = Scene::Wall(10, 10);
+    let built = scene.build(&mut lab.world, &SceneOptions::default());
+    lab.run(0.5);
+    let mut all = lab.world.query_filtered::<Entity, With<RigidBody>>();
+    let all: Vec<Entity> = all.iter(&lab.world).collect();
+    for body in all {
+        lab.world.despawn(body);
+    }
+    let again = scene.build(&mut lab.world, &SceneOptions::default());
+    assert_eq!(built.bodies.len(), again.bodies.len());
+    let start: Vec<Vec3> = again.bodies.iter().map(|&b| lab.position(b)).collect();
+    lab.run(5.0);
+    for (&body, start) in again.bodies.iter().zip(&start) {
+        let moved = (lab.position(body) - *start).length();
+        assert!(moved < 2e-3, "{moved}");
+    }
+}
+
+#[test]
+fn the_same_bits_whatever_the_entities() {
+    let run = |junk: fn(&mut World)| {
+        let mut lab = Lab::new();
+        lab.world.resource_mut::<SleepSettings>().enabled = false;
+        junk(&mut lab.world);
+        let options = SceneOptions {
+            noise_position: 0.002,
+            noise_angle: 0.01,
+            ..Default::default()
+        };
+        Scene::Heap(60).build(&mut lab.world, &options);
+        for i in 0..30 {
+            let at = Vec3::new(4.0, 0.5 + i as f32, 0.1 * i as f32);
+            lab.cube(at);
+        }
+        lab.run(2.0);
+        lab.bits()
+    };
+    let plain = run(|_| ());
+    let junk: [fn(&mut World); 3] = [
+        |world| {
+            for _ in 0..1000 {
+                world.spawn_empty();
+            }
+        },
+        |world| {
+            let junk: Vec<Entity> = (0..1000).map(|_| world.spawn_empty().id()).collect();
+            for entity in junk {
+                world.despawn(entity);
+            }
+        },
+        |world| {
+            let junk: Vec<Entity> = (0..1000).map(|_| world.spawn_empty().id()).collect();
+            for entity in junk.into_iter().step_by(3) {
+                world.despawn(entity);
+            }
+        },
+    ];
+    for (i, junk) in junk.into_iter().enumerate() {
+        let other = run(junk);
+        let differ = plain.iter().zip(&other).filter(|(a, b)| a != b).count();
+        assert_eq!(differ, 0, "junk {i}: of {} bodies {differ} differ", plain.len());
+    }
+}

@@ -1,0 +1,164 @@
+//! Steps of any length, in any order, and cut into any number of substeps.
+
+mod support;
+
+use bevy_ecs::message::Messages;
+use bevy_ecs::prelude::*;
+use drystone::contact::{ContactEnded, ContactPair, ContactStarted};
+use drystone::diagnosis::BodyError;
+use drystone::body::Mass;
+use drystone::grab::Grab;
+use drystone::scenes::{Scene, SceneOptions};
+use drystone::settings::{SleepSettings, SolverSettings};
+use glam::Vec3;
+use support::*;
+
+/// The three solvers at settings that hold the scenes here with even steps.
+fn solvers() -> [(&'static str, fn(SolverSettings) -> SolverSettings); 3] {
+    [
+        ("soft-step", |settings| settings),
+        ("pgs", |settings| settings.with_pgs(60)),
+        ("nncg", |settings| settings.with_nncg(60)),
+    ]
+}
+
+/// Steps a scene by lengths, and asserts that nothing drifts, jumps or hurries on the way.
+#[track_caller]
+fn holds(solver: &str, settings: SolverSettings, scene: &str, lengths: impl Iterator<Item = f32>) {
+    let mut lab = Lab::new();
+    lab.world.resource_mut::<SleepSettings>().enabled = false;
+    lab.world.insert_resource(settings);
+    let built = scene.parse::<Scene>().unwrap().build(&mut lab.world, &SceneOptions::default());
+    let start: Vec<Vec3> = built.bodies.iter().map(|&b| lab.position(b)).collect();
+    let (mut drift, mut speed) = (0f32, 0f32);
+    for (i, dt) in lengths.enumerate() {
+        lab.dt = dt;
+        lab.step();
+        for (&body, start) in built.bodies.iter().zip(&start) {
+            let moved = (lab.position(body) - *start).length();
+            assert!(moved < 0.2, "{solver}: falls after {i} steps");
+            drift = drift.max(moved);
+            speed = speed.max(lab.velocity(body).linear.length());
+        }
+    }
+    println!("{solver}, {scene}: {} mm, {speed} m/s", 1e3 * drift);
+    assert!(drift < 5e-3, "{solver}: drift {drift} m");
+    assert!(speed < 0.05, "{solver}: {speed} m/s");
+}
+
+fn alternating(a: f32, b: f32) -> impl Iterator<Item = f32> {
+    (0..600).map(move |i| if i % 2 == 0 { a } else { b })
+}
+
+#[test]
+fn a_stack_stands_long_and_short_steps_in_turn() {
+    for (name, solver) in solvers() {
+        for short in [1e-3, 1e-4] {
+            let settings = solver(SolverSettings::default());
+            holds(name, settings, "stack:5", alternating(1.0 / 60.0, short));
+        }
+    }
+}
+
+#[test]
+fn a_stack_stands_a_long_step_after_many_short_ones() {
+    for (name, solver) in solvers() {
+        let settings = solver(SolverSettings::default());
+        let lengths = (0..612).map(|i| if i % 51 == 50 { 0.1 } else { 1e-3 });
+        holds(name, settings, "stack:5", lengths);
+    }
+}
+
+#[test]
+fn a_wall_stands_a_hitch() {
+    for (name, solver) in solvers() {
+        let settings = solver(SolverSettings::default());
+        let lengths = (0..400).map(|i| if i % 100 == 60 { 0.25 } else { 0.016 });
+        holds(name, settings, "wall:8x6", lengths);
+    }
+}
+
+#[test]
+fn a_wall_stands_uneven_frames() {
+    for (name, solver) in solvers() {
+        let settings = solver(SolverSettings::default());
+        holds(name, settings, "wall:8x6", alternating(0.002, 0.033));
+    }
+}
+
+// 12: substeps
+
+#[test]
+fn impulses_are_the_whole_steps_whatever_the_substeps() {
+    for (name, solver) in solvers() {
+        for substeps in [1, 2, 4] {
+            let mut lab = Lab::new();
+            lab.world.resource_mut::<SleepSettings>().enabled = false;
+            let mut settings = solver(SolverSettings::default());
+            settings.substeps = substeps;
+            lab.world.insert_resource(settings);
+            let ground = lab.ground();
+            let cube = lab.cube(Vec3::Y * 0.5);
+            lab.run(1.0);
+            let (normal, _) = lab.impulse(cube, ground);
+            let what = format!("{name}, {substeps} substeps: weight");
+            assert_near(normal, 1000.0 * G / 60.0, 0.01, &what);
+            // Sliding: friction is the whole step's as well.
+            lab.set_velocity(cube, Vec3::X * 5.0, Vec3::ZERO);
+            lab.run(0.2);
+            let (_, tangential) = lab.impulse(cube, ground);
+            let what = format!("{name}, {substeps} substeps: friction");
+            assert_near(-tangential.x, 0.5 * 1000.0 * G / 60.0, 0.02, &what);
+        }
+    }
+}
+
+#[test]
+fn a_hand_hangs_as_low_whatever_the_step() {
+    for dt in [1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0, 0.1] {
+        let mut lab = Lab::shipped(dt);
+        let cube = lab.cube(Vec3::Y * 5.0);
+        lab.world
+            .entity_mut(cube)
+            .insert(Grab::gentle(1000.0, Vec3::ZERO, Vec3::Y * 5.0));
+        lab.run(4.0);
+        let low = 5.0 - lab.position(cube).y;
+        // g/ω² at 2 Hz.
+        assert_near(low, G / (4.0 * std::f32::consts::PI).powi(2), 0.01, "hangs low");
+    }
+}
+
+// 13: memory without an app
+
+#[test]
+fn a_world_stepped_by_hand_keeps_no_messages() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let mut most = [0; 4];
+    for i in 0..3000 {
+        let ball = lab.body(drystone::collider::Collider::ball(0.5), Vec3::new(0.0, 0.5, 0.0));
+        if i % 7 == 0 {
+            lab.world.entity_mut(ball).insert(Mass(f32::NAN));
+        }
+        drystone::step(&mut lab.world, lab.dt).unwrap();
+        lab.world.despawn(ball);
+        let counts = [
+            lab.world.resource::<Messages<ContactStarted>>().len(),
+            lab.world.resource::<Messages<ContactEnded>>().len(),
+            lab.world.resource::<Messages<BodyError>>().len(),
+            lab.world
+                .removed_components()
+                .iter()
+                .map(|(_, removed)| removed.len())
+                .sum(),
+        ];
+        for (most, count) in most.iter_mut().zip(counts) {
+            *most = count.max(*most);
+        }
+    }
+    println!("at most {most:?} messages");
+    assert!(most.iter().all(|&count| count < 100), "{most:?}");
+    lab.step();
+    let mut pairs = lab.world.query::<&ContactPair>();
+    assert_eq!(pairs.iter(&lab.world).count(), 0);
+}

@@ -78,7 +78,10 @@ impl Problems {
     /// The body of a slot as its island's problem has it, if it was gathered.
     pub(crate) fn body(&self, islands: &Islands, slot: u32) -> Option<&Body> {
         let local = *self.local.get(slot as usize)?;
-        self.islands.get(islands.of(slot)?)?.bodies.get(local as usize)
+        self.islands
+            .get(islands.of(slot)?)?
+            .bodies
+            .get(local as usize)
     }
 
     /// The mean velocity with which a body moves in this step, where its solver took substeps.
@@ -152,9 +155,7 @@ pub fn gather(
         .iter()
         .filter(|(_, body)| body.is_dynamic() && !body.asleep);
     let mut awake: Vec<_> = awake
-        .filter_map(|(slot, body)| {
-            Some((islands.of(slot)?, islands.rank(slot, body), slot, body))
-        })
+        .filter_map(|(slot, body)| Some((islands.of(slot)?, islands.rank(slot, body), slot, body)))
         .collect();
     awake.sort_unstable_by_key(|&(island, rank, ..)| (island, rank));
     for (island, _, slot, body) in awake {
@@ -182,7 +183,10 @@ pub fn gather(
         if !manifold.points.is_empty()
             && let Some(island) = pair.slots.iter().find(awake).and_then(|s| islands.of(*s))
         {
-            let [one, other] = [islands.rank(pair.slots[0], a), islands.rank(pair.slots[1], b)];
+            let [one, other] = [
+                islands.rank(pair.slots[0], a),
+                islands.rank(pair.slots[1], b),
+            ];
             touches.push(Touch {
                 island: island as u32,
                 ranks: [one.max(other), one.min(other)],
@@ -278,13 +282,7 @@ impl IslandProblem {
         }
     }
 
-    fn gather_patches(
-        &mut self,
-        touches: &mut [Touch],
-        ends: &[[u32; 2]],
-        ideal: f32,
-        dt: f32,
-    ) {
+    fn gather_patches(&mut self, touches: &mut [Touch], ends: &[[u32; 2]], ideal: f32, dt: f32) {
         for (touch, ends) in touches.iter_mut().zip(ends) {
             *touch.slot = SolverSlot {
                 island: touch.island,
@@ -328,12 +326,7 @@ impl IslandProblem {
 
 impl Touch<'_> {
     /// The pair's contact points between the bodies at `ends` of a problem.
-    fn contacts(
-        &self,
-        ends: [u32; 2],
-        bodies: &[Body],
-        dt: f32,
-    ) -> impl Iterator<Item = Contact> {
+    fn contacts(&self, ends: [u32; 2], bodies: &[Body], dt: f32) -> impl Iterator<Item = Contact> {
         let points = self
             .manifold
             .patches

@@ -6,7 +6,7 @@ use crate::shape::Shape;
 use drystone::body::RigidBody;
 use drystone::settings::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, Preset, SleepSettings,
-    SolverSettings, StabilizationSettings,
+    SolverSettings, SpeedLimits, StabilizationSettings,
 };
 use drystone::solver::{FrictionCone, SoftStep};
 use glam::{Quat, Vec3};
@@ -38,6 +38,7 @@ pub enum Operation {
     Solver(Solver),
     Stabilization(Box<StabilizationSettings>),
     Sleep(SleepSettings),
+    Speeds(SpeedLimits),
     /// All settings as they were.
     Defaults,
 }
@@ -118,9 +119,13 @@ impl Operation {
                 false => Self::Spawn(Spawn::roll(dice)),
             },
             16 => Self::Gravity(Vec3::NEG_Y * dice.number(0.0, 15.0) + 0.3 * dice.vector(1.0)),
-            17 => match dice.index(3) {
+            17 => match dice.index(4) {
                 0 => Self::Solver(Solver::roll(dice)),
                 1 => Self::Stabilization(Box::new(stabilization(dice))),
+                2 => Self::Speeds(SpeedLimits {
+                    linear: dice.number(20.0, 1000.0),
+                    angular: dice.number(20.0, 1000.0),
+                }),
                 _ => Self::Sleep(SleepSettings {
                     enabled: dice.chance(0.8),
                     linear_speed: dice.number(0.0, 0.02),
@@ -186,7 +191,6 @@ impl Solver {
 }
 
 fn stabilization(dice: &mut Dice) -> StabilizationSettings {
-    let preset = dice.pick(&[Preset::Default, Preset::Paper]);
     let normals = [
         NormalStabilization::None,
         NormalStabilization::Baumgarte {
@@ -225,8 +229,7 @@ fn stabilization(dice: &mut Dice) -> StabilizationSettings {
             max_separation: dice.number(1.0, 3.0),
             max_turn: dice.number(0.05, 0.2),
         },
-        recycle_distance: dice.number(0.0, 0.01),
+        recycle_share: dice.number(0.0, 0.03),
         reduce_manifolds: dice.chance(0.5),
-        ..preset.stabilization()
     }
 }

@@ -6,8 +6,8 @@ use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::world::EntityWorldMut;
 use drystone::body::{
-    AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse, GravityScale,
-    Mass, RigidBody, Velocity,
+    Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
+    GravityScale, Mass, RigidBody, Teleport, Velocity,
 };
 use drystone::collider::{Collider, CollisionLayers, CombineRule, Friction, Restitution};
 use drystone::contact::ContactEvents;
@@ -64,6 +64,8 @@ parts!(
     Sleeping(Sleeping => Sleeping),
     Grab(Grab => Grab),
     Disabled(Disabled => Disabled),
+    Age(Age => Age),
+    Teleport(Teleport => Teleport),
 );
 
 /// The bit of the layer that guests are never in.
@@ -79,7 +81,7 @@ pub const KINDS: [RigidBody; 5] = [
 
 impl Part {
     pub fn roll(dice: &mut Dice) -> Self {
-        match dice.index(18) {
+        match dice.index(20) {
             0 => Self::Kind(dice.pick(&KINDS)),
             1 => Self::Shape(Shape::convex(dice)),
             2 => Self::Mass(Mass(dice.number(1.0, 3000.0))),
@@ -136,6 +138,8 @@ impl Part {
                 max_force: dice.number(0.0, 1e5),
                 angular_damping: dice.number(0.0, 1e3),
             }),
+            17 => Self::Age(Age(dice.pick(&[0, 1, 2, 1000, u64::MAX]))),
+            18 => Self::Teleport(Teleport),
             _ => Self::Disabled(Disabled),
         }
     }

@@ -95,13 +95,13 @@ fn roll(seed: u64) -> Vec<Operation> {
 
 /// How many operations were done when something was wrong, and what.
 fn fails(seed: u64, operations: &[Operation]) -> Option<(usize, Fault)> {
-    let mut site = Site::new();
+    let mut site = Site::new(spoils(seed));
     let mut watch = Watch::default();
     for (i, operation) in operations.iter().enumerate() {
         watch.count(&site);
         let start = Instant::now();
         let found = guarded(|| match site.act(operation) {
-            true => watch.look(&mut site, spoils(seed)),
+            true => watch.look(&mut site),
             false => Ok(()),
         });
         if let Err(fault) = found {

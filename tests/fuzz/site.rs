@@ -2,7 +2,7 @@
 //! stack, which stands in a second world too that sees no guests.
 
 use crate::operation::{Operation, Spawn};
-use crate::part::INNOCENT;
+use crate::part::{INNOCENT, Part};
 use bevy_app::App;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
@@ -16,9 +16,10 @@ use drystone::collider::{Collider, CollisionLayers, Friction, Restitution};
 use drystone::contact::{ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold};
 use drystone::grab::Grab;
 use drystone::settings::{
-    Gravity, PhysicsThreads, SleepSettings, SolverSettings, StabilizationSettings,
+    Gravity, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
 };
 use glam::Vec3;
+use parry3d::shape::ShapeType;
 
 /// There are never more guests.
 const CROWD: usize = 20;
@@ -37,6 +38,8 @@ pub struct Site {
     pub noisy: Half,
     pub quiet: Half,
     pub guests: Vec<Entity>,
+    /// Whether numbers may be bad.
+    pub spoils: bool,
 }
 
 impl Half {
@@ -71,7 +74,7 @@ impl Half {
 }
 
 impl Site {
-    pub fn new() -> Self {
+    pub fn new(spoils: bool) -> Self {
         let mut noisy = Half::new();
         let ground = (RigidBody::Static, Collider::half_space(Vec3::Y), GUEST);
         noisy.world.spawn(ground);
@@ -79,6 +82,7 @@ impl Site {
             noisy,
             quiet: Half::new(),
             guests: Vec::new(),
+            spoils,
         }
     }
 
@@ -94,11 +98,13 @@ impl Site {
                 self.set(|world| world.insert_resource(**settings));
             }
             Operation::Sleep(settings) => self.set(|world| world.insert_resource(*settings)),
+            Operation::Speeds(limits) => self.set(|world| world.insert_resource(*limits)),
             Operation::Defaults => self.set(|world| {
                 world.insert_resource(Gravity::default());
                 world.insert_resource(SolverSettings::default());
                 world.insert_resource(StabilizationSettings::default());
                 world.insert_resource(SleepSettings::default());
+                world.insert_resource(SpeedLimits::default());
             }),
             Operation::Spawn(spawn) => self.spawn(spawn),
             Operation::Reset => {
@@ -215,6 +221,12 @@ impl Site {
                     rotation: *rotation,
                 });
             }
+            // A surface has no mass.
+            Operation::Insert(_, Part::Kind(RigidBody::Dynamic))
+                if !self.spoils && body.get::<Collider>().is_some_and(is_surface) => {}
+            // The innocent are inside some half-space.
+            Operation::Remove(_, Part::Layers(_))
+                if body.get::<Collider>().is_some_and(is_half_space) => {}
             Operation::Insert(_, part) => part.insert(&mut body),
             Operation::Remove(_, part) => part.remove(&mut body),
             Operation::Touch(_, part) => part.touch(&mut body),
@@ -253,7 +265,7 @@ impl Site {
         let mut pairs: Vec<_> = pairs
             .iter(world)
             .filter(|(_, pair)| !pair.bodies.iter().any(|body| innocent.contains(body)))
-            .map(|(entity, pair)| (pair.order, entity))
+            .map(|(entity, pair)| (pair.ages, entity))
             .collect();
         pairs.sort_unstable();
         pairs.into_iter().map(|(_, entity)| entity).collect()
@@ -278,6 +290,18 @@ const GUEST: CollisionLayers = CollisionLayers {
     memberships: !INNOCENT,
     filters: !INNOCENT,
 };
+
+/// Without volume.
+fn is_surface(collider: &Collider) -> bool {
+    matches!(
+        collider.shape().shape_type(),
+        ShapeType::HalfSpace | ShapeType::Triangle | ShapeType::TriMesh | ShapeType::HeightField
+    )
+}
+
+fn is_half_space(collider: &Collider) -> bool {
+    collider.shape().as_halfspace().is_some()
+}
 
 fn nth(all: &[Entity], i: usize) -> Option<Entity> {
     all.get(i.checked_rem(all.len())?).copied()

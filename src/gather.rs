@@ -5,7 +5,7 @@
 //! things.
 
 use crate::body::{Age, BodyIndex, BodyTable, Quarantined, Velocity};
-use crate::contact::{self, ContactImpulses, ContactPair, ContactTargets, Manifold};
+use crate::contact::{self, Impulse, ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::islands::Islands;
 use crate::settings::{PhysicsThreads, SolverSettings, StabilizationSettings, StepTime};
 use crate::solver::{Body, Contact, ContactInput, Patch, PatchPoint, Rows, SolveReport};
@@ -219,8 +219,8 @@ pub fn gather(
     let gather = |(problem, touches): (&mut IslandProblem, &mut [Touch])| {
         let ends = problem.ends(touches, local, velocities);
         match rows {
-            Rows::Points => problem.gather_contacts(touches, &ends, &threads, time.dt),
-            Rows::Patches => problem.gather_patches(touches, &ends, ideal, time.dt),
+            Rows::Points => problem.gather_contacts(touches, &ends, &threads, &time),
+            Rows::Patches => problem.gather_patches(touches, &ends, ideal, &time),
         }
     };
     if work.len() > 1 && threads.share(pairs) {
@@ -260,7 +260,7 @@ impl IslandProblem {
         touches: &mut [Touch],
         ends: &[[u32; 2]],
         threads: &PhysicsThreads,
-        dt: f32,
+        time: &StepTime,
     ) {
         let mut first = 0;
         for touch in touches.iter_mut() {
@@ -273,16 +273,26 @@ impl IslandProblem {
         let bodies = &self.bodies;
         if threads.share(touches.len()) {
             let touches = touches.par_iter().zip(ends);
-            let contacts = touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, bodies, dt));
+            let contacts = touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, bodies, time));
             threads.run(ends.len(), || self.contacts.par_extend(contacts));
         } else {
             let touches = touches.iter().zip(ends);
             self.contacts
-                .extend(touches.flat_map(|(touch, ends)| touch.contacts(*ends, bodies, dt)));
+                .extend(touches.flat_map(|(touch, ends)| touch.contacts(*ends, bodies, time)));
         }
     }
 
+<<<<<<< HEAD
     fn gather_patches(&mut self, touches: &mut [Touch], ends: &[[u32; 2]], ideal: f32, dt: f32) {
+=======
+    fn gather_patches(
+        &mut self,
+        touches: &mut [Touch],
+        ends: &[[u32; 2]],
+        ideal: f32,
+        time: &StepTime,
+    ) {
+>>>>>>> main
         for (touch, ends) in touches.iter_mut().zip(ends) {
             *touch.slot = SolverSlot {
                 island: touch.island,
@@ -301,9 +311,9 @@ impl IslandProblem {
                         .map(|(point, impulse)| PatchPoint {
                             offset: point.arms[0] - center,
                             separation: point.distance - ideal,
-                            impulse: impulse.warm_normal * dt,
+                            impulse: impulse.normal_to_start_from(time),
                             given: 0.0,
-                            load: impulse.load * dt,
+                            load: impulse.load * time.dt,
                         }),
                 );
                 self.patches.push(Patch {
@@ -315,8 +325,8 @@ impl IslandProblem {
                     slip: touch.targets.patches[i],
                     first,
                     count: patch.count,
-                    tangential: impulse.warm_tangential * dt,
-                    twist: impulse.warm_twist * dt,
+                    tangential: impulse.warm_tangential * time.carried(),
+                    twist: impulse.warm_twist * time.carried(),
                     given: Vec3::ZERO,
                 });
             }
@@ -324,9 +334,27 @@ impl IslandProblem {
     }
 }
 
+impl Impulse {
+    /// λ_n, N·s. What the point carries at rest is a force, and acts as long as the step; what is more or less than that stopped or
+    /// lost something, and would do so again and again in a step that is longer than the last.
+    fn normal_to_start_from(&self, time: &StepTime) -> f32 {
+        let passing = self.warm_normal - self.load;
+        (self.load * time.dt + passing * time.carried()).max(0.0)
+    }
+}
+
 impl Touch<'_> {
     /// The pair's contact points between the bodies at `ends` of a problem.
+<<<<<<< HEAD
     fn contacts(&self, ends: [u32; 2], bodies: &[Body], dt: f32) -> impl Iterator<Item = Contact> {
+=======
+    fn contacts(
+        &self,
+        ends: [u32; 2],
+        bodies: &[Body],
+        time: &StepTime,
+    ) -> impl Iterator<Item = Contact> {
+>>>>>>> main
         let points = self
             .manifold
             .patches
@@ -342,8 +370,8 @@ impl Touch<'_> {
                 friction: self.pair.friction,
                 target_normal: target.normal,
                 target_tangential: target.tangential,
-                impulse_normal: impulse.warm_normal * dt,
-                impulse_tangential: impulse.warm_tangential * dt,
+                impulse_normal: impulse.normal_to_start_from(time),
+                impulse_tangential: impulse.warm_tangential * time.carried(),
             };
             Contact::prepare(&input, bodies)
         })

@@ -120,18 +120,9 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     let start = Instant::now();
     settings::check(world);
     let substeps = world.resource::<SolverSettings>().substeps;
-    let dt = dt / substeps as f32;
     for substep in 0..substeps {
-        let last = match world.resource::<StepTime>().dt {
-            0.0 => dt,
-            last => last,
-        };
-        world.insert_resource(StepTime {
-            dt,
-            last,
-            substep,
-            substeps,
-        });
+        let before = *world.resource::<StepTime>();
+        world.insert_resource(before.next(dt, substep, substeps));
         world.run_schedule(PhysicsSchedule);
     }
     crate::contact::trigger(world);

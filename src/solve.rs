@@ -135,6 +135,7 @@ impl IslandProblem {
             patches: &mut self.patches,
             points: &mut self.points,
             dt: given.time.dt,
+            longest: given.time.longest,
             gravity: given.gravity.0,
             max_correction_speed: given.stabilization.max_correction_speed,
             cone: settings.cone,

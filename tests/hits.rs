@@ -3,7 +3,7 @@
 mod support;
 
 use bevy_ecs::message::Messages;
-use bevy_ecs::prelude::*;
+
 use drystone::collider::{Collider, Restitution};
 use drystone::contact::{ContactEnded, ContactStarted};
 use drystone::settings::SolverSettings;

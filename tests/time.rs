@@ -3,8 +3,12 @@
 mod support;
 
 use bevy_ecs::message::Messages;
+<<<<<<< HEAD
 use bevy_ecs::prelude::*;
 use drystone::body::Mass;
+=======
+
+>>>>>>> main
 use drystone::contact::{ContactEnded, ContactPair, ContactStarted};
 use drystone::diagnosis::BodyError;
 use drystone::grab::Grab;
@@ -17,8 +21,8 @@ use support::*;
 fn solvers() -> [(&'static str, fn(SolverSettings) -> SolverSettings); 3] {
     [
         ("soft-step", |settings| settings),
-        ("pgs", |settings| settings.with_pgs(60)),
-        ("nncg", |settings| settings.with_nncg(60)),
+        ("pgs", |settings| settings.with_pgs(400)),
+        ("nncg", |settings| settings.with_nncg(300)),
     ]
 }
 

@@ -7,6 +7,7 @@ pub use check::InForce;
 pub(crate) use check::check;
 
 use crate::body::Velocity;
+use bevy_math::ops;
 use crate::solver::{ContactSolver, FrictionCone, Nncg, Pgs, SoftStep};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -60,6 +61,10 @@ pub struct StepTime {
     pub dt: f32,
     /// Length of the one before, s; of this one if it is the first.
     pub last: f32,
+    /// The longest of recent substeps, s: this one, or a longer one that fades within half a second. Errors of position are taken
+    /// back as fast as it allows, so that a short step among long ones does not make a blow of what the long ones left. With
+    /// steps of one length it is that.
+    pub longest: f32,
     /// Number of the substep at hand, from 0.
     pub substep: usize,
     /// How many there are.
@@ -71,6 +76,7 @@ impl Default for StepTime {
         Self {
             dt: 0.0,
             last: 0.0,
+            longest: 0.0,
             substep: 0,
             substeps: 1,
         }
@@ -78,6 +84,27 @@ impl Default for StepTime {
 }
 
 impl StepTime {
+    /// The substep after this one, of a step of `dt` s in so many.
+    pub(crate) fn next(&self, dt: f32, substep: usize, substeps: usize) -> Self {
+        let dt = dt / substeps as f32;
+        let faded = self.longest * ops::exp(-dt / Self::FADES);
+        Self {
+            dt,
+            last: if self.dt > 0.0 { self.dt } else { dt },
+            longest: dt.max(faded),
+            substep,
+            substeps,
+        }
+    }
+
+    /// The time for which a force of the last step is taken to go on, s.
+    pub(crate) fn carried(&self) -> f32 {
+        self.dt.min(self.last)
+    }
+
+    /// How long it takes the longest step to fade to 1/e, s.
+    const FADES: f32 = 0.5;
+
     /// Length of the whole step, s.
     pub fn whole(&self) -> f32 {
         self.dt * self.substeps as f32

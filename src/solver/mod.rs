@@ -103,6 +103,9 @@ pub struct Problem<'a> {
     pub points: &'a mut [PatchPoint],
     /// Length of the step, s.
     pub dt: f32,
+    /// The longest of recent steps, s; not shorter than this one. What is as stiff as the step allows must not become stiffer for one
+    /// that is short by chance.
+    pub longest: f32,
     /// Acceleration of free fall, m/s².
     pub gravity: Vec3,
     /// Fastest correction of an error of position, m/s.

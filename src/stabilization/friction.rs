@@ -235,7 +235,7 @@ pub fn friction_error(
         &mut ContactTargets,
     )>,
 ) {
-    let (table, settings, dt, last) = (&*table, &*settings, time.dt, time.last);
+    let (table, settings, last) = (&*table, &*settings, time.last);
     let rows = solver.solver.rows();
     for (pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
@@ -262,7 +262,7 @@ pub fn friction_error(
                         targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
                         if rows == Rows::Points {
                             let targets = &mut targets.points[patch.range()];
-                            demand(settings, slip, points, held, targets, dt);
+                            demand(settings, slip, points, held, targets, time.longest);
                         }
                     }
                 },

@@ -103,6 +103,7 @@ pub fn normal_correction(
         return;
     }
     let (table, settings, dt) = (&*table, &*settings, time.dt);
+    let (rest, share) = (settings.rest_distance(), dt / time.longest);
     for (pairs, manifolds, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -123,8 +124,9 @@ pub fn normal_correction(
                         for (point, target) in points.iter().zip(targets) {
                             let u = a.velocity_at(point.position) - b.velocity_at(point.position);
                             let u_n = u.dot(patch.normal);
-                            target.normal =
-                                normal_target(settings, pair.restitution, point.distance, u_n, dt);
+                            // The share of the overlap that is taken back in this step.
+                            let d = point.distance.max(rest + share * (point.distance - rest));
+                            target.normal = normal_target(settings, pair.restitution, d, u_n, dt);
                         }
                     }
                 });

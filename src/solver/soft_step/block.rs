@@ -107,6 +107,7 @@ pub struct Points {
     pub(super) separation: Lane,
     /// The same in this substep.
     pub(super) now: Lane,
+    pub(super) reach: Lane,
     /// λ_n, N·s.
     pub(super) impulse: Lane,
     /// What it gave in the substeps before this one, N·s.

@@ -75,7 +75,7 @@ impl ContactSolver for SoftStep {
         let substeps = substeps(problem.iterations);
         let mut island = Island::new(problem, substeps);
         let report = island.advance(self, problem);
-        island.store(problem, self.preload_rate);
+        island.store(problem, self.preload_rate * problem.dt / problem.longest);
         bounce::bounce(problem, bounces, substeps);
         report
     }
@@ -151,7 +151,8 @@ impl Island {
     fn advance(&mut self, settings: &SoftStep, problem: &mut Problem) -> SolveReport {
         let h = problem.dt / self.substeps as f32;
         let spring = Spring {
-            omega: TAU * problem.iterations as f32 / (problem.dt * settings.sweeps_per_period),
+            omega: TAU * problem.iterations as f32
+                / (problem.longest * settings.sweeps_per_period),
             damping_ratio: settings.damping_ratio,
             h,
         };

@@ -145,6 +145,14 @@ impl Block {
         pass: &Pass,
     ) {
         let soft = &self.softness;
+        // What each point has of what the patch carries now.
+        let (mut mean, mut count) = (Lane::ZERO, Lane::ZERO);
+        for point in points.iter() {
+            mean += point.impulse;
+            count += point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
+        }
+        let mean = mean * count.inverse();
+        let per_rate = (soft.mass_scale * soft.bias_rate).inverse() * soft.impulse_scale;
         let mut normals = on_normals_local(&visit.velocity);
         // 1 where it lands. The patches beside it must find what they would find alone.
         let landing = Lane::splat(LANDING);
@@ -164,11 +172,14 @@ impl Block {
                 let s = point.separation + along.dot(*moved);
                 point.now = s;
                 let push = (-soft.bias_rate * s).min(pass.max_speed);
-                let held = pass.preload * point.load.min(point.impulse);
+                let lost = (point.load.min(mean) - point.impulse).max(Lane::ZERO);
+                let held = point.load - pass.preload * lost;
+                let reach = point.load * per_rate * point.mass.inverse();
+                point.reach = reach;
                 let closed = soft.mass_scale * point.mass * (approach - push)
                     + soft.impulse_scale * (point.impulse - held);
                 let apart = point.mass * (approach + s * pass.rate);
-                let step = counts * s.above(Lane::ZERO, apart, closed);
+                let step = counts * s.above(reach, apart, closed);
                 visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
             }
             counts = speed.above(landing, Lane::ONE, Lane::ZERO);
@@ -209,7 +220,8 @@ impl Block {
         let mut normals = on_normals_local(&visit.velocity);
         for point in points.iter_mut() {
             let approach = point.direction().dot(normals);
-            let step = point.mass * (approach + point.now.max(Lane::ZERO) * pass.rate);
+            let gap = point.now.above(point.reach, point.now, Lane::ZERO);
+            let step = point.mass * (approach + gap.max(Lane::ZERO) * pass.rate);
             visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
         }
     }

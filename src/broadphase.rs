@@ -201,7 +201,9 @@ pub fn broadphase(
 }
 
 fn sort(begun: &mut [[u32; 2]], table: &BodyTable) {
-    begun.sort_unstable_by_key(|&[a, b]| [a, b].map(|slot| table.get(slot).map(|body| body.age)));
+    begun.sort_unstable_by_key(|&[a, b]| {
+        [a, b].map(|slot| table.get(slot).map(|body| body.age))
+    });
 }
 
 /// Everything a body may touch within the step lies in here: shape, envelope, and its way.
@@ -270,10 +272,7 @@ pub fn pair_changes(
     if !stirred && broadphase.lost.is_empty() && ending.is_empty() {
         return;
     }
-    let (table, broadphase) = (
-        world.resource::<BodyTable>(),
-        world.resource::<Broadphase>(),
-    );
+    let (table, broadphase) = (world.resource::<BodyTable>(), world.resource::<Broadphase>());
     let lives = |pair: &ContactPair, i: usize| {
         let body = table.get(pair.slots[i]);
         body.is_some_and(|body| (body.entity, body.age) == (pair.bodies[i], pair.ages[i]))

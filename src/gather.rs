@@ -78,10 +78,7 @@ impl Problems {
     /// The body of a slot as its island's problem has it, if it was gathered.
     pub(crate) fn body(&self, islands: &Islands, slot: u32) -> Option<&Body> {
         let local = *self.local.get(slot as usize)?;
-        self.islands
-            .get(islands.of(slot)?)?
-            .bodies
-            .get(local as usize)
+        self.islands.get(islands.of(slot)?)?.bodies.get(local as usize)
     }
 
     /// The mean velocity with which a body moves in this step, where its solver took substeps.
@@ -155,7 +152,9 @@ pub fn gather(
         .iter()
         .filter(|(_, body)| body.is_dynamic() && !body.asleep);
     let mut awake: Vec<_> = awake
-        .filter_map(|(slot, body)| Some((islands.of(slot)?, islands.rank(slot, body), slot, body)))
+        .filter_map(|(slot, body)| {
+            Some((islands.of(slot)?, islands.rank(slot, body), slot, body))
+        })
         .collect();
     awake.sort_unstable_by_key(|&(island, rank, ..)| (island, rank));
     for (island, _, slot, body) in awake {
@@ -183,10 +182,7 @@ pub fn gather(
         if !manifold.points.is_empty()
             && let Some(island) = pair.slots.iter().find(awake).and_then(|s| islands.of(*s))
         {
-            let [one, other] = [
-                islands.rank(pair.slots[0], a),
-                islands.rank(pair.slots[1], b),
-            ];
+            let [one, other] = [islands.rank(pair.slots[0], a), islands.rank(pair.slots[1], b)];
             touches.push(Touch {
                 island: island as u32,
                 ranks: [one.max(other), one.min(other)],
@@ -282,9 +278,6 @@ impl IslandProblem {
         }
     }
 
-<<<<<<< HEAD
-    fn gather_patches(&mut self, touches: &mut [Touch], ends: &[[u32; 2]], ideal: f32, dt: f32) {
-=======
     fn gather_patches(
         &mut self,
         touches: &mut [Touch],
@@ -292,7 +285,6 @@ impl IslandProblem {
         ideal: f32,
         time: &StepTime,
     ) {
->>>>>>> main
         for (touch, ends) in touches.iter_mut().zip(ends) {
             *touch.slot = SolverSlot {
                 island: touch.island,
@@ -345,16 +337,12 @@ impl Impulse {
 
 impl Touch<'_> {
     /// The pair's contact points between the bodies at `ends` of a problem.
-<<<<<<< HEAD
-    fn contacts(&self, ends: [u32; 2], bodies: &[Body], dt: f32) -> impl Iterator<Item = Contact> {
-=======
     fn contacts(
         &self,
         ends: [u32; 2],
         bodies: &[Body],
         time: &StepTime,
     ) -> impl Iterator<Item = Contact> {
->>>>>>> main
         let points = self
             .manifold
             .patches

@@ -11,8 +11,8 @@ use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
 use crate::sleeping::Sleeping;
-use bevy_ecs::query::QueryData;
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
+use bevy_ecs::query::QueryData;
 use bevy_transform::components::Transform;
 use glam::Vec3;
 

@@ -66,10 +66,7 @@ pub struct Manifold {
 impl Manifold {
     /// The normal of a point's patch.
     pub(crate) fn normal_of(&self, point: usize) -> Vec3 {
-        let patch = self
-            .patches
-            .iter()
-            .find(|patch| patch.range().contains(&point));
+        let patch = self.patches.iter().find(|patch| patch.range().contains(&point));
         patch.map_or(Vec3::ZERO, |patch| patch.normal)
     }
 }

@@ -164,11 +164,7 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
         .map(|pose: Pose| pose.position.abs().max_element())
         .into_iter()
         .fold(0.0, f32::max);
-    let radius = if a.radius.is_finite() {
-        a.radius
-    } else {
-        b.radius
-    };
+    let radius = if a.radius.is_finite() { a.radius } else { b.radius };
     moved + turned * radius > NOTHING + 8.0 * f32::EPSILON * farthest
 }
 

@@ -196,6 +196,17 @@ fn shapes_without_size() {
     }
 }
 
+/// Parry panics on a cast against one.
+#[test]
+fn height_fields_without_size() {
+    for bad in [0.0, 1e-30] {
+        let flat = vec![vec![0.0; 3]; 3];
+        let field = Collider::height_field(&flat, Vec3::new(8.0, 1.0, bad)).expect("it is finite");
+        let cube = Collider::cuboid(1.0, 1.0, 1.0);
+        spoil(field, BodyProblem::DegenerateShape, cube);
+    }
+}
+
 #[test]
 fn surfaces_that_push_the_wrong_way() {
     for bad in [-0.1, f32::NAN, f32::INFINITY] {

@@ -10,7 +10,7 @@ use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
 use drystone::body::{
     Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Quarantined, RigidBody,
-    Velocity,
+    Teleport, Velocity,
 };
 use drystone::collider::{Collider, CollisionLayers, Friction, Restitution};
 use drystone::contact::{ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold};
@@ -157,7 +157,20 @@ impl Site {
         }
         let world = &self.noisy.world;
         self.guests.retain(|&guest| world.get_entity(guest).is_ok());
+        if !self.spoils {
+            self.teleport();
+        }
         false
+    }
+
+    /// A kinematic that is taken metres away within a step would otherwise throw what it meets there.
+    fn teleport(&mut self) {
+        for &guest in &self.guests {
+            let mut guest = self.noisy.world.entity_mut(guest);
+            if guest.get() == Some(&RigidBody::Kinematic) {
+                guest.insert(Teleport);
+            }
+        }
     }
 
     /// Bodies in the noisy world besides the guests: the innocent, and the ground.

@@ -371,3 +371,16 @@ fn steps_that_cannot_be_taken() {
     assert!(site.lab.position(falling).y < 4.5);
     site.stands();
 }
+
+/// Parry gives it no mass; it would be quarantined as soon as it is spawned.
+#[test]
+fn a_splinter_is_no_hull() {
+    let splinter = [
+        Vec3::new(-0.33939844, -0.5307102, -0.24860561),
+        Vec3::new(-0.2507609, -0.11659473, -0.08118141),
+        Vec3::new(0.18802726, -0.45681247, -0.4285905),
+        Vec3::new(-0.324097, 0.6573573, 0.32491618),
+    ];
+    let error = Collider::convex_hull(&splinter).expect_err("4 mm thick");
+    assert_eq!(error, drystone::collider::ColliderError::DegenerateHull);
+}

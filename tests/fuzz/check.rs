@@ -1,11 +1,12 @@
 //! What must hold after every step.
 
-use crate::site::{Half, Site};
+use crate::site::{GUEST, Half, Site};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use drystone::body::{BodyTable, Pose, Quarantined, RigidBody, Velocity};
-use drystone::collider::Collider;
+use drystone::broadphase::Broadphase;
+use drystone::collider::{Collider, CollisionLayers};
 use drystone::contact::{
     ContactAnchors, ContactEnded, ContactImpulses, ContactPair, ContactStarted, ContactTargets,
     Manifold,
@@ -46,6 +47,9 @@ pub struct Watch {
 /// m/s; nothing good numbers do comes near.
 const ABSURD: f32 = 300.0;
 
+/// m; nobody is put there.
+const DEEP: f32 = -3.0;
+
 impl Watch {
     /// Before every operation.
     pub fn count(&mut self, site: &Site) {
@@ -58,7 +62,7 @@ impl Watch {
         self.present.clear();
         innocent(site)?;
         for &guest in &site.guests {
-            self::guest(&site.noisy.world, guest, site.spoils)?;
+            self::guest(site, guest)?;
         }
         let pairs = self.pairs(site)?;
         self.events(site, &pairs)?;
@@ -130,6 +134,10 @@ impl Watch {
 
     fn memory(&mut self, site: &Site, pairs: usize) -> Result<(), Fault> {
         let world = &site.noisy.world;
+        let known = world.resource::<Broadphase>().pair_count();
+        if known != pairs {
+            return fault("pairs leak", (known, pairs));
+        }
         let slots = world.resource::<BodyTable>().slots();
         // Who leaves and comes back has two until the next step.
         if slots > 2 * self.most {
@@ -178,25 +186,34 @@ fn innocent(site: &mut Site) -> Result<(), Fault> {
     Ok(())
 }
 
-fn guest(world: &World, guest: Entity, spoils: bool) -> Result<(), Fault> {
+fn guest(site: &Site, guest: Entity) -> Result<(), Fault> {
+    let world = &site.noisy.world;
     let body = world.entity(guest);
     if let Some(Quarantined { problem }) = body.get() {
-        return match spoils {
+        return match site.tainted.contains(&guest) {
             true => Ok(()),
             false => fault(format!("quarantined for nothing: {}", name(problem)), guest),
         };
     }
-    if !is_body(world, guest) {
-        return Ok(());
-    }
-    let (Some(pose), Some(velocity)) = (body.get::<Pose>(), body.get::<Velocity>()) else {
+    let (true, Some(pose), Some(velocity)) = (is_body(world, guest), body.get(), body.get()) else {
         return Ok(());
     };
+    let (pose, velocity): (&Pose, &Velocity) = (pose, velocity);
     if !pose.is_finite() || !velocity.is_finite() {
         return fault("not finite, and not quarantined", (guest, pose, velocity));
     }
-    if !spoils && velocity.linear.length() > ABSURD {
+    if site.spoils {
+        return Ok(());
+    }
+    if velocity.linear.length() > ABSURD {
         return fault("absurdly fast", (guest, pose, velocity));
+    }
+    let layers = body.get().copied().unwrap_or(CollisionLayers::default());
+    let held = body.get() == Some(&RigidBody::Dynamic)
+        && layers.collides_with(GUEST)
+        && !site.nested.contains(&guest);
+    if held && site.plain && pose.position.y < DEEP {
+        return fault("through the ground", (guest, pose, velocity));
     }
     Ok(())
 }

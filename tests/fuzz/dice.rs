@@ -23,6 +23,8 @@ pub struct Dice {
     rng: fastrand::Rng,
     /// Share of bad numbers.
     bad: f32,
+    /// One was bad since this was last set to false.
+    pub spoiled: bool,
 }
 
 impl Dice {
@@ -31,7 +33,15 @@ impl Dice {
         Self {
             rng: fastrand::Rng::with_seed(seed),
             bad: if spoils(seed) { 0.2 } else { 0.0 },
+            spoiled: false,
         }
+    }
+
+    /// Whether the next number is to be bad.
+    pub fn spoils(&mut self) -> bool {
+        let spoils = self.chance(self.bad);
+        self.spoiled |= spoils;
+        spoils
     }
 
     /// Below `n`.
@@ -53,7 +63,7 @@ impl Dice {
     }
 
     pub fn number(&mut self, low: f32, high: f32) -> f32 {
-        if self.chance(self.bad) {
+        if self.spoils() {
             return self.pick(&BAD);
         }
         self.within(low, high)
@@ -62,7 +72,7 @@ impl Dice {
     /// Within a cube of this half edge.
     pub fn vector(&mut self, size: f32) -> Vec3 {
         // Bad as often as a number is.
-        if self.chance(self.bad) {
+        if self.spoils() {
             let bad = self.pick(&BAD);
             return self.pick(&[Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE]) * bad;
         }
@@ -72,7 +82,7 @@ impl Dice {
     /// Every now and then of no unit length.
     pub fn turn(&mut self) -> Quat {
         let axis = self.vector(2.0);
-        if self.chance(self.bad) {
+        if self.spoils() {
             return Quat::from_xyzw(axis.x, axis.y, axis.z, self.number(0.0, 1.0));
         }
         match self.chance(0.5) {

@@ -15,7 +15,7 @@ mod site;
 use run::{Tally, episode, fuzz};
 
 /// Some 30 s.
-const EPISODES: u64 = 400;
+const EPISODES: u64 = 700;
 
 #[test]
 fn whatever_is_done_to_a_world_hurts_nobody_else() {

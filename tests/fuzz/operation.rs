@@ -12,6 +12,13 @@ use drystone::solver::{FrictionCone, SoftStep};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
+/// An operation, and whether one of its numbers is bad.
+#[derive(Clone, Debug)]
+pub struct Act {
+    pub operation: Operation,
+    pub bad: bool,
+}
+
 /// Bodies and pairs are counted through; a number beyond the last begins anew.
 #[derive(Clone, Debug)]
 pub enum Operation {
@@ -39,6 +46,8 @@ pub enum Operation {
     Stabilization(Box<StabilizationSettings>),
     Sleep(SleepSettings),
     Speeds(SpeedLimits),
+    /// Takes one of the settings away.
+    Forget(usize),
     /// All settings as they were.
     Defaults,
 }
@@ -92,7 +101,7 @@ impl Solver {
 }
 
 /// What is done between two steps, but for spawning.
-pub const EDITS: usize = 19;
+pub const EDITS: usize = 20;
 
 impl Operation {
     pub fn roll(edit: usize, dice: &mut Dice, spoils: bool) -> Self {
@@ -133,6 +142,7 @@ impl Operation {
                     delay: dice.number(0.0, 1.0),
                 }),
             },
+            18 => Self::Forget(i),
             _ => Self::Defaults,
         }
     }
@@ -143,7 +153,7 @@ impl Operation {
             return Self::Step(1.0 / 60.0);
         }
         if spoils && dice.chance(0.1) {
-            let bad = [f32::NAN, f32::INFINITY, -1.0, 0.0];
+            let bad = [f32::NAN, f32::INFINITY, -1.0, 1e-30, 1e30, 1e-7, 60.0];
             return Self::Step(dice.pick(&bad));
         }
         Self::Step(dice.pick(&[0.0, 1e-4, 1e-3, 1.0 / 240.0, 1.0 / 30.0, 0.1, 0.25]))
@@ -181,8 +191,8 @@ impl Solver {
         };
         Self {
             method,
-            iterations: 1 + dice.index(40),
-            substeps: 1 + dice.index(3),
+            iterations: if dice.spoils() { 0 } else { 1 + dice.index(40) },
+            substeps: if dice.spoils() { 0 } else { 1 + dice.index(3) },
             warm_start: dice.number(0.0, 0.5),
             tolerance: dice.number(0.0, 1e-3),
             cone: dice.pick(&[FrictionCone::Circular, FrictionCone::Box]),

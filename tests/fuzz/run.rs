@@ -2,7 +2,7 @@
 
 use crate::check::{Fault, Watch};
 use crate::dice::{Dice, spoils};
-use crate::operation::{EDITS, Operation, Spawn};
+use crate::operation::{Act, EDITS, Operation, Spawn};
 use crate::site::Site;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ struct Found {
     seed: u64,
     times: usize,
     fault: Fault,
-    operations: Vec<Operation>,
+    acts: Vec<Act>,
 }
 
 /// # Panics
@@ -47,9 +47,9 @@ pub fn fuzz(seeds: Range<u64>) {
 }
 
 pub fn episode(seed: u64, tally: &mut Tally) {
-    let mut operations = roll(seed);
-    let Some((done, fault)) = fails(seed, &operations) else {
-        tally.operations += operations.len();
+    let mut acts = roll(seed);
+    let Some((done, fault)) = fails(seed, &acts) else {
+        tally.operations += acts.len();
         return;
     };
     tally.operations += done;
@@ -57,50 +57,49 @@ pub fn episode(seed: u64, tally: &mut Tally) {
         found.times += 1;
         return;
     }
-    operations.truncate(done);
-    cut(seed, &mut operations, &fault.kind);
-    let fault = fails(seed, &operations).map_or(fault, |(_, fault)| fault);
+    acts.truncate(done);
+    cut(seed, &mut acts, &fault.kind);
+    let fault = fails(seed, &acts).map_or(fault, |(_, fault)| fault);
     tally.faults.insert(
         fault.kind.clone(),
         Found {
             seed,
             times: 1,
             fault,
-            operations,
+            acts,
         },
     );
 }
 
 /// Each episode does only some of what can be done, so that rare things are done often in some.
-fn roll(seed: u64) -> Vec<Operation> {
+fn roll(seed: u64) -> Vec<Act> {
     let (mut dice, spoils) = (Dice::new(seed), spoils(seed));
     let edits: Vec<usize> = (0..EDITS).filter(|_| dice.chance(0.4)).collect();
     let steps = dice.within(0.2, 0.8);
-    let mut operations = Vec::with_capacity(LENGTH);
-    for _ in 0..8 {
-        operations.push(Operation::Spawn(Spawn::roll(&mut dice)));
-    }
-    while operations.len() < LENGTH {
-        operations.push(if dice.chance(steps) {
-            Operation::step(&mut dice, spoils)
-        } else if edits.is_empty() || dice.chance(0.1) {
+    let mut next = |i: usize| {
+        dice.spoiled = false;
+        let operation = if i < 8 || dice.chance(0.02) {
             Operation::Spawn(Spawn::roll(&mut dice))
+        } else if edits.is_empty() || dice.chance(steps) {
+            Operation::step(&mut dice, spoils)
         } else {
             let edit = dice.pick(&edits);
             Operation::roll(edit, &mut dice, spoils)
-        });
-    }
-    operations
+        };
+        let bad = dice.spoiled;
+        Act { operation, bad }
+    };
+    (0..LENGTH).map(&mut next).collect()
 }
 
 /// How many operations were done when something was wrong, and what.
-fn fails(seed: u64, operations: &[Operation]) -> Option<(usize, Fault)> {
+fn fails(seed: u64, acts: &[Act]) -> Option<(usize, Fault)> {
     let mut site = Site::new(spoils(seed));
     let mut watch = Watch::default();
-    for (i, operation) in operations.iter().enumerate() {
+    for (i, act) in acts.iter().enumerate() {
         watch.count(&site);
         let start = Instant::now();
-        let found = guarded(|| match site.act(operation) {
+        let found = guarded(|| match site.act(act) {
             true => watch.look(&mut site),
             false => Ok(()),
         });
@@ -117,20 +116,20 @@ fn fails(seed: u64, operations: &[Operation]) -> Option<(usize, Fault)> {
 }
 
 /// Takes away what is not needed to fail in the same way: half of all, quarters, and so on.
-fn cut(seed: u64, operations: &mut Vec<Operation>, kind: &str) {
+fn cut(seed: u64, acts: &mut Vec<Act>, kind: &str) {
     let mut left = CUTS;
-    let mut size = operations.len() / 2;
+    let mut size = acts.len() / 2;
     while size > 0 && left > 0 {
         let mut at = 0;
-        while at < operations.len() && left > 0 {
-            let end = operations.len().min(at + size);
-            let mut fewer = operations.clone();
+        while at < acts.len() && left > 0 {
+            let end = acts.len().min(at + size);
+            let mut fewer = acts.clone();
             fewer.drain(at..end);
             left -= 1;
             match fails(seed, &fewer) {
                 Some((done, fault)) if fault.kind == kind => {
                     fewer.truncate(done);
-                    *operations = fewer;
+                    *acts = fewer;
                 }
                 _ => at = end,
             }
@@ -181,7 +180,7 @@ impl Tally {
             seed,
             times,
             fault,
-            operations,
+            acts,
         } in self.faults.values()
         {
             let Fault { kind, detail } = fault;
@@ -190,7 +189,7 @@ impl Tally {
                 "{kind} ({times} times, first in seed {seed}): {detail}"
             )
             .expect("a string takes all");
-            for operation in operations {
+            for Act { operation, .. } in acts {
                 writeln!(text, "    {operation:?}").expect("a string takes all");
             }
         }

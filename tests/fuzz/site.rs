@@ -1,7 +1,7 @@
 //! The world under test: guests, to whom all is done, on a ground that nobody touches; and far away the innocent, a small
 //! stack, which stands in a second world too that sees no guests.
 
-use crate::operation::{Operation, Spawn};
+use crate::operation::{Act, Operation, Spawn};
 use crate::part::{INNOCENT, Part};
 use bevy_app::App;
 use bevy_ecs::hierarchy::ChildOf;
@@ -20,6 +20,7 @@ use drystone::settings::{
 };
 use glam::Vec3;
 use parry3d::shape::ShapeType;
+use std::collections::HashSet;
 
 /// There are never more guests.
 const CROWD: usize = 20;
@@ -40,6 +41,12 @@ pub struct Site {
     pub guests: Vec<Entity>,
     /// Whether numbers may be bad.
     pub spoils: bool,
+    /// Guests to whom something bad was done, or to what is above them, and not mended.
+    pub tainted: HashSet<Entity>,
+    /// Guests that are, or were, below another.
+    pub nested: HashSet<Entity>,
+    /// Settings of solver and stabilization are the defaults, and always were.
+    pub plain: bool,
 }
 
 impl Half {
@@ -83,20 +90,34 @@ impl Site {
             quiet: Half::new(),
             guests: Vec::new(),
             spoils,
+            tainted: HashSet::new(),
+            nested: HashSet::new(),
+            plain: true,
         }
     }
 
     /// Does it; a step in both worlds, and only settings else in the quiet one. False where no step was taken.
-    pub fn act(&mut self, operation: &Operation) -> bool {
+    pub fn act(&mut self, Act { operation, bad }: &Act) -> bool {
         match operation {
             Operation::Step(dt) => return self.step(*dt),
             Operation::Gravity(gravity) => {
                 self.set(|world| world.insert_resource(Gravity(*gravity)))
             }
-            Operation::Solver(solver) => self.set(|world| world.insert_resource(solver.settings())),
+            Operation::Solver(solver) => {
+                self.plain = false;
+                self.set(|world| world.insert_resource(solver.settings()));
+            }
             Operation::Stabilization(settings) => {
+                self.plain = false;
                 self.set(|world| world.insert_resource(**settings));
             }
+            Operation::Forget(i) => self.set(|world| match i % 5 {
+                0 => _ = world.remove_resource::<Gravity>(),
+                1 => _ = world.remove_resource::<SolverSettings>(),
+                2 => _ = world.remove_resource::<StabilizationSettings>(),
+                3 => _ = world.remove_resource::<SleepSettings>(),
+                _ => _ = world.remove_resource::<SpeedLimits>(),
+            }),
             Operation::Sleep(settings) => self.set(|world| world.insert_resource(*settings)),
             Operation::Speeds(limits) => self.set(|world| world.insert_resource(*limits)),
             Operation::Defaults => self.set(|world| {
@@ -106,7 +127,7 @@ impl Site {
                 world.insert_resource(SleepSettings::default());
                 world.insert_resource(SpeedLimits::default());
             }),
-            Operation::Spawn(spawn) => self.spawn(spawn),
+            Operation::Spawn(spawn) => self.spawn(spawn, *bad),
             Operation::Reset => {
                 for pair in self.guests_pairs() {
                     self.noisy.world.despawn(pair);
@@ -151,16 +172,34 @@ impl Site {
             | Operation::Orphan(i)
             | Operation::Mend(i) => {
                 if let Some(guest) = nth(&self.guests, *i) {
+                    if *bad {
+                        self.tainted.insert(guest);
+                    }
                     self.edit(guest, operation);
                 }
             }
         }
-        let world = &self.noisy.world;
-        self.guests.retain(|&guest| world.get_entity(guest).is_ok());
+        self.count();
         if !self.spoils {
             self.teleport();
         }
         false
+    }
+
+    /// Who is there, and who is below whom.
+    fn count(&mut self) {
+        let world = &self.noisy.world;
+        self.guests.retain(|&guest| world.get_entity(guest).is_ok());
+        for &guest in &self.guests {
+            let mut above = guest;
+            while let Some(&ChildOf(parent)) = world.get(above) {
+                self.nested.insert(guest);
+                if self.tainted.contains(&parent) {
+                    self.tainted.insert(guest);
+                }
+                above = parent;
+            }
+        }
     }
 
     /// A kinematic that is taken metres away within a step would otherwise throw what it meets there.
@@ -190,15 +229,14 @@ impl Site {
                 _ = self.noisy.world.try_despawn(guest);
             }
         }
-        let world = &self.noisy.world;
-        self.guests.retain(|&guest| world.get_entity(guest).is_ok());
+        self.count();
         let taken = [&mut self.noisy, &mut self.quiet]
             .map(|half| drystone::step(&mut half.world, dt).is_ok());
         assert_eq!(taken[0], taken[1]);
         taken[0] && dt > 0.0
     }
 
-    fn spawn(&mut self, spawn: &Spawn) {
+    fn spawn(&mut self, spawn: &Spawn, bad: bool) {
         if self.guests.len() >= CROWD {
             return;
         }
@@ -215,7 +253,11 @@ impl Site {
                 ..Default::default()
             });
         }
-        self.guests.push(guest.id());
+        let guest = guest.id();
+        self.guests.push(guest);
+        if bad {
+            self.tainted.insert(guest);
+        }
     }
 
     fn edit(&mut self, guest: Entity, operation: &Operation) {
@@ -223,7 +265,13 @@ impl Site {
         match operation {
             Operation::Despawn(_) => body.despawn(),
             Operation::Clone(_) if self.guests.len() < CROWD => {
-                self.guests.push(body.clone_and_spawn());
+                let twin = body.clone_and_spawn();
+                self.guests.push(twin);
+                for marked in [&mut self.tainted, &mut self.nested] {
+                    if marked.contains(&guest) {
+                        marked.insert(twin);
+                    }
+                }
             }
             Operation::MoveTransform(_, position, rotation) => {
                 body.insert(Transform::from_translation(*position).with_rotation(*rotation));
@@ -236,7 +284,16 @@ impl Site {
             }
             // A surface has no mass.
             Operation::Insert(_, Part::Kind(RigidBody::Dynamic))
-                if !self.spoils && body.get::<Collider>().is_some_and(is_surface) => {}
+                if body.get::<Collider>().is_some_and(is_surface) =>
+            {
+                if self.spoils {
+                    body.insert(RigidBody::Dynamic);
+                    self.tainted.insert(guest);
+                }
+            }
+            // Far from its middle what spins is as fast as can be.
+            Operation::Insert(_, Part::Velocity(_))
+                if !self.spoils && body.get::<Collider>().is_some_and(is_half_space) => {}
             // The innocent are inside some half-space.
             Operation::Remove(_, Part::Layers(_))
                 if body.get::<Collider>().is_some_and(is_half_space) => {}
@@ -247,6 +304,7 @@ impl Site {
                 body.remove::<ChildOf>();
             }
             Operation::Mend(_) => {
+                self.tainted.remove(&guest);
                 body.remove::<(ChildOf, Mass, Grab, Damping, Quarantined)>();
                 body.remove::<(
                     drystone::body::Density,
@@ -299,7 +357,7 @@ impl Site {
 }
 
 /// Of all guests and their ground.
-const GUEST: CollisionLayers = CollisionLayers {
+pub const GUEST: CollisionLayers = CollisionLayers {
     memberships: !INNOCENT,
     filters: !INNOCENT,
 };

@@ -262,6 +262,17 @@ impl Site {
 
     fn edit(&mut self, guest: Entity, operation: &Operation) {
         let mut body = self.noisy.world.entity_mut(guest);
+        // A surface has no mass.
+        if matches!(
+            operation,
+            Operation::Insert(_, Part::Kind(RigidBody::Dynamic))
+        ) && body.get::<Collider>().is_some_and(is_surface)
+        {
+            if !self.spoils {
+                return;
+            }
+            self.tainted.insert(guest);
+        }
         match operation {
             Operation::Despawn(_) => body.despawn(),
             Operation::Clone(_) if self.guests.len() < CROWD => {
@@ -281,15 +292,6 @@ impl Site {
                     position: *position,
                     rotation: *rotation,
                 });
-            }
-            // A surface has no mass.
-            Operation::Insert(_, Part::Kind(RigidBody::Dynamic))
-                if body.get::<Collider>().is_some_and(is_surface) =>
-            {
-                if self.spoils {
-                    body.insert(RigidBody::Dynamic);
-                    self.tainted.insert(guest);
-                }
             }
             // Far from its middle what spins is as fast as can be.
             Operation::Insert(_, Part::Velocity(_))

@@ -74,8 +74,7 @@ fn may_collide(a: &BodyState, b: &BodyState) -> bool {
 
 /// A box reaches into a half-space.
 fn below(body: &BodyState, aabb: &Aabb) -> bool {
-    let shape = body.collider.as_ref().map(|collider| collider.shape());
-    let Some(plane) = shape.and_then(|shape| shape.as_halfspace()) else {
+    let Some(plane) = body.shape().and_then(|shape| shape.as_halfspace()) else {
         return false;
     };
     let normal = body.pose.rotation * plane.normal;
@@ -201,9 +200,7 @@ pub fn broadphase(
 }
 
 fn sort(begun: &mut [[u32; 2]], table: &BodyTable) {
-    begun.sort_unstable_by_key(|&[a, b]| {
-        [a, b].map(|slot| table.get(slot).map(|body| body.age))
-    });
+    begun.sort_unstable_by_key(|&[a, b]| [a, b].map(|slot| table.get(slot).map(|body| body.age)));
 }
 
 /// Everything a body may touch within the step lies in here: shape, envelope, and its way.
@@ -272,7 +269,10 @@ pub fn pair_changes(
     if !stirred && broadphase.lost.is_empty() && ending.is_empty() {
         return;
     }
-    let (table, broadphase) = (world.resource::<BodyTable>(), world.resource::<Broadphase>());
+    let (table, broadphase) = (
+        world.resource::<BodyTable>(),
+        world.resource::<Broadphase>(),
+    );
     let lives = |pair: &ContactPair, i: usize| {
         let body = table.get(pair.slots[i]);
         body.is_some_and(|body| (body.entity, body.age) == (pair.bodies[i], pair.ages[i]))
@@ -327,6 +327,8 @@ pub fn pair_changes(
                 ages: [a.age, b.age],
                 friction: a.friction.combine(b.friction),
                 restitution: a.restitution.combine(b.restitution),
+                rolling_friction: a.rolling.combine(b.rolling),
+                rolling_radius: a.rolling_radius().min(b.rolling_radius()),
                 touching: false,
                 parted: false,
                 detected: false,

@@ -25,7 +25,7 @@ pub enum BodyProblem {
     InvalidMass,
     /// The shape has no size in some direction, or a size that is not finite or out of bounds.
     DegenerateShape,
-    /// Friction or restitution is negative, not finite or out of bounds.
+    /// Friction, rolling friction or restitution is negative, not finite or out of bounds.
     InvalidMaterial,
     /// The solve of its island gave a velocity that is none; the island keeps velocities and poses from before, and starts anew.
     Diverged,
@@ -114,7 +114,7 @@ impl fmt::Display for BodyProblem {
             ),
             Self::InvalidMaterial => write!(
                 f,
-                "its friction is not between 0 and {:.0e}, or its restitution not between 0 and 1",
+                "its friction or rolling friction is not between 0 and {:.0e}, or its restitution not between 0 and 1",
                 limits::FRICTION
             ),
             Self::Diverged => f.write_str(

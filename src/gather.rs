@@ -5,7 +5,7 @@
 //! things.
 
 use crate::body::{Age, BodyIndex, BodyTable, Quarantined, Velocity};
-use crate::contact::{self, Impulse, ContactImpulses, ContactPair, ContactTargets, Manifold};
+use crate::contact::{self, ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};
 use crate::islands::Islands;
 use crate::settings::{PhysicsThreads, SolverSettings, StabilizationSettings, StepTime};
 use crate::solver::{Body, Contact, ContactInput, Patch, PatchPoint, Rows, SolveReport};
@@ -78,7 +78,10 @@ impl Problems {
     /// The body of a slot as its island's problem has it, if it was gathered.
     pub(crate) fn body(&self, islands: &Islands, slot: u32) -> Option<&Body> {
         let local = *self.local.get(slot as usize)?;
-        self.islands.get(islands.of(slot)?)?.bodies.get(local as usize)
+        self.islands
+            .get(islands.of(slot)?)?
+            .bodies
+            .get(local as usize)
     }
 
     /// The mean velocity with which a body moves in this step, where its solver took substeps.
@@ -152,9 +155,7 @@ pub fn gather(
         .iter()
         .filter(|(_, body)| body.is_dynamic() && !body.asleep);
     let mut awake: Vec<_> = awake
-        .filter_map(|(slot, body)| {
-            Some((islands.of(slot)?, islands.rank(slot, body), slot, body))
-        })
+        .filter_map(|(slot, body)| Some((islands.of(slot)?, islands.rank(slot, body), slot, body)))
         .collect();
     awake.sort_unstable_by_key(|&(island, rank, ..)| (island, rank));
     for (island, _, slot, body) in awake {
@@ -182,7 +183,10 @@ pub fn gather(
         if !manifold.points.is_empty()
             && let Some(island) = pair.slots.iter().find(awake).and_then(|s| islands.of(*s))
         {
-            let [one, other] = [islands.rank(pair.slots[0], a), islands.rank(pair.slots[1], b)];
+            let [one, other] = [
+                islands.rank(pair.slots[0], a),
+                islands.rank(pair.slots[1], b),
+            ];
             touches.push(Touch {
                 island: island as u32,
                 ranks: [one.max(other), one.min(other)],
@@ -269,7 +273,8 @@ impl IslandProblem {
         let bodies = &self.bodies;
         if threads.share(touches.len()) {
             let touches = touches.par_iter().zip(ends);
-            let contacts = touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, bodies, time));
+            let contacts =
+                touches.flat_map_iter(|(touch, ends)| touch.contacts(*ends, bodies, time));
             threads.run(ends.len(), || self.contacts.par_extend(contacts));
         } else {
             let touches = touches.iter().zip(ends);
@@ -319,6 +324,12 @@ impl IslandProblem {
                     count: patch.count,
                     tangential: impulse.warm_tangential * time.carried(),
                     twist: impulse.warm_twist * time.carried(),
+                    rolling_friction: match patch.curved {
+                        true => touch.pair.rolling_friction,
+                        false => 0.0,
+                    },
+                    rolling_radius: touch.pair.rolling_radius,
+                    rolling: impulse.warm_rolling * time.carried(),
                     given: Vec3::ZERO,
                 });
             }

@@ -51,13 +51,7 @@ impl Grab {
     /// Changes a body's velocity as the hand does in `h` s, with the spring taken implicitly, so that it is stable for any stiffness
     /// and step: f = −(k x + (c + k h) v) / (1 + h (c + k h) W). The velocity holds all other forces, or the spring would give way to
     /// them by more than k says.
-    pub(crate) fn pull(
-        &self,
-        pose: &Pose,
-        mass: &MassProperties,
-        velocity: &mut Velocity,
-        h: f32,
-    ) {
+    pub(crate) fn pull(&self, pose: &Pose, mass: &MassProperties, velocity: &mut Velocity, h: f32) {
         let point = pose.transform_point(self.local_point);
         let arm = point - pose.transform_point(mass.local_center);
         let inverse_inertia = mass.world_inverse_inertia(pose.rotation);
@@ -69,9 +63,12 @@ impl Grab {
         let pull = -(self.stiffness * (point - self.target) + gain * velocity.at(arm));
         let resists = Mat3::IDENTITY + response * (h * gain);
         // To the size of one, or the determinant of the stiffest would be infinite.
-        let scale = resists.to_cols_array().into_iter().fold(1.0, f32::max).recip();
-        let force =
-            ((resists * scale).inverse() * (pull * scale)).clamp_length_max(self.max_force);
+        let scale = resists
+            .to_cols_array()
+            .into_iter()
+            .fold(1.0, f32::max)
+            .recip();
+        let force = ((resists * scale).inverse() * (pull * scale)).clamp_length_max(self.max_force);
         velocity.linear += h * mass.inverse_mass * force;
         velocity.angular += h * (inverse_inertia * arm.cross(force));
         let brake = Mat3::IDENTITY + inverse_inertia * (h * self.angular_damping);

@@ -95,7 +95,9 @@ pub mod prelude {
         AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
         GravityScale, Mass, Pose, Quarantined, RigidBody, Teleport, Velocity,
     };
-    pub use crate::collider::{Collider, CollisionLayers, CombineRule, Friction, Restitution};
+    pub use crate::collider::{
+        Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
+    };
     pub use crate::contact::{ContactEnded, ContactEvents, ContactPair, ContactStarted};
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::Grab;

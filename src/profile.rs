@@ -5,9 +5,9 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{Adapt, IntoAdapterSystem, RunSystemError, System, SystemIn};
+use bevy_platform::time::Instant;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use bevy_platform::time::Instant;
 use std::time::Duration;
 
 /// How long each system took in the last step, in the order in which they were added.

@@ -106,8 +106,12 @@ pub struct Given<'w> {
 /// What a solve may leave a body with. Well above the cap on speeds: what lands hard may be fast for a moment.
 fn is_sound(body: &Body) -> bool {
     let [linear, angular] = body.motion.unwrap_or_default();
-    [body.linear, linear].into_iter().all(|v| limits::within(v, limits::SPEED))
-        && [body.angular, angular].into_iter().all(|v| limits::within(v, limits::SPIN))
+    [body.linear, linear]
+        .into_iter()
+        .all(|v| limits::within(v, limits::SPEED))
+        && [body.angular, angular]
+            .into_iter()
+            .all(|v| limits::within(v, limits::SPIN))
 }
 
 impl ContactImpulses {
@@ -183,6 +187,7 @@ impl IslandProblem {
             *kept = PatchImpulse {
                 warm_tangential: found.tangential / dt,
                 warm_twist: found.twist / dt,
+                warm_rolling: found.rolling / dt,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.given).sum();

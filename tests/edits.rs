@@ -372,9 +372,13 @@ fn surfaces_layers_and_forces_may_be_taken_off() {
         torque: Vec3::ZERO,
     };
     let pushed = lab.cube(Vec3::new(0.0, 0.5, 5.0));
-    lab.world
-        .entity_mut(pushed)
-        .insert((push, Damping { linear: 9.0, angular: 9.0 }));
+    lab.world.entity_mut(pushed).insert((
+        push,
+        Damping {
+            linear: 9.0,
+            angular: 9.0,
+        },
+    ));
     lab.run(0.5);
     let damped = lab.velocity(pushed).linear.x;
     lab.world.entity_mut(pushed).remove::<Damping>();
@@ -542,5 +546,9 @@ fn what_is_spawned_asleep_stays_asleep_until_something_wakes_it() {
     }
     lab.cube(Vec3::new(0.0, 4.6, 0.0));
     lab.run(0.3);
-    assert!(bricks.iter().any(|&b| !lab.world.get::<Sleeping>(b).unwrap().asleep));
+    assert!(
+        bricks
+            .iter()
+            .any(|&b| !lab.world.get::<Sleeping>(b).unwrap().asleep)
+    );
 }

@@ -11,13 +11,19 @@ use glam::Vec3;
 use support::*;
 
 /// Impulse of each step in which the ball and the ground exchange any, and the step in which the contact starts and ends.
-fn land(substeps: usize, restitution: f32, height: f32) -> (Vec<(usize, f32)>, Vec<usize>, Vec<usize>) {
+fn land(
+    substeps: usize,
+    restitution: f32,
+    height: f32,
+) -> (Vec<(usize, f32)>, Vec<usize>, Vec<usize>) {
     let mut lab = Lab::new();
     lab.world.resource_mut::<SolverSettings>().substeps = substeps;
     let ground = lab.ground();
     let ball = lab.body(Collider::ball(0.5), Vec3::Y * (0.5 + height));
     for body in [ground, ball] {
-        lab.world.entity_mut(body).insert(Restitution::new(restitution));
+        lab.world
+            .entity_mut(body)
+            .insert(Restitution::new(restitution));
     }
     let (mut impulses, mut started, mut ended) = (vec![], vec![], vec![]);
     for i in 0..80 {
@@ -46,8 +52,12 @@ fn the_impulse_of_a_hit_is_whole_in_the_step_of_its_message() {
             println!("{substeps}, e {restitution}: {impulses:?} {started:?}");
             assert_eq!(started.first(), Some(&step), "told in the same step");
             // It meets the ground within the step, so gravity has its part of one step.
-            let within = 0.02 * expected + mass * G / 60.0 * if restitution == 0.0 { 1.0 } else { 0.0 };
-            assert!((found - expected).abs() < within, "e {restitution}: {found} N·s of {expected}");
+            let within =
+                0.02 * expected + mass * G / 60.0 * if restitution == 0.0 { 1.0 } else { 0.0 };
+            assert!(
+                (found - expected).abs() < within,
+                "e {restitution}: {found} N·s of {expected}"
+            );
         }
     }
 }

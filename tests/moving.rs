@@ -94,8 +94,13 @@ fn a_box_stays_on_a_platform_that_is_moved_by_its_transform() {
                 let way = |t: f32| (direction * ramp(speed, t), Quat::IDENTITY);
                 let [v, t] =
                     [By::Velocity, By::Transform].map(|by| carry(by, substeps, 3.0, boxes, way));
-                println!("{direction} at {speed} m/s, {substeps}: by velocity {v}, by transform {t} m");
-                assert!(t < 1e-3, "{direction} at {speed} m/s: slipped {t} m, by velocity {v} m");
+                println!(
+                    "{direction} at {speed} m/s, {substeps}: by velocity {v}, by transform {t} m"
+                );
+                assert!(
+                    t < 1e-3,
+                    "{direction} at {speed} m/s: slipped {t} m, by velocity {v} m"
+                );
             }
         }
     }
@@ -113,7 +118,11 @@ fn a_lorry_takes_its_boxes_along() {
 fn a_lift_does_not_throw_its_box() {
     // Starts at once, and stops within half a second.
     let way = |t: f32| {
-        let up = if t < 2.0 { 2.0 * t } else { 4.5 - 2.0 * (2.5 - t.min(2.5)).powi(2) };
+        let up = if t < 2.0 {
+            2.0 * t
+        } else {
+            4.5 - 2.0 * (2.5 - t.min(2.5)).powi(2)
+        };
         (Vec3::Y * up, Quat::IDENTITY)
     };
     let [v, t] = [By::Velocity, By::Transform].map(|by| carry(by, 1, 4.0, boxes, way));
@@ -129,7 +138,12 @@ fn a_table_tips_by_its_transform_as_by_its_velocity() {
     };
     let slab = |lab: &mut Lab| {
         (0..3)
-            .map(|i| lab.body(Collider::cuboid(1.0, 0.25, 1.0), Vec3::new(2.0 * i as f32 - 2.0, 0.125, 0.0)))
+            .map(|i| {
+                lab.body(
+                    Collider::cuboid(1.0, 0.25, 1.0),
+                    Vec3::new(2.0 * i as f32 - 2.0, 0.125, 0.0),
+                )
+            })
             .collect()
     };
     let [v, t] = [By::Velocity, By::Transform].map(|by| carry(by, 1, 8.0, slab, tip));
@@ -147,11 +161,18 @@ fn what_is_no_longer_moved_by_its_transform_stands_still() {
     ));
     lab.step();
     for i in 1..=10 {
-        lab.world.get_mut::<Transform>(platform).unwrap().translation.x = 0.1 * i as f32;
+        lab.world
+            .get_mut::<Transform>(platform)
+            .unwrap()
+            .translation
+            .x = 0.1 * i as f32;
         lab.step();
         assert!((lab.position(platform).x - 0.1 * i as f32).abs() < 1e-6);
         let speed = lab.velocity(platform).linear.x;
-        assert!((speed - 6.0).abs() < 1e-3, "its velocity is what its pose did: {speed}");
+        assert!(
+            (speed - 6.0).abs() < 1e-3,
+            "its velocity is what its pose did: {speed}"
+        );
     }
     lab.run(1.0);
     assert_eq!(lab.position(platform), Vec3::X);
@@ -172,8 +193,16 @@ fn a_body_without_a_collider_flies_freely() {
     lab.set_velocity(body, Vec3::X * 3.0, Vec3::Y);
     lab.run(1.0);
     let at = lab.position(body);
-    assert!((at.x - 3.0).abs() < 0.01 && (at.y - (10.0 - 0.5 * G)).abs() < 0.1, "{at}");
-    assert!(lab.pose(body).rotation.angle_between(Quat::from_rotation_y(1.0)) < 0.01);
+    assert!(
+        (at.x - 3.0).abs() < 0.01 && (at.y - (10.0 - 0.5 * G)).abs() < 0.1,
+        "{at}"
+    );
+    assert!(
+        lab.pose(body)
+            .rotation
+            .angle_between(Quat::from_rotation_y(1.0))
+            < 0.01
+    );
     assert_eq!(lab.errors(), []);
     lab.run(2.0);
     assert!(lab.position(body).y < -10.0, "nothing holds it");

@@ -13,7 +13,11 @@ use glam::Vec3;
 use support::*;
 
 /// A wall spawned in a permutation of its order; drift and sag after some seconds, mm.
-fn stands(scene: &str, seconds: f32, permute: impl Fn(&mut Vec<(Collider, Transform)>)) -> [f32; 2] {
+fn stands(
+    scene: &str,
+    seconds: f32,
+    permute: impl Fn(&mut Vec<(Collider, Transform)>),
+) -> [f32; 2] {
     // Built once to see where everything goes.
     let mut plan = Lab::new();
     let scene: Scene = scene.parse().unwrap();
@@ -23,7 +27,10 @@ fn stands(scene: &str, seconds: f32, permute: impl Fn(&mut Vec<(Collider, Transf
         .iter()
         .map(|&b| {
             let body = plan.world.entity(b);
-            (body.get::<Collider>().unwrap().clone(), *body.get::<Transform>().unwrap())
+            (
+                body.get::<Collider>().unwrap().clone(),
+                *body.get::<Transform>().unwrap(),
+            )
         })
         .collect();
     permute(&mut bodies);
@@ -54,7 +61,10 @@ fn alike(scene: &str, seconds: f32) {
             );
         }
     };
-    check("reversed", stands(scene, seconds, |bodies| bodies.reverse()));
+    check(
+        "reversed",
+        stands(scene, seconds, |bodies| bodies.reverse()),
+    );
     for seed in 1..=3 {
         let shuffled = stands(scene, seconds, |bodies| {
             fastrand::Rng::with_seed(seed).shuffle(bodies);
@@ -137,6 +147,11 @@ fn the_same_bits_whatever_the_entities() {
     for (i, junk) in junk.into_iter().enumerate() {
         let other = run(junk);
         let differ = plain.iter().zip(&other).filter(|(a, b)| a != b).count();
-        assert_eq!(differ, 0, "junk {i}: of {} bodies {differ} differ", plain.len());
+        assert_eq!(
+            differ,
+            0,
+            "junk {i}: of {} bodies {differ} differ",
+            plain.len()
+        );
     }
 }

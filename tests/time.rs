@@ -4,9 +4,9 @@ mod support;
 
 use bevy_ecs::message::Messages;
 
+use drystone::body::Mass;
 use drystone::contact::{ContactEnded, ContactPair, ContactStarted};
 use drystone::diagnosis::BodyError;
-use drystone::body::Mass;
 use drystone::grab::Grab;
 use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::{SleepSettings, SolverSettings};
@@ -28,7 +28,10 @@ fn holds(solver: &str, settings: SolverSettings, scene: &str, lengths: impl Iter
     let mut lab = Lab::new();
     lab.world.resource_mut::<SleepSettings>().enabled = false;
     lab.world.insert_resource(settings);
-    let built = scene.parse::<Scene>().unwrap().build(&mut lab.world, &SceneOptions::default());
+    let built = scene
+        .parse::<Scene>()
+        .unwrap()
+        .build(&mut lab.world, &SceneOptions::default());
     let start: Vec<Vec3> = built.bodies.iter().map(|&b| lab.position(b)).collect();
     let (mut drift, mut speed) = (0f32, 0f32);
     for (i, dt) in lengths.enumerate() {
@@ -124,7 +127,12 @@ fn a_hand_hangs_as_low_whatever_the_step() {
         lab.run(4.0);
         let low = 5.0 - lab.position(cube).y;
         // g/ω² at 2 Hz.
-        assert_near(low, G / (4.0 * std::f32::consts::PI).powi(2), 0.01, "hangs low");
+        assert_near(
+            low,
+            G / (4.0 * std::f32::consts::PI).powi(2),
+            0.01,
+            "hangs low",
+        );
     }
 }
 
@@ -136,7 +144,10 @@ fn a_world_stepped_by_hand_keeps_no_messages() {
     lab.ground();
     let mut most = [0; 4];
     for i in 0..3000 {
-        let ball = lab.body(drystone::collider::Collider::ball(0.5), Vec3::new(0.0, 0.5, 0.0));
+        let ball = lab.body(
+            drystone::collider::Collider::ball(0.5),
+            Vec3::new(0.0, 0.5, 0.0),
+        );
         if i % 7 == 0 {
             lab.world.entity_mut(ball).insert(Mass(f32::NAN));
         }

@@ -63,7 +63,9 @@ fn by_a_touch() {
             let top = lab.position(*bricks.last().unwrap());
             let light = lab.body(Collider::cuboid(0.2, 0.2, 0.2), top + Vec3::Y * 0.35);
             lab.set_velocity(light, Vec3::NEG_Y * 0.01, Vec3::ZERO);
-            lab.world.entity_mut(light).insert(drystone::body::Density(10.0));
+            lab.world
+                .entity_mut(light)
+                .insert(drystone::body::Density(10.0));
         },
         |_| true,
     );
@@ -90,10 +92,12 @@ fn by_a_force() {
     wake(
         "force",
         |lab, bricks, _| {
-            lab.world.entity_mut(*bricks.last().unwrap()).insert(ExternalForce {
-                force: Vec3::Y,
-                torque: Vec3::ZERO,
-            });
+            lab.world
+                .entity_mut(*bricks.last().unwrap())
+                .insert(ExternalForce {
+                    force: Vec3::Y,
+                    torque: Vec3::ZERO,
+                });
         },
         |_| true,
     );
@@ -124,7 +128,11 @@ fn by_a_move_beside_it() {
     wake(
         "move",
         |lab, _, beside| {
-            lab.world.get_mut::<Transform>(beside).unwrap().translation.x += 4.0;
+            lab.world
+                .get_mut::<Transform>(beside)
+                .unwrap()
+                .translation
+                .x += 4.0;
         },
         |_| true,
     );

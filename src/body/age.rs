@@ -28,7 +28,9 @@ impl Default for Age {
 /// As soon as the body is spawned: by the next step nobody would know the order any more. Where the plugins come after the body,
 /// *prepare* makes up for it.
 fn stamp(mut world: DeferredWorld, context: HookContext) {
-    let next = world.get_resource_mut::<BodyTable>().map(|mut table| table.next_age());
+    let next = world
+        .get_resource_mut::<BodyTable>()
+        .map(|mut table| table.next_age());
     if let (Some(mut age), Some(next)) = (world.get_mut::<Age>(context.entity), next)
         && *age == Age::NONE
     {

@@ -3,7 +3,7 @@
 use super::{
     AngularInertia, BodyState, CenterOfMass, Density, Mass, MassProperties, RigidBody, limits,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::ContactEvents;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
@@ -21,6 +21,7 @@ pub(super) type Changes = Or<(
     Changed<CenterOfMass>,
     Changed<Friction>,
     Changed<Restitution>,
+    Changed<RollingFriction>,
     Changed<CollisionLayers>,
     Changed<ContactEvents>,
     Changed<BodyIndex>,
@@ -38,6 +39,7 @@ pub(super) type Described<'w> = (
     (
         Option<&'w Friction>,
         Option<&'w Restitution>,
+        Option<&'w RollingFriction>,
         Option<&'w CollisionLayers>,
         Has<ContactEvents>,
     ),
@@ -54,7 +56,7 @@ pub(super) fn describe(
         kind,
         collider,
         (density, mass, inertia, center),
-        (friction, restitution, layers, events),
+        (friction, restitution, rolling, layers, events),
         mut properties,
     ): <Described as bevy_ecs::query::QueryData>::Item<'_, '_>,
 ) -> Result<(), BodyProblem> {
@@ -76,7 +78,8 @@ pub(super) fn describe(
     }
     let friction = friction.copied().unwrap_or_default();
     let restitution = restitution.copied().unwrap_or_default();
-    if !friction.is_valid() || !restitution.is_valid() {
+    let rolling = rolling.copied().unwrap_or_default();
+    if !friction.is_valid() || !restitution.is_valid() || !rolling.is_valid() {
         return Err(BodyProblem::InvalidMaterial);
     }
     let layers = layers.copied().unwrap_or_default();
@@ -88,7 +91,7 @@ pub(super) fn describe(
     body.events = events;
     let same = same_shape
         && (body.kind, body.layers, body.mass) == (*kind, layers, computed)
-        && (body.friction, body.restitution) == (friction, restitution);
+        && (body.friction, body.restitution, body.rolling) == (friction, restitution, rolling);
     if same && !body.arrived {
         return Ok(());
     }
@@ -96,6 +99,7 @@ pub(super) fn describe(
     body.collider = collider.cloned();
     body.friction = friction;
     body.restitution = restitution;
+    body.rolling = rolling;
     body.layers = layers;
     body.mass = computed;
     *properties = computed;

@@ -99,7 +99,8 @@ pub fn forces(
     let dt = time.dt;
     for (of, force, impulse, damping, scale, grab, mut velocity) in &mut bodies {
         let (entity, index, pose, mass) = of;
-        let is_awake = |body: &BodyState| body.entity == entity && body.is_dynamic() && !body.asleep;
+        let is_awake =
+            |body: &BodyState| body.entity == entity && body.is_dynamic() && !body.asleep;
         if !table.get(index.0).is_some_and(is_awake) {
             continue;
         }

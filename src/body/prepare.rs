@@ -6,13 +6,13 @@ use super::{
     Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     MassProperties, Pose, Quarantined, RigidBody, Teleport, Velocity, limits,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
 use crate::sleeping::Sleeping;
-use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
 use bevy_ecs::query::QueryData;
+use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 use glam::Vec3;
 
@@ -206,6 +206,7 @@ impl BodyState {
             collider: None,
             friction: Friction::default(),
             restitution: Restitution::default(),
+            rolling: RollingFriction::default(),
             layers: CollisionLayers::default(),
             events: false,
             gravity_scale: 1.0,

@@ -4,9 +4,10 @@
 //! has a slot for life ([`BodyIndex`]), and the stage *prepare* copies what those stages read into it once a step.
 
 use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use glam::Vec3;
+use parry3d::shape::Shape;
 
 /// A body's slot in the [`BodyTable`]. Internal.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +59,8 @@ pub struct BodyState {
     pub friction: Friction,
     /// Its bounce.
     pub restitution: Restitution,
+    /// What resists its rolling.
+    pub rolling: RollingFriction,
     /// What it collides with.
     pub layers: CollisionLayers,
     /// Triggers contact events for observers.
@@ -105,6 +108,24 @@ impl BodyState {
         let mut half = self.half;
         half[towards.max_position()] = f32::INFINITY;
         self.radius.min(THICKNESS * half.min_element())
+    }
+
+    /// The radius of a round body, on its side if it is not a ball, m; infinite for others.
+    pub fn rolling_radius(&self) -> f32 {
+        match self.is_curved() {
+            true => self.half.element_sum() - self.half.max_element() - self.half.min_element(),
+            false => f32::INFINITY,
+        }
+    }
+
+    /// The parry shape, if it has one.
+    pub fn shape(&self) -> Option<&dyn Shape> {
+        self.collider.as_ref().map(|collider| &**collider.shape())
+    }
+
+    /// True where its surface is curved.
+    pub(crate) fn is_curved(&self) -> bool {
+        self.collider.as_ref().is_some_and(Collider::is_curved)
     }
 
     /// True for a body that contacts can move.

@@ -1,4 +1,4 @@
-//! Friction and restitution, and how those of two bodies are combined.
+//! Friction, restitution and rolling friction, and how those of two bodies are combined.
 
 use crate::body::limits;
 use bevy_ecs::prelude::*;
@@ -55,6 +55,24 @@ pub struct Restitution {
     pub rule: CombineRule,
 }
 
+/// What resists the rolling and spinning of round bodies (balls, capsules, cylinders, cones on their curved sides); 0.02 by
+/// default.
+///
+/// A moment of at most this coefficient times the body's radius times what the contact carries: a ball stays on slopes up to
+/// this tangent. It is the friction of rest. What rolls faster than some 0.1 m/s is let go, with the fourth power of
+/// its speed, so that a ball that rolls goes on and one that only creeps stops. Spin about the normal is resisted at any speed.
+///
+/// For [`SoftStep`](crate::solver::SoftStep); solvers of points have none.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[component(on_remove = crate::body::lost_description)]
+pub struct RollingFriction {
+    /// As a share of the radius, not negative.
+    pub coefficient: f32,
+    /// How it is combined with the other body's.
+    pub rule: CombineRule,
+}
+
 macro_rules! surface {
     ($name:ident, $default:expr, $most:expr) => {
         impl Default for $name {
@@ -95,3 +113,4 @@ macro_rules! surface {
 
 surface!(Friction, 0.5, limits::FRICTION);
 surface!(Restitution, 0.0, limits::RESTITUTION);
+surface!(RollingFriction, 0.02, limits::FRICTION);

@@ -5,7 +5,7 @@ mod material;
 mod sizes;
 
 pub use layers::CollisionLayers;
-pub use material::{CombineRule, Friction, Restitution};
+pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
@@ -40,11 +40,9 @@ impl fmt::Display for ColliderError {
                 "a convex hull needs four points that are not in one plane, all of them finite",
             ),
             Self::InvalidMesh(why) => write!(f, "invalid triangle mesh: {why}"),
-            Self::InvalidCompound => {
-                f.write_str(
-                    "a compound needs at least one part, and its parts must be convex and have a size",
-                )
-            }
+            Self::InvalidCompound => f.write_str(
+                "a compound needs at least one part, and its parts must be convex and have a size",
+            ),
             Self::InvalidHeightField => {
                 f.write_str("a height field needs two rows and two columns of finite heights")
             }

@@ -25,20 +25,23 @@ pub(super) fn are_valid(shape: &dyn Shape) -> bool {
         TypedShape::Cylinder(cylinder) => length(cylinder.radius) && length(cylinder.half_height),
         TypedShape::Cone(cone) => length(cone.radius) && length(cone.half_height),
         TypedShape::HalfSpace(plane) => plane.normal.is_normalized(),
-        TypedShape::Compound(compound) => compound
-            .shapes()
-            .iter()
-            .all(|(at, part)| limits::within(at.translation, limits::LARGEST) && are_valid(&**part)),
+        TypedShape::Compound(compound) => compound.shapes().iter().all(|(at, part)| {
+            limits::within(at.translation, limits::LARGEST) && are_valid(&**part)
+        }),
         TypedShape::RoundCuboid(round) => {
             length(round.border_radius) && lengths(round.inner_shape.half_extents)
         }
         TypedShape::RoundCylinder(round) => {
             let inner = &round.inner_shape;
-            [round.border_radius, inner.radius, inner.half_height].into_iter().all(length)
+            [round.border_radius, inner.radius, inner.half_height]
+                .into_iter()
+                .all(length)
         }
         TypedShape::RoundCone(round) => {
             let inner = &round.inner_shape;
-            [round.border_radius, inner.radius, inner.half_height].into_iter().all(length)
+            [round.border_radius, inner.radius, inner.half_height]
+                .into_iter()
+                .all(length)
         }
         TypedShape::RoundTriangle(round) => {
             length(round.border_radius) && is_extended(&round.inner_shape)

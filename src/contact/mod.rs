@@ -43,6 +43,10 @@ pub struct ContactPair {
     pub friction: f32,
     /// Combined coefficient of restitution e.
     pub restitution: f32,
+    /// Combined coefficient of rolling friction.
+    pub rolling_friction: f32,
+    /// The radius that it is a share of, m; infinite where neither body is round.
+    pub rolling_radius: f32,
     /// Some point is inside the collision envelope.
     pub touching: bool,
     /// It touched in the last step, and does no more.
@@ -66,7 +70,10 @@ pub struct Manifold {
 impl Manifold {
     /// The normal of a point's patch.
     pub(crate) fn normal_of(&self, point: usize) -> Vec3 {
-        let patch = self.patches.iter().find(|patch| patch.range().contains(&point));
+        let patch = self
+            .patches
+            .iter()
+            .find(|patch| patch.range().contains(&point));
         patch.map_or(Vec3::ZERO, |patch| patch.normal)
     }
 }
@@ -173,6 +180,8 @@ pub struct PatchImpulse {
     pub warm_tangential: Vec3,
     /// Moment of friction on A about the normal, likewise, N·m.
     pub warm_twist: f32,
+    /// Moment of rolling friction on A, likewise, N·m, world axes.
+    pub warm_rolling: Vec3,
 }
 
 /// What a point got in the substeps before the one at hand.

@@ -33,7 +33,8 @@ impl ContactImpulses {
         let mut gone = std::mem::take(&mut self.earlier);
         for origin in origins {
             let kept = origin.and_then(|i| gone.get_mut(i as usize));
-            self.earlier.push(kept.map(std::mem::take).unwrap_or_default());
+            self.earlier
+                .push(kept.map(std::mem::take).unwrap_or_default());
         }
         for (i, lost) in gone.iter().enumerate() {
             self.elsewhere += lost.normal * normal_of(i) + lost.tangential;

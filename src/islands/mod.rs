@@ -56,7 +56,9 @@ pub fn islands(
         links,
     } = &mut *islands;
     links.clear();
-    let touching = pairs.iter().filter(|(_, manifold)| !manifold.points.is_empty());
+    let touching = pairs
+        .iter()
+        .filter(|(_, manifold)| !manifold.points.is_empty());
     links.extend(touching.map(|(pair, _)| pair.slots));
     let dynamic = |slot: u32| table.get(slot).is_some_and(BodyState::is_dynamic);
     let members = table.iter().filter(|(_, body)| body.is_dynamic());

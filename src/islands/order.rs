@@ -20,7 +20,10 @@ impl Levels {
     pub const NONE: u32 = u32::MAX;
 
     pub fn of(&self, slot: u32) -> u32 {
-        self.levels.get(slot as usize).copied().unwrap_or(Self::NONE)
+        self.levels
+            .get(slot as usize)
+            .copied()
+            .unwrap_or(Self::NONE)
     }
 
     /// Breadth first along links from all slots that stand still.

@@ -5,6 +5,7 @@
 //! finding it anew. Pairs at rest (asleep, or static) keep theirs untouched.
 
 mod corners;
+mod cylinders;
 mod matching;
 mod passing;
 mod recycling;
@@ -33,6 +34,9 @@ const MERGE: f32 = 0.05;
 /// How far outside a face, as a share of the smaller face's size, a corner still lies on it.
 const SLACK: f32 = 1e-4;
 
+/// Of the way for which manifolds are kept, the share for which those of round bodies are: so little that nothing can roll.
+const CREPT: f32 = 0.02;
+
 type PairColumns<'w> = (
     &'w mut ContactPair,
     &'w mut NarrowphaseCache,
@@ -51,7 +55,7 @@ pub fn narrowphase(
     threads: Res<PhysicsThreads>,
     mut pairs: Query<PairColumns>,
 ) {
-    let (table, settings) = (&*table, &*settings);
+    let (table, settings, time) = (&*table, &*settings, &*time);
     let fall = gravity.0.length() * time.dt;
     for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
@@ -69,80 +73,103 @@ pub fn narrowphase(
         threads.run(columns.0.len(), || {
             columns.into_par_iter().with_min_len(grain).for_each(
                 |(pair, cache, manifold, impulses, anchors, targets)| {
-                    let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
-                        return;
-                    };
-                    if a.renewed || b.renewed {
-                        pair.friction = a.friction.combine(b.friction);
-                        pair.restitution = a.restitution.combine(b.restitution);
+                    if let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) {
+                        let kept = (manifold, impulses, anchors, targets);
+                        look(settings, time, fall, [a, b], pair, cache, kept);
                     }
-                    pair.parted = false;
-                    if pair.detected && is_idle(a) && is_idle(b) {
-                        return;
-                    }
-                    pair.detected = true;
-                    impulses.begin_substep(&time);
-                    let renewed = a.renewed || b.renewed;
-                    if renewed {
-                        // Parry would keep the points of shapes that are no more.
-                        cache.forget();
-                    }
-                    let apart = put_apart(a, b);
-                    if apart {
-                        cache.stand = None;
-                        anchors.points.fill(Default::default());
-                        anchors.patches.fill(Default::default());
-                    }
-                    let reach = settings.outer_distance().max(0.0)
-                        + (approach_speed(a, b) + fall) * time.dt;
-                    let limit = settings.recycle_share * a.size().min(b.size());
-                    let kept = cache
-                        .stand
-                        .is_some_and(|stand| stand.holds(a, b, limit, reach));
-                    if kept {
-                        recycling::refresh(manifold, a, b);
-                    } else {
-                        let reach = reach + limit;
-                        let old = std::mem::take(manifold);
-                        let curved = detect(settings, a, b, reach, cache, manifold);
-                        let near = settings.outer_distance() + fall * time.dt;
-                        let passing = passing::pass(a, b, manifold, near, time.dt);
-                        if passing {
-                            *manifold = Manifold::default();
-                            cache.forget();
-                        }
-                        // A point that rolls is the same wherever it has rolled to.
-                        let radius = if curved {
-                            f32::INFINITY
-                        } else {
-                            settings.envelope
-                        };
-                        let origins = matching::match_points(&old, manifold, cache, radius);
-                        impulses.reorder(&origins, |i| old.normal_of(i));
-                        matching::inherit(&origins, &mut anchors.points);
-                        let origins = matching::match_patches(&old, manifold);
-                        matching::inherit(&origins, &mut impulses.patches);
-                        matching::inherit(&origins, &mut anchors.patches);
-                        targets.points.clear();
-                        targets
-                            .points
-                            .resize(manifold.points.len(), Default::default());
-                        targets.patches.clear();
-                        targets
-                            .patches
-                            .resize(manifold.patches.len(), Default::default());
-                        // What rolls must be found where it is, or it would gain speed.
-                        let keep = limit > 0.0 && !curved && !passing;
-                        cache.stand = keep.then(|| Stand::of(a, b, reach));
-                    }
-                    let outer = settings.outer_distance();
-                    let touched = pair.touching;
-                    pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
-                    pair.parted = touched && !pair.touching;
                 },
             );
         });
     }
+}
+
+/// What a pair keeps for each of its points and patches.
+type Kept<'a> = (
+    &'a mut Manifold,
+    &'a mut ContactImpulses,
+    &'a mut ContactAnchors,
+    &'a mut ContactTargets,
+);
+
+/// Brings the contacts of one pair up to date. `fall`: what gravity adds to a speed in the step, m/s.
+fn look(
+    settings: &StabilizationSettings,
+    time: &StepTime,
+    fall: f32,
+    [a, b]: [&BodyState; 2],
+    pair: &mut ContactPair,
+    cache: &mut NarrowphaseCache,
+    (manifold, impulses, anchors, targets): Kept,
+) {
+    if a.renewed || b.renewed {
+        pair.friction = a.friction.combine(b.friction);
+        pair.restitution = a.restitution.combine(b.restitution);
+        pair.rolling_friction = a.rolling.combine(b.rolling);
+        pair.rolling_radius = a.rolling_radius().min(b.rolling_radius());
+        // Parry would keep the points of shapes that are no more.
+        cache.forget();
+    }
+    pair.parted = false;
+    if pair.detected && is_idle(a) && is_idle(b) {
+        return;
+    }
+    pair.detected = true;
+    impulses.begin_substep(time);
+    if put_apart(a, b) {
+        cache.stand = None;
+        anchors.points.fill(Default::default());
+        anchors.patches.fill(Default::default());
+    }
+    let reach = settings.outer_distance().max(0.0) + (approach_speed(a, b) + fall) * time.dt;
+    let curved = a.is_curved() || b.is_curved();
+    // What rolls must be found where it is, or it would gain speed.
+    let share = if curved { CREPT } else { 1.0 };
+    let limit = share * settings.recycle_share * a.size().min(b.size());
+    let stand = cache.stand;
+    let holds = |limit| stand.is_some_and(|stand| stand.holds(a, b, limit, reach));
+    if holds(limit) {
+        recycling::refresh(manifold, a, b);
+    } else {
+        let reach = reach + limit;
+        let old = std::mem::take(manifold);
+        detect(settings, a, b, reach, cache, manifold);
+        if manifold.points.is_empty()
+            && holds(limit / share)
+            && recycling::is_lost(&old, cache, a, b)
+        {
+            *manifold = old;
+            recycling::refresh(manifold, a, b);
+        } else {
+            let near = settings.outer_distance() + fall * time.dt;
+            let passing = passing::pass(a, b, manifold, near, time.dt);
+            if passing {
+                *manifold = Manifold::default();
+                cache.forget();
+            }
+            // A point that rolls is the same wherever it has rolled to.
+            let radius = match curved {
+                true => f32::INFINITY,
+                false => settings.envelope,
+            };
+            let origins = matching::match_points(&old, manifold, cache, radius);
+            impulses.reorder(&origins, |i| old.normal_of(i));
+            matching::inherit(&origins, &mut anchors.points);
+            let origins = matching::match_patches(&old, manifold);
+            matching::inherit(&origins, &mut impulses.patches);
+            matching::inherit(&origins, &mut anchors.patches);
+            let (points, patches) = (manifold.points.len(), manifold.patches.len());
+            targets.points.clear();
+            targets.points.resize(points, Default::default());
+            targets.patches.clear();
+            targets.patches.resize(patches, Default::default());
+            let keep = limit > 0.0 && !passing;
+            cache.stand = keep.then(|| Stand::of(a, b, reach));
+        }
+    }
+    let outer = settings.outer_distance();
+    let touched = pair.touching;
+    pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
+    pair.parted = touched && !pair.touching;
 }
 
 /// Nothing about its contacts can have changed.
@@ -164,7 +191,11 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
         .map(|pose: Pose| pose.position.abs().max_element())
         .into_iter()
         .fold(0.0, f32::max);
-    let radius = if a.radius.is_finite() { a.radius } else { b.radius };
+    let radius = if a.radius.is_finite() {
+        a.radius
+    } else {
+        b.radius
+    };
     moved + turned * radius > NOTHING + 8.0 * f32::EPSILON * farthest
 }
 
@@ -180,7 +211,7 @@ fn approach_speed(a: &BodyState, b: &BodyState) -> f32 {
     (a.velocity.linear - b.velocity.linear).length() + turning(a) + turning(b)
 }
 
-/// Fills the manifold with the points no further apart than `reach`, m. True where one of the surfaces is curved.
+/// Fills the manifold with the points no further apart than `reach`, m.
 fn detect(
     settings: &StabilizationSettings,
     a: &BodyState,
@@ -188,26 +219,24 @@ fn detect(
     reach: f32,
     cache: &mut NarrowphaseCache,
     manifold: &mut Manifold,
-) -> bool {
+) {
     let NarrowphaseCache {
         manifolds,
         workspace,
         ..
     } = cache;
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
-    let (Some(on_a), Some(on_b)) = (&a.collider, &b.collider) else {
-        return false;
+    let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
+        return;
     };
-    let (shape_a, shape_b) = (on_a.shape(), on_b.shape());
-    let curved = on_a.is_curved() || on_b.is_curved();
+    let curved = a.is_curved() || b.is_curved();
     if curved {
         // A manifold that is kept turns with the surface, and a cylinder would roll off by itself.
         manifolds.clear();
         *workspace = None;
     }
-    let found = DefaultQueryDispatcher.contact_manifolds(
-        &between, &**shape_a, &**shape_b, reach, manifolds, workspace,
-    );
+    let found = DefaultQueryDispatcher
+        .contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace);
     if found.is_err() {
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
@@ -222,6 +251,7 @@ fn detect(
         }
         _ => None,
     };
+    let cylinders = cylinders::meet(a, b);
     for found in manifolds.iter_mut() {
         let (sub_a, sub_b) = (
             found.subshape_pos1().copied(),
@@ -230,7 +260,10 @@ fn detect(
         let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
         // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
         let normal = -(a.pose.rotation * turned);
-        let normal = normal.try_normalize().unwrap_or(Vec3::Y);
+        let mut normal = normal.try_normalize().unwrap_or(Vec3::Y);
+        if cylinders {
+            normal = cylinders::normal(a, b, normal);
+        }
 
         if let Some((in_a, in_b)) = &blocks
             && seams::graze(in_a, in_b, normal, settings.outer_distance())
@@ -246,13 +279,19 @@ fn detect(
         for (i, contact) in found.points.iter().enumerate() {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
-            let on = [
+            let mut on = [
                 a.pose.transform_point(local_a),
                 b.pose.transform_point(local_b),
             ];
+            let mut distance = contact.dist;
+            if cylinders {
+                on[0] = cylinders::on_surface(a, on[0], -normal);
+                on[1] = cylinders::on_surface(b, on[1], normal);
+                distance = normal.dot(on[0] - on[1]);
+            }
             candidates.push(Candidate {
                 position: 0.5 * (on[0] + on[1]),
-                distance: contact.dist,
+                distance,
                 source: Some(i),
             });
         }
@@ -276,6 +315,11 @@ fn detect(
             thin_out(&mut candidates, MERGE * size);
         }
 
+        // A round side touches along a line, whose middle adds nothing and comes and goes.
+        let rolls = curved && reduction::is_line(&candidates, size);
+        if rolls {
+            reduction::keep_ends(&mut candidates);
+        }
         if settings.reduce_manifolds {
             reduction::reduce(&mut candidates, normal);
         }
@@ -309,11 +353,10 @@ fn detect(
                 normal,
                 first: first as u32,
                 count: count as u32,
-                curved: curved && count <= 2,
+                curved: rolls,
             });
         }
     }
-    curved
 }
 
 /// A contact point on its way into the manifold.

@@ -18,7 +18,7 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
     {
         return false;
     }
-    let (Some(shape_a), Some(shape_b)) = (&a.collider, &b.collider) else {
+    let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
         return false;
     };
     let options = ShapeCastOptions {
@@ -29,10 +29,10 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
     let hit = cast_shapes(
         &a.pose.to_parry(),
         a.velocity.linear,
-        &**shape_a.shape(),
+        shape_a,
         &b.pose.to_parry(),
         b.velocity.linear,
-        &**shape_b.shape(),
+        shape_b,
         options,
     );
     // What cannot be cast keeps its contacts.

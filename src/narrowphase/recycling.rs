@@ -5,7 +5,7 @@
 //! for the same reasons.)
 
 use crate::body::BodyState;
-use crate::contact::{Manifold, Stand};
+use crate::contact::{Manifold, NarrowphaseCache, Stand};
 use glam::Quat;
 
 impl Stand {
@@ -37,6 +37,20 @@ impl Stand {
         let moved = self.moved(a, b);
         moved <= limit && reach + moved <= self.reach
     }
+}
+
+/// True where two bodies that touch have no points any more because parry has found none: its search may fail where surfaces just
+/// touch.
+pub(crate) fn is_lost(
+    old: &Manifold,
+    cache: &NarrowphaseCache,
+    a: &BodyState,
+    b: &BodyState,
+) -> bool {
+    let mut old = old.clone();
+    refresh(&mut old, a, b);
+    cache.manifolds.iter().all(|found| found.points.is_empty())
+        && old.points.iter().any(|point| point.distance <= 0.0)
 }
 
 /// Brings the distances of a kept manifold up to date.

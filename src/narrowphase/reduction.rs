@@ -8,13 +8,13 @@
 use super::Candidates;
 use glam::Vec3;
 
-/// Keeps at most four points of a patch, in the order in which they stand.
-pub(super) fn reduce(points: &mut Candidates, normal: Vec3) {
-    if points.len() <= 4 {
-        return;
-    }
+/// A patch narrower than this share of the smaller face's size is a line.
+const NARROW: f32 = 0.01;
+
+/// The two points farthest from each other.
+fn farthest(points: &Candidates) -> (usize, usize) {
     let at = |i: usize| points[i].position;
-    let (mut a, mut b, mut longest) = (0, 1, 0.0);
+    let (mut a, mut b, mut longest) = (0, 0, 0.0);
     for i in 0..points.len() {
         for j in 0..i {
             let length = at(i).distance_squared(at(j));
@@ -23,6 +23,39 @@ pub(super) fn reduce(points: &mut Candidates, normal: Vec3) {
             }
         }
     }
+    (a, b)
+}
+
+/// True where all points lie on one line.
+pub(super) fn is_line(points: &Candidates, size: f32) -> bool {
+    let (a, b) = farthest(points);
+    let Some(first) = points.get(a).map(|a| a.position) else {
+        return true;
+    };
+    let along = (points[b].position - first).normalize_or_zero();
+    points.iter().all(|point| {
+        let from = point.position - first;
+        (from - along * along.dot(from)).length() < NARROW * size
+    })
+}
+
+/// Keeps the ends of a line.
+pub(super) fn keep_ends(points: &mut Candidates) {
+    let (a, b) = farthest(points);
+    let mut i = 0;
+    points.retain(|_| {
+        i += 1;
+        i - 1 == a || i - 1 == b
+    });
+}
+
+/// Keeps at most four points of a patch, in the order in which they stand.
+pub(super) fn reduce(points: &mut Candidates, normal: Vec3) {
+    if points.len() <= 4 {
+        return;
+    }
+    let at = |i: usize| points[i].position;
+    let (a, b) = farthest(points);
     let across = normal.cross(at(b) - at(a));
     let side = |i: usize| across.dot(at(i) - at(a));
     let all = 0..points.len();

@@ -121,12 +121,24 @@ impl Checked for StabilizationSettings {
             ("envelope", self.envelope, 0.0..=LENGTH),
             ("ideal_distance", self.ideal_distance, 0.0..=LENGTH),
             ("the gain of `normal`", normal_gain, 0.0..=1.0),
-            ("max_correction_speed", self.max_correction_speed, 0.0..=limits::SPEED),
+            (
+                "max_correction_speed",
+                self.max_correction_speed,
+                0.0..=limits::SPEED,
+            ),
             ("recycle_share", self.recycle_share, 0.0..=1.0),
             ("friction.gain", friction.gain, 0.0..=2.0),
             ("friction.tolerance", friction.tolerance, 0.0..=LENGTH),
-            ("friction.max_error", friction.max_error, 0.0..=f32::INFINITY),
-            ("friction.max_separation", friction.max_separation, 0.0..=f32::INFINITY),
+            (
+                "friction.max_error",
+                friction.max_error,
+                0.0..=f32::INFINITY,
+            ),
+            (
+                "friction.max_separation",
+                friction.max_separation,
+                0.0..=f32::INFINITY,
+            ),
             ("friction.max_turn", friction.max_turn, 0.0..=f32::INFINITY),
         ])
     }
@@ -142,11 +154,15 @@ impl Checked for SolverSettings {
     fn problem(&self) -> Option<String> {
         if !(1..=SWEEPS).contains(&self.iterations) {
             let n = self.iterations;
-            return Some(format!("iterations is {n}, and must be between 1 and {SWEEPS}"));
+            return Some(format!(
+                "iterations is {n}, and must be between 1 and {SWEEPS}"
+            ));
         }
         if !(1..=SUBSTEPS).contains(&self.substeps) {
             let n = self.substeps;
-            return Some(format!("substeps is {n}, and must be between 1 and {SUBSTEPS}"));
+            return Some(format!(
+                "substeps is {n}, and must be between 1 and {SUBSTEPS}"
+            ));
         }
         out_of_bounds(&[
             ("warm_start", self.warm_start, 0.0..=1.0),

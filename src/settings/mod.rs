@@ -7,9 +7,9 @@ pub use check::InForce;
 pub(crate) use check::check;
 
 use crate::body::Velocity;
-use bevy_math::ops;
 use crate::solver::{ContactSolver, FrictionCone, Nncg, Pgs, SoftStep};
 use bevy_ecs::prelude::*;
+use bevy_math::ops;
 use glam::Vec3;
 use std::sync::Arc;
 

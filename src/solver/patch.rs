@@ -25,6 +25,12 @@ pub struct Patch {
     pub tangential: Vec3,
     /// Moment about the normal, N·m·s, likewise.
     pub twist: f32,
+    /// What resists rolling, as a share of the radius; 0 where nothing rolls.
+    pub rolling_friction: f32,
+    /// Of what rolls, m.
+    pub rolling_radius: f32,
+    /// Moment against rolling, N·m·s, likewise.
+    pub rolling: Vec3,
     /// What λ_t has given in the whole step, N·s: found.
     pub given: Vec3,
 }

@@ -77,7 +77,9 @@ pub fn anchors(
                     };
                     if friction.anchors == AnchorRule::PairPose {
                         let bodies = [a, b];
-                        hold_patches(&friction, pair, manifold, impulses, bodies, anchors, time.dt);
+                        hold_patches(
+                            &friction, pair, manifold, impulses, bodies, anchors, time.dt,
+                        );
                     } else {
                         hold_points(&friction, pair, manifold, impulses, [a, b], anchors);
                     }

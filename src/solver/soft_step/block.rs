@@ -2,12 +2,16 @@
 //!
 //! Two bodies meet in a patch with a relative motion u = (u_n, u_1, u_2, Ω_n, Ω_1, Ω_2): velocity at the patch's centre and
 //! relative spin, along the normal and two tangents. Every row of the patch is a combination of these: a point at (x, y) from
-//! the centre approaches with u_n + y Ω_1 − x Ω_2; friction sees u_1 and u_2; twist sees Ω_n. Impulses act through one wrench
+//! the centre approaches with u_n + y Ω_1 − x Ω_2; friction sees u_1 and u_2; twist sees Ω_n, rolling friction Ω_1 and Ω_2.
+//! Impulses act through one wrench
 //! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
 use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
 use crate::solver::{Patch, PatchPoint, Problem};
+
+/// Rolling faster than this is not creeping, m/s.
+const CREEP: f32 = 0.1;
 
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +22,7 @@ pub struct Pass {
     pub rate: Lane,
     /// Fastest correction, m/s.
     pub max_speed: Lane,
-    /// Share of the mean load that a soft row does not give back.
+    /// Share by which a soft row holds on to what is being taken off it.
     pub preload: Lane,
 }
 
@@ -82,6 +86,16 @@ pub struct Block {
     /// The inverse of the tangential block: xx, yy, xy; and 1/λ_max of it.
     pub(super) tangent_mass: [Lane; 3],
     pub(super) isotropic_mass: Lane,
+    /// Some patch may roll.
+    pub(super) rolls: bool,
+    /// What λ_n is multiplied by to bound moments against rolling and spinning, m.
+    pub(super) rolling_lever: Lane,
+    /// The radius over the speed of creeping, s.
+    pub(super) rolling_time: Lane,
+    /// The inverse of W over (T_1, T_2): xx, yy, xy.
+    pub(super) rolling_mass: [Lane; 3],
+    /// Moments against rolling, N·m·s.
+    pub(super) rolling: [Lane; 2],
     /// 1 where friction is anchored.
     pub(super) anchored: Lane,
     pub(super) slip: [Lane; 2],
@@ -90,6 +104,8 @@ pub struct Block {
     pub(super) twist: Lane,
     /// What friction gave in the substeps before this one, N·s.
     pub(super) given: [Lane; 2],
+    /// 1/n with n points.
+    pub(super) share: Lane,
     pub(super) stiffness: Lane,
     pub(super) softness: Softness,
     pub(super) first: u32,
@@ -107,6 +123,7 @@ pub struct Points {
     pub(super) separation: Lane,
     /// The same in this substep.
     pub(super) now: Lane,
+    /// The distance at which its spring no longer pushes, m: the spring rests where the surfaces meet, with all of its load.
     pub(super) reach: Lane,
     /// λ_n, N·s.
     pub(super) impulse: Lane,
@@ -184,7 +201,15 @@ impl Block {
         self.tangential[0][lane] = t1.dot(patch.tangential) * share;
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
         self.twist[lane] = patch.twist * share;
+        if patch.rolling_friction > 0.0 {
+            self.rolls = true;
+            self.rolling_lever[lane] = patch.rolling_friction * patch.rolling_radius;
+            self.rolling_time[lane] = patch.rolling_radius / CREEP;
+            self.rolling[0][lane] = t1.dot(patch.rolling) * share;
+            self.rolling[1][lane] = t2.dot(patch.rolling) * share;
+        }
         let mine = &problem.points[patch.range()];
+        self.share[lane] = 1.0 / mine.len() as f32;
         let mean = mine.iter().map(|p| p.load).sum::<f32>() / mine.len() as f32;
         for (to, point) in points.iter_mut().zip(mine) {
             to.load[lane] = mean * share;
@@ -213,6 +238,7 @@ impl Block {
         let t2 = patch.normal.cross(t1);
         patch.tangential = (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
         patch.twist = self.twist[lane] * whole;
+        patch.rolling = (t1 * self.rolling[0][lane] + t2 * self.rolling[1][lane]) * whole;
         let [x, y] = [0, 1].map(|i| self.given[i][lane] + self.tangential[i][lane]);
         patch.given = t1 * x + t2 * y;
         for (from, point) in points.iter().zip(patch_points) {
@@ -267,11 +293,19 @@ impl Block {
         let half = Lane::splat(0.5);
         let spread = (half * half * (xx - yy) * (xx - yy) + xy * xy).sqrt();
         self.isotropic_mass = (half * (xx + yy) + spread).inverse();
+        if self.rolls {
+            let Symmetric { yy, zz, yz, .. } = self.normals;
+            let determinant = (yy * zz - yz * yz).inverse();
+            self.rolling_mass = [zz * determinant, yy * determinant, -yz * determinant];
+        }
+        let soft = &self.softness;
+        let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
         for point in points {
             let along = point.direction();
             point.radius = (point.x * point.x + point.y * point.y).sqrt();
             point.effect = self.normals.apply(along);
             point.mass = point.mass * along.dot(point.effect).inverse();
+            point.reach = point.load * gives * point.mass.inverse();
         }
     }
 
@@ -358,7 +392,8 @@ impl Block {
             },
             angular: Wide {
                 x: self.twist,
-                ..Default::default()
+                y: self.rolling[0],
+                z: self.rolling[1],
             },
         };
         for point in points {

@@ -122,6 +122,7 @@ pub fn bounce(problem: &mut Problem, bounces: Bounces, substeps: usize) {
             point.impulse = 0.0;
             let patch = &mut problem.patches[row.patch];
             (patch.tangential, patch.twist) = (Vec3::ZERO, 0.0);
+            patch.rolling = Vec3::ZERO;
         }
     }
 }

@@ -10,9 +10,12 @@
 //!   warm start are an extrapolation of the velocities and cost no pass over the contacts.
 //! - **Every second substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
 //!   course in walls and pyramids of 40 courses; after every third they do in walls of 50.
-//! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry most of the slow mean
-//!   of their patch's load by themselves. The mean is slow because a fast one shakes, and the patch's because
-//!   a point's own would let a body rock.
+//! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry the slow mean
+//!   of their patch's load by themselves, and springs rest where surfaces meet: integral action, with the mean for its integral. The mean
+//!   is slow because a fast one shakes, and the patch's because a point's own would let a body rock. Where load is taken off, a row holds
+//!   on to most of it, which makes it the stiffer on that side; towers stand by that.
+//! - **The longest of recent steps** sets the stiffness ([`Problem::longest`]): springs that became stiffer with every short step
+//!   would throw what a long one has let sink.
 //! - **Cold start** ([`cold_start`]): what was just built gets the load it will carry from the top down.
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
@@ -40,12 +43,12 @@ const SUBSTEPS_PER_RIGID_SWEEP: usize = 2;
 pub struct SoftStep {
     /// Damping ratio ζ of soft rows. 5 to 20 work.
     pub damping_ratio: f32,
-    /// Sweeps in one period of the spring that a soft row is. Fewer make it stiffer: below 9 tall stacks shake,
-    /// above 11 a stack of 20 cubes leans over and falls at Δt 0.1.
+    /// Sweeps in one period of the spring that a soft row is. Fewer make it stiffer: at 9.5 an arch shakes at Δt 0.1, below 9 tall
+    /// stacks do; above 11 they lean.
     pub sweeps_per_period: f32,
-    /// Share of the mean load that soft rows carry without giving way, 0..1.
+    /// Share by which soft rows hold on to a load that is being taken off, 0..1.
     pub preload: f32,
-    /// Share of the way by which the mean follows the load in a step.
+    /// Share of the way by which the mean follows the load in a step (in the longest of recent ones, where they differ).
     pub preload_rate: f32,
 }
 
@@ -53,9 +56,9 @@ impl Default for SoftStep {
     fn default() -> Self {
         Self {
             damping_ratio: 10.0,
-            sweeps_per_period: 9.5,
+            sweeps_per_period: 10.0,
             preload: 0.8,
-            preload_rate: 0.005,
+            preload_rate: 0.01,
         }
     }
 }
@@ -81,6 +84,21 @@ impl ContactSolver for SoftStep {
 
     fn rows(&self) -> Rows {
         Rows::Patches
+    }
+
+    fn problem(&self) -> Option<String> {
+        let bounds = [
+            ("damping_ratio", self.damping_ratio, 0.0, 1e3),
+            ("sweeps_per_period", self.sweeps_per_period, 1.0, 1e6),
+            ("preload", self.preload, 0.0, 1.0),
+            ("preload_rate", self.preload_rate, 0.0, 1.0),
+        ];
+        bounds
+            .into_iter()
+            .find(|(_, x, least, most)| !(least..=most).contains(&x))
+            .map(|(name, x, least, most)| {
+                format!("{name} of Soft Step is {x}, and must be between {least} and {most}")
+            })
     }
 
     fn solve(&self, problem: &mut Problem) -> SolveReport {

@@ -17,6 +17,8 @@ struct Visit {
     wrench: Screw,
     /// Σ W Δλ² of the normals, J.
     change: Lane,
+    /// Σλ_n when the patch was come to, N·s.
+    carried: Lane,
 }
 
 /// How friction is held: as a spring about its anchor, or rigidly.
@@ -47,6 +49,7 @@ impl Block {
             velocity: self.relative(&frame, a, b),
             wrench: Screw::default(),
             change: Lane::ZERO,
+            carried: Lane::ZERO,
         };
         if SOFT {
             if !pass.first {
@@ -57,8 +60,14 @@ impl Block {
             let moved = self.relative(&frame, moved_a, moved_b);
             self.relax_friction(points, &mut visit, &self.spring(&moved, pass));
             visit.follow_friction(self);
+            if self.rolls {
+                self.relax_rolling(points, &mut visit);
+            }
             self.relax_normals_softly(points, &mut visit, &on_normals_local(&moved), pass);
         } else {
+            if self.rolls {
+                self.relax_rolling(points, &mut visit);
+            }
             self.relax_normals_rigidly(points, &mut visit, pass);
             visit.follow_normals(self);
             self.relax_friction(points, &mut visit, &Hold::RIGID);
@@ -92,9 +101,10 @@ impl Block {
             carried += point.impulse;
             lever += point.impulse * point.radius;
         }
+        visit.carried = carried;
         let keep = Lane::ONE - hold.impulse_scale;
 
-        let limit = self.friction * lever;
+        let limit = self.friction * lever + self.rolling_lever * carried;
         let excess = visit.velocity.angular.x + hold.back_twist;
         let found = self.twist * keep - self.twist_mass * hold.mass_scale * excess;
         let found = found.min(limit).max(-limit);
@@ -136,6 +146,39 @@ impl Block {
         visit.wrench.angular.x += twist;
     }
 
+    /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now and less where it rolls.
+    fn relax_rolling(&mut self, points: &[Points], visit: &mut Visit) {
+        let mut carried = Lane::ZERO;
+        for point in points {
+            carried += point.impulse;
+        }
+        let spin = [visit.velocity.angular.y, visit.velocity.angular.z];
+        let creeps = self.rolling_time * self.rolling_time;
+        let fast = Lane::ONE + creeps * (spin[0] * spin[0] + spin[1] * spin[1]);
+        let limit = self.rolling_lever * carried * (fast * fast).inverse();
+        let [xx, yy, xy] = self.rolling_mass;
+        let exact = [
+            self.rolling[0] - (xx * spin[0] + xy * spin[1]),
+            self.rolling[1] - (xy * spin[0] + yy * spin[1]),
+        ];
+        let length = (exact[0] * exact[0] + exact[1] * exact[1]).sqrt();
+        let shorten = length.above(limit, limit * length.inverse(), Lane::ONE);
+        let found = exact.map(|moment| moment * shorten);
+        let change = [found[0] - self.rolling[0], found[1] - self.rolling[1]];
+        self.rolling = found;
+
+        visit.wrench.angular.y += change[0];
+        visit.wrench.angular.z += change[1];
+        let seen = self.normals.apply(Wide {
+            x: Lane::ZERO,
+            y: change[0],
+            z: change[1],
+        });
+        visit.velocity.linear.x += seen.x;
+        visit.velocity.angular.y += seen.y;
+        visit.velocity.angular.z += seen.z;
+    }
+
     #[inline(always)]
     fn relax_normals_softly(
         &mut self,
@@ -145,14 +188,7 @@ impl Block {
         pass: &Pass,
     ) {
         let soft = &self.softness;
-        // What each point has of what the patch carries now.
-        let (mut mean, mut count) = (Lane::ZERO, Lane::ZERO);
-        for point in points.iter() {
-            mean += point.impulse;
-            count += point.mass.above(Lane::ZERO, Lane::ONE, Lane::ZERO);
-        }
-        let mean = mean * count.inverse();
-        let per_rate = (soft.mass_scale * soft.bias_rate).inverse() * soft.impulse_scale;
+        let mean = visit.carried * self.share;
         let mut normals = on_normals_local(&visit.velocity);
         // 1 where it lands. The patches beside it must find what they would find alone.
         let landing = Lane::splat(LANDING);
@@ -174,12 +210,10 @@ impl Block {
                 let push = (-soft.bias_rate * s).min(pass.max_speed);
                 let lost = (point.load.min(mean) - point.impulse).max(Lane::ZERO);
                 let held = point.load - pass.preload * lost;
-                let reach = point.load * per_rate * point.mass.inverse();
-                point.reach = reach;
                 let closed = soft.mass_scale * point.mass * (approach - push)
                     + soft.impulse_scale * (point.impulse - held);
                 let apart = point.mass * (approach + s * pass.rate);
-                let step = counts * s.above(reach, apart, closed);
+                let step = counts * s.above(point.reach, apart, closed);
                 visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
             }
             counts = speed.above(landing, Lane::ONE, Lane::ZERO);
@@ -221,7 +255,7 @@ impl Block {
         for point in points.iter_mut() {
             let approach = point.direction().dot(normals);
             let gap = point.now.above(point.reach, point.now, Lane::ZERO);
-            let step = point.mass * (approach + gap.max(Lane::ZERO) * pass.rate);
+            let step = point.mass * (approach + gap * pass.rate);
             visit.change -= point.give(-step, &mut normals, &mut visit.wrench) * approach;
         }
     }

@@ -68,20 +68,6 @@ impl ContactSolver for SoftStep {
         "soft-step"
     }
 
-    fn problem(&self) -> Option<String> {
-        let bounds = [
-            ("damping_ratio", self.damping_ratio, 0.0..=1e3),
-            ("sweeps_per_period", self.sweeps_per_period, 2.0..=1e3),
-            ("preload", self.preload, 0.0..=1.0),
-            ("preload_rate", self.preload_rate, 0.0..=1.0),
-        ];
-        let (name, x, bounds) = bounds.into_iter().find(|(_, x, b)| !b.contains(x))?;
-        let (least, most) = bounds.into_inner();
-        Some(format!(
-            "SoftStep's {name} is {x}, and must be between {least} and {most}"
-        ))
-    }
-
     fn rows(&self) -> Rows {
         Rows::Patches
     }
@@ -277,47 +263,6 @@ impl Island {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_that_make_no_spring_are_told() {
-        let sound = SoftStep::default();
-        assert_eq!(sound.problem(), None);
-        for bad in [f32::NAN, f32::INFINITY, -1.0, 1e10] {
-            for (name, solver) in [
-                (
-                    "damping_ratio",
-                    SoftStep {
-                        damping_ratio: bad,
-                        ..sound
-                    },
-                ),
-                (
-                    "sweeps_per_period",
-                    SoftStep {
-                        sweeps_per_period: bad,
-                        ..sound
-                    },
-                ),
-                (
-                    "preload",
-                    SoftStep {
-                        preload: bad,
-                        ..sound
-                    },
-                ),
-                (
-                    "preload_rate",
-                    SoftStep {
-                        preload_rate: bad,
-                        ..sound
-                    },
-                ),
-            ] {
-                let problem = solver.problem().expect("it is out of bounds");
-                assert!(problem.contains(name), "{problem}");
-            }
-        }
-    }
 
     #[test]
     fn sweeps_are_counted_rigid_ones_included() {

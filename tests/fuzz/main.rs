@@ -11,6 +11,7 @@ mod part;
 mod run;
 mod shape;
 mod site;
+mod twins;
 
 use run::{Tally, episode, fuzz};
 
@@ -26,6 +27,16 @@ fn whatever_is_done_to_a_world_hurts_nobody_else() {
 #[ignore = "long"]
 fn ten_million_operations_hurt_nobody_else() {
     fuzz(0..10_000_000 / run::LENGTH as u64);
+}
+
+#[test]
+fn other_entities_change_no_bit() {
+    (0..100).for_each(|seed| twins::same(seed, twins::junk));
+}
+
+#[test]
+fn what_is_written_without_change_changes_no_bit() {
+    (0..100).for_each(|seed| twins::same(seed, twins::touch));
 }
 
 #[test]

@@ -72,7 +72,7 @@ pub fn episode(seed: u64, tally: &mut Tally) {
 }
 
 /// Each episode does only some of what can be done, so that rare things are done often in some.
-fn roll(seed: u64) -> Vec<Act> {
+pub fn roll(seed: u64) -> Vec<Act> {
     let (mut dice, spoils) = (Dice::new(seed), spoils(seed));
     let edits: Vec<usize> = (0..EDITS).filter(|_| dice.chance(0.4)).collect();
     let steps = dice.within(0.2, 0.8);

@@ -34,6 +34,10 @@ pub enum Operation {
     Insert(usize, Part),
     Remove(usize, Part),
     Touch(usize, Part),
+    /// Takes off what every body has.
+    Bare(usize, usize),
+    /// Takes all components off.
+    Clear(usize),
     /// Puts a body below another.
     Adopt(usize, usize),
     Orphan(usize),
@@ -101,7 +105,7 @@ impl Solver {
 }
 
 /// What is done between two steps, but for spawning.
-pub const EDITS: usize = 20;
+pub const EDITS: usize = 22;
 
 impl Operation {
     pub fn roll(edit: usize, dice: &mut Dice, spoils: bool) -> Self {
@@ -143,6 +147,8 @@ impl Operation {
                 }),
             },
             18 => Self::Forget(i),
+            19 => Self::Bare(i, dice.index(64)),
+            20 => Self::Clear(i),
             _ => Self::Defaults,
         }
     }

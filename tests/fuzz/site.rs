@@ -9,8 +9,8 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
 use drystone::body::{
-    Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Quarantined, RigidBody,
-    Teleport, Velocity,
+    BodyIndex, Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, MassProperties, Pose,
+    Quarantined, RigidBody, Teleport, Velocity,
 };
 use drystone::collider::{Collider, CollisionLayers, Friction, Restitution};
 use drystone::contact::{ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold};
@@ -169,6 +169,8 @@ impl Site {
             | Operation::Insert(i, _)
             | Operation::Remove(i, _)
             | Operation::Touch(i, _)
+            | Operation::Bare(i, _)
+            | Operation::Clear(i)
             | Operation::Orphan(i)
             | Operation::Mend(i) => {
                 if let Some(guest) = nth(&self.guests, *i) {
@@ -302,6 +304,18 @@ impl Site {
             Operation::Insert(_, part) => part.insert(&mut body),
             Operation::Remove(_, part) => part.remove(&mut body),
             Operation::Touch(_, part) => part.touch(&mut body),
+            Operation::Bare(_, part) => {
+                match part % 5 {
+                    0 => body.remove::<Transform>(),
+                    1 => body.remove::<Pose>(),
+                    2 => body.remove::<MassProperties>(),
+                    3 => body.remove::<BodyIndex>(),
+                    _ => body.remove::<CollisionLayers>().insert(GUEST),
+                };
+            }
+            Operation::Clear(_) => {
+                body.clear().insert(GUEST);
+            }
             Operation::Orphan(_) => {
                 body.remove::<ChildOf>();
             }

@@ -196,6 +196,17 @@ fn shapes_without_size() {
     }
 }
 
+/// Parry panics on a cast against one.
+#[test]
+fn height_fields_without_size() {
+    for bad in [0.0, 1e-30] {
+        let flat = vec![vec![0.0; 3]; 3];
+        let field = Collider::height_field(&flat, Vec3::new(8.0, 1.0, bad)).expect("it is finite");
+        let cube = Collider::cuboid(1.0, 1.0, 1.0);
+        spoil(field, BodyProblem::DegenerateShape, cube);
+    }
+}
+
 #[test]
 fn surfaces_that_push_the_wrong_way() {
     for bad in [-0.1, f32::NAN, f32::INFINITY] {
@@ -362,4 +373,17 @@ fn steps_that_cannot_be_taken() {
     site.lab.run(0.5);
     assert!(site.lab.position(falling).y < 4.5);
     site.stands();
+}
+
+/// Parry gives it no mass; it would be quarantined as soon as it is spawned.
+#[test]
+fn a_splinter_is_no_hull() {
+    let splinter = [
+        Vec3::new(-0.33939844, -0.5307102, -0.24860561),
+        Vec3::new(-0.2507609, -0.11659473, -0.08118141),
+        Vec3::new(0.18802726, -0.45681247, -0.4285905),
+        Vec3::new(-0.324097, 0.6573573, 0.32491618),
+    ];
+    let error = Collider::convex_hull(&splinter).expect_err("4 mm thick");
+    assert_eq!(error, drystone::collider::ColliderError::DegenerateHull);
 }

@@ -128,6 +128,8 @@ impl Collider {
             return Err(ColliderError::DegenerateHull);
         }
         SharedShape::convex_hull(points)
+            // Of a splinter, metres long and millimetres thick, parry may find no volume.
+            .filter(|hull| hull.mass_properties(1.0).inv_mass > 0.0)
             .map(Self)
             .ok_or(ColliderError::DegenerateHull)
     }

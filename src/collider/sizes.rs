@@ -49,6 +49,10 @@ pub(super) fn are_valid(shape: &dyn Shape) -> bool {
         TypedShape::RoundConvexPolyhedron(round) => {
             length(round.border_radius) && is_extended(&round.inner_shape)
         }
+        // Parry divides by the size of a cell.
+        TypedShape::HeightField(field) => {
+            length(field.cell_width()) && length(field.cell_height()) && is_extended(shape)
+        }
         _ => is_extended(shape),
     }
 }

@@ -38,8 +38,7 @@ pub fn solve(
     (islands, table): (Res<Islands>, Res<BodyTable>),
     given: Given,
     threads: Res<PhysicsThreads>,
-    mut reports: ResMut<SolveReports>,
-    mut suspects: ResMut<Suspects>,
+    (mut reports, mut suspects): (ResMut<SolveReports>, ResMut<Suspects>),
     mut pairs: Query<(&SolverSlot, &Manifold, &mut ContactImpulses)>,
     mut bodies: Query<(Entity, &BodyIndex, &mut Velocity), Without<Quarantined>>,
 ) {

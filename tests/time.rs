@@ -13,8 +13,10 @@ use drystone::settings::{SleepSettings, SolverSettings};
 use glam::Vec3;
 use support::*;
 
+type Choice = fn(SolverSettings) -> SolverSettings;
+
 /// The three solvers at settings that hold the scenes here with even steps.
-fn solvers() -> [(&'static str, fn(SolverSettings) -> SolverSettings); 3] {
+fn solvers() -> [(&'static str, Choice); 3] {
     [
         ("soft-step", |settings| settings),
         ("pgs", |settings| settings.with_pgs(400)),

@@ -88,22 +88,21 @@ pub fn narrowphase(
                         + (approach_speed(a, b) + fall) * time.dt;
                     let curved = a.collider.is_curved() || b.collider.is_curved();
                     // What rolls must be found where it is, or it would gain speed.
-                    let share = if curved { CREPT } else { 1.0 };
-                    let limit = share * settings.recycle_share * a.size().min(b.size());
+                    let little = settings.recycle_share * a.size().min(b.size());
+                    let limit = if curved { CREPT * little } else { little };
                     let stand = cache.stand.filter(|_| !a.renewed && !b.renewed);
-                    let holds = |limit| stand.is_some_and(|stand| stand.holds(a, b, limit, reach));
-                    if holds(limit) {
+                    if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
                         recycling::refresh(manifold, a, b);
                     } else {
                         let reach = reach + limit;
                         let old = std::mem::take(manifold);
                         detect(settings, a, b, reach, cache, manifold);
-                        if manifold.points.is_empty()
-                            && holds(limit / share)
-                            && recycling::is_lost(&old, cache, a, b)
-                        {
-                            *manifold = old;
-                            recycling::refresh(manifold, a, b);
+                        let lost = match manifold.points.is_empty() {
+                            true => stand.and_then(|stand| stand.lost(&old, cache, a, b, little)),
+                            false => None,
+                        };
+                        if let Some(lost) = lost {
+                            *manifold = lost;
                         } else {
                             let near = settings.outer_distance() + fall * time.dt;
                             let passing = passing::pass(a, b, manifold, near, time.dt);

@@ -10,9 +10,6 @@
 use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
 use crate::solver::{Patch, PatchPoint, Problem};
 
-/// Rolling faster than this is not creeping, m/s.
-const CREEP: f32 = 0.1;
-
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
@@ -90,8 +87,8 @@ pub struct Block {
     pub(super) rolls: bool,
     /// What λ_n is multiplied by to bound moments against rolling and spinning, m.
     pub(super) rolling_lever: Lane,
-    /// The radius over the speed of creeping, s.
-    pub(super) rolling_time: Lane,
+    /// Of what rolls, m.
+    pub(super) rolling_radius: Lane,
     /// The inverse of W over (T_1, T_2): xx, yy, xy.
     pub(super) rolling_mass: [Lane; 3],
     /// Moments against rolling, N·m·s.
@@ -200,7 +197,7 @@ impl Block {
         if patch.rolling_friction > 0.0 {
             self.rolls = true;
             self.rolling_lever[lane] = patch.rolling_friction * patch.rolling_radius;
-            self.rolling_time[lane] = patch.rolling_radius / CREEP;
+            self.rolling_radius[lane] = patch.rolling_radius;
             self.rolling[0][lane] = t1.dot(patch.rolling) * share;
             self.rolling[1][lane] = t2.dot(patch.rolling) * share;
         }

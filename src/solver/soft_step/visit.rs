@@ -3,6 +3,9 @@
 use super::block::{Block, Pass, Points, on_normals_local};
 use super::lanes::{Lane, Screw, State, Wide, gather};
 
+/// What rolls or slips faster than this (m/s) does not creep.
+const CREEP: f32 = 0.1;
+
 /// Faster than this (m/s) a patch is landing, not resting.
 const LANDING: f32 = 0.25;
 
@@ -142,15 +145,18 @@ impl Block {
         visit.wrench.angular.x += twist;
     }
 
-    /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now and less where it rolls.
+    /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.
     fn relax_rolling(&mut self, points: &[Points], visit: &mut Visit) {
         let mut carried = Lane::ZERO;
         for point in points {
             carried += point.impulse;
         }
         let spin = [visit.velocity.angular.y, visit.velocity.angular.z];
-        let creeps = self.rolling_time * self.rolling_time;
-        let fast = Lane::ONE + creeps * (spin[0] * spin[0] + spin[1] * spin[1]);
+        let slip = [visit.velocity.linear.y, visit.velocity.linear.z];
+        let rolling = self.rolling_radius * self.rolling_radius;
+        let square = rolling * (spin[0] * spin[0] + spin[1] * spin[1])
+            + (slip[0] * slip[0] + slip[1] * slip[1]);
+        let fast = Lane::ONE + square * Lane::splat(1.0 / (CREEP * CREEP));
         let limit = self.rolling_lever * carried * (fast * fast).inverse();
         let [xx, yy, xy] = self.rolling_mass;
         let exact = [

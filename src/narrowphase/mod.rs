@@ -6,6 +6,7 @@
 
 mod corners;
 mod cylinders;
+mod features;
 pub mod matching;
 mod passing;
 mod recycling;
@@ -222,7 +223,17 @@ fn detect(
 
         let size = a.face_size(normal).min(b.face_size(normal));
         let mut candidates = Candidates::new();
-        for (i, contact) in found.points.iter().enumerate() {
+        if cylinders {
+            for [on_a, on_b] in features::contacts(a, b, normal) {
+                candidates.push(Candidate {
+                    position: 0.5 * (on_a + on_b),
+                    distance: normal.dot(on_a - on_b),
+                    source: None,
+                });
+            }
+        }
+        let own = !candidates.is_empty();
+        for (i, contact) in found.points.iter().enumerate().filter(|_| !own) {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
             let mut on = [

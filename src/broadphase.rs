@@ -268,6 +268,11 @@ pub fn pair_changes(world: &mut World, mut ending: Local<Vec<Entity>>) {
                 })
             })
             .collect();
+        // Of many in one place each is named once.
+        let mut named = HashSet::new();
+        warnings.retain(|(body, problem)| {
+            !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
+        });
         world.spawn_batch(new);
         world.resource_mut::<Suspects>().0.extend(warnings);
     });

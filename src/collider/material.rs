@@ -52,7 +52,7 @@ pub struct Restitution {
     pub rule: CombineRule,
 }
 
-/// What resists the rolling and spinning of round bodies (balls, capsules, cylinders, cones on their curved sides); 0.1 by
+/// What resists the rolling and spinning of round bodies (balls, capsules, cylinders, cones on their curved sides); 0.05 by
 /// default.
 ///
 /// A moment of at most this coefficient times the body's radius times what the contact carries: a ball stays on slopes up to
@@ -109,4 +109,4 @@ macro_rules! surface {
 
 surface!(Friction, 0.5);
 surface!(Restitution, 0.0);
-surface!(RollingFriction, 0.1);
+surface!(RollingFriction, 0.05);

@@ -159,6 +159,36 @@ fn approach_speed(a: &BodyState, b: &BodyState) -> f32 {
     (a.velocity.linear - b.velocity.linear).length() + turning(a) + turning(b)
 }
 
+/// Nearer than this share of the smaller radius two centres are one.
+const COINCIDENT: f32 = 1e-6;
+
+/// Between bodies in one place no way apart is better than another: each has a place of its own to go to, or many would be thrown
+/// out along one line.
+fn part(a: &BodyState, b: &BodyState) -> Manifold {
+    let place = |body: &BodyState| {
+        let mut rng = fastrand::Rng::with_seed(body.order);
+        Vec3::from_array(std::array::from_fn(|_| rng.f32()))
+    };
+    let normal = (place(a) - place(b)).normalize_or(Vec3::Y);
+    let distance = -a.radius.min(b.radius);
+    let position = a.center;
+    let mut manifold = Manifold::default();
+    manifold.points.push(ContactPoint {
+        position,
+        local: [a, b].map(|body| body.pose.inverse_transform_point(position)),
+        arms: [Vec3::ZERO; 2],
+        distance,
+        detected: distance,
+    });
+    manifold.patches.push(Patch {
+        normal,
+        first: 0,
+        count: 1,
+        curved: false,
+    });
+    manifold
+}
+
 /// Fills the manifold with the points no further apart than `reach`, m.
 fn detect(
     settings: &StabilizationSettings,
@@ -173,6 +203,12 @@ fn detect(
         workspace,
         ..
     } = cache;
+    if (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
+        manifolds.clear();
+        *workspace = None;
+        *manifold = part(a, b);
+        return;
+    }
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let (shape_a, shape_b) = (a.collider.shape(), b.collider.shape());
     let curved = a.collider.is_curved() || b.collider.is_curved();

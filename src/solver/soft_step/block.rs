@@ -17,8 +17,6 @@ pub struct Pass {
     pub first: bool,
     /// 1/s: of one substep.
     pub rate: Lane,
-    /// Fastest correction, m/s.
-    pub max_speed: Lane,
     /// Share of the mean load that a soft row does not give back.
     pub preload: Lane,
 }
@@ -102,6 +100,8 @@ pub struct Block {
     /// What friction gave in the substeps before this one, N·s.
     pub(super) given: [Lane; 2],
     pub(super) stiffness: Lane,
+    /// Fastest correction, m/s.
+    pub(super) max_speed: Lane,
     pub(super) softness: Softness,
     pub(super) first: u32,
     pub(super) count: u32,
@@ -213,6 +213,11 @@ impl Block {
             // Marks the lane as used, until `prepare` puts the mass here.
             to.mass[lane] = 1.0;
         }
+    }
+
+    /// Sets a lane's fastest correction, m/s.
+    pub fn hasten(&mut self, lane: usize, max_speed: f32) {
+        self.max_speed[lane] = max_speed;
     }
 
     /// Takes a patch's impulses out of a lane again.

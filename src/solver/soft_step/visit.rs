@@ -58,7 +58,7 @@ impl Block {
             let moved_a = gather(motions, &self.bodies[0]);
             let moved_b = gather(motions, &self.bodies[1]);
             let moved = self.relative(&frame, moved_a, moved_b);
-            self.relax_friction(points, &mut visit, &self.spring(&moved, pass));
+            self.relax_friction(points, &mut visit, &self.spring(&moved));
             visit.follow_friction(self);
             if self.rolls {
                 self.relax_rolling(points, &mut visit);
@@ -78,9 +78,9 @@ impl Block {
 
     /// Anchored friction is a spring about where it began to stick; any other is rigid.
     #[inline(always)]
-    fn spring(&self, moved: &Screw, pass: &Pass) -> Hold {
+    fn spring(&self, moved: &Screw) -> Hold {
         let rate = self.anchored * self.softness.bias_rate;
-        let speed = pass.max_speed;
+        let speed = self.max_speed;
         let back = |slip: Lane| (rate * slip).min(speed).max(-speed);
         Hold {
             mass_scale: Lane::ONE + self.anchored * (self.softness.mass_scale - Lane::ONE),
@@ -208,7 +208,7 @@ impl Block {
                 let approach = along.dot(normals);
                 let s = point.separation + along.dot(*moved);
                 point.now = s;
-                let push = (-soft.bias_rate * s).min(pass.max_speed);
+                let push = (-soft.bias_rate * s).min(self.max_speed);
                 let held = pass.preload * point.load.min(point.impulse);
                 let closed = soft.mass_scale * point.mass * (approach - push)
                     + soft.impulse_scale * (point.impulse - held);

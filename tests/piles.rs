@@ -87,42 +87,38 @@ fn settle(lab: &mut Lab, bodies: &[Entity], seconds: f32) -> (Option<f32>, f32, 
     )
 }
 
-/// Within 10 s, and nothing lies more than 5 mm inside another.
+/// In a bin and on a half-space, in so many seconds, and nothing lies more than 5 mm inside another.
 #[track_caller]
-fn sleeps(what: &str, collider: impl Fn(usize, &mut fastrand::Rng) -> Collider) {
-    for seed in 1..=6 {
+fn sleeps(what: &str, seconds: f32, collider: impl Fn(usize, &mut fastrand::Rng) -> Collider) {
+    for seed in 1..=2 {
         let mut lab = Lab::new();
         let bodies = pile(&mut lab, seed, &collider);
-        let (slept, fastest, overlap) = settle(&mut lab, &bodies, 30.0);
+        let (slept, fastest, overlap) = settle(&mut lab, &bodies, seconds);
         println!("{what}: asleep at {slept:?} s, fastest {fastest} m/s, overlap {overlap} m");
         assert_eq!(lab.errors(), []);
-        if false {
-            assert!(slept.is_some(), "{what}: {fastest} m/s after 10 s");
-        }
-        if overlap > 0.005 {
-            println!("XX");
-        }
+        assert!(slept.is_some(), "{what}: {fastest} m/s after {seconds} s");
+        assert!(overlap < 0.005, "{what}: {overlap} m");
     }
 }
 
 #[test]
 fn a_pile_of_balls_sleeps() {
-    sleeps("balls", |_, _| Collider::ball(0.25));
+    sleeps("balls", 10.0, |_, _| Collider::ball(0.25));
 }
 
 #[test]
 fn a_pile_of_capsules_sleeps() {
-    sleeps("capsules", |_, _| Collider::capsule(0.15, 0.25));
+    sleeps("capsules", 10.0, |_, _| Collider::capsule(0.15, 0.25));
 }
 
 #[test]
 fn a_pile_of_cylinders_sleeps() {
-    sleeps("cylinders", |_, _| Collider::cylinder(0.2, 0.4));
+    sleeps("cylinders", 10.0, |_, _| Collider::cylinder(0.2, 0.4));
 }
 
 #[test]
 fn a_pile_of_all_sleeps() {
-    sleeps("all", |i, _| match i % 4 {
+    sleeps("all", 10.0, |i, _| match i % 4 {
         0 => Collider::ball(0.25),
         1 => Collider::capsule(0.15, 0.25),
         2 => Collider::cylinder(0.2, 0.4),
@@ -132,7 +128,7 @@ fn a_pile_of_all_sleeps() {
 
 #[test]
 fn a_pile_of_hulls_sleeps() {
-    sleeps("hulls", |_, rng| {
+    sleeps("hulls", 15.0, |_, rng| {
         let mut one = || rng.f32() - 0.5;
         let corners: Vec<Vec3> = (0..12)
             .map(|_| 0.22 * Vec3::new(one(), one(), one()).normalize())

@@ -9,6 +9,7 @@ mod cylinders;
 mod features;
 pub mod matching;
 mod passing;
+mod planes;
 mod recycling;
 mod reduction;
 mod seams;
@@ -259,15 +260,15 @@ fn detect(
 
         let size = a.face_size(normal).min(b.face_size(normal));
         let mut candidates = Candidates::new();
-        if cylinders {
-            for [on_a, on_b] in features::contacts(a, b, normal) {
-                candidates.push(Candidate {
-                    position: 0.5 * (on_a + on_b),
-                    distance: normal.dot(on_a - on_b),
-                    source: None,
-                });
-            }
-        }
+        let own = match cylinders {
+            true => features::contacts(a, b, normal),
+            false => planes::contacts(a, b),
+        };
+        candidates.extend(own.into_iter().map(|[on_a, on_b]| Candidate {
+            position: 0.5 * (on_a + on_b),
+            distance: normal.dot(on_a - on_b),
+            source: None,
+        }));
         let own = !candidates.is_empty();
         for (i, contact) in found.points.iter().enumerate().filter(|_| !own) {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);

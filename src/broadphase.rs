@@ -216,8 +216,8 @@ fn tight_box(
     } else {
         0.0
     };
-    let speed = body.velocity.linear.length() + body.velocity.angular.length() * body.radius + fall;
-    let reach = settings.outer_distance().max(0.0) + speed * dt;
+    let way = (body.velocity.linear.length() + fall) * dt + body.turns_by(dt);
+    let reach = settings.outer_distance().max(0.0) + way;
     let shape = collider.shape();
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
 }

@@ -134,7 +134,7 @@ pub fn gather(
         &ContactImpulses,
         &mut SolverSlot,
     )>,
-    bodies: Query<(&BodyIndex, &Velocity), Without<Quarantined>>,
+    bodies: Query<(Entity, &BodyIndex, &Velocity), Without<Quarantined>>,
 ) {
     let Problems {
         local,
@@ -142,9 +142,9 @@ pub fn gather(
         velocities,
     } = &mut *problems;
     velocities.resize(table.slots(), Velocity::default());
-    for (index, velocity) in &bodies {
-        if let Some(copy) = velocities.get_mut(index.0 as usize) {
-            *copy = *velocity;
+    for (entity, index, velocity) in &bodies {
+        if table.holds(entity, *index) {
+            velocities[index.0 as usize] = *velocity;
         }
     }
     problems.resize_with(islands.count(), IslandProblem::default);

@@ -4,13 +4,12 @@
 //! when the user moves, pushes, holds or changes it, when settings change, when something awake comes into its island, and when
 //! a body that it touched goes: in [`crate::islands`].
 
-use crate::body::{BodyIndex, Quarantined, RigidBody, Velocity};
+use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Velocity};
 use crate::islands::Islands;
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-use glam::Vec3;
 
 /// Whether a body sleeps, and may. A body may be spawned asleep, or put to sleep. A copy of it is awake.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
@@ -56,8 +55,8 @@ impl Sleeping {
 pub fn sleeping(
     time: Res<StepTime>,
     settings: Res<SleepSettings>,
-    islands: Res<Islands>,
-    mut bodies: Query<(&RigidBody, &BodyIndex, &mut Velocity, &mut Sleeping), Without<Quarantined>>,
+    (table, islands): (Res<BodyTable>, Res<Islands>),
+    mut bodies: Query<(Entity, &BodyIndex, &mut Velocity, &mut Sleeping), Without<Quarantined>>,
     mut restless: Local<Vec<bool>>,
 ) {
     if !settings.enabled {
@@ -65,13 +64,15 @@ pub fn sleeping(
     }
     restless.clear();
     restless.resize(islands.count(), false);
-    for (kind, index, velocity, mut sleeping) in &mut bodies {
-        let Some(island) = islands.of(index.0) else {
+    let island_of = |entity: Entity, index: &BodyIndex| {
+        let is_awake = |body: &BodyState| body.entity == entity && !body.asleep;
+        table.get(index.0).filter(|body| is_awake(body))?;
+        islands.of(index.0)
+    };
+    for (entity, index, velocity, mut sleeping) in &mut bodies {
+        let Some(island) = island_of(entity, index) else {
             continue;
         };
-        if *kind != RigidBody::Dynamic || sleeping.asleep {
-            continue;
-        }
         let sleeping = sleeping.bypass_change_detection();
         let still = velocity.linear.length_squared() < settings.linear_speed.powi(2)
             && velocity.angular.length_squared() < settings.angular_speed.powi(2);
@@ -84,15 +85,9 @@ pub fn sleeping(
             restless[island] = true;
         }
     }
-    for (kind, index, mut velocity, mut sleeping) in &mut bodies {
-        if *kind == RigidBody::Dynamic
-            && !sleeping.asleep
-            && islands.of(index.0).is_some_and(|island| !restless[island])
-        {
-            *velocity = Velocity {
-                linear: Vec3::ZERO,
-                angular: Vec3::ZERO,
-            };
+    for (entity, index, mut velocity, mut sleeping) in &mut bodies {
+        if island_of(entity, index).is_some_and(|island| !restless[island]) {
+            *velocity = Velocity::default();
             sleeping.asleep = true;
         }
     }

@@ -3,9 +3,10 @@
 mod support;
 
 use bevy_ecs::prelude::*;
+use drystone::body::limits;
 use drystone::collider::Collider;
 use drystone::metrics;
-use drystone::settings::Gravity;
+use drystone::settings::{Gravity, SpeedLimits};
 use glam::{Quat, Vec3};
 use support::*;
 
@@ -16,6 +17,11 @@ fn brick() -> Collider {
 fn weightless(dt: f32) -> Lab {
     let mut lab = Lab::shipped(dt);
     lab.world.insert_resource(Gravity(Vec3::ZERO));
+    // The cap would take momentum.
+    lab.world.insert_resource(SpeedLimits {
+        linear: limits::SPEED,
+        angular: limits::SPIN,
+    });
     lab
 }
 

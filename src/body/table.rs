@@ -128,6 +128,15 @@ impl BodyState {
         self.collider.as_ref().is_some_and(Collider::is_curved)
     }
 
+    /// Bound on how far a point of its surface comes in `dt` s by turning, m: never beyond the other side.
+    pub(crate) fn turns_by(&self, dt: f32) -> f32 {
+        match self.velocity.angular.length() {
+            // A half-space has no radius; it turns, or it doesn't.
+            0.0 => 0.0,
+            speed => (speed * dt).min(2.0) * self.radius,
+        }
+    }
+
     /// True for a body that contacts can move.
     pub fn is_dynamic(&self) -> bool {
         self.kind == RigidBody::Dynamic

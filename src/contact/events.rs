@@ -6,7 +6,6 @@ use crate::body::{Age, BodyTable};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-use glam::Vec3;
 
 /// Asks for [`ContactStarted`] and [`ContactEnded`] to be triggered on this body for observers.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
@@ -68,13 +67,12 @@ pub fn contact_events(
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
     for (entity, mut pair, impulses) in &mut pairs {
-        let pushes = || impulses.normal() > 0.0 || impulses.elsewhere != Vec3::ZERO;
-        let touches = pair.touching || pushes();
+        let touches = pair.touching || impulses.normal() > 0.0;
         if touches != pair.announced {
             let pair = pair.bypass_change_detection();
             pair.announced = touches;
             if touches {
-                let impulse = impulses.normal() + impulses.elsewhere.length();
+                let impulse = impulses.normal();
                 begins.push((pair.ages, pair.bodies, pair.slots, entity, impulse));
             } else {
                 ends.push((pair.ages, pair.bodies));

@@ -67,17 +67,6 @@ pub struct Manifold {
     pub points: SmallVec<[ContactPoint; 4]>,
 }
 
-impl Manifold {
-    /// The normal of a point's patch.
-    pub(crate) fn normal_of(&self, point: usize) -> Vec3 {
-        let patch = self
-            .patches
-            .iter()
-            .find(|patch| patch.range().contains(&point));
-        patch.map_or(Vec3::ZERO, |patch| patch.normal)
-    }
-}
-
 /// Contact points with one normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
@@ -145,16 +134,23 @@ pub struct ContactImpulses {
     pub points: SmallVec<[Impulse; 4]>,
     /// One for each patch.
     pub patches: SmallVec<[PatchImpulse; 1]>,
-    /// What acted on A in this step at points that are no more, N·s, world axes. Zero but with several substeps.
-    pub elsewhere: Vec3,
+    /// What was given in this step at points that are no more. Nothing but with several substeps.
+    pub elsewhere: Given,
     /// While the substeps of a step go on, what points got in those before this one.
-    pub(crate) earlier: Vec<Earlier>,
+    pub(crate) earlier: Vec<Given>,
 }
 
 impl ContactImpulses {
-    /// Σλ_n of all points in the step, N·s.
+    /// Σλ_n of the step, N·s.
     pub fn normal(&self) -> f32 {
-        self.points.iter().map(|point| point.normal).sum()
+        let points: f32 = self.points.iter().map(|point| point.normal).sum();
+        points + self.elsewhere.normal
+    }
+
+    /// Σλ_t of the step on A, N·s, world axes.
+    pub fn tangential(&self) -> Vec3 {
+        let points: Vec3 = self.points.iter().map(|point| point.tangential).sum();
+        points + self.elsewhere.tangential
     }
 }
 
@@ -184,12 +180,12 @@ pub struct PatchImpulse {
     pub warm_rolling: Vec3,
 }
 
-/// What a point got in the substeps before the one at hand.
+/// What contact gave to A in part of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Earlier {
-    /// N·s
+pub struct Given {
+    /// Σλ_n, N·s.
     pub normal: f32,
-    /// N·s, world axes.
+    /// Σλ_t, N·s, world axes.
     pub tangential: Vec3,
 }
 

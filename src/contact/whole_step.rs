@@ -3,7 +3,7 @@
 //! While substeps go on [`ContactImpulses`] holds those of the one at hand, since that is what classifies friction; what those before
 //! it gave waits in a list beside.
 
-use super::{ContactImpulses, Earlier, Impulse};
+use super::{ContactImpulses, Given};
 use crate::narrowphase::{Origins, inherit};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -13,19 +13,19 @@ impl ContactImpulses {
     /// Before contacts are looked for: what the points have goes to what they got earlier; in the first substep nothing did.
     pub(crate) fn begin_substep(&mut self, time: &StepTime) {
         if time.substep == 0 {
-            self.elsewhere = Vec3::ZERO;
+            self.elsewhere = Given::default();
             self.earlier.clear();
         } else {
-            self.earlier.resize(self.points.len(), Earlier::default());
+            self.earlier.resize(self.points.len(), Given::default());
             for (earlier, point) in self.earlier.iter_mut().zip(&mut self.points) {
-                earlier.add(point);
+                earlier.add(point.normal, point.tangential);
                 (point.normal, point.tangential) = (0.0, Vec3::ZERO);
             }
         }
     }
 
     /// When points come, go or change places. What those got that go has acted all the same.
-    pub(crate) fn reorder(&mut self, origins: &Origins, normal_of: impl Fn(usize) -> Vec3) {
+    pub(crate) fn reorder(&mut self, origins: &Origins) {
         inherit(origins, &mut self.points);
         if self.earlier.is_empty() {
             return;
@@ -36,16 +36,16 @@ impl ContactImpulses {
             self.earlier
                 .push(kept.map(std::mem::take).unwrap_or_default());
         }
-        for (i, lost) in gone.iter().enumerate() {
-            self.elsewhere += lost.normal * normal_of(i) + lost.tangential;
+        for lost in gone {
+            self.elsewhere.add(lost.normal, lost.tangential);
         }
     }
 }
 
-impl Earlier {
-    fn add(&mut self, point: &Impulse) {
-        self.normal += point.normal;
-        self.tangential += point.tangential;
+impl Given {
+    fn add(&mut self, normal: f32, tangential: Vec3) {
+        self.normal += normal;
+        self.tangential += tangential;
     }
 }
 

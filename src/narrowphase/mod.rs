@@ -120,7 +120,7 @@ fn look(
         anchors.points.fill(Default::default());
         anchors.patches.fill(Default::default());
     }
-    let reach = settings.outer_distance().max(0.0) + (approach_speed(a, b) + fall) * time.dt;
+    let reach = settings.outer_distance().max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let curved = a.is_curved() || b.is_curved();
     // What rolls must be found where it is, or it would gain speed.
     let share = if curved { CREPT } else { 1.0 };
@@ -152,7 +152,7 @@ fn look(
                 false => settings.envelope,
             };
             let origins = matching::match_points(&old, manifold, cache, radius);
-            impulses.reorder(&origins, |i| old.normal_of(i));
+            impulses.reorder(&origins);
             matching::inherit(&origins, &mut anchors.points);
             let origins = matching::match_patches(&old, manifold);
             matching::inherit(&origins, &mut impulses.patches);
@@ -202,13 +202,9 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
 /// Less than this, m, is rounding.
 const NOTHING: f32 = 1e-5;
 
-/// Bound on how fast two surfaces can come nearer, m/s, from the velocities before forces.
-fn approach_speed(a: &BodyState, b: &BodyState) -> f32 {
-    let turning = |body: &BodyState| match body.velocity.angular.length() {
-        0.0 => 0.0,
-        speed => speed * body.radius,
-    };
-    (a.velocity.linear - b.velocity.linear).length() + turning(a) + turning(b)
+/// Bound on how far two surfaces can come nearer within the step, m, from the velocities before forces.
+fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
+    (a.velocity.linear - b.velocity.linear).length() * dt + a.turns_by(dt) + b.turns_by(dt)
 }
 
 /// Fills the manifold with the points no further apart than `reach`, m.

@@ -28,7 +28,7 @@ impl Default for Gravity {
 pub struct SpeedLimits {
     /// m/s; 1000 by default.
     pub linear: f32,
-    /// rad/s; 1000 by default.
+    /// rad/s; 10 000 by default.
     pub angular: f32,
 }
 
@@ -36,7 +36,7 @@ impl Default for SpeedLimits {
     fn default() -> Self {
         Self {
             linear: 1000.0,
-            angular: 1000.0,
+            angular: 10_000.0,
         }
     }
 }

@@ -156,10 +156,8 @@ impl Lab {
                 [a, b] if (b, a) == (on, from) => -1.0,
                 _ => continue,
             };
-            for point in &impulses.points {
-                sums.0 += point.normal;
-                sums.1 += sign * point.tangential;
-            }
+            sums.0 += impulses.normal();
+            sums.1 += sign * impulses.tangential();
         }
         sums
     }

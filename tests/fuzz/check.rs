@@ -12,7 +12,6 @@ use drystone::contact::{
     Manifold,
 };
 use drystone::diagnosis::{BodyError, BodyProblem, StepError};
-use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 
 /// What was found wrong: its kind, which stays the same while operations are cut away, and the rest.
@@ -234,7 +233,7 @@ fn is_body(world: &World, body: Entity) -> bool {
 
 /// What bounced off within the step touched too.
 fn pushes(impulses: &ContactImpulses) -> bool {
-    impulses.normal() > 0.0 || impulses.elsewhere != Vec3::ZERO
+    impulses.normal() > 0.0
 }
 
 fn key([a, b]: [Entity; 2]) -> [Entity; 2] {

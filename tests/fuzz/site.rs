@@ -12,7 +12,7 @@ use drystone::body::{
     BodyIndex, Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, MassProperties, Pose,
     Quarantined, RigidBody, Teleport, Velocity,
 };
-use drystone::collider::{Collider, CollisionLayers, Friction, Restitution};
+use drystone::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use drystone::contact::{ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold};
 use drystone::grab::Grab;
 use drystone::settings::{
@@ -328,7 +328,7 @@ impl Site {
             }
             Operation::Mend(_) => {
                 self.tainted.remove(&guest);
-                body.remove::<(ChildOf, Mass, Grab, Damping, Quarantined)>();
+                body.remove::<(ChildOf, Mass, Grab, RollingFriction, Quarantined)>();
                 body.remove::<(
                     drystone::body::Density,
                     drystone::body::AngularInertia,

@@ -44,7 +44,7 @@ pub struct Watch {
 }
 
 /// m/s; nothing good numbers do comes near.
-const ABSURD: f32 = 300.0;
+const ABSURD: f32 = 600.0;
 
 /// m; nobody is put there.
 const DEEP: f32 = -3.0;

@@ -117,12 +117,12 @@ impl Part {
             }),
             11 => Self::Events(ContactEvents),
             12 => Self::Force(ExternalForce {
-                force: dice.vector(3000.0),
-                torque: dice.vector(300.0),
+                force: dice.vector(300.0),
+                torque: dice.vector(100.0),
             }),
             13 => Self::Impulse(ExternalImpulse {
-                linear: dice.vector(1000.0),
-                angular: dice.vector(100.0),
+                linear: dice.vector(100.0),
+                angular: dice.vector(30.0),
             }),
             14 => Self::Velocity(Velocity {
                 linear: dice.vector(10.0),

@@ -35,6 +35,8 @@ pub(crate) struct IslandProblem {
     pub report: SolveReport,
     /// The solve went wrong, and was taken back.
     pub diverged: bool,
+    /// Whose the first of the bodies is.
+    pub first: Option<Entity>,
 }
 
 impl IslandProblem {
@@ -48,6 +50,7 @@ impl IslandProblem {
         self.contacts.clear();
         self.patches.clear();
         self.points.clear();
+        self.first = None;
     }
 }
 
@@ -159,10 +162,11 @@ pub fn gather(
         .collect();
     awake.sort_unstable_by_key(|&(island, rank, ..)| (island, rank));
     for (island, _, slot, body) in awake {
-        let bodies = &mut problems[island].bodies;
-        local[slot as usize] = bodies.len() as u32;
+        let problem = &mut problems[island];
+        problem.first.get_or_insert(body.entity);
+        local[slot as usize] = problem.bodies.len() as u32;
         let velocity = velocities[slot as usize];
-        bodies.push(Body {
+        problem.bodies.push(Body {
             linear: velocity.linear,
             inverse_mass: body.mass.inverse_mass,
             angular: velocity.angular,

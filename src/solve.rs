@@ -35,11 +35,10 @@ pub struct IslandReport {
 /// See the module's text.
 pub fn solve(
     mut problems: ResMut<Problems>,
-    (islands, table): (Res<Islands>, Res<BodyTable>),
+    (islands, table, threads): (Res<Islands>, Res<BodyTable>, Res<PhysicsThreads>),
     given: Given,
-    threads: Res<PhysicsThreads>,
-    mut reports: ResMut<SolveReports>,
-    mut suspects: ResMut<Suspects>,
+    (mut reports, mut suspects): (ResMut<SolveReports>, ResMut<Suspects>),
+    mut told: Local<Vec<Entity>>,
     mut pairs: Query<(&SolverSlot, &Manifold, &mut ContactImpulses)>,
     mut bodies: Query<(Entity, &BodyIndex, &mut Velocity), Without<Quarantined>>,
 ) {
@@ -69,28 +68,27 @@ pub fn solve(
             Rows::Patches => problem.store_patches(slot.first, manifold, impulses, dt),
         }
     }
-    let mut told = vec![false; problems.islands.len()];
     for (entity, index, mut velocity) in &mut bodies {
         // Bodies that sleep are not gathered.
-        let Some(body) = problems.body(&islands, index.0).copied() else {
-            continue;
-        };
-        if !table.holds(entity, *index) {
-            continue;
-        }
-        let mut solved = Velocity {
-            linear: body.linear,
-            angular: body.angular,
-        };
-        given.speeds.cap(&mut solved);
-        *velocity.bypass_change_detection() = solved;
-        if let Some(island) = islands.of(index.0)
-            && problems.islands[island].diverged
-            && !std::mem::replace(&mut told[island], true)
+        if let Some(body) = problems.body(&islands, index.0)
+            && table.holds(entity, *index)
         {
-            suspects.0.push((entity, BodyProblem::Diverged));
+            let mut solved = Velocity {
+                linear: body.linear,
+                angular: body.angular,
+            };
+            given.speeds.cap(&mut solved);
+            *velocity.bypass_change_detection() = solved;
         }
     }
+    // Said of the first body of an island, when it begins to go wrong.
+    let wrong = problems.islands.iter().filter(|problem| problem.diverged);
+    let wrong: Vec<Entity> = wrong.filter_map(|problem| problem.first).collect();
+    let new = wrong.iter().filter(|entity| !told.contains(entity));
+    suspects
+        .0
+        .extend(new.map(|&entity| (entity, BodyProblem::Diverged)));
+    *told = wrong;
 }
 
 /// What a problem is told besides its bodies and contacts.

@@ -461,8 +461,8 @@ fn a_write_without_a_change_changes_nothing() {
     let writes: [fn(&mut Lab, &[Entity]); 5] = [
         |lab, bodies| {
             for &body in bodies {
-                let mut kind = lab.world.get_mut::<RigidBody>(body).unwrap();
-                *kind = *kind;
+                let same = *lab.world.get::<RigidBody>(body).unwrap();
+                *lab.world.get_mut::<RigidBody>(body).unwrap() = same;
             }
         },
         |lab, bodies| {
@@ -481,8 +481,8 @@ fn a_write_without_a_change_changes_nothing() {
         },
         |lab, bodies| {
             for &body in bodies {
-                let mut transform = lab.world.get_mut::<Transform>(body).unwrap();
-                *transform = *transform;
+                let same = *lab.world.get::<Transform>(body).unwrap();
+                *lab.world.get_mut::<Transform>(body).unwrap() = same;
             }
         },
         |lab, bodies| {

@@ -5,6 +5,7 @@ mod support;
 use bevy_ecs::message::Messages;
 
 use drystone::body::Mass;
+use drystone::collider::Collider;
 use drystone::contact::{ContactEnded, ContactPair, ContactStarted};
 use drystone::diagnosis::BodyError;
 use drystone::grab::Grab;
@@ -13,8 +14,10 @@ use drystone::settings::{SleepSettings, SolverSettings};
 use glam::Vec3;
 use support::*;
 
+type Choice = fn(SolverSettings) -> SolverSettings;
+
 /// The three solvers at settings that hold the scenes here with even steps.
-fn solvers() -> [(&'static str, fn(SolverSettings) -> SolverSettings); 3] {
+fn solvers() -> [(&'static str, Choice); 3] {
     [
         ("soft-step", |settings| settings),
         ("pgs", |settings| settings.with_pgs(400)),
@@ -138,21 +141,25 @@ fn a_hand_hangs_as_low_whatever_the_step() {
 
 // 13: memory without an app
 
-#[test]
-fn a_world_stepped_by_hand_keeps_no_messages() {
-    let mut lab = Lab::new();
-    lab.ground();
-    let mut most = [0; 4];
-    for i in 0..3000 {
-        let ball = lab.body(
-            drystone::collider::Collider::ball(0.5),
-            Vec3::new(0.0, 0.5, 0.0),
-        );
+/// A world that is stepped by hand, where bodies come and go in every step, one of them bad now and then.
+fn churn(lab: &mut Lab, steps: usize, mut look: impl FnMut(&mut Lab)) {
+    for i in 0..steps {
+        let ball = lab.body(Collider::ball(0.5), Vec3::new(0.0, 0.5, 0.0));
         if i % 7 == 0 {
             lab.world.entity_mut(ball).insert(Mass(f32::NAN));
         }
         drystone::step(&mut lab.world, lab.dt).unwrap();
         lab.world.despawn(ball);
+        look(lab);
+    }
+}
+
+#[test]
+fn a_world_stepped_by_hand_keeps_no_messages() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let mut most = [0; 4];
+    churn(&mut lab, 3000, |lab| {
         let counts = [
             lab.world.resource::<Messages<ContactStarted>>().len(),
             lab.world.resource::<Messages<ContactEnded>>().len(),
@@ -166,10 +173,36 @@ fn a_world_stepped_by_hand_keeps_no_messages() {
         for (most, count) in most.iter_mut().zip(counts) {
             *most = count.max(*most);
         }
-    }
+    });
     println!("at most {most:?} messages");
     assert!(most.iter().all(|&count| count < 100), "{most:?}");
     lab.step();
     let mut pairs = lab.world.query::<&ContactPair>();
     assert_eq!(pairs.iter(&lab.world).count(), 0);
+}
+
+/// Resident memory of this process, in kB; of Linux alone.
+fn resident() -> usize {
+    let status = std::fs::read_to_string("/proc/self/status").expect("Linux tells");
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+    let number = line.and_then(|line| line.split_whitespace().nth(1));
+    number
+        .and_then(|kb| kb.parse().ok())
+        .expect("a number of kB")
+}
+
+#[test]
+#[ignore = "long"]
+fn memory_is_flat_over_a_million_steps_with_churn() {
+    let mut lab = Lab::new();
+    lab.ground();
+    churn(&mut lab, 100_000, |_| ());
+    let before = resident();
+    churn(&mut lab, 1_000_000, |_| ());
+    let after = resident();
+    println!("{before} kB before, {after} kB after");
+    assert!(
+        after < before + 1000,
+        "{before} kB before, {after} kB after"
+    );
 }

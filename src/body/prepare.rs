@@ -38,7 +38,6 @@ type Pushed<'w> = (
 );
 
 /// See the module's text.
-#[expect(clippy::too_many_arguments, reason = "it is where everything enters")]
 pub fn prepare(
     mut commands: Commands,
     mut table: ResMut<BodyTable>,
@@ -183,7 +182,7 @@ fn check(
         Some(BodyProblem::NonFiniteForce)
     } else if damping.is_some_and(|damping| !damping.is_valid()) {
         Some(BodyProblem::InvalidDamping)
-    } else if scale.is_some_and(|scale| !(scale.0.abs() <= limits::GRAVITY_SCALE)) {
+    } else if scale.is_some_and(|scale| !limits::share_of(scale.0.abs(), limits::GRAVITY_SCALE)) {
         Some(BodyProblem::InvalidGravityScale)
     } else if grab.is_some_and(|grab| !grab.is_valid()) {
         Some(BodyProblem::InvalidGrab)

@@ -375,17 +375,27 @@ fn steps_that_cannot_be_taken() {
     site.stands();
 }
 
-/// Parry gives it no mass; it would be quarantined as soon as it is spawned.
+/// Parry gives them no mass, or no inertia; they would be quarantined as soon as they are spawned.
 #[test]
 fn a_splinter_is_no_hull() {
-    let splinter = [
-        Vec3::new(-0.33939844, -0.5307102, -0.24860561),
-        Vec3::new(-0.2507609, -0.11659473, -0.08118141),
-        Vec3::new(0.18802726, -0.45681247, -0.4285905),
-        Vec3::new(-0.324097, 0.6573573, 0.32491618),
+    let splinters = [
+        [
+            Vec3::new(-0.33939844, -0.5307102, -0.24860561),
+            Vec3::new(-0.2507609, -0.11659473, -0.08118141),
+            Vec3::new(0.18802726, -0.45681247, -0.4285905),
+            Vec3::new(-0.324097, 0.6573573, 0.32491618),
+        ],
+        [
+            Vec3::new(-0.18441129, 0.17264873, 0.09349489),
+            Vec3::new(0.43928343, -0.7213512, 0.36465555),
+            Vec3::new(-0.7047509, 0.41545254, -0.10595751),
+            Vec3::new(0.7932431, 0.41939312, 0.44286793),
+        ],
     ];
-    let error = Collider::convex_hull(&splinter).expect_err("4 mm thick");
-    assert_eq!(error, drystone::collider::ColliderError::DegenerateHull);
+    for splinter in splinters {
+        let error = Collider::convex_hull(&splinter).expect_err("a few millimetres thick");
+        assert_eq!(error, drystone::collider::ColliderError::DegenerateHull);
+    }
 }
 
 /// Only `Transform` moves a body; what is written to its `Pose` is taken back, and is nothing that contacts are looked for at.

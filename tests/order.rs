@@ -12,7 +12,7 @@ use drystone::settings::SleepSettings;
 use glam::Vec3;
 use support::*;
 
-/// A wall spawned in a permutation of its order; drift and sag after some seconds, mm.
+/// A wall with noise, spawned in a permutation of its order; drift and sag after some seconds, mm.
 fn stands(
     scene: &str,
     seconds: f32,
@@ -21,7 +21,13 @@ fn stands(
     // Built once to see where everything goes.
     let mut plan = Lab::new();
     let scene: Scene = scene.parse().unwrap();
-    let built = scene.build(&mut plan.world, &SceneOptions::default());
+    let options = SceneOptions {
+        noise_position: 0.002,
+        noise_angle: 0.01,
+        lateral_gap: 0.036,
+        ..Default::default()
+    };
+    let built = scene.build(&mut plan.world, &options);
     let mut bodies: Vec<(Collider, Transform)> = built
         .bodies
         .iter()

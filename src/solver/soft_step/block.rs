@@ -125,6 +125,8 @@ pub struct Points {
     pub(super) now: Lane,
     /// The distance at which its spring no longer pushes, m: the spring rests where the surfaces meet, with all of its load.
     pub(super) reach: Lane,
+    /// Distance of its spring to an impulse, m/(N·s).
+    pub(super) compliance: Lane,
     /// λ_n, N·s.
     pub(super) impulse: Lane,
     /// What it gave in the substeps before this one, N·s.
@@ -305,7 +307,7 @@ impl Block {
             point.radius = (point.x * point.x + point.y * point.y).sqrt();
             point.effect = self.normals.apply(along);
             point.mass = point.mass * along.dot(point.effect).inverse();
-            point.reach = point.load * gives * point.mass.inverse();
+            point.compliance = gives * point.mass.inverse();
         }
     }
 

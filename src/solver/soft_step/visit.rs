@@ -9,6 +9,10 @@ const LANDING: f32 = 0.25;
 /// How often the points of a patch that lands are visited.
 const LANDING_VISITS: usize = 8;
 
+/// What a point is held to carry is at most so many times what its patch carries now: where a load is taken away at once, the slow
+/// mean would throw what has borne it.
+const UNLOADED: f32 = 1.5;
+
 /// A visit on its way.
 struct Visit {
     /// Relative velocity in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
@@ -189,6 +193,7 @@ impl Block {
     ) {
         let soft = &self.softness;
         let mean = visit.carried * self.share;
+        let most = mean * Lane::splat(UNLOADED);
         let mut normals = on_normals_local(&visit.velocity);
         // 1 where it lands. The patches beside it must find what they would find alone.
         let landing = Lane::splat(LANDING);
@@ -208,8 +213,10 @@ impl Block {
                 let s = point.separation + along.dot(*moved);
                 point.now = s;
                 let push = (-soft.bias_rate * s).min(pass.max_speed);
-                let lost = (point.load.min(mean) - point.impulse).max(Lane::ZERO);
-                let held = point.load - pass.preload * lost;
+                let load = point.load.min(most);
+                let lost = (load.min(mean) - point.impulse).max(Lane::ZERO);
+                let held = load - pass.preload * lost;
+                point.reach = load * point.compliance;
                 let closed = soft.mass_scale * point.mass * (approach - push)
                     + soft.impulse_scale * (point.impulse - held);
                 let apart = point.mass * (approach + s * pass.rate);

@@ -336,6 +336,11 @@ pub fn pair_changes(
             })
         })
         .collect();
+    // Of many in one place each is named once.
+    let mut named = HashSet::new();
+    warnings.retain(|(body, problem)| {
+        !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
+    });
     world.spawn_batch(new);
     world.resource_mut::<Suspects>().0.extend(warnings);
 }

@@ -55,12 +55,12 @@ pub struct Restitution {
     pub rule: CombineRule,
 }
 
-/// What resists the rolling and spinning of round bodies (balls, capsules, cylinders, cones on their curved sides); 0.02 by
+/// What resists the rolling and spinning of round bodies (balls, capsules, cylinders, cones on their curved sides); 0.05 by
 /// default.
 ///
 /// A moment of at most this coefficient times the body's radius times what the contact carries: a ball stays on slopes up to
-/// this tangent. It is the friction of rest. What rolls faster than some 0.1 m/s is let go, with the fourth power of
-/// its speed, so that a ball that rolls goes on and one that only creeps stops. Spin about the normal is resisted at any speed.
+/// this tangent. It is the friction of rest. What rolls or slips faster than some 0.1 m/s is let go, with the
+/// fourth power of its speed, so that a ball that rolls goes on and one that only creeps stops. Spin about the normal is resisted at any speed.
 ///
 /// For [`SoftStep`](crate::solver::SoftStep); solvers of points have none.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
@@ -113,4 +113,4 @@ macro_rules! surface {
 
 surface!(Friction, 0.5, limits::FRICTION);
 surface!(Restitution, 0.0, limits::RESTITUTION);
-surface!(RollingFriction, 0.02, limits::FRICTION);
+surface!(RollingFriction, 0.05, limits::FRICTION);

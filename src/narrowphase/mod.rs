@@ -6,8 +6,10 @@
 
 mod corners;
 mod cylinders;
+mod features;
 mod matching;
 mod passing;
+mod planes;
 mod recycling;
 mod reduction;
 mod seams;
@@ -123,22 +125,21 @@ fn look(
     let reach = settings.outer_distance().max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let curved = a.is_curved() || b.is_curved();
     // What rolls must be found where it is, or it would gain speed.
-    let share = if curved { CREPT } else { 1.0 };
-    let limit = share * settings.recycle_share * a.size().min(b.size());
+    let little = settings.recycle_share * a.size().min(b.size());
+    let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
-    let holds = |limit| stand.is_some_and(|stand| stand.holds(a, b, limit, reach));
-    if holds(limit) {
+    if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
         recycling::refresh(manifold, a, b);
     } else {
         let reach = reach + limit;
         let old = std::mem::take(manifold);
         detect(settings, a, b, reach, cache, manifold);
-        if manifold.points.is_empty()
-            && holds(limit / share)
-            && recycling::is_lost(&old, cache, a, b)
-        {
-            *manifold = old;
-            recycling::refresh(manifold, a, b);
+        let lost = match manifold.points.is_empty() {
+            true => stand.and_then(|stand| stand.lost(&old, cache, a, b, little)),
+            false => None,
+        };
+        if let Some(lost) = lost {
+            *manifold = lost;
         } else {
             let near = settings.outer_distance() + fall * time.dt;
             let passing = passing::pass(a, b, manifold, near, time.dt);
@@ -207,6 +208,36 @@ fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
     (a.velocity.linear - b.velocity.linear).length() * dt + a.turns_by(dt) + b.turns_by(dt)
 }
 
+/// Nearer than this share of the smaller radius two centres are one.
+const COINCIDENT: f32 = 1e-6;
+
+/// Between bodies in one place no way apart is better than another: each has a place of its own to go to, or many would be thrown
+/// out along one line.
+fn part(a: &BodyState, b: &BodyState) -> Manifold {
+    let place = |body: &BodyState| {
+        let mut rng = fastrand::Rng::with_seed(body.age.0);
+        Vec3::from_array(std::array::from_fn(|_| rng.f32()))
+    };
+    let normal = (place(a) - place(b)).normalize_or(Vec3::Y);
+    let distance = -a.radius.min(b.radius);
+    let position = a.center;
+    let mut manifold = Manifold::default();
+    manifold.points.push(ContactPoint {
+        position,
+        local: [a, b].map(|body| body.pose.inverse_transform_point(position)),
+        arms: [Vec3::ZERO; 2],
+        distance,
+        detected: distance,
+    });
+    manifold.patches.push(Patch {
+        normal,
+        first: 0,
+        count: 1,
+        curved: false,
+    });
+    manifold
+}
+
 /// Fills the manifold with the points no further apart than `reach`, m.
 fn detect(
     settings: &StabilizationSettings,
@@ -221,10 +252,18 @@ fn detect(
         workspace,
         ..
     } = cache;
-    let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
         return;
     };
+    // What is hollow may have another in its middle that does not touch it.
+    let solid = shape_a.is_convex() && shape_b.is_convex();
+    if solid && (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
+        manifolds.clear();
+        *workspace = None;
+        *manifold = part(a, b);
+        return;
+    }
+    let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let curved = a.is_curved() || b.is_curved();
     if curved {
         // A manifold that is kept turns with the surface, and a cylinder would roll off by itself.
@@ -272,7 +311,17 @@ fn detect(
 
         let size = a.face_size(normal).min(b.face_size(normal));
         let mut candidates = Candidates::new();
-        for (i, contact) in found.points.iter().enumerate() {
+        let own = match cylinders {
+            true => features::contacts(a, b, normal),
+            false => planes::contacts(a, b),
+        };
+        candidates.extend(own.into_iter().map(|[on_a, on_b]| Candidate {
+            position: 0.5 * (on_a + on_b),
+            distance: normal.dot(on_a - on_b),
+            source: None,
+        }));
+        let own = !candidates.is_empty();
+        for (i, contact) in found.points.iter().enumerate().filter(|_| !own) {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
             let mut on = [

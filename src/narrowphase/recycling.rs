@@ -32,25 +32,30 @@ impl Stand {
             + turned(b, self.rotations[1])
     }
 
+    /// The points that the two touched in, still within `limit` of each other, where parry has found none although nothing has moved
+    /// by more than that: its search may fail where surfaces just touch.
+    pub(crate) fn lost(
+        &self,
+        old: &Manifold,
+        cache: &NarrowphaseCache,
+        a: &BodyState,
+        b: &BodyState,
+        limit: f32,
+    ) -> Option<Manifold> {
+        if self.moved(a, b) > limit || cache.manifolds.iter().any(|m| !m.points.is_empty()) {
+            return None;
+        }
+        let mut old = old.clone();
+        refresh(&mut old, a, b);
+        let touches = old.points.iter().any(|point| point.distance <= limit);
+        touches.then_some(old)
+    }
+
     /// Nothing has moved by more than `limit`, and nothing that now counts lay beyond the reach of the search.
     pub(crate) fn holds(&self, a: &BodyState, b: &BodyState, limit: f32, reach: f32) -> bool {
         let moved = self.moved(a, b);
         moved <= limit && reach + moved <= self.reach
     }
-}
-
-/// True where two bodies that touch have no points any more because parry has found none: its search may fail where surfaces just
-/// touch.
-pub(crate) fn is_lost(
-    old: &Manifold,
-    cache: &NarrowphaseCache,
-    a: &BodyState,
-    b: &BodyState,
-) -> bool {
-    let mut old = old.clone();
-    refresh(&mut old, a, b);
-    cache.manifolds.iter().all(|found| found.points.is_empty())
-        && old.points.iter().any(|point| point.distance <= 0.0)
 }
 
 /// Brings the distances of a kept manifold up to date.

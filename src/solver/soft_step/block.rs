@@ -10,9 +10,6 @@
 use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
 use crate::solver::{Patch, PatchPoint, Problem};
 
-/// Rolling faster than this is not creeping, m/s.
-const CREEP: f32 = 0.1;
-
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
@@ -20,8 +17,6 @@ pub struct Pass {
     pub first: bool,
     /// 1/s: of one substep.
     pub rate: Lane,
-    /// Fastest correction, m/s.
-    pub max_speed: Lane,
     /// Share by which a soft row holds on to what is being taken off it.
     pub preload: Lane,
 }
@@ -90,8 +85,8 @@ pub struct Block {
     pub(super) rolls: bool,
     /// What λ_n is multiplied by to bound moments against rolling and spinning, m.
     pub(super) rolling_lever: Lane,
-    /// The radius over the speed of creeping, s.
-    pub(super) rolling_time: Lane,
+    /// Of what rolls, m.
+    pub(super) rolling_radius: Lane,
     /// The inverse of W over (T_1, T_2): xx, yy, xy.
     pub(super) rolling_mass: [Lane; 3],
     /// Moments against rolling, N·m·s.
@@ -107,6 +102,8 @@ pub struct Block {
     /// 1/n with n points.
     pub(super) share: Lane,
     pub(super) stiffness: Lane,
+    /// Fastest correction, m/s.
+    pub(super) max_speed: Lane,
     pub(super) softness: Softness,
     pub(super) first: u32,
     pub(super) count: u32,
@@ -206,7 +203,7 @@ impl Block {
         if patch.rolling_friction > 0.0 {
             self.rolls = true;
             self.rolling_lever[lane] = patch.rolling_friction * patch.rolling_radius;
-            self.rolling_time[lane] = patch.rolling_radius / CREEP;
+            self.rolling_radius[lane] = patch.rolling_radius;
             self.rolling[0][lane] = t1.dot(patch.rolling) * share;
             self.rolling[1][lane] = t2.dot(patch.rolling) * share;
         }
@@ -223,6 +220,11 @@ impl Block {
             // Marks the lane as used, until `prepare` puts the mass here.
             to.mass[lane] = 1.0;
         }
+    }
+
+    /// Sets a lane's fastest correction, m/s.
+    pub fn hasten(&mut self, lane: usize, max_speed: f32) {
+        self.max_speed[lane] = max_speed;
     }
 
     /// Takes a patch's impulses out of a lane again.

@@ -38,6 +38,9 @@ use std::f32::consts::TAU;
 /// Substeps to one rigid sweep.
 const SUBSTEPS_PER_RIGID_SWEEP: usize = 2;
 
+/// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
+const CROWD: f32 = 6.0;
+
 /// See the module's text. [`Problem::iterations`] counts sweeps, rigid ones included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftStep {
@@ -146,11 +149,14 @@ impl Island {
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
+        // What lies inside many others would be thrown out by the sum of their corrections.
+        let hurry = |patch: &Patch| (CROWD * 0.5 * shared(patch)).min(1.0);
         for (patch, &(block, lane)) in problem.patches.iter().zip(&batches.places) {
             let block = &mut blocks[block as usize];
             let points = &mut points[block.range()];
             let lane = lane as usize;
             block.load(points, lane, patch, problem, substeps, shared(patch));
+            block.hasten(lane, problem.max_correction_speed * hurry(patch));
         }
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         let mut velocities: Vec<State> = bodies.iter().map(state).collect();
@@ -176,7 +182,6 @@ impl Island {
         let mut pass = Pass {
             first: true,
             rate: Lane::splat(1.0 / h),
-            max_speed: Lane::splat(problem.max_correction_speed),
             preload: Lane::splat(settings.preload),
         };
         let mut report = SolveReport::default();

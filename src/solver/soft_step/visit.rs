@@ -3,6 +3,9 @@
 use super::block::{Block, Pass, Points, on_normals_local};
 use super::lanes::{Lane, Screw, State, Wide, gather};
 
+/// What rolls or slips faster than this (m/s) does not creep.
+const CREEP: f32 = 0.1;
+
 /// Faster than this (m/s) a patch is landing, not resting.
 const LANDING: f32 = 0.25;
 
@@ -62,7 +65,7 @@ impl Block {
             let moved_a = gather(motions, &self.bodies[0]);
             let moved_b = gather(motions, &self.bodies[1]);
             let moved = self.relative(&frame, moved_a, moved_b);
-            self.relax_friction(points, &mut visit, &self.spring(&moved, pass));
+            self.relax_friction(points, &mut visit, &self.spring(&moved));
             visit.follow_friction(self);
             if self.rolls {
                 self.relax_rolling(points, &mut visit);
@@ -82,9 +85,9 @@ impl Block {
 
     /// Anchored friction is a spring about where it began to stick; any other is rigid.
     #[inline(always)]
-    fn spring(&self, moved: &Screw, pass: &Pass) -> Hold {
+    fn spring(&self, moved: &Screw) -> Hold {
         let rate = self.anchored * self.softness.bias_rate;
-        let speed = pass.max_speed;
+        let speed = self.max_speed;
         let back = |slip: Lane| (rate * slip).min(speed).max(-speed);
         Hold {
             mass_scale: Lane::ONE + self.anchored * (self.softness.mass_scale - Lane::ONE),
@@ -150,15 +153,18 @@ impl Block {
         visit.wrench.angular.x += twist;
     }
 
-    /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now and less where it rolls.
+    /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.
     fn relax_rolling(&mut self, points: &[Points], visit: &mut Visit) {
         let mut carried = Lane::ZERO;
         for point in points {
             carried += point.impulse;
         }
         let spin = [visit.velocity.angular.y, visit.velocity.angular.z];
-        let creeps = self.rolling_time * self.rolling_time;
-        let fast = Lane::ONE + creeps * (spin[0] * spin[0] + spin[1] * spin[1]);
+        let slip = [visit.velocity.linear.y, visit.velocity.linear.z];
+        let rolling = self.rolling_radius * self.rolling_radius;
+        let square = rolling * (spin[0] * spin[0] + spin[1] * spin[1])
+            + (slip[0] * slip[0] + slip[1] * slip[1]);
+        let fast = Lane::ONE + square * Lane::splat(1.0 / (CREEP * CREEP));
         let limit = self.rolling_lever * carried * (fast * fast).inverse();
         let [xx, yy, xy] = self.rolling_mass;
         let exact = [
@@ -212,7 +218,7 @@ impl Block {
                 let approach = along.dot(normals);
                 let s = point.separation + along.dot(*moved);
                 point.now = s;
-                let push = (-soft.bias_rate * s).min(pass.max_speed);
+                let push = (-soft.bias_rate * s).min(self.max_speed);
                 let load = point.load.min(most);
                 let lost = (load.min(mean) - point.impulse).max(Lane::ZERO);
                 let held = load - pass.preload * lost;

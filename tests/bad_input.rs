@@ -6,7 +6,7 @@ use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{
-    AngularInertia, CenterOfMass, Density, ExternalForce, ExternalImpulse, Mass, Quarantined,
+    AngularInertia, CenterOfMass, Density, ExternalForce, ExternalImpulse, Mass, Pose, Quarantined,
     RigidBody, Velocity,
 };
 use drystone::collider::{Collider, Friction, Restitution};
@@ -375,15 +375,50 @@ fn steps_that_cannot_be_taken() {
     site.stands();
 }
 
-/// Parry gives it no mass; it would be quarantined as soon as it is spawned.
+/// Parry gives them no mass, or no inertia; they would be quarantined as soon as they are spawned.
 #[test]
 fn a_splinter_is_no_hull() {
-    let splinter = [
-        Vec3::new(-0.33939844, -0.5307102, -0.24860561),
-        Vec3::new(-0.2507609, -0.11659473, -0.08118141),
-        Vec3::new(0.18802726, -0.45681247, -0.4285905),
-        Vec3::new(-0.324097, 0.6573573, 0.32491618),
+    let splinters = [
+        [
+            Vec3::new(-0.33939844, -0.5307102, -0.24860561),
+            Vec3::new(-0.2507609, -0.11659473, -0.08118141),
+            Vec3::new(0.18802726, -0.45681247, -0.4285905),
+            Vec3::new(-0.324097, 0.6573573, 0.32491618),
+        ],
+        [
+            Vec3::new(-0.18441129, 0.17264873, 0.09349489),
+            Vec3::new(0.43928343, -0.7213512, 0.36465555),
+            Vec3::new(-0.7047509, 0.41545254, -0.10595751),
+            Vec3::new(0.7932431, 0.41939312, 0.44286793),
+        ],
     ];
-    let error = Collider::convex_hull(&splinter).expect_err("4 mm thick");
-    assert_eq!(error, drystone::collider::ColliderError::DegenerateHull);
+    for splinter in splinters {
+        let error = Collider::convex_hull(&splinter).expect_err("a few millimetres thick");
+        assert_eq!(error, drystone::collider::ColliderError::DegenerateHull);
+    }
+}
+
+/// Only `Transform` moves a body; what is written to its `Pose` is taken back, and is nothing that contacts are looked for at.
+#[test]
+fn a_pose_written_over_is_taken_back() {
+    for kind in [RigidBody::Dynamic, RigidBody::Static, RigidBody::Kinematic] {
+        for length in [0.0, 1e10, f32::NAN] {
+            let mut lab = Lab::new();
+            lab.ground();
+            let body = lab.body(Collider::cylinder(0.5, 1.0), Vec3::Y * 0.5);
+            let above = lab.cube(Vec3::Y * 1.5);
+            lab.world.entity_mut(body).insert(kind);
+            lab.step();
+            let rotation = Quat::from_xyzw(-1.3, 1.2, 0.9, length);
+            lab.world.get_mut::<Pose>(body).unwrap().rotation = rotation;
+            lab.run(0.1);
+            assert_eq!(lab.errors(), []);
+            assert!(lab.pose(body).rotation.is_normalized());
+            for (body, y) in [(body, 0.5), (above, 1.5)] {
+                let off = (lab.position(body) - Vec3::Y * y).length();
+                assert!(off < 1e-3, "{kind:?}, {length}: {off} m");
+                assert!(lab.velocity(body).linear.length() < 0.2);
+            }
+        }
+    }
 }

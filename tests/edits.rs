@@ -7,8 +7,8 @@ use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{
-    BodyIndex, CenterOfMass, Damping, Density, ExternalForce, GravityScale, Mass, RigidBody,
-    Velocity,
+    BodyIndex, CenterOfMass, Damping, Density, ExternalForce, GravityScale, Mass, MassProperties,
+    RigidBody, Velocity,
 };
 use drystone::collider::{Collider, CollisionLayers, Friction, Restitution};
 use drystone::contact::{
@@ -551,4 +551,15 @@ fn what_is_spawned_asleep_stays_asleep_until_something_wakes_it() {
             .iter()
             .any(|&b| !lab.world.get::<Sleeping>(b).unwrap().asleep)
     );
+}
+
+#[test]
+fn mass_properties_that_are_taken_off_come_back() {
+    let mut lab = Lab::new();
+    let cube = lab.cube(Vec3::Y * 5.0);
+    lab.step();
+    let mass = lab.mass(cube);
+    lab.world.entity_mut(cube).remove::<MassProperties>();
+    lab.step();
+    assert_eq!(lab.mass(cube), mass);
 }

@@ -89,6 +89,8 @@ pub(super) fn describe(
         _ => false,
     };
     body.events = events;
+    // It may have been taken off, and put back as nothing.
+    properties.set_if_neq(computed);
     let same = same_shape
         && (body.kind, body.layers, body.mass) == (*kind, layers, computed)
         && (body.friction, body.restitution, body.rolling) == (friction, restitution, rolling);
@@ -102,7 +104,6 @@ pub(super) fn describe(
     body.rolling = rolling;
     body.layers = layers;
     body.mass = computed;
-    *properties = computed;
     body.center = body.pose.transform_point(computed.local_center);
     body.radius = radius;
     body.half = collider.map_or(Vec3::ZERO, Collider::half_extents);

@@ -47,6 +47,7 @@ pub struct CenterOfMass(pub Vec3);
 /// dynamic again) and enter the solver with zeros.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = table::lost_description)]
 pub struct MassProperties {
     /// 1/kg
     pub inverse_mass: f32,

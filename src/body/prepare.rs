@@ -79,7 +79,9 @@ pub fn prepare(
         body.put_from = None;
         let was_driven = time.substep == 0 && body.target.take().is_some();
         let mut way = None;
-        if moved_to.is_some() && *kind == RigidBody::Kinematic && !teleported {
+        // Nobody goes anywhere from a `Pose` that somebody wrote and that is none.
+        let sound = pose.is_finite() && pose.rotation.is_normalized();
+        if moved_to.is_some() && *kind == RigidBody::Kinematic && !teleported && sound {
             let center = body.mass.local_center;
             way = Some(velocity_between(pose, &goes_to, center, time.whole()))
                 .filter(|way| speeds.allow(way));

@@ -7,6 +7,7 @@ mod sizes;
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 
+use crate::body::MassProperties;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
@@ -23,7 +24,7 @@ pub struct Collider(SharedShape);
 /// Why a shape could not be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ColliderError {
-    /// The points lie in one plane or line, are fewer than four, or hold a number that is not finite.
+    /// The points lie in one plane or line or nearly so, are fewer than four, or hold a number that is not finite.
     DegenerateHull,
     /// A triangle names a vertex that is not there, or there are no triangles.
     InvalidMesh(String),
@@ -128,10 +129,15 @@ impl Collider {
             return Err(ColliderError::DegenerateHull);
         }
         SharedShape::convex_hull(points)
-            // Of a splinter, metres long and millimetres thick, parry may find no volume.
-            .filter(|hull| hull.mass_properties(1.0).inv_mass > 0.0)
             .map(Self)
+            .filter(Self::has_mass)
             .ok_or(ColliderError::DegenerateHull)
+    }
+
+    /// Of a splinter, metres long and millimetres thick, parry may find no volume, or moments of inertia that no body has.
+    fn has_mass(&self) -> bool {
+        let mass = MassProperties::new(Some(self), None, None, None, None);
+        mass.is_valid(self.radius_about(mass.local_center))
     }
 
     /// Several convex shapes, each at a position and rotation in the body's frame.

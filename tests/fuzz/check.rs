@@ -1,12 +1,12 @@
 //! What must hold after every step.
 
-use crate::site::{GUEST, Half, Site};
+use crate::site::{Half, Site};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
-use drystone::body::{BodyTable, Pose, Quarantined, RigidBody, Velocity};
+use drystone::body::{BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity};
 use drystone::broadphase::Broadphase;
-use drystone::collider::{Collider, CollisionLayers};
+use drystone::collider::Collider;
 use drystone::contact::{
     ContactAnchors, ContactEnded, ContactImpulses, ContactPair, ContactStarted, ContactTargets,
     Manifold,
@@ -44,7 +44,7 @@ pub struct Watch {
 }
 
 /// m/s; nothing good numbers do comes near.
-const ABSURD: f32 = 300.0;
+const ABSURD: f32 = 600.0;
 
 /// m; nobody is put there.
 const DEEP: f32 = -3.0;
@@ -207,11 +207,16 @@ fn guest(site: &Site, guest: Entity) -> Result<(), Fault> {
     if velocity.linear.length() > ABSURD {
         return fault("absurdly fast", (guest, pose, velocity));
     }
-    let layers = body.get().copied().unwrap_or(CollisionLayers::default());
-    let held = body.get() == Some(&RigidBody::Dynamic)
-        && layers.collides_with(GUEST)
-        && !site.nested.contains(&guest);
-    if held && site.plain && pose.position.y < DEEP {
+    if body.get() != Some(&RigidBody::Dynamic) {
+        return Ok(());
+    }
+    let mass = body
+        .get()
+        .is_some_and(|mass: &MassProperties| mass.inverse_mass > 0.0);
+    if !mass {
+        return fault("without mass", guest);
+    }
+    if site.plain && !site.free.contains(&guest) && pose.position.y < DEEP {
         return fault("through the ground", (guest, pose, velocity));
     }
     Ok(())

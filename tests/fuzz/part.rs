@@ -9,7 +9,9 @@ use drystone::body::{
     Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
     GravityScale, Mass, RigidBody, Teleport, Velocity,
 };
-use drystone::collider::{Collider, CollisionLayers, CombineRule, Friction, Restitution};
+use drystone::collider::{
+    Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
+};
 use drystone::contact::ContactEvents;
 use drystone::grab::Grab;
 use drystone::sleeping::Sleeping;
@@ -54,6 +56,7 @@ parts!(
     Center(CenterOfMass => CenterOfMass),
     Friction(Friction => Friction),
     Restitution(Restitution => Restitution),
+    Rolling(RollingFriction => RollingFriction),
     Layers(CollisionLayers => CollisionLayers),
     Scale(GravityScale => GravityScale),
     Damping(Damping => Damping),
@@ -81,7 +84,7 @@ pub const KINDS: [RigidBody; 5] = [
 
 impl Part {
     pub fn roll(dice: &mut Dice) -> Self {
-        match dice.index(20) {
+        match dice.index(21) {
             0 => Self::Kind(dice.pick(&KINDS)),
             1 => Self::Shape(Shape::convex(dice)),
             2 => Self::Mass(Mass(dice.number(1.0, 3000.0))),
@@ -114,12 +117,12 @@ impl Part {
             }),
             11 => Self::Events(ContactEvents),
             12 => Self::Force(ExternalForce {
-                force: dice.vector(3000.0),
-                torque: dice.vector(300.0),
+                force: dice.vector(300.0),
+                torque: dice.vector(100.0),
             }),
             13 => Self::Impulse(ExternalImpulse {
-                linear: dice.vector(1000.0),
-                angular: dice.vector(100.0),
+                linear: dice.vector(100.0),
+                angular: dice.vector(30.0),
             }),
             14 => Self::Velocity(Velocity {
                 linear: dice.vector(10.0),
@@ -140,6 +143,10 @@ impl Part {
             }),
             17 => Self::Age(Age(dice.pick(&[0, 1, 2, 1000, u64::MAX]))),
             18 => Self::Teleport(Teleport),
+            19 => Self::Rolling(RollingFriction {
+                coefficient: dice.number(0.0, 0.1),
+                rule: rule(dice),
+            }),
             _ => Self::Disabled(Disabled),
         }
     }

@@ -41,8 +41,11 @@ pub fn fuzz(seeds: Range<u64>) {
     let mut tally = Tally::default();
     for seed in seeds {
         episode(seed, &mut tally);
+        if seed % 1000 == 999 {
+            tally.count(start);
+        }
     }
-    println!("{} operations in {:?}", tally.operations, start.elapsed());
+    tally.count(start);
     tally.tell();
 }
 
@@ -172,6 +175,15 @@ fn guarded(act: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
 }
 
 impl Tally {
+    fn count(&self, start: Instant) {
+        let kinds: Vec<&String> = self.faults.keys().collect();
+        let time = start.elapsed().as_secs();
+        println!(
+            "{} operations in {time} s, faults: {kinds:?}",
+            self.operations
+        );
+    }
+
     /// # Panics
     /// Where there is something to tell.
     pub fn tell(&self) {

@@ -12,7 +12,7 @@ use drystone::body::{
     BodyIndex, Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, MassProperties, Pose,
     Quarantined, RigidBody, Teleport, Velocity,
 };
-use drystone::collider::{Collider, CollisionLayers, Friction, Restitution};
+use drystone::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use drystone::contact::{ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold};
 use drystone::grab::Grab;
 use drystone::settings::{
@@ -43,8 +43,8 @@ pub struct Site {
     pub spoils: bool,
     /// Guests to whom something bad was done, or to what is above them, and not mended.
     pub tainted: HashSet<Entity>,
-    /// Guests that are, or were, below another.
-    pub nested: HashSet<Entity>,
+    /// Guests that the ground did not always hold.
+    pub free: HashSet<Entity>,
     /// Settings of solver and stabilization are the defaults, and always were.
     pub plain: bool,
 }
@@ -91,7 +91,7 @@ impl Site {
             guests: Vec::new(),
             spoils,
             tainted: HashSet::new(),
-            nested: HashSet::new(),
+            free: HashSet::new(),
             plain: true,
         }
     }
@@ -193,9 +193,16 @@ impl Site {
         let world = &self.noisy.world;
         self.guests.retain(|&guest| world.get_entity(guest).is_ok());
         for &guest in &self.guests {
+            let body = world.entity(guest);
+            let layers = body.get().copied().unwrap_or(CollisionLayers::default());
+            let held = layers.collides_with(GUEST)
+                && body.contains::<Collider>()
+                && body.get() != Some(&RigidBody::Kinematic);
+            if !held || body.contains::<ChildOf>() {
+                self.free.insert(guest);
+            }
             let mut above = guest;
             while let Some(&ChildOf(parent)) = world.get(above) {
-                self.nested.insert(guest);
                 if self.tainted.contains(&parent) {
                     self.tainted.insert(guest);
                 }
@@ -280,7 +287,7 @@ impl Site {
             Operation::Clone(_) if self.guests.len() < CROWD => {
                 let twin = body.clone_and_spawn();
                 self.guests.push(twin);
-                for marked in [&mut self.tainted, &mut self.nested] {
+                for marked in [&mut self.tainted, &mut self.free] {
                     if marked.contains(&guest) {
                         marked.insert(twin);
                     }
@@ -321,7 +328,7 @@ impl Site {
             }
             Operation::Mend(_) => {
                 self.tainted.remove(&guest);
-                body.remove::<(ChildOf, Mass, Grab, Damping, Quarantined)>();
+                body.remove::<(ChildOf, Mass, Grab, RollingFriction, Quarantined)>();
                 body.remove::<(
                     drystone::body::Density,
                     drystone::body::AngularInertia,

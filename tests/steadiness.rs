@@ -323,9 +323,9 @@ fn a_pyramid_of_100_stands() {
 }
 
 #[test]
-#[ignore = "long"]
+#[ignore = "missed, and long: one seed of three drifts 22.9 mm, wanted 20"]
 fn a_noisy_pyramid_of_100_stands() {
-    keeps_under_all_seeds(default("pyramid:100"), 20.0, 21.0, 4.0);
+    keeps_under_all_seeds(default("pyramid:100"), 20.0, 20.0, 4.0);
 }
 
 /// Awake; it may sleep by default.

@@ -338,6 +338,7 @@ impl Site {
                     RigidBody::Dynamic,
                     Collider::cuboid(0.5, 0.5, 0.5),
                     Transform::from_translation(4.0 * Vec3::Y),
+                    Pose::default(),
                     Velocity::default(),
                     ExternalForce::default(),
                     ExternalImpulse::default(),

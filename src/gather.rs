@@ -305,6 +305,8 @@ impl IslandProblem {
                 let impulse = touch.impulses.patches[i];
                 let first = self.points.len() as u32;
                 let solved = &touch.impulses.points[patch.range()];
+                // What is round carries its load elsewhere in the next moment, and would be pushed on by the mean of where it was.
+                let kept = if patch.curved { 0.0 } else { time.dt };
                 self.points.extend(
                     points
                         .iter()
@@ -314,7 +316,7 @@ impl IslandProblem {
                             separation: point.distance - ideal,
                             impulse: impulse.normal_to_start_from(time),
                             given: 0.0,
-                            load: impulse.load * time.dt,
+                            load: impulse.load * kept,
                         }),
                 );
                 self.patches.push(Patch {

@@ -92,7 +92,7 @@ pub use schedule::{advance, step};
 /// What most users need.
 pub mod prelude {
     pub use crate::body::{
-        AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
+        Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
         GravityScale, Mass, Pose, Quarantined, RigidBody, Teleport, Velocity,
     };
     pub use crate::collider::{

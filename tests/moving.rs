@@ -4,7 +4,7 @@ mod support;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{RigidBody, Velocity};
+use drystone::body::{RigidBody, Teleport, Velocity};
 use drystone::collider::Collider;
 use drystone::settings::{SleepSettings, SolverSettings};
 use glam::{Quat, Vec3};
@@ -181,6 +181,35 @@ fn what_is_no_longer_moved_by_its_transform_stands_still() {
     lab.set_velocity(platform, Vec3::Y, Vec3::ZERO);
     lab.run(1.0);
     assert!((lab.position(platform) - Vec3::new(1.0, 1.0, 0.0)).length() < 1e-3);
+}
+
+/// Put elsewhere, it was not on the way: nothing is carried along, and nothing is hit.
+#[test]
+fn a_teleport_carries_nothing() {
+    let mut lab = Lab::new();
+    let platform = lab.spawn((
+        RigidBody::Kinematic,
+        Collider::cuboid(4.0, 1.0, 4.0),
+        Transform::from_xyz(0.0, -0.5, 0.0),
+    ));
+    let cube = lab.cube(Vec3::Y * 0.5);
+    lab.run(1.0);
+    let there = Transform::from_xyz(1.0, -0.5, 0.0);
+    lab.world.entity_mut(platform).insert((there, Teleport));
+    lab.step();
+    assert_eq!(lab.position(platform), there.translation);
+    assert_eq!(lab.velocity(platform), Velocity::default());
+    assert!(lab.world.get::<Teleport>(platform).is_none(), "used up");
+    lab.run(1.0);
+    assert!((lab.position(cube) - Vec3::Y * 0.5).length() < 1e-3);
+    // Farther than a body may go in a step it cannot be but put.
+    let far = Transform::from_xyz(900.0, -0.5, 0.0);
+    lab.world.entity_mut(platform).insert(far);
+    lab.step();
+    assert_eq!(lab.position(platform), far.translation);
+    assert_eq!(lab.velocity(platform), Velocity::default());
+    lab.run(0.5);
+    assert!(lab.position(cube).x.abs() < 1e-3 && lab.position(cube).y < 0.0);
 }
 
 // 6: bodies without a shape

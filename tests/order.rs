@@ -4,7 +4,7 @@ mod support;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Pose, RigidBody};
+use drystone::body::{Age, Pose, RigidBody};
 use drystone::collider::Collider;
 use drystone::metrics::Displacement;
 use drystone::scenes::{Scene, SceneOptions};
@@ -160,4 +160,30 @@ fn the_same_bits_whatever_the_entities() {
             plain.len()
         );
     }
+}
+
+/// A server and its clients hear of bodies in different orders.
+#[test]
+fn the_same_bits_in_any_order_of_spawning_with_ages_by_hand() {
+    let run = |permute: fn(&mut Vec<u64>)| {
+        let mut lab = Lab::new();
+        lab.world.resource_mut::<SleepSettings>().enabled = false;
+        let mut ages: Vec<u64> = (0..40).collect();
+        permute(&mut ages);
+        for age in ages {
+            let body = match age {
+                0 => lab.ground(),
+                _ => {
+                    let (x, y) = ((age % 3) as f32, (age / 3) as f32);
+                    lab.cube(Vec3::new(0.3 * x + 0.1 * y, 0.6 + 1.1 * y, 0.4 * x))
+                }
+            };
+            lab.world.entity_mut(body).insert(Age(age));
+        }
+        lab.run(2.0);
+        lab.bits()
+    };
+    let plain = run(|_| ());
+    assert_eq!(plain, run(|ages| ages.reverse()));
+    assert_eq!(plain, run(|ages| fastrand::Rng::with_seed(7).shuffle(ages)));
 }

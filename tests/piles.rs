@@ -194,7 +194,7 @@ fn rolling_friction_is_checked() {
 }
 
 /// One message each, parted without violence, and in steps that do not take for ever.
-fn part_gently(collider: Collider, steps: usize) -> f32 {
+fn part_gently(collider: Collider, steps: usize, most: f32) -> f32 {
     let mut lab = Lab::new();
     lab.ground();
     let bodies: Vec<Entity> = (0..300)
@@ -215,15 +215,14 @@ fn part_gently(collider: Collider, steps: usize) -> f32 {
     );
     // The first of them is the one that the others are told of.
     assert_eq!(messages, 299);
-    // Some of it from falling: the heap they make is two metres high.
-    assert!(fastest < 7.0, "{fastest} m/s");
+    assert!(fastest < most, "{fastest} m/s");
     overlap
 }
 
 #[test]
 fn three_hundred_bodies_in_one_place_part_gently() {
     for collider in [Collider::cuboid(0.5, 0.5, 0.5), Collider::ball(0.25)] {
-        part_gently(collider, 30);
+        part_gently(collider, 30, 5.0);
     }
 }
 
@@ -231,7 +230,8 @@ fn three_hundred_bodies_in_one_place_part_gently() {
 #[ignore = "long"]
 fn three_hundred_bodies_in_one_place_part_in_ten_seconds() {
     for collider in [Collider::cuboid(0.5, 0.5, 0.5), Collider::ball(0.25)] {
-        let overlap = part_gently(collider, 600);
+        // From the top of the heap they make some fall two metres and more.
+        let overlap = part_gently(collider, 600, 10.0);
         assert!(overlap < 0.01, "{overlap} m");
     }
 }

@@ -82,51 +82,51 @@ fn keeps_under_all_seeds(experiment: Experiment, seconds: f32, drift: f32, sag: 
 
 #[test]
 fn a_wall_of_40_by_25_stays_within_millimetres() {
-    keeps(&default("wall:40x25"), MINUTE, 0.25, 2.6);
+    keeps(&default("wall:40x25"), MINUTE, 0.05, 0.05);
 }
 
 #[test]
-fn a_stack_of_100_sinks_by_a_fiftieth_of_a_cube() {
-    keeps(&default("stack:100"), MINUTE, 6.0, 27.0);
+fn a_stack_of_100_stays_where_it_is() {
+    keeps(&default("stack:100"), MINUTE, 0.1, 0.05);
 }
 
 #[test]
-fn a_noisy_stack_of_100_sinks_by_a_fortieth_of_a_cube() {
-    keeps_under_all_seeds(default("stack:100"), MINUTE, 21.0, 29.0);
+fn a_noisy_stack_of_100_stays_within_centimetres() {
+    keeps_under_all_seeds(default("stack:100"), MINUTE, 19.0, 2.6);
 }
 
 #[test]
 fn five_cubes_carry_a_hundred_times_their_mass() {
-    keeps(&default("massratio:100"), MINUTE, 0.1, 2.7);
-    keeps_under_all_seeds(default("massratio:100"), MINUTE, 0.4, 4.6);
+    keeps(&default("massratio:100"), MINUTE, 0.05, 0.05);
+    keeps_under_all_seeds(default("massratio:100"), MINUTE, 0.2, 2.6);
 }
 
 #[test]
-#[ignore = "missed: sags 13.1 mm, wanted 5 mm"]
 fn three_cubes_carry_a_thousand_times_their_mass() {
-    keeps(&default("massratio:1000x3"), MINUTE, 1.0, 5.0);
+    keeps(&default("massratio:1000x3"), MINUTE, 0.05, 0.05);
+    keeps_under_all_seeds(default("massratio:1000x3"), MINUTE, 0.6, 2.6);
 }
 
 #[test]
-fn three_cubes_under_a_thousand_times_their_mass_sag_by_a_centimetre() {
-    keeps(&default("massratio:1000x3"), MINUTE, 1.0, 16.0);
+fn a_stack_of_500_stays_where_it_is() {
+    keeps(&default("stack:500"), 10.0, 0.1, 0.05);
 }
 
 #[test]
 fn a_house_of_cards_stands() {
-    keeps(&default("cardhouse:5"), MINUTE, 0.2, 2.1);
+    keeps(&default("cardhouse:5"), MINUTE, 0.2, 0.15);
 }
 
 #[test]
 fn an_arch_of_15_stands() {
-    keeps(&default("arch:15"), MINUTE, 29.0, 7.5);
-    keeps_under_all_seeds(default("arch:15"), MINUTE, 7.5, 3.1);
+    keeps(&default("arch:15"), MINUTE, 29.0, 5.5);
+    keeps_under_all_seeds(default("arch:15"), MINUTE, 7.5, 2.9);
 }
 
 #[test]
 fn an_arch_of_25_stands() {
-    keeps(&default("arch:25"), MINUTE, 18.0, 12.0);
-    keeps_under_all_seeds(default("arch:25"), MINUTE, 7.5, 4.0);
+    keeps(&default("arch:25"), MINUTE, 18.0, 10.0);
+    keeps_under_all_seeds(default("arch:25"), MINUTE, 8.5, 3.0);
 }
 
 #[test]
@@ -136,33 +136,33 @@ fn a_cantilever_of_4_stands() {
 
 #[test]
 fn at_a_tenth_of_a_second_a_stack_of_20_stays() {
-    keeps(&coarse("stack:20"), MINUTE, 4.6, 37.0);
+    keeps(&coarse("stack:20"), MINUTE, 0.05, 0.05);
+    keeps(&coarse("stack:30"), MINUTE, 0.05, 0.05);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_noisy_stack_of_20_stays() {
-    let experiment = noisy(coarse("stack:20"), 1);
-    keeps(&experiment, MINUTE, 20.0, 39.0);
+    keeps_under_all_seeds(coarse("stack:20"), MINUTE, 2.7, 2.6);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_wall_of_20_by_15_stays() {
-    keeps(&coarse("wall:20x15"), MINUTE, 3.5, 35.0);
+    keeps(&coarse("wall:20x15"), MINUTE, 0.05, 0.05);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_noisy_wall_of_20_by_15_stays() {
-    keeps_under_all_seeds(coarse("wall:20x15"), MINUTE, 3.8, 36.0);
+    keeps_under_all_seeds(coarse("wall:20x15"), MINUTE, 2.8, 2.7);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_pyramid_of_20_stays() {
-    keeps(&coarse("pyramid:20"), MINUTE, 1.8, 36.0);
+    keeps(&coarse("pyramid:20"), MINUTE, 0.35, 0.3);
 }
 
 #[test]
 fn at_a_tenth_of_a_second_a_noisy_pyramid_of_20_stays() {
-    keeps_under_all_seeds(coarse("pyramid:20"), MINUTE, 8.6, 40.0);
+    keeps_under_all_seeds(coarse("pyramid:20"), MINUTE, 1.3, 3.1);
 }
 
 #[test]
@@ -229,19 +229,18 @@ fn what_starts_exactly_touching_never_gains_energy() {
 }
 
 #[test]
-#[ignore = "missed: from one step to the next gains 1.7e-4 of its energy, which was in its springs, wanted 1e-6"]
+#[ignore = "missed: from one step to the next gains 1.4e-4 of its energy, which was in its springs, wanted 1e-6"]
 fn an_arch_never_gains_energy() {
     never_gains_energy("arch:15");
 }
 
 #[test]
-#[ignore = "missed: from one step to the next gains 1.1e-4 of its energy, which was in its springs, wanted 1e-6"]
 fn cubes_under_a_great_weight_never_gain_energy() {
     never_gains_energy("massratio:100");
 }
 
 #[test]
-#[ignore = "missed: from one step to the next gains 3.9e-6 of its energy as it stops, wanted 1e-6"]
+#[ignore = "missed: from one step to the next gains 4.5e-6 of its energy as it stops, wanted 1e-6"]
 fn a_sliding_slab_never_gains_energy() {
     never_gains_energy("sliding");
 }
@@ -285,7 +284,7 @@ fn friction_stays_inside_its_cone_and_fills_it_where_something_slides() {
 }
 
 #[test]
-#[ignore = "missed over whole steps: up to 2.7 cones between bricks that hardly touch; the sweep that ends a step is inside"]
+#[ignore = "missed over whole steps: 255 cones between bricks that hardly touch, which is 6e-9 of a weight; the sweep that ends a step is inside"]
 fn friction_between_loose_neighbours_stays_inside_its_cone() {
     for scene in ["wall:10x10", "heap:100"] {
         let fullest = fullest_cone(&default(scene));
@@ -302,31 +301,31 @@ fn a_cube_rests_for_ten_hours() {
 #[test]
 #[ignore = "long"]
 fn a_noisy_wall_of_40_by_25_stays_within_millimetres() {
-    keeps_under_all_seeds(default("wall:40x25"), MINUTE, 1.8, 4.4);
+    keeps_under_all_seeds(default("wall:40x25"), MINUTE, 1.8, 2.6);
 }
 
 #[test]
 #[ignore = "long"]
 fn a_wall_of_100_by_50_stands() {
-    keeps(&default("wall:100x50"), MINUTE, 1.0, 9.6);
+    keeps(&default("wall:100x50"), MINUTE, 0.05, 0.05);
 }
 
 #[test]
 #[ignore = "long"]
 fn a_noisy_wall_of_100_by_50_stands() {
-    keeps_under_all_seeds(default("wall:100x50"), 20.0, 4.1, 9.3);
+    keeps_under_all_seeds(default("wall:100x50"), 20.0, 4.1, 2.9);
 }
 
 #[test]
 #[ignore = "long"]
 fn a_pyramid_of_100_stands() {
-    keeps(&default("pyramid:100"), MINUTE, 1.5, 23.0);
+    keeps(&default("pyramid:100"), MINUTE, 0.15, 0.05);
 }
 
 #[test]
 #[ignore = "long"]
 fn a_noisy_pyramid_of_100_stands() {
-    keeps_under_all_seeds(default("pyramid:100"), 20.0, 21.0, 24.0);
+    keeps_under_all_seeds(default("pyramid:100"), 20.0, 21.0, 4.0);
 }
 
 /// Awake; it may sleep by default.
@@ -336,13 +335,6 @@ fn a_heap_of_1000_comes_to_rest() {
     let outcome = end(&default("heap:1000"), 10.0);
     assert!(outcome.stands, "a box is lost at {:?} s", outcome.fell_at);
     let [speed, overlap] = [outcome.rms_speed, outcome.penetration_end].map(|x| 1e3 * x);
-    assert!(speed < 0.2, "{speed} mm/s");
+    assert!(speed < 1.0, "{speed} mm/s");
     assert!(overlap < 1.2, "{overlap} mm");
-}
-
-/// The stack from above at a tenth of a second, with other noise.
-#[test]
-#[ignore = "missed: seed 2 drifts 21.3 mm, wanted 20 mm"]
-fn at_a_tenth_of_a_second_all_noisy_stacks_of_20_stay() {
-    keeps_under_all_seeds(coarse("stack:20"), MINUTE, 20.0, 39.0);
 }

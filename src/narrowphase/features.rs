@@ -6,7 +6,9 @@
 
 use super::cylinders;
 use crate::body::BodyState;
+use bevy_math::ops;
 use glam::Vec3;
+use std::f32::consts::TAU;
 
 /// A feature counts up to so far from the plane of contact, as the sine of the angle.
 const FLAT: f32 = 0.15;
@@ -61,7 +63,7 @@ impl Feature {
             let out = axis * along.signum();
             let middle = center + cylinder.half_height * out;
             let rim = std::array::from_fn(|i| {
-                let (sin, cos) = (i as f32 * std::f32::consts::TAU / RIM as f32).sin_cos();
+                let (sin, cos) = ops::sin_cos(i as f32 * TAU / RIM as f32);
                 middle + cylinder.radius * (turn * Vec3::new(cos, 0.0, sin))
             });
             let flat = direction.cross(axis).length() < FLAT;

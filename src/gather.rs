@@ -4,7 +4,7 @@
 //! the order of their level of support and their age ([`Islands`]), so the result does not depend on threads or on where the ECS keeps
 //! things.
 
-use crate::body::{Age, BodyIndex, BodyTable, Quarantined, Velocity};
+use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Velocity};
 use crate::contact::{self, ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};
 use crate::islands::Islands;
 use crate::settings::{PhysicsThreads, SolverSettings, StabilizationSettings, StepTime};
@@ -114,13 +114,24 @@ impl Problems {
 /// One pair with points, as gathered.
 struct Touch<'a> {
     island: u32,
-    /// Of the body higher up, then of the other: all supports of a brick are visited together.
-    ranks: [(u32, Age); 2],
+    /// See [`place`].
+    place: u128,
     pair: &'a ContactPair,
     manifold: &'a Manifold,
     targets: &'a ContactTargets,
     impulses: &'a ContactImpulses,
     slot: &'a mut SolverSlot,
+}
+
+/// What a touch is sorted by: its island, then the body higher up, then the other, so that all supports of a brick are visited
+/// together. Bodies stand in their problem in the order of their ranks; what is not in it stands still, and goes by age.
+fn place(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u128 {
+    let rank = |i: usize| match local[i] {
+        u32::MAX => bodies[i].age.0 as u128 & 0xffff_ffff,
+        local => 1 << 32 | local as u128,
+    };
+    let (one, other) = (rank(0), rank(1));
+    (island as u128) << 96 | one.max(other) << 48 | one.min(other)
 }
 
 /// See the module's text.
@@ -187,13 +198,10 @@ pub fn gather(
         if !manifold.points.is_empty()
             && let Some(island) = pair.slots.iter().find(awake).and_then(|s| islands.of(*s))
         {
-            let [one, other] = [
-                islands.rank(pair.slots[0], a),
-                islands.rank(pair.slots[1], b),
-            ];
+            let island = island as u32;
             touches.push(Touch {
-                island: island as u32,
-                ranks: [one.max(other), one.min(other)],
+                island,
+                place: place(island, [a, b], pair.slots.map(|slot| local[slot as usize])),
                 pair,
                 manifold,
                 targets,
@@ -202,7 +210,7 @@ pub fn gather(
             });
         }
     }
-    touches.sort_unstable_by_key(|touch| (touch.island, touch.ranks));
+    touches.sort_unstable_by_key(|touch| touch.place);
 
     let (local, velocities) = (&*local, &*velocities);
     let mut rest = touches.as_mut_slice();

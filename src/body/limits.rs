@@ -20,6 +20,8 @@ pub const LARGEST: f32 = 1e6;
 pub const LIGHTEST: f32 = 1e-9;
 /// Greatest mass, kg.
 pub const HEAVIEST: f32 = 1e15;
+/// Greatest moment of inertia, kg·m².
+pub const INERTIA: f32 = 1e24;
 /// Greatest inverse moment of inertia, as a multiple of that of a ring of the body's mass and bounding radius.
 pub const THINNEST: f32 = 1e12;
 /// Strongest force (N), torque (N·m) and impulse (N·s, N·m·s).

@@ -112,7 +112,7 @@ impl MassProperties {
         let masses = limits::HEAVIEST.recip()..=limits::LIGHTEST.recip();
         masses.contains(&self.inverse_mass)
             && self.inverse_inertia.is_finite()
-            && self.inverse_inertia.min_element() > 0.0
+            && self.inverse_inertia.min_element() >= limits::INERTIA.recip()
             && self.inverse_inertia.max_element() * radius * radius
                 <= limits::THINNEST * self.inverse_mass
             && self.local_center.is_finite()

@@ -3,6 +3,7 @@
 
 use crate::operation::{Act, Operation, Spawn};
 use crate::part::{INNOCENT, Part};
+use crate::shape::Shape;
 use bevy_app::App;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
@@ -45,7 +46,8 @@ pub struct Site {
     pub tainted: HashSet<Entity>,
     /// Guests that the ground did not always hold.
     pub free: HashSet<Entity>,
-    /// Settings of solver and stabilization are the defaults, and always were.
+    /// Settings of solver and stabilization are the defaults, and always were, and no half-space presses on what lies on the
+    /// ground.
     pub plain: bool,
 }
 
@@ -256,6 +258,8 @@ impl Site {
             GUEST,
         );
         let mut guest = self.noisy.world.spawn(guest);
+        // Between two half-spaces there may be no place at all.
+        self.plain &= !matches!(spawn.shape, Shape::HalfSpace(_));
         if spawn.asleep {
             guest.insert(drystone::sleeping::Sleeping {
                 asleep: true,
@@ -338,6 +342,7 @@ impl Site {
                     RigidBody::Dynamic,
                     Collider::cuboid(0.5, 0.5, 0.5),
                     Transform::from_translation(4.0 * Vec3::Y),
+                    Pose::default(),
                     Velocity::default(),
                     ExternalForce::default(),
                     ExternalImpulse::default(),

@@ -1,4 +1,4 @@
-//! The stage **islands**: groups bodies that push on each other, finds what stands on what ([`order`]), and wakes islands that may not
+//! The stage **islands**: groups bodies that push on each other, finds what stands on what (its level of support), and wakes islands that may not
 //! sleep on. It comes before forces, so that what wakes has all of its weight when it is first solved.
 //!
 //! Static and kinematic bodies do not connect islands.

@@ -1,5 +1,5 @@
 //! What a user can set: gravity, stabilization, solver. The defaults are what a Bevy user gets; [`Preset::Paper`]
-//! is the setting of the paper's Table 1. All of it may be changed between any two steps; what cannot be is refused ([`check`]).
+//! is the setting of the paper's Table 1. All of it may be changed between any two steps; what cannot be is refused (`StepError::InvalidSettings`).
 
 mod check;
 

@@ -52,7 +52,8 @@ pub enum RigidBody {
     /// Moved by forces and contacts.
     #[default]
     Dynamic,
-    /// Never moves; infinitely heavy. Moved by its `Transform` it is elsewhere at once and carries nothing along.
+    /// Never moves; infinitely heavy. Moved by its `Transform` it is elsewhere at once and carries nothing along; a
+    /// [`Velocity`] is that of its surface, a conveyor belt's.
     Static,
     /// Moved by the user alone, infinitely heavy to whatever it touches: by its [`Velocity`], or by its `Transform`, and then its
     /// velocity is for that step what takes it there, so that it carries what stands on it. See [`Teleport`].

@@ -1,6 +1,7 @@
 //! `Transform` in and out: where a user put a body, what its frame is, and how fast a kinematic body goes that is moved by it.
 
-use super::{Pose, Velocity};
+use super::{BodyState, Pose, Velocity};
+use crate::settings::{SpeedLimits, StepTime};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
@@ -69,8 +70,30 @@ pub(crate) fn local_pose(
     }
 }
 
+impl BodyState {
+    /// Sends a kinematic body to where its `Transform` is: it has the velocity that takes it there by the end of the step. False where
+    /// it would be too fast, or stands nowhere.
+    pub(super) fn send(
+        &mut self,
+        from: Pose,
+        to: Pose,
+        velocity: &mut Velocity,
+        time: &StepTime,
+        speeds: &SpeedLimits,
+    ) -> bool {
+        let way = velocity_between(&from, &to, self.mass.local_center, time.whole());
+        // Nobody goes anywhere from a `Pose` that somebody wrote and that is none.
+        let goes = from.is_finite() && from.rotation.is_normalized() && speeds.allow(&way);
+        if goes {
+            self.target = Some(to);
+            *velocity = way;
+        }
+        goes
+    }
+}
+
 /// The velocity that takes a body from one pose to another in `dt` s; `center` is its centre of mass in its frame.
-pub(super) fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
+fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
     let turn = to.rotation * from.rotation.inverse();
     // The shorter way round.
     let turn = if turn.w < 0.0 { -turn } else { turn };

@@ -1,7 +1,7 @@
 //! The stage **prepare**: reads what the user changed, checks it, and fills the [`BodyTable`].
 
 use super::describe::{Changes, Described, describe};
-use super::placement::{Placed, user_pose, velocity_between};
+use super::placement::{Placed, user_pose};
 use super::{
     Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     MassProperties, Pose, Quarantined, RigidBody, Teleport, Velocity, limits,
@@ -75,28 +75,19 @@ pub fn prepare(
             continue;
         };
         body.visited = visit;
-
         body.put_from = None;
-        let was_driven = time.substep == 0 && body.target.take().is_some();
-        let mut way = None;
-        // Nobody goes anywhere from a `Pose` that somebody wrote and that is none.
-        let sound = pose.is_finite() && pose.rotation.is_normalized();
-        if moved_to.is_some() && *kind == RigidBody::Kinematic && !teleported && sound {
-            let center = body.mass.local_center;
-            way = Some(velocity_between(pose, &goes_to, center, time.whole()))
-                .filter(|way| speeds.allow(way));
-        }
-        if let Some(way) = way {
-            body.target = Some(goes_to);
-            *velocity = way;
-        } else {
-            if moved_to.is_some() {
-                body.put_from = Some(*pose);
-            }
+        // Until the end of the step; then the velocity of its way was only for that.
+        let was_sent = time.substep == 0 && body.target.take().is_some();
+        let is_sent = moved_to.is_some()
+            && !teleported
+            && *kind == RigidBody::Kinematic
+            && body.send(*pose, goes_to, &mut velocity, &time, &speeds);
+        if !is_sent {
+            body.put_from = moved_to.map(|_| *pose);
             *pose = goes_to;
-            if was_driven && *velocity == body.velocity {
-                *velocity = Velocity::default();
-            }
+        }
+        if !is_sent && was_sent && *velocity == body.velocity {
+            *velocity = Velocity::default();
         }
 
         let force = pushed.0.copied().unwrap_or_default();

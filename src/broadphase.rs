@@ -195,12 +195,6 @@ pub fn broadphase(
             }
         }
     }
-    // The tree's shape depends on its history; the order of pairs must not.
-    sort(begun, &table);
-}
-
-fn sort(begun: &mut [[u32; 2]], table: &BodyTable) {
-    begun.sort_unstable_by_key(|&[a, b]| [a, b].map(|slot| table.get(slot).map(|body| body.age)));
 }
 
 /// Everything a body may touch within the step lies in here: shape, envelope, and its way.
@@ -246,10 +240,8 @@ type Broken = (
                 With<Disabled>,
             )>,
         ),
-        (
-            Without<ContactPair>,
-            Or<(With<Manifold>, With<ContactImpulses>, With<SolverSlot>)>,
-        ),
+        // By what nobody but drystone has: a manifold may be a user's own copy.
+        (Without<ContactPair>, With<SolverSlot>),
     )>,
     Allow<Disabled>,
 );
@@ -275,7 +267,7 @@ pub fn pair_changes(
     );
     let lives = |pair: &ContactPair, i: usize| {
         let body = table.get(pair.slots[i]);
-        body.is_some_and(|body| (body.entity, body.age) == (pair.bodies[i], pair.ages[i]))
+        body.is_some_and(|body| pair.is_of(i, body))
     };
     let goes_on = |pair: &ContactPair| {
         lives(pair, 0) && lives(pair, 1) && broadphase.overlap(table, pair.slots)
@@ -295,7 +287,7 @@ pub fn pair_changes(
         for pair in &lost {
             let alive = [0, 1].map(|i| {
                 let body = table.get_mut(pair.slots[i]);
-                body.filter(|body| (body.entity, body.age) == (pair.bodies[i], pair.ages[i]))
+                body.filter(|body| pair.is_of(i, body))
                     .map(|body| body.roused |= pair.touching)
                     .is_some()
             });
@@ -308,7 +300,8 @@ pub fn pair_changes(
         }
         // Only now may a slot go to another body: no pair names it any more.
         removed.into_iter().for_each(|slot| table.recycle(slot));
-        sort(&mut begun, &table);
+        // The tree's shape depends on its history; the order of pairs must not.
+        begun.sort_unstable_by_key(|slots| slots.map(|slot| table.get(slot).map(|body| body.age)));
     });
     let told = lost.iter().filter(|pair| pair.announced);
     let told = told.map(|pair| (pair.ages, pair.bodies));
@@ -321,19 +314,7 @@ pub fn pair_changes(
         .filter_map(|&slots| {
             let [a, b] = [table.get(slots[0])?, table.get(slots[1])?];
             warn(a, b, &mut warnings);
-            Some(ContactPair {
-                bodies: [a.entity, b.entity],
-                slots,
-                ages: [a.age, b.age],
-                friction: a.friction.combine(b.friction),
-                restitution: a.restitution.combine(b.restitution),
-                rolling_friction: a.rolling.combine(b.rolling),
-                rolling_radius: a.rolling_radius().min(b.rolling_radius()),
-                touching: false,
-                parted: false,
-                detected: false,
-                announced: false,
-            })
+            Some(ContactPair::new(slots, [a, b]))
         })
         .collect();
     // Of many in one place each is named once.

@@ -124,14 +124,18 @@ struct Touch<'a> {
 }
 
 /// What a touch is sorted by: its island, then the body higher up, then the other, so that all supports of a brick are visited
-/// together. Bodies stand in their problem in the order of their ranks; what is not in it stands still, and goes by age.
+/// together. Bodies stand in their problem in the order of their ranks; what is not in it stands still, comes before them, and goes
+/// by age.
 fn place(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u128 {
+    const MOVES: u64 = 1 << 63;
     let rank = |i: usize| match local[i] {
-        u32::MAX => bodies[i].age.0 as u128 & 0xffff_ffff,
-        local => 1 << 32 | local as u128,
+        u32::MAX => bodies[i].age.0 & !MOVES,
+        local => MOVES | local as u64,
     };
     let (one, other) = (rank(0), rank(1));
-    (island as u128) << 96 | one.max(other) << 48 | one.min(other)
+    // The higher is in the problem, or the touch would be in none.
+    let higher = one.max(other) as u32;
+    (island as u128) << 96 | (higher as u128) << 64 | one.min(other) as u128
 }
 
 /// See the module's text.

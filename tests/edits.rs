@@ -160,6 +160,20 @@ fn a_pair_that_lost_a_component_comes_back() {
     harm_pairs(|world, pair| _ = world.entity_mut(pair).insert(Disabled));
 }
 
+/// Who keeps a manifold to look at it later has no pair.
+#[test]
+fn a_users_copy_of_a_manifold_is_the_users() {
+    let (mut lab, _) = stack(false);
+    let pair = pairs(&mut lab)[0];
+    let copies = (
+        lab.world.get::<Manifold>(pair).unwrap().clone(),
+        lab.world.get::<ContactImpulses>(pair).unwrap().clone(),
+    );
+    let notes = lab.spawn(copies);
+    lab.run(0.5);
+    assert_eq!(lab.world.get::<Manifold>(notes).unwrap().points.len(), 4);
+}
+
 #[test]
 fn a_level_may_be_cleared_pairs_and_all_and_built_again() {
     let mut lab = Lab::new();

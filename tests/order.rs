@@ -4,8 +4,9 @@ mod support;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Age, Pose, RigidBody};
+use drystone::body::{Age, BodyIndex, Pose, RigidBody};
 use drystone::collider::Collider;
+use drystone::islands::Islands;
 use drystone::metrics::Displacement;
 use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::SleepSettings;
@@ -173,12 +174,19 @@ fn the_same_bits_in_any_order_of_spawning_with_ages_by_hand() {
         for age in ages {
             let body = match age {
                 0 => lab.ground(),
+                // A slab, so that something stands on two bodies that stand still.
+                1 => lab.spawn((
+                    RigidBody::Static,
+                    Collider::cuboid(3.0, 0.1, 3.0),
+                    Transform::from_xyz(0.5, 0.05, 0.5),
+                )),
                 _ => {
                     let (x, y) = ((age % 3) as f32, (age / 3) as f32);
                     lab.cube(Vec3::new(0.3 * x + 0.1 * y, 0.6 + 1.1 * y, 0.4 * x))
                 }
             };
-            lab.world.entity_mut(body).insert(Age(age));
+            // Of any size: a server may well count in time.
+            lab.world.entity_mut(body).insert(Age(age << 40));
         }
         lab.run(2.0);
         lab.bits()
@@ -186,4 +194,19 @@ fn the_same_bits_in_any_order_of_spawning_with_ages_by_hand() {
     let plain = run(|_| ());
     assert_eq!(plain, run(|ages| ages.reverse()));
     assert_eq!(plain, run(|ages| fastrand::Rng::with_seed(7).shuffle(ages)));
+}
+
+#[test]
+fn a_body_knows_how_far_above_the_ground_it_stands() {
+    let mut lab = Lab::new();
+    let falling = lab.cube(Vec3::Y * 20.0);
+    let cubes = [3.5, 1.5, 0.5, 2.5].map(|y| lab.cube(Vec3::Y * y));
+    lab.ground();
+    lab.step();
+    let level = |body: Entity| {
+        let slot = lab.world.get::<BodyIndex>(body).unwrap().0;
+        lab.world.resource::<Islands>().level(slot)
+    };
+    assert_eq!(cubes.map(level), [Some(4), Some(2), Some(1), Some(3)]);
+    assert_eq!(level(falling), None, "nothing carries it");
 }

@@ -13,7 +13,7 @@ pub use events::{
 };
 pub use whole_step::whole_step;
 
-use crate::body::Age;
+use crate::body::{Age, BodyState};
 use crate::gather::SolverSlot;
 use crate::solver::Slip;
 use bevy_ecs::prelude::*;
@@ -55,6 +55,40 @@ pub struct ContactPair {
     pub(crate) detected: bool,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
+}
+
+impl ContactPair {
+    /// Of two bodies that have just come near each other.
+    pub(crate) fn new(slots: [u32; 2], [a, b]: [&BodyState; 2]) -> Self {
+        let mut pair = Self {
+            bodies: [a.entity, b.entity],
+            slots,
+            ages: [a.age, b.age],
+            friction: 0.0,
+            restitution: 0.0,
+            rolling_friction: 0.0,
+            rolling_radius: 0.0,
+            touching: false,
+            parted: false,
+            detected: false,
+            announced: false,
+        };
+        pair.combine([a, b]);
+        pair
+    }
+
+    /// Takes over how the surfaces of its bodies act on each other.
+    pub(crate) fn combine(&mut self, [a, b]: [&BodyState; 2]) {
+        self.friction = a.friction.combine(b.friction);
+        self.restitution = a.restitution.combine(b.restitution);
+        self.rolling_friction = a.rolling.combine(b.rolling);
+        self.rolling_radius = a.rolling_radius().min(b.rolling_radius());
+    }
+
+    /// True where A (0) or B (1) is this body, and not another in the same slot.
+    pub(crate) fn is_of(&self, i: usize, body: &BodyState) -> bool {
+        (body.entity, body.age) == (self.bodies[i], self.ages[i])
+    }
 }
 
 /// Where two bodies touch, or may within the step.

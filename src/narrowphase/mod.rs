@@ -104,10 +104,7 @@ fn look(
     (manifold, impulses, anchors, targets): Kept,
 ) {
     if a.renewed || b.renewed {
-        pair.friction = a.friction.combine(b.friction);
-        pair.restitution = a.restitution.combine(b.restitution);
-        pair.rolling_friction = a.rolling.combine(b.rolling);
-        pair.rolling_radius = a.rolling_radius().min(b.rolling_radius());
+        pair.combine([a, b]);
         // Parry would keep the points of shapes that are no more.
         cache.forget();
     }

@@ -765,7 +765,7 @@ fn support_that_goes_or_moves_wakes() {
         for (cube, start) in cubes.into_iter().zip([0.5, 1.5, 2.5]) {
             // Half a second of free fall.
             let fell = start - lab.position(cube).y;
-            assert!((fell - 0.5 * G * 0.25).abs() < 0.1, "change {i}: {fell}");
+            assert!((fell - 0.5 * G * 0.25).abs() < 0.01, "change {i}: {fell}");
         }
     }
 }

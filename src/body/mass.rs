@@ -72,7 +72,7 @@ impl MassProperties {
         let density = density.map_or(Density::DEFAULT, |d| d.0);
         let unit = match collider {
             // Unit density first: parry would hide a bad density behind its own guards against division by zero.
-            Some(collider) => collider.shape().mass_properties(1.0),
+            Some(collider) => collider.mass_properties(),
             None => parry3d::mass_properties::MassProperties::new(
                 Vec3::ZERO,
                 1.0 / Density::DEFAULT,

@@ -2,10 +2,13 @@
 
 mod layers;
 mod material;
+mod polyhedron;
 mod sizes;
+mod solid;
 
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
+pub use polyhedron::{Edge, Face, Moments, Polyhedron};
 
 use crate::body::MassProperties;
 use bevy_ecs::prelude::*;
@@ -13,19 +16,25 @@ use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
 use parry3d::shape::{Cone, Cylinder, HeightField, HeightFieldFlags, SharedShape, TriMeshFlags};
 use parry3d::utils::Array2;
+use solid::Solid;
 use std::fmt;
 
 /// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
 /// the constructors here cover the common ones.
 #[derive(Component, Clone)]
 #[component(on_remove = crate::body::lost_description)]
-pub struct Collider(SharedShape);
+pub struct Collider {
+    shape: SharedShape,
+    solid: Solid,
+}
 
 /// Why a shape could not be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ColliderError {
     /// The points lie in one plane or line or nearly so, are fewer than four, or hold a number that is not finite.
     DegenerateHull,
+    /// A convex hull has so many corners, more than [`Polyhedron::MAX_CORNERS`].
+    TooManyCorners(usize),
     /// A triangle names a vertex that is not there, or there are no triangles.
     InvalidMesh(String),
     /// A compound of nothing, or with a part that is itself composite.
@@ -39,6 +48,11 @@ impl fmt::Display for ColliderError {
         match self {
             Self::DegenerateHull => f.write_str(
                 "a convex hull needs four points that are not in one plane, all of them finite",
+            ),
+            Self::TooManyCorners(count) => write!(
+                f,
+                "a convex hull of {count} corners, more than {}",
+                Polyhedron::MAX_CORNERS
             ),
             Self::InvalidMesh(why) => write!(f, "invalid triangle mesh: {why}"),
             Self::InvalidCompound => f.write_str(
@@ -62,79 +76,98 @@ impl Default for Collider {
 
 impl fmt::Debug for Collider {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Collider({:?})", self.0.shape_type())
+        write!(f, "Collider({:?})", self.shape.shape_type())
     }
 }
 
 impl From<SharedShape> for Collider {
     fn from(shape: SharedShape) -> Self {
-        Self(shape)
+        let solid = Solid::of(&shape);
+        Self { shape, solid }
     }
 }
 
 impl Collider {
     /// A ball.
     pub fn ball(radius: f32) -> Self {
-        Self(SharedShape::ball(radius))
+        SharedShape::ball(radius).into()
     }
 
     /// A box, by its full edge lengths.
     pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
-        Self(SharedShape::cuboid(0.5 * x, 0.5 * y, 0.5 * z))
+        SharedShape::cuboid(0.5 * x, 0.5 * y, 0.5 * z).into()
     }
 
     /// A box with rounded edges, by its full lengths before `border` is added all around.
     pub fn round_cuboid(x: f32, y: f32, z: f32, border: f32) -> Self {
-        Self(SharedShape::round_cuboid(0.5 * x, 0.5 * y, 0.5 * z, border))
+        SharedShape::round_cuboid(0.5 * x, 0.5 * y, 0.5 * z, border).into()
     }
 
     /// A cylinder about the y axis.
     pub fn cylinder(radius: f32, height: f32) -> Self {
         // Not by its constructor, which panics on a negative size; the stage *prepare* finds that.
-        Self(SharedShape::new(Cylinder {
+        SharedShape::new(Cylinder {
             half_height: 0.5 * height,
             radius,
-        }))
+        })
+        .into()
     }
 
     /// A cone about the y axis, its tip upwards.
     pub fn cone(radius: f32, height: f32) -> Self {
-        Self(SharedShape::new(Cone {
+        SharedShape::new(Cone {
             half_height: 0.5 * height,
             radius,
-        }))
+        })
+        .into()
     }
 
     /// A capsule about the y axis; `length` is that of its cylinder.
     pub fn capsule(radius: f32, length: f32) -> Self {
-        Self(SharedShape::capsule_y(0.5 * length, radius))
+        SharedShape::capsule_y(0.5 * length, radius).into()
     }
 
     /// A single triangle, without volume: for static bodies.
     pub fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Self {
-        Self(SharedShape::triangle(a, b, c))
+        SharedShape::triangle(a, b, c).into()
     }
 
     /// Everything below the plane through the origin with this outward normal: for static bodies.
     pub fn half_space(normal: Vec3) -> Self {
-        Self(SharedShape::halfspace(normal.normalize_or(Vec3::Y)))
+        SharedShape::halfspace(normal.normalize_or(Vec3::Y)).into()
     }
 
-    /// The convex hull of points.
+    /// The convex hull of points, m. Its faces are as they are; no two are taken for one because the edge between them is blunt.
     ///
     /// # Errors
-    /// [`ColliderError::DegenerateHull`] where they enclose no volume.
+    /// [`ColliderError::DegenerateHull`] where they enclose no volume, or next to none; [`ColliderError::TooManyCorners`] where
+    /// the hull has more than [`Polyhedron::MAX_CORNERS`], of any number of points.
     pub fn convex_hull(points: &[Vec3]) -> Result<Self, ColliderError> {
-        if points.len() < 4 || !points.iter().all(|p| p.is_finite()) || is_flat(points) {
-            return Err(ColliderError::DegenerateHull);
-        }
-        SharedShape::convex_hull(points)
-            .map(Self)
-            .filter(Self::has_mass)
+        let polyhedron = Polyhedron::new(points)?;
+        let shape = solid::to_parry(&polyhedron)?;
+        let solid = Solid::Hull(polyhedron.into());
+        let hull = Self { shape, solid };
+        hull.has_mass()
+            .then_some(hull)
             .ok_or(ColliderError::DegenerateHull)
     }
 
-    /// Of a splinter, metres long and millimetres thick, parry may find no volume, or moments of inertia that no body has.
+    /// A box cut in half from edge to edge, by its full edge lengths: a ramp that rises along x to the height y, and is z wide.
+    /// Its origin is the middle of the box, which is the middle of the slope.
+    ///
+    /// # Errors
+    /// [`ColliderError::DegenerateHull`] where a length is not positive, or tiny beside another.
+    pub fn wedge(x: f32, y: f32, z: f32) -> Result<Self, ColliderError> {
+        let half = 0.5 * Vec3::new(x, y, z);
+        if !(half.min_element() > 0.0) {
+            return Err(ColliderError::DegenerateHull);
+        }
+        let profile = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
+        let corner = |(x, y)| [-1.0, 1.0].map(|z| half * Vec3::new(x, y, z));
+        Self::convex_hull(profile.map(corner).as_flattened())
+    }
+
+    /// Of what is a hundred-thousandth of a metre across no body can be made.
     fn has_mass(&self) -> bool {
         let mass = MassProperties::new(Some(self), None, None, None, None);
         mass.is_valid(self.radius_about(mass.local_center))
@@ -146,18 +179,21 @@ impl Collider {
     /// [`ColliderError::InvalidCompound`] where there are none, or one is itself composite or without size.
     pub fn compound(parts: Vec<(Vec3, Quat, Collider)>) -> Result<Self, ColliderError> {
         let placed = |p: &(Vec3, Quat, Collider)| {
-            p.0.is_finite() && p.1.is_normalized() && p.2.0.is_convex() && !p.2.is_degenerate()
+            p.0.is_finite() && p.1.is_normalized() && p.2.shape.is_convex() && !p.2.is_degenerate()
         };
         if parts.is_empty() || !parts.iter().all(placed) {
             return Err(ColliderError::InvalidCompound);
         }
+        let solid = Solid::Parts(parts.iter().map(|part| part.2.solid.hull()).collect());
         let parts = parts
             .into_iter()
             .map(|(position, rotation, collider)| {
-                (ParryPose::from_parts(position, rotation), collider.0)
+                let at = ParryPose::from_parts(position, rotation);
+                (at, collider.shape)
             })
             .collect();
-        Ok(Self(SharedShape::compound(parts)))
+        let shape = SharedShape::compound(parts);
+        Ok(Self { shape, solid })
     }
 
     /// A triangle mesh: a surface, for static and kinematic bodies. Seams between its triangles are smooth: contacts use
@@ -178,7 +214,7 @@ impl Collider {
             )));
         }
         SharedShape::trimesh_with_flags(vertices, triangles, TriMeshFlags::FIX_INTERNAL_EDGES)
-            .map(Self)
+            .map(Self::from)
             .map_err(|e| ColliderError::InvalidMesh(e.to_string()))
     }
 
@@ -204,73 +240,74 @@ impl Collider {
             }
         }
         let smooth = HeightFieldFlags::FIX_INTERNAL_EDGES;
-        Ok(Self(SharedShape::new(HeightField::with_flags(
-            data, size, smooth,
-        ))))
+        let field = HeightField::with_flags(data, size, smooth);
+        Ok(SharedShape::new(field).into())
     }
 
     /// The parry shape.
     pub fn shape(&self) -> &SharedShape {
-        &self.0
+        &self.shape
+    }
+
+    /// Its corners, edges and faces, where it is a convex hull: for contacts of flat faces.
+    pub(crate) fn polyhedron(&self) -> Option<&Polyhedron> {
+        match &self.solid {
+            Solid::Hull(hull) => Some(hull),
+            _ => None,
+        }
+    }
+
+    /// The same of a part of a compound.
+    pub(crate) fn part_polyhedron(&self, part: u32) -> Option<&Polyhedron> {
+        match &self.solid {
+            Solid::Parts(parts) => parts.get(part as usize)?.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// Mass, centre and moments at 1 kg/m³: of hulls in double precision, of other shapes as parry has them.
+    pub(crate) fn mass_properties(&self) -> parry3d::mass_properties::MassProperties {
+        self.solid
+            .moments(&self.shape)
+            .map_or_else(|| self.shape.mass_properties(1.0), solid::rounded)
     }
 
     /// True where no contact can be computed with it: a size that is zero, negative, not finite or beyond
     /// [`limits`](crate::body::limits).
     pub fn is_degenerate(&self) -> bool {
-        !sizes::are_valid(&*self.0)
+        !sizes::are_valid(&*self.shape)
     }
 
     /// True where the other is certainly the same shape.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
-        std::sync::Arc::ptr_eq(&self.0.0, &other.0.0) || sizes::are_equal(&*self.0, &*other.0)
+        std::sync::Arc::ptr_eq(&self.shape.0, &other.shape.0)
+            || sizes::are_equal(&*self.shape, &*other.shape)
+            || self.solid.is_same_hull(&other.solid)
     }
 
     /// Radius of the sphere about a local point that holds the shape, m; infinite for a half-space.
     pub(crate) fn radius_about(&self, center: Vec3) -> f32 {
-        if self.0.as_halfspace().is_some() {
+        if self.shape.as_halfspace().is_some() {
             return f32::INFINITY;
         }
-        let sphere = self.0.compute_local_bounding_sphere();
+        let sphere = self.shape.compute_local_bounding_sphere();
         (sphere.center - center).length() + sphere.radius
     }
 
     /// Half the edges of the box that holds the shape, m; infinite for a half-space.
     pub(crate) fn half_extents(&self) -> Vec3 {
-        if self.0.as_halfspace().is_some() {
+        if self.shape.as_halfspace().is_some() {
             return Vec3::INFINITY;
         }
-        self.0.compute_local_aabb().half_extents()
+        self.shape.compute_local_aabb().half_extents()
     }
 
     /// True where the surface is curved, so that a rolling contact point moves over it.
     pub(crate) fn is_curved(&self) -> bool {
         use parry3d::shape::ShapeType as S;
         matches!(
-            self.0.shape_type(),
+            self.shape.shape_type(),
             S::Ball | S::Capsule | S::Cylinder | S::Cone | S::RoundCylinder | S::RoundCone
         )
     }
-}
-
-fn is_flat(points: &[Vec3]) -> bool {
-    let origin = points[0];
-    let size = points
-        .iter()
-        .map(|p| (*p - origin).length())
-        .fold(0.0, f32::max);
-    let Some(a) = points
-        .iter()
-        .map(|p| *p - origin)
-        .find(|e| e.length() > 1e-3 * size)
-    else {
-        return true;
-    };
-    let spans = |p: &Vec3| a.cross(*p - origin).length() > 1e-3 * size * a.length();
-    let Some(b) = points.iter().find(|p| spans(p)) else {
-        return true;
-    };
-    let normal = a.cross(*b - origin).normalize();
-    points
-        .iter()
-        .all(|p| normal.dot(*p - origin).abs() < 1e-4 * size)
 }

@@ -1,0 +1,73 @@
+//! Points as whole numbers: on which side of a plane a point is, is then certain.
+
+use super::{outlines, quickhull};
+use glam::{DVec3, I64Vec3, Vec3};
+
+/// Steps from the middle to the furthest side. Lengths are then below 2³⁰, areas below 2⁶², and volumes fit 128 bits.
+const HALF: f64 = (1 << 29) as f64;
+
+/// What is off a plane by less than this share of the longest extent is on it…
+const SHARE: f64 = 4e-6;
+
+/// …and so is what is off by less than this share of the largest coordinate: eight times what single precision rounds away.
+const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
+
+/// Passes in which corners are dropped. Each drops about half of those that it should, if not all.
+const PASSES: usize = 64;
+
+/// Points on a grid around the middle of their bounding box.
+pub(super) struct Lattice {
+    pub points: Vec<I64Vec3>,
+    /// Length of a step, m.
+    pub step: f64,
+    /// What is off a plane by less is on it, in steps.
+    pub slack: f64,
+}
+
+impl Lattice {
+    /// None where the points are too few, all in one place, or not finite.
+    pub fn new(points: &[Vec3]) -> Option<Self> {
+        if points.len() < 4 || !points.iter().all(|p| p.is_finite()) {
+            return None;
+        }
+        let doubles = || points.iter().map(|p| p.as_dvec3());
+        let low = doubles().fold(DVec3::INFINITY, DVec3::min);
+        let high = doubles().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let extent = (high - low).max_element();
+        let step = 0.5 * extent / HALF;
+        if step <= 0.0 {
+            return None;
+        }
+        let middle = 0.5 * (low + high);
+        let largest = low.abs().max(high.abs()).max_element();
+        Some(Self {
+            points: doubles()
+                .map(|p| ((p - middle) / step).round().as_i64vec3())
+                .collect(),
+            step,
+            slack: (SHARE * extent + ROUNDING * largest) / step,
+        })
+    }
+
+    /// The outlines of the hull's faces, as indices of points, every one of them a true corner; none where there is no volume.
+    ///
+    /// Of a hull's vertices those are dropped that lie in a face or on an edge but for rounding, until all that are left are
+    /// corners.
+    pub fn faces(&self) -> Option<Vec<Vec<u32>>> {
+        let mut chosen: Vec<u32> = (0..self.points.len() as u32).collect();
+        for _ in 0..PASSES {
+            let points: Vec<_> = chosen.iter().map(|&i| self.points[i as usize]).collect();
+            let facets = quickhull::hull(&points, self.slack)?;
+            let outlines = outlines::outlines(&points, &facets, self.slack);
+            let corners = outlines::corners(&points, &facets, &outlines, self.slack);
+            let vertices = facets.len() / 2 + 2;
+            if corners.len() == vertices {
+                let as_given = |i: u32| chosen[i as usize];
+                let face = |outline: Vec<u32>| outline.into_iter().map(as_given).collect();
+                return Some(outlines.into_iter().map(face).collect());
+            }
+            chosen = corners.into_iter().map(|i| chosen[i as usize]).collect();
+        }
+        None
+    }
+}

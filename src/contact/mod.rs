@@ -15,10 +15,12 @@ pub use whole_step::whole_step;
 
 use crate::body::{Age, BodyState};
 use crate::gather::SolverSlot;
+use crate::narrowphase::ParryManifold;
+use crate::narrowphase::polyhedra::{Axis, FeatureId};
 use crate::solver::Slip;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
-use parry3d::query::{ContactManifold, ContactManifoldsWorkspace};
+use parry3d::query::ContactManifoldsWorkspace;
 use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`, the younger; normals point from B to A.
@@ -139,6 +141,8 @@ pub struct ContactPoint {
     pub distance: f32,
     /// The same when it was detected.
     pub detected: f32,
+    /// Which features of the two meet here: what the point is known by from step to step.
+    pub feature: FeatureId,
 }
 
 /// What the two stabilizations demand of each point's velocity.
@@ -268,7 +272,10 @@ pub struct Anchor {
 pub struct NarrowphaseCache {
     /// How the bodies stood when the manifold was detected.
     pub(crate) stand: Option<Stand>,
-    pub(crate) manifolds: Vec<ContactManifold<(), u32>>,
+    /// Along which two polyhedra were last found to be farthest apart.
+    pub(crate) axis: Axis,
+    /// Of other shapes.
+    pub(crate) manifolds: Vec<ParryManifold>,
     pub(crate) workspace: Option<ContactManifoldsWorkspace>,
 }
 
@@ -276,6 +283,7 @@ impl NarrowphaseCache {
     /// What is found next is found anew.
     pub(crate) fn forget(&mut self) {
         self.stand = None;
+        self.axis = Axis::Unknown;
         self.manifolds.clear();
         self.workspace = None;
     }

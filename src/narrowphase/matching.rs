@@ -1,32 +1,25 @@
-//! Which point of the last step a contact point is: first by parry's feature ids, then by the nearest point that either
+//! Which point of the last step a contact point is: first by the features that meet, then by the nearest point that either
 //! body carried along. What matches inherits impulses, sticking and anchors.
 
-use super::OLD;
-use crate::contact::{Manifold, NarrowphaseCache, Patch};
+use super::polyhedra::FeatureId;
+use crate::contact::{Manifold, Patch};
 use smallvec::SmallVec;
 
 /// For each new point the index of the old one.
 pub(crate) type Origins = SmallVec<[Option<u16>; 8]>;
 
-/// Matches the points of a manifold with those before, no further apart than `radius` m where feature ids don't tell.
-pub(crate) fn match_points(
-    old: &Manifold,
-    new: &Manifold,
-    cache: &mut NarrowphaseCache,
-    radius: f32,
-) -> Origins {
+/// Matches the points of a manifold with those before, no further apart than `radius` m where features don't tell.
+pub(crate) fn match_points(old: &Manifold, new: &Manifold, radius: f32) -> Origins {
     let mut origins: Origins = smallvec::smallvec![None; new.points.len()];
     let mut taken: SmallVec<[bool; 8]> = smallvec::smallvec![false; old.points.len()];
-    for contact in cache.manifolds.iter_mut().flat_map(|m| &mut m.points) {
-        let (before, now) = (contact.data >> 16, contact.data & OLD);
-        contact.data = now;
-        if now == 0 || before == 0 {
-            continue;
-        }
-        let before = before as usize - 1;
-        if taken.get(before) == Some(&false) {
-            taken[before] = true;
-            origins[now as usize - 1] = Some(before as u16);
+    for (point, origin) in new.points.iter().zip(&mut origins) {
+        let same = |i: &usize| !taken[*i] && old.points[*i].feature == point.feature;
+        let before = (0..old.points.len()).find(same);
+        if point.feature != FeatureId::NONE
+            && let Some(i) = before
+        {
+            taken[i] = true;
+            *origin = Some(i as u16);
         }
     }
     for (point, origin) in new.points.iter().zip(&mut origins) {
@@ -99,6 +92,7 @@ mod tests {
             arms: [Vec3::ZERO; 2],
             distance: 0.0,
             detected: 0.0,
+            feature: FeatureId::NONE,
         };
         Manifold {
             patches: Default::default(),
@@ -109,7 +103,7 @@ mod tests {
     #[test]
     fn nearest_points_inherit_and_each_old_point_serves_once() {
         let (old, new) = (manifold(&[0.0, 1.0]), manifold(&[0.99, 0.02, 0.01, 5.0]));
-        let origins = match_points(&old, &new, &mut NarrowphaseCache::default(), 0.1);
+        let origins = match_points(&old, &new, 0.1);
         assert_eq!(origins.as_slice(), [Some(1), Some(0), None, None]);
         let mut kept: SmallVec<[u32; 4]> = smallvec::smallvec![7, 8];
         inherit(&origins, &mut kept);

@@ -6,6 +6,7 @@
 
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache, Stand};
+use crate::narrowphase::ParryManifold;
 use glam::Quat;
 
 impl Stand {
@@ -42,7 +43,11 @@ impl Stand {
         b: &BodyState,
         limit: f32,
     ) -> Option<Manifold> {
-        if self.moved(a, b) > limit || cache.manifolds.iter().any(|m| !m.points.is_empty()) {
+        let found = |m: &ParryManifold| !m.points.is_empty();
+        if cache.manifolds.is_empty()
+            || cache.manifolds.iter().any(found)
+            || self.moved(a, b) > limit
+        {
             return None;
         }
         let mut old = old.clone();

@@ -5,7 +5,7 @@
 //! of yaw fell by that alone. The two points farthest from each other and the farthest on either side of the line between them
 //! are the corners that matter.
 
-use super::Candidates;
+use super::detect::Candidates;
 use glam::Vec3;
 
 /// A patch narrower than this share of the smaller face's size is a line.

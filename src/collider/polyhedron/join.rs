@@ -53,6 +53,7 @@ pub(super) fn join(
         first_around,
         center: Vec3::ZERO,
         inner: 0.0,
+        outer: 0.0,
     };
     polyhedron.center = polyhedron.moments().centroid.as_vec3();
     let center = polyhedron.center.as_dvec3();
@@ -62,6 +63,11 @@ pub(super) fn join(
     };
     let depths = polyhedron.faces.iter().map(depth_of_center);
     polyhedron.inner = depths.fold(f64::INFINITY, f64::min) as f32;
+    let away = polyhedron
+        .points
+        .iter()
+        .map(|point| point.distance(polyhedron.center));
+    polyhedron.outer = away.fold(0.0, f32::max);
     // A comparison with NaN is false.
     match polyhedron.inner > 0.0 && polyhedron.inner.is_finite() {
         true => Ok(polyhedron),

@@ -44,6 +44,8 @@ pub struct Polyhedron {
     pub center: Vec3,
     /// Radius of a ball about `center` that lies inside, m.
     pub inner: f32,
+    /// Radius of a ball about `center` that holds it, m.
+    pub outer: f32,
 }
 
 /// A face of a [`Polyhedron`].

@@ -1,0 +1,184 @@
+//! Detection: where two bodies touch, or may, found anew.
+
+use super::forms::{Form, WithTwo, with_two};
+use super::parry;
+use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet, meet_plane};
+use crate::body::BodyState;
+use crate::contact::{ContactPoint, Manifold, NarrowphaseCache, Patch};
+use crate::settings::StabilizationSettings;
+use glam::Vec3;
+use smallvec::{SmallVec, smallvec};
+
+/// Nearer than this share of the smaller radius two centres are one.
+const COINCIDENT: f32 = 1e-6;
+
+/// Between bodies in one place no way apart is better than another: each has a place of its own to go to, or many would be thrown
+/// out along one line.
+fn part(a: &BodyState, b: &BodyState) -> Manifold {
+    let place = |body: &BodyState| {
+        let mut rng = fastrand::Rng::with_seed(body.age.0);
+        Vec3::from_array(std::array::from_fn(|_| rng.f32()))
+    };
+    let normal = (place(a) - place(b)).normalize_or(Vec3::Y);
+    let distance = -a.radius.min(b.radius);
+    let mut manifold = Manifold::default();
+    let middle = Candidate {
+        position: a.center,
+        distance,
+        feature: FeatureId::NONE,
+    };
+    push(&mut manifold, [a, b], normal, false, smallvec![middle]);
+    manifold
+}
+
+/// A contact point on its way into the manifold.
+#[derive(Clone, Copy)]
+pub(super) struct Candidate {
+    /// World, m.
+    pub position: Vec3,
+    /// m
+    pub distance: f32,
+    pub feature: FeatureId,
+}
+
+pub(super) type Candidates = SmallVec<[Candidate; 8]>;
+
+/// Adds a patch, its deepest point first.
+///
+/// The order is that in which the solver visits them. Under few iterations the points visited first take more than their share
+/// of the load. If that is always the same corner the body leans over it; if it is the deepest, it is righted. Worth a
+/// factor of 4 to 10 in the drift of walls and stacks (`docs/findings.md`).
+pub(super) fn push(
+    manifold: &mut Manifold,
+    bodies: [&BodyState; 2],
+    normal: Vec3,
+    curved: bool,
+    mut points: Candidates,
+) {
+    if points.is_empty() {
+        return;
+    }
+    points.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+    manifold.patches.push(Patch {
+        normal,
+        first: manifold.points.len() as u32,
+        count: points.len() as u32,
+        curved,
+    });
+    manifold
+        .points
+        .extend(points.into_iter().map(|point| ContactPoint {
+            position: point.position,
+            local: bodies.map(|body| body.pose.inverse_transform_point(point.position)),
+            arms: bodies.map(|body| point.position - body.center),
+            distance: point.distance,
+            detected: point.distance,
+            feature: point.feature,
+        }));
+}
+
+/// The points no further apart than `reach`, m. `old`: those of the last time.
+pub(super) fn detect(
+    settings: &StabilizationSettings,
+    a: &BodyState,
+    b: &BodyState,
+    reach: f32,
+    cache: &mut NarrowphaseCache,
+    old: &Manifold,
+) -> Manifold {
+    let mut manifold = Manifold::default();
+    let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
+        return manifold;
+    };
+    // What is hollow may have another in its middle that does not touch it.
+    let solid = shape_a.is_convex() && shape_b.is_convex();
+    if solid && (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
+        cache.forget();
+        return part(a, b);
+    }
+    let (contact, frame) = match (Form::of(a), Form::of(b)) {
+        (Some(form_a), Some(form_b)) => {
+            let axis = &mut cache.axis;
+            let search = Search {
+                reach: reach as f64,
+                graze: settings.outer_distance() as f64,
+            };
+            (meet_two(a, b, &form_a, &form_b, search, axis), a)
+        }
+        (Some(form), None) if shape_b.as_halfspace().is_some() => {
+            (on_plane(a, form, b, reach, FeatureId::corner_of_a), a)
+        }
+        (None, Some(form)) if shape_a.as_halfspace().is_some() => {
+            let mut contact = on_plane(b, form, a, reach, FeatureId::corner_of_b);
+            if let Some(contact) = &mut contact {
+                contact.normal = -contact.normal;
+            }
+            (contact, b)
+        }
+        _ => {
+            parry::detect(settings, a, b, reach, cache, &mut manifold);
+            return manifold;
+        }
+    };
+    if let Some(mut contact) = contact {
+        let known = |feature| old.points.iter().any(|point| point.feature == feature);
+        contact.simplify(most(settings), known);
+        let points = contact.points.iter().map(|point| Candidate {
+            position: frame.pose.transform_point(point.position.as_vec3()),
+            distance: point.distance as f32,
+            feature: point.feature,
+        });
+        let normal = frame.pose.rotation * contact.normal.as_vec3();
+        push(&mut manifold, [a, b], normal, false, points.collect());
+    }
+    manifold
+}
+
+/// Most points of a patch.
+pub(super) fn most(settings: &StabilizationSettings) -> usize {
+    match settings.reduce_manifolds {
+        true => 4,
+        false => usize::MAX,
+    }
+}
+
+/// Where two polyhedra touch, in the frame of A.
+fn meet_two(
+    a: &BodyState,
+    b: &BodyState,
+    form_a: &Form,
+    form_b: &Form,
+    search: Search,
+    axis: &mut Axis,
+) -> Option<Contact> {
+    struct Meet<'a>(Placement, Search, &'a mut Axis);
+    impl WithTwo for Meet<'_> {
+        type Output = Option<Contact>;
+        fn with<A: Solid, B: Solid>(self, a: &A, b: &B) -> Option<Contact> {
+            meet(a, b, &self.0, self.1, self.2)
+        }
+    }
+    let [of_a, of_b] = [a, b].map(|body| (body.pose.position, body.pose.rotation));
+    let place = Placement::between(of_a, of_b);
+    with_two(form_a, form_b, Meet(place, search, axis))
+}
+
+/// Where a polyhedron touches a half-space, in its own frame; the normal points out of the plane.
+fn on_plane(
+    body: &BodyState,
+    form: Form,
+    plane: &BodyState,
+    reach: f32,
+    corner: impl Fn(u16) -> FeatureId,
+) -> Option<Contact> {
+    let up = plane.shape()?.as_halfspace()?.normal;
+    let [of_body, of_plane] = [body, plane].map(|body| (body.pose.position, body.pose.rotation));
+    let place = Placement::between(of_body, of_plane);
+    let up = place.direction(up.as_dvec3()).normalize();
+    let (height, reach) = (up.dot(place.origin), reach as f64);
+    match form {
+        Form::Cuboid(cuboid) => meet_plane(&cuboid, up, height, reach, corner),
+        Form::Hull(hull) => meet_plane(hull, up, height, reach, corner),
+        Form::Triangle(triangle) => meet_plane(&triangle, up, height, reach, corner),
+    }
+}

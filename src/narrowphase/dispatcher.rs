@@ -1,0 +1,245 @@
+//! Parry takes apart what is composite (meshes, height fields, compounds) and finds which parts may touch; the contact of two
+//! convex parts that are polyhedra is ours ([`polyhedra`](super::polyhedra)), all other contact is parry's.
+
+use super::forms::{Form, WithTwo, with_two};
+use super::polyhedra::{Axis, Contact, Placement, Search, Solid, meet_along, separate, touch};
+use crate::body::BodyState;
+use glam::{DVec3, Vec3};
+use parry3d::math::Pose;
+use parry3d::query::details::*;
+use parry3d::query::*;
+use parry3d::shape::{PackedFeatureId, Shape, ShapeType};
+
+/// A manifold of parry's, which keeps the separating axis of ours.
+pub(crate) type ParryManifold = ContactManifold<Axis, ()>;
+
+/// Of two bodies.
+pub(super) struct Dispatcher<'a> {
+    pub bodies: [&'a BodyState; 2],
+    /// See [`Search::graze`], m.
+    pub graze: f32,
+}
+
+impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
+    fn contact_manifolds(
+        &self,
+        place: &Pose,
+        a: &dyn Shape,
+        b: &dyn Shape,
+        reach: f32,
+        manifolds: &mut Vec<ParryManifold>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+    ) -> Result<(), Unsupported> {
+        use ShapeType::{HeightField, TriMesh, Voxels};
+        let back = place.inverse();
+        let kinds = [a.shape_type(), b.shape_type()];
+        let parts = [a.as_composite_shape(), b.as_composite_shape()];
+        match (kinds, parts) {
+            ([Voxels, _] | [_, Voxels], _) => {
+                return DefaultQueryDispatcher
+                    .contact_manifolds(place, a, b, reach, manifolds, workspace);
+            }
+            (_, [Some(of_a), Some(of_b)]) => contact_manifolds_composite_shape_composite_shape(
+                self, place, of_a, of_b, reach, manifolds, workspace,
+            ),
+            ([TriMesh, _] | [_, TriMesh], _) => contact_manifolds_trimesh_shape_shapes(
+                self, place, a, b, reach, manifolds, workspace,
+            ),
+            ([HeightField, _], [_, Some(of_b)]) => {
+                let field = a.as_heightfield().ok_or(Unsupported)?;
+                contact_manifolds_heightfield_composite_shape(
+                    self, place, &back, field, of_b, reach, manifolds, workspace, false,
+                );
+            }
+            ([_, HeightField], [Some(of_a), _]) => {
+                let field = b.as_heightfield().ok_or(Unsupported)?;
+                contact_manifolds_heightfield_composite_shape(
+                    self, &back, place, field, of_a, reach, manifolds, workspace, true,
+                );
+            }
+            ([HeightField, _] | [_, HeightField], _) => contact_manifolds_heightfield_shape_shapes(
+                self, place, a, b, reach, manifolds, workspace,
+            ),
+            (_, [Some(of_a), None]) => contact_manifolds_composite_shape_shape(
+                self, place, of_a, b, reach, manifolds, workspace, false,
+            ),
+            (_, [None, Some(of_b)]) => contact_manifolds_composite_shape_shape(
+                self, &back, of_b, a, reach, manifolds, workspace, true,
+            ),
+            _ => {
+                if manifolds.is_empty() {
+                    manifolds.push(ContactManifold::new());
+                }
+                let [only, ..] = &mut manifolds[..] else {
+                    return Err(Unsupported);
+                };
+                return self.contact_manifold_convex_convex(place, a, b, None, None, reach, only);
+            }
+        }
+        Ok(())
+    }
+
+    fn contact_manifold_convex_convex(
+        &self,
+        place: &Pose,
+        a: &dyn Shape,
+        b: &dyn Shape,
+        normals_a: Option<&dyn NormalConstraints>,
+        normals_b: Option<&dyn NormalConstraints>,
+        reach: f32,
+        manifold: &mut ParryManifold,
+    ) -> Result<(), Unsupported> {
+        let [body_a, body_b] = self.bodies;
+        let forms = [
+            Form::of_part(body_a, a, manifold.subshape1),
+            Form::of_part(body_b, b, manifold.subshape2),
+        ];
+        let [Some(form_a), Some(form_b)] = forms else {
+            return DefaultQueryDispatcher.contact_manifold_convex_convex(
+                place, a, b, normals_a, normals_b, reach, manifold,
+            );
+        };
+        let graze = match [a.shape_type(), b.shape_type()].contains(&ShapeType::Triangle) {
+            // Of a surface the next triangle is where this one ends.
+            true => f64::NEG_INFINITY,
+            false => self.graze as f64,
+        };
+        let mut axis = manifold.data;
+        let parts = Parts {
+            place,
+            normals: (normals_a, normals_b),
+            search: Search {
+                reach: reach as f64,
+                graze,
+            },
+            axis: &mut axis,
+        };
+        let contact = with_two(&form_a, &form_b, parts);
+        manifold.data = axis;
+        manifold.points.clear();
+        let Some(contact) = contact else {
+            return Ok(());
+        };
+        let single = |v: DVec3| v.as_vec3();
+        manifold.local_n1 = single(-contact.normal);
+        manifold.local_n2 = place.rotation.inverse() * single(contact.normal);
+        manifold.points.extend(contact.points.iter().map(|point| {
+            let half = contact.normal * (0.5 * point.distance);
+            TrackedContact::new(
+                single(point.position + half),
+                place.inverse_transform_point(single(point.position - half)),
+                PackedFeatureId(point.feature.0),
+                PackedFeatureId::UNKNOWN,
+                point.distance as f32,
+            )
+        }));
+        Ok(())
+    }
+}
+
+/// Two parts that may touch.
+struct Parts<'a> {
+    place: &'a Pose,
+    normals: (
+        Option<&'a dyn NormalConstraints>,
+        Option<&'a dyn NormalConstraints>,
+    ),
+    search: Search,
+    axis: &'a mut Axis,
+}
+
+impl WithTwo for Parts<'_> {
+    type Output = Option<Contact>;
+
+    fn with<A: Solid, B: Solid>(self, a: &A, b: &B) -> Option<Contact> {
+        let Pose {
+            rotation,
+            translation,
+            ..
+        } = *self.place;
+        let place = Placement::new(translation.as_dvec3(), rotation.as_dquat().normalize());
+        let found = separate(a, b, &place, self.search.reach, *self.axis);
+        *self.axis = found.axis;
+        if found.distance > self.search.reach {
+            return None;
+        }
+        // At an edge inside a surface nothing is met that its faces would not meet.
+        let normal = found.normal.as_vec3();
+        let mut of_a = normal;
+        let mut of_b = rotation.inverse() * -normal;
+        if !self
+            .normals
+            .project_local_normals(self.place, &mut of_a, &mut of_b)
+        {
+            return None;
+        }
+        match of_a == normal {
+            true => touch(a, b, &place, &found, self.search),
+            false => meet_along(a, b, &place, of_a.as_dvec3().normalize(), self.search.reach),
+        }
+    }
+}
+
+impl QueryDispatcher for Dispatcher<'_> {
+    fn intersection_test(
+        &self,
+        _: &Pose,
+        _: &dyn Shape,
+        _: &dyn Shape,
+    ) -> Result<ShapeIntersection, Unsupported> {
+        Err(Unsupported)
+    }
+
+    fn distance(
+        &self,
+        _: &Pose,
+        _: &dyn Shape,
+        _: &dyn Shape,
+    ) -> Result<ShapeDistance, Unsupported> {
+        Err(Unsupported)
+    }
+
+    fn contact(
+        &self,
+        _: &Pose,
+        _: &dyn Shape,
+        _: &dyn Shape,
+        _: f32,
+    ) -> Result<Option<parry3d::query::Contact>, Unsupported> {
+        Err(Unsupported)
+    }
+
+    fn closest_points(
+        &self,
+        _: &Pose,
+        _: &dyn Shape,
+        _: &dyn Shape,
+        _: f32,
+    ) -> Result<ClosestPoints, Unsupported> {
+        Err(Unsupported)
+    }
+
+    fn cast_shapes(
+        &self,
+        _: &Pose,
+        _: Vec3,
+        _: &dyn Shape,
+        _: &dyn Shape,
+        _: ShapeCastOptions,
+    ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        Err(Unsupported)
+    }
+
+    fn cast_shapes_nonlinear(
+        &self,
+        _: &NonlinearRigidMotion,
+        _: &dyn Shape,
+        _: &NonlinearRigidMotion,
+        _: &dyn Shape,
+        _: f32,
+        _: f32,
+        _: bool,
+    ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        Err(Unsupported)
+    }
+}

@@ -1,0 +1,64 @@
+//! Which shapes are polyhedra of ours, and what is done with two of them.
+
+use super::polyhedra::{Cuboid, Solid, Triangle};
+use crate::body::BodyState;
+use crate::collider::Polyhedron;
+use parry3d::shape::{Shape, TypedShape};
+
+/// A shape whose contact with its like is ours to find.
+pub(super) enum Form<'a> {
+    Cuboid(Cuboid),
+    Hull(&'a Polyhedron),
+    Triangle(Triangle),
+}
+
+impl<'a> Form<'a> {
+    /// Of a body's whole shape.
+    pub fn of(body: &'a BodyState) -> Option<Self> {
+        let collider = body.collider.as_ref()?;
+        Self::new(&**collider.shape(), || collider.polyhedron())
+    }
+
+    /// Of one part of a body's shape.
+    pub fn of_part(body: &'a BodyState, part: &dyn Shape, number: u32) -> Option<Self> {
+        let collider = body.collider.as_ref()?;
+        let hull = || match collider.shape().as_compound() {
+            Some(_) => collider.part_polyhedron(number),
+            None => collider.polyhedron(),
+        };
+        Self::new(part, hull)
+    }
+
+    fn new(shape: &dyn Shape, hull: impl FnOnce() -> Option<&'a Polyhedron>) -> Option<Self> {
+        match shape.as_typed_shape() {
+            TypedShape::Cuboid(cuboid) => Some(Self::Cuboid(Cuboid::new(cuboid.half_extents))),
+            TypedShape::Triangle(triangle) => {
+                Triangle::new([triangle.a, triangle.b, triangle.c]).map(Self::Triangle)
+            }
+            TypedShape::ConvexPolyhedron(_) => hull().map(Self::Hull),
+            _ => None,
+        }
+    }
+}
+
+/// What can be done with two solids of any form.
+pub(super) trait WithTwo {
+    type Output;
+    fn with<A: Solid, B: Solid>(self, a: &A, b: &B) -> Self::Output;
+}
+
+/// Does it with these two.
+pub(super) fn with_two<W: WithTwo>(a: &Form, b: &Form, what: W) -> W::Output {
+    use Form::{Cuboid, Hull, Triangle};
+    match (a, b) {
+        (Cuboid(a), Cuboid(b)) => what.with(a, b),
+        (Cuboid(a), Hull(b)) => what.with(a, *b),
+        (Cuboid(a), Triangle(b)) => what.with(a, b),
+        (Hull(a), Cuboid(b)) => what.with(*a, b),
+        (Hull(a), Hull(b)) => what.with(*a, *b),
+        (Hull(a), Triangle(b)) => what.with(*a, b),
+        (Triangle(a), Cuboid(b)) => what.with(a, b),
+        (Triangle(a), Hull(b)) => what.with(a, *b),
+        (Triangle(a), Triangle(b)) => what.with(a, b),
+    }
+}

@@ -1,0 +1,136 @@
+//! All other contact, by parry: of round shapes, and of the parts of meshes, height fields and compounds.
+
+use super::detect::{Candidate, Candidates, most, push};
+use super::dispatcher::Dispatcher;
+use super::polyhedra::FeatureId;
+use super::{cylinders, features, reduction};
+use crate::body::BodyState;
+use crate::contact::{Manifold, NarrowphaseCache};
+use crate::settings::StabilizationSettings;
+use glam::Vec3;
+use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
+use parry3d::shape::PackedFeatureId;
+
+/// Points of a patch nearer to each other than this share of the smaller face's size become one.
+const MERGE: f32 = 0.05;
+
+/// Fills the manifold with the points no further apart than `reach`, m.
+pub(super) fn detect(
+    settings: &StabilizationSettings,
+    a: &BodyState,
+    b: &BodyState,
+    reach: f32,
+    cache: &mut NarrowphaseCache,
+    manifold: &mut Manifold,
+) {
+    let NarrowphaseCache {
+        manifolds,
+        workspace,
+        ..
+    } = cache;
+    let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
+        return;
+    };
+    let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
+    let curved = a.is_curved() || b.is_curved();
+    if curved {
+        // A manifold that is kept turns with the surface, and a cylinder would roll off by itself.
+        manifolds.clear();
+        *workspace = None;
+    }
+    let dispatcher = Dispatcher {
+        bodies: [a, b],
+        graze: settings.outer_distance(),
+    };
+    let found =
+        dispatcher.contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace);
+    if found.is_err() {
+        // Parry has no contacts between two surfaces without volume, such as two meshes.
+        manifolds.clear();
+    }
+    let cylinders = cylinders::meet(a, b);
+    for found in manifolds.iter() {
+        let (sub_a, sub_b) = (
+            found.subshape_pos1().copied(),
+            found.subshape_pos2().copied(),
+        );
+        let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
+        // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
+        let normal = -(a.pose.rotation * turned);
+        let mut normal = normal.try_normalize().unwrap_or(Vec3::Y);
+        if cylinders {
+            normal = cylinders::normal(a, b, normal);
+        }
+
+        let size = a.face_size(normal).min(b.face_size(normal));
+        let own = match cylinders {
+            true => features::contacts(a, b, normal),
+            false => Vec::new(),
+        };
+        let mut candidates: Candidates = own
+            .into_iter()
+            .map(|[on_a, on_b]| Candidate {
+                position: 0.5 * (on_a + on_b),
+                distance: normal.dot(on_a - on_b),
+                feature: FeatureId::NONE,
+            })
+            .collect();
+        let own = !candidates.is_empty();
+        for contact in found.points.iter().filter(|_| !own) {
+            let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
+            let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
+            let mut on = [
+                a.pose.transform_point(local_a),
+                b.pose.transform_point(local_b),
+            ];
+            let mut distance = contact.dist;
+            if cylinders {
+                on[0] = cylinders::on_surface(a, on[0], -normal);
+                on[1] = cylinders::on_surface(b, on[1], normal);
+                distance = normal.dot(on[0] - on[1]);
+            }
+            candidates.push(Candidate {
+                position: 0.5 * (on[0] + on[1]),
+                distance,
+                feature: match curved {
+                    // It rolls on.
+                    true => FeatureId::NONE,
+                    false => feature(contact).of_parts(found.subshape1, found.subshape2),
+                },
+            });
+        }
+        candidates.retain(|c| c.distance.is_finite() && c.distance <= reach);
+        merge(&mut candidates, MERGE * size);
+
+        // A round side touches along a line, whose middle adds nothing and comes and goes.
+        let rolls = curved && reduction::is_line(&candidates, size);
+        if rolls {
+            reduction::keep_ends(&mut candidates);
+        }
+        if candidates.len() > most(settings) {
+            reduction::reduce(&mut candidates, normal);
+        }
+        push(manifold, [a, b], normal, rolls, candidates);
+    }
+}
+
+/// What parry says meets there; or we, who say it in one number.
+fn feature(contact: &TrackedContact<()>) -> FeatureId {
+    match contact.fid2 {
+        PackedFeatureId::UNKNOWN => FeatureId(contact.fid1.0),
+        of_b => FeatureId(contact.fid1.0 ^ of_b.0.rotate_left(16)),
+    }
+}
+
+/// Drops what is nearer than `merge` (m) to a deeper point.
+fn merge(candidates: &mut Candidates, merge: f32) {
+    candidates.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+    let mut kept = Candidates::new();
+    for &candidate in candidates.iter() {
+        let near = |k: &Candidate| k.position.distance_squared(candidate.position) < merge * merge;
+        if !kept.iter().any(near) {
+            kept.push(candidate);
+        }
+    }
+    *candidates = kept;
+}

@@ -1,0 +1,34 @@
+//! Which features of two solids make a contact point: what it is known by from step to step.
+
+/// A corner of A on B, a corner of B on A, or an edge of each that cross. As long as the features are the same, so is the number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct FeatureId(pub u32);
+
+/// Bits of a corner's or an edge's number.
+const BITS: u32 = 15;
+
+impl FeatureId {
+    /// No feature is known.
+    pub const NONE: Self = Self(0);
+
+    /// A corner of A.
+    pub const fn corner_of_a(i: u16) -> Self {
+        Self(1 << (2 * BITS) | (i as u32) << BITS)
+    }
+
+    /// A corner of B.
+    pub const fn corner_of_b(i: u16) -> Self {
+        Self(2 << (2 * BITS) | i as u32)
+    }
+
+    /// An edge of A and one of B.
+    pub const fn edges(of_a: u16, of_b: u16) -> Self {
+        Self(3 << (2 * BITS) | (of_a as u32) << BITS | of_b as u32)
+    }
+
+    /// The same of one part of each body among others.
+    pub(crate) const fn of_parts(self, part_a: u32, part_b: u32) -> Self {
+        // The parts' numbers shall not cancel what the features say, nor each other.
+        Self(self.0 ^ part_a.wrapping_mul(0x9E37_79B1) ^ part_b.wrapping_mul(0x85EB_CA6B))
+    }
+}

@@ -1,0 +1,70 @@
+//! Seams: solids whose faces lie in one plane must not catch on each other's edges.
+//!
+//! A brick that slides along a course sinks in by a fraction of a millimetre, and the next brick then stands in its way by as
+//! much: collision detection finds a wall, and the brick bumps or stops. The true contact is the one that is about to begin, on
+//! top. So a pair has no contact while it overlaps by next to nothing across the normal.
+
+use super::placement::Placement;
+use super::solid::Solid;
+use glam::DVec3;
+
+/// What counts as nothing, as a share of the smaller solid's extent.
+const SHARE: f64 = 0.02;
+
+/// A face whose normal is nearer to the contact's than this, as a cosine, is the contact's own.
+const OWN: f64 = 0.7;
+
+/// True where the two overlap by less than `most` (m) and next to nothing along some face's normal other than the contact's.
+pub fn graze<A: Solid, B: Solid>(
+    a: &A,
+    b: &B,
+    place: &Placement,
+    normal: DVec3,
+    most: f64,
+) -> bool {
+    grazes(a, b, place, normal, most) || grazes(b, a, &place.inverse(), place.back(normal), most)
+}
+
+/// The same for the faces of A.
+fn grazes<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3, most: f64) -> bool {
+    let (center, inner) = (place.point(b.center()), b.inner());
+    (0..a.faces()).any(|face| {
+        let (out, offset) = a.plane(face);
+        // The ball inside B overlaps too much by itself.
+        if offset + inner - out.dot(center) >= most || out.dot(normal).abs() >= OWN {
+            return false;
+        }
+        let back = place.back(out);
+        let near = b.reach(-back);
+        let overlap = offset + near - out.dot(place.origin);
+        let extent = (offset + a.reach(-out)).min(near + b.reach(back));
+        overlap < (SHARE * extent).min(most)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Cuboid;
+    use super::*;
+    use glam::{DQuat, Vec3};
+
+    #[test]
+    fn a_brick_on_a_course_grazes_the_next_and_stands_on_its_own() {
+        let brick = Cuboid::new(Vec3::new(0.5, 0.25, 0.25));
+        let grazes = |from: [f64; 2], to: [f64; 2], normal: DVec3| {
+            let way = DVec3::new(to[0] - from[0], to[1] - from[1], 0.0);
+            graze(
+                &brick,
+                &brick,
+                &Placement::new(way, DQuat::IDENTITY),
+                normal,
+                0.01,
+            )
+        };
+        let sliding = [0.3, 0.4998];
+        assert!(grazes(sliding, [1.4, 0.0], DVec3::X), "ahead");
+        assert!(!grazes(sliding, [0.0, 0.0], DVec3::Y), "below");
+        assert!(!grazes([0.0, 0.0], [1.0, 0.0], DVec3::X), "beside");
+        assert!(!grazes(sliding, [1.4, 0.1], DVec3::X), "in the way");
+    }
+}

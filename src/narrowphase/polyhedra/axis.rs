@@ -8,7 +8,9 @@
 //! and edges near the contact are left of however many there are.
 //!
 //! Faces win over edges, and the face that won last over others, by a margin far below what matters and far above rounding: where
-//! faces coincide the crossed edges of the same faces are as far apart, and say less.
+//! faces coincide the crossed edges of the same faces are as far apart, and say less. Of two faces turned a little against each
+//! other some pair of edges is often farther apart, along a direction between their normals: where an arch settles, its joints
+//! would have one point now and four then. So edges that look where the best face looks must win by more.
 
 use super::cuboid;
 use super::placement::Placement;
@@ -18,6 +20,12 @@ use smallvec::SmallVec;
 
 /// By what faces win, as a share of the smaller solid's radius.
 const MARGIN: f64 = 5e-6;
+
+/// As near to a face's normal as this, as a cosine, that of two edges says the same (5°) …
+const ALIKE: f64 = 0.996;
+
+/// … unless they are farther apart by this share of the smaller solid's radius.
+const MORE: f64 = 2e-3;
 
 /// The sine of the angle below which two edges are parallel: the faces beside them know as much.
 const PARALLEL: f64 = 1e-7;
@@ -110,12 +118,31 @@ pub fn separate<A: Solid, B: Solid>(
     if best.distance > reach {
         return best;
     }
-    let floor = best.distance + margin;
+    let rival = Rival {
+        normal: best.normal,
+        alone: best.distance + margin,
+        beside: best.distance + MORE / MARGIN * margin,
+    };
     let edges = match (a.half(), b.half()) {
-        (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, floor),
-        _ => best_edges(a, b, place, floor),
+        (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, &rival),
+        _ => best_edges(a, b, place, &rival),
     };
     edges.unwrap_or(best)
+}
+
+/// The face that edges have to beat.
+struct Rival {
+    normal: DVec3,
+    /// What they have to be apart at least, m,
+    alone: f64,
+    /// and where they look as it does.
+    beside: f64,
+}
+
+impl Rival {
+    fn loses(&self, normal: DVec3, distance: f64) -> bool {
+        distance > self.beside || distance > self.alone && normal.dot(self.normal) < ALIKE
+    }
 }
 
 /// How far B is outside the plane of a face of A, m.
@@ -266,8 +293,9 @@ fn best_edges<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
-    mut floor: f64,
+    rival: &Rival,
 ) -> Option<Separation> {
+    let mut floor = rival.alone;
     let (center_a, center_b) = (a.center(), place.point(b.center()));
     let mut of_b = Arcs::new();
     for edge in 0..b.edges() {
@@ -285,6 +313,7 @@ fn best_edges<A: Solid, B: Solid>(
         for other in &of_b {
             if let Some((normal, distance)) = arc.crosses(other)
                 && distance > floor
+                && rival.loses(normal, distance)
             {
                 floor = distance;
                 best = Some(Separation {
@@ -303,8 +332,9 @@ fn box_edges(
     half_a: DVec3,
     half_b: DVec3,
     place: &Placement,
-    mut floor: f64,
+    rival: &Rival,
 ) -> Option<Separation> {
+    let mut floor = rival.alone;
     let axes = place.axes();
     let mut best = None;
     for (j, axis) in axes.iter().enumerate() {
@@ -323,8 +353,11 @@ fn box_edges(
                 continue;
             }
             let length = square.sqrt();
-            floor = apart / length;
-            best = Some((i, j, across * (center.signum() / length)));
+            let (normal, distance) = (across * (center.signum() / length), apart / length);
+            if rival.loses(normal, distance) {
+                floor = distance;
+                best = Some((i, j, normal));
+            }
         }
     }
     let (i, j, normal) = best?;

@@ -6,7 +6,7 @@ use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet,
 use crate::body::BodyState;
 use crate::contact::{ContactPoint, Manifold, NarrowphaseCache, Patch};
 use crate::settings::StabilizationSettings;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use smallvec::{SmallVec, smallvec};
 
 /// Nearer than this share of the smaller radius two centres are one.
@@ -96,41 +96,45 @@ pub(super) fn detect(
         cache.forget();
         return part(a, b);
     }
-    let (contact, frame) = match (Form::of(a), Form::of(b)) {
+    let mut contact = Contact::default();
+    let frame = match (Form::of(a), Form::of(b)) {
         (Some(form_a), Some(form_b)) => {
-            let axis = &mut cache.axis;
             let search = Search {
                 reach: reach as f64,
                 graze: settings.outer_distance() as f64,
             };
-            (meet_two(a, b, &form_a, &form_b, search, axis), a)
+            let two = Two {
+                place: Placement::between(at(a), at(b)),
+                search,
+                axis: &mut cache.axis,
+                contact: &mut contact,
+            };
+            with_two(&form_a, &form_b, two);
+            a
         }
         (Some(form), None) if shape_b.as_halfspace().is_some() => {
-            (on_plane(a, form, b, reach, FeatureId::corner_of_a), a)
+            on_plane(a, form, b, reach, FeatureId::corner_of_a, &mut contact);
+            a
         }
         (None, Some(form)) if shape_a.as_halfspace().is_some() => {
-            let mut contact = on_plane(b, form, a, reach, FeatureId::corner_of_b);
-            if let Some(contact) = &mut contact {
-                contact.normal = -contact.normal;
-            }
-            (contact, b)
+            on_plane(b, form, a, reach, FeatureId::corner_of_b, &mut contact);
+            contact.normal = -contact.normal;
+            b
         }
         _ => {
             parry::detect(settings, a, b, reach, cache, &mut manifold);
             return manifold;
         }
     };
-    if let Some(mut contact) = contact {
-        let known = |feature| old.points.iter().any(|point| point.feature == feature);
-        contact.simplify(most(settings), known);
-        let points = contact.points.iter().map(|point| Candidate {
-            position: frame.pose.transform_point(point.position.as_vec3()),
-            distance: point.distance as f32,
-            feature: point.feature,
-        });
-        let normal = frame.pose.rotation * contact.normal.as_vec3();
-        push(&mut manifold, [a, b], normal, false, points.collect());
-    }
+    let known = |feature| old.points.iter().any(|point| point.feature == feature);
+    contact.simplify(most(settings), known);
+    let points = contact.points.iter().map(|point| Candidate {
+        position: frame.pose.transform_point(point.position.as_vec3()),
+        distance: point.distance as f32,
+        feature: point.feature,
+    });
+    let normal = frame.pose.rotation * contact.normal.as_vec3();
+    push(&mut manifold, [a, b], normal, false, points.collect());
     manifold
 }
 
@@ -142,25 +146,22 @@ pub(super) fn most(settings: &StabilizationSettings) -> usize {
     }
 }
 
-/// Where two polyhedra touch, in the frame of A.
-fn meet_two(
-    a: &BodyState,
-    b: &BodyState,
-    form_a: &Form,
-    form_b: &Form,
+fn at(body: &BodyState) -> (Vec3, Quat) {
+    (body.pose.position, body.pose.rotation)
+}
+
+/// Two polyhedra that may touch.
+struct Two<'a> {
+    place: Placement,
     search: Search,
-    axis: &mut Axis,
-) -> Option<Contact> {
-    struct Meet<'a>(Placement, Search, &'a mut Axis);
-    impl WithTwo for Meet<'_> {
-        type Output = Option<Contact>;
-        fn with<A: Solid, B: Solid>(self, a: &A, b: &B) -> Option<Contact> {
-            meet(a, b, &self.0, self.1, self.2)
-        }
+    axis: &'a mut Axis,
+    contact: &'a mut Contact,
+}
+
+impl WithTwo for Two<'_> {
+    fn with<A: Solid, B: Solid>(self, a: &A, b: &B) {
+        meet(a, b, &self.place, self.search, self.axis, self.contact);
     }
-    let [of_a, of_b] = [a, b].map(|body| (body.pose.position, body.pose.rotation));
-    let place = Placement::between(of_a, of_b);
-    with_two(form_a, form_b, Meet(place, search, axis))
 }
 
 /// Where a polyhedron touches a half-space, in its own frame; the normal points out of the plane.
@@ -170,15 +171,17 @@ fn on_plane(
     plane: &BodyState,
     reach: f32,
     corner: impl Fn(u16) -> FeatureId,
-) -> Option<Contact> {
-    let up = plane.shape()?.as_halfspace()?.normal;
-    let [of_body, of_plane] = [body, plane].map(|body| (body.pose.position, body.pose.rotation));
-    let place = Placement::between(of_body, of_plane);
-    let up = place.direction(up.as_dvec3()).normalize();
+    contact: &mut Contact,
+) {
+    let Some(half_space) = plane.shape().and_then(|shape| shape.as_halfspace()) else {
+        return;
+    };
+    let place = Placement::between(at(body), at(plane));
+    let up = place.direction(half_space.normal.as_dvec3()).normalize();
     let (height, reach) = (up.dot(place.origin), reach as f64);
     match form {
-        Form::Cuboid(cuboid) => meet_plane(&cuboid, up, height, reach, corner),
-        Form::Hull(hull) => meet_plane(hull, up, height, reach, corner),
-        Form::Triangle(triangle) => meet_plane(&triangle, up, height, reach, corner),
+        Form::Cuboid(cuboid) => meet_plane(&cuboid, up, height, reach, corner, contact),
+        Form::Hull(hull) => meet_plane(hull, up, height, reach, corner, contact),
+        Form::Triangle(triangle) => meet_plane(&triangle, up, height, reach, corner, contact),
     }
 }

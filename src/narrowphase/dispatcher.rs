@@ -2,7 +2,7 @@
 //! convex parts that are polyhedra is ours ([`polyhedra`](super::polyhedra)), all other contact is parry's.
 
 use super::forms::{Form, WithTwo, with_two};
-use super::polyhedra::{Axis, Contact, Placement, Search, Solid, meet_along, separate, touch};
+use super::polyhedra::{Axis, Contact, Placement, Search, Solid, separate, touch, touch_along};
 use crate::body::BodyState;
 use glam::{DVec3, Vec3};
 use parry3d::math::Pose;
@@ -105,6 +105,7 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
             false => self.graze as f64,
         };
         let mut axis = manifold.data;
+        let mut contact = Contact::default();
         let parts = Parts {
             place,
             normals: (normals_a, normals_b),
@@ -113,13 +114,11 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
                 graze,
             },
             axis: &mut axis,
+            contact: &mut contact,
         };
-        let contact = with_two(&form_a, &form_b, parts);
+        with_two(&form_a, &form_b, parts);
         manifold.data = axis;
         manifold.points.clear();
-        let Some(contact) = contact else {
-            return Ok(());
-        };
         let single = |v: DVec3| v.as_vec3();
         manifold.local_n1 = single(-contact.normal);
         manifold.local_n2 = place.rotation.inverse() * single(contact.normal);
@@ -146,12 +145,11 @@ struct Parts<'a> {
     ),
     search: Search,
     axis: &'a mut Axis,
+    contact: &'a mut Contact,
 }
 
 impl WithTwo for Parts<'_> {
-    type Output = Option<Contact>;
-
-    fn with<A: Solid, B: Solid>(self, a: &A, b: &B) -> Option<Contact> {
+    fn with<A: Solid, B: Solid>(self, a: &A, b: &B) {
         let Pose {
             rotation,
             translation,
@@ -161,7 +159,7 @@ impl WithTwo for Parts<'_> {
         let found = separate(a, b, &place, self.search.reach, *self.axis);
         *self.axis = found.axis;
         if found.distance > self.search.reach {
-            return None;
+            return;
         }
         // At an edge inside a surface nothing is met that its faces would not meet.
         let normal = found.normal.as_vec3();
@@ -171,11 +169,13 @@ impl WithTwo for Parts<'_> {
             .normals
             .project_local_normals(self.place, &mut of_a, &mut of_b)
         {
-            return None;
+            return;
         }
-        match of_a == normal {
-            true => touch(a, b, &place, &found, self.search),
-            false => meet_along(a, b, &place, of_a.as_dvec3().normalize(), self.search.reach),
+        if of_a == normal {
+            touch(a, b, &place, &found, self.search, self.contact);
+        } else {
+            let normal = of_a.as_dvec3().normalize();
+            touch_along(a, b, &place, normal, self.search.reach, self.contact);
         }
     }
 }

@@ -43,12 +43,11 @@ impl<'a> Form<'a> {
 
 /// What can be done with two solids of any form.
 pub(super) trait WithTwo {
-    type Output;
-    fn with<A: Solid, B: Solid>(self, a: &A, b: &B) -> Self::Output;
+    fn with<A: Solid, B: Solid>(self, a: &A, b: &B);
 }
 
 /// Does it with these two.
-pub(super) fn with_two<W: WithTwo>(a: &Form, b: &Form, what: W) -> W::Output {
+pub(super) fn with_two<W: WithTwo>(a: &Form, b: &Form, what: W) {
     use Form::{Cuboid, Hull, Triangle};
     match (a, b) {
         (Cuboid(a), Cuboid(b)) => what.with(a, b),

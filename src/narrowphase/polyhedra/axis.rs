@@ -328,12 +328,7 @@ fn best_edges<A: Solid, B: Solid>(
 }
 
 /// The same of two boxes: of each three directions of edges there are nine cross products, and signs say which edges they are.
-fn box_edges(
-    half_a: DVec3,
-    half_b: DVec3,
-    place: &Placement,
-    rival: &Rival,
-) -> Option<Separation> {
+fn box_edges(half_a: DVec3, half_b: DVec3, place: &Placement, rival: &Rival) -> Option<Separation> {
     let mut floor = rival.alone;
     let axes = place.axes();
     let mut best = None;

@@ -5,8 +5,7 @@
 //! far above rounding. So faces that coincide keep all their corners, whichever way rounding turns them. Each corner of the
 //! result knows which features it is made of, since each edge on the way knows whose it is.
 
-use super::placement::Placement;
-use super::solid::Solid;
+use super::solid::{Side, Solid};
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -35,7 +34,7 @@ pub enum Origin {
 /// Whose an edge is: of the reference by its place in the outline, of the incident by its number.
 #[derive(Clone, Copy, Debug)]
 enum Owner {
-    Reference(usize),
+    Reference(u16),
     Incident(u16),
 }
 
@@ -46,11 +45,9 @@ pub type Polygon = SmallVec<[Clipped; 16]>;
 pub type Outline = SmallVec<[(DVec3, u16, u16); 8]>;
 
 /// The outline of a solid's face in its own frame.
-pub fn outline<S: Solid>(solid: &S, face: u16) -> Outline {
-    solid
-        .outline(face)
-        .map(|side| (solid.point(side.point), side.point, side.edge))
-        .collect()
+pub fn outline<S: Solid>(solid: &S, face: u16) -> impl ExactSizeIterator<Item = (DVec3, u16, u16)> {
+    let corner = |side: Side| (solid.point(side.point), side.point, side.edge);
+    solid.outline(face).map(corner)
 }
 
 /// The face by which a solid meets another that it lies on in a direction (of its own frame): of those around its farthest corner
@@ -63,35 +60,38 @@ pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
         .unwrap_or_default()
 }
 
-/// The part of the incident outline (placed in the frame of the reference) inside the prism over the reference outline along `normal`.
-/// `slack`: how far outside still is inside, m.
-pub fn clip(
+/// The part of the incident outline (in the frame of the reference) inside the prism over the reference outline along `normal`.
+/// `slack`: how far outside still is inside, m; `space`: room to work in, where the polygon then is.
+pub fn clip<'s>(
     reference: &Outline,
-    incident: &Outline,
-    place: &Placement,
+    incident: impl Iterator<Item = (DVec3, u16, u16)>,
     normal: DVec3,
     slack: f64,
-) -> Polygon {
-    let mut polygon: Polygon = incident
-        .iter()
-        .map(|&(at, point, edge)| Clipped {
-            at: place.point(at),
-            origin: Origin::Incident(point),
-            side: Owner::Incident(edge),
-        })
-        .collect();
-    let mut next = Polygon::new();
+    space: &'s mut [Polygon; 2],
+) -> &'s [Clipped] {
+    let [polygon, next] = space;
+    let (mut polygon, mut next) = (polygon, next);
+    polygon.clear();
+    polygon.extend(incident.map(|(at, point, edge)| Clipped {
+        at,
+        origin: Origin::Incident(point),
+        side: Owner::Incident(edge),
+    }));
     let count = reference.len();
     for (i, &(from, ..)) in reference.iter().enumerate() {
-        let to = reference[(i + 1) % count].0;
-        let Some(inward) = normal.cross(to - from).try_normalize() else {
-            continue;
-        };
-        let depth = |corner: &Clipped| inward.dot(corner.at - from);
+        let to = reference[if i + 1 < count { i + 1 } else { 0 }].0;
+        // As long as the side, and so are depths and slack.
+        let inward = normal.cross(to - from);
+        let slack = slack * inward.length();
+        let depth = |at: DVec3| inward.dot(at - from);
+        let own = Owner::Reference(i as u16);
         next.clear();
-        for (k, corner) in polygon.iter().enumerate() {
-            let after = &polygon[(k + 1) % polygon.len()];
-            let (here, there) = (depth(corner), depth(after));
+        let Some(last) = polygon.last() else {
+            break;
+        };
+        let (mut corner, mut here) = (last, depth(last.at));
+        for after in polygon.iter() {
+            let there = depth(after.at);
             let crossing = |side| Clipped {
                 at: corner.at.lerp(after.at, here / (here - there)),
                 origin: meeting(reference, i, corner.side),
@@ -99,45 +99,49 @@ pub fn clip(
             };
             match (here >= -slack, there >= -slack) {
                 (true, true) => next.push(*corner),
-                (true, false) if here > slack => {
-                    next.push(*corner);
-                    next.push(crossing(Owner::Reference(i)));
+                (true, false) => {
+                    let on = here <= slack;
+                    next.push(Clipped {
+                        side: if on { own } else { corner.side },
+                        ..*corner
+                    });
+                    if !on {
+                        next.push(crossing(own));
+                    }
                 }
-                (true, false) => next.push(Clipped {
-                    side: Owner::Reference(i),
-                    ..*corner
-                }),
                 (false, true) if there > slack => next.push(crossing(corner.side)),
                 (false, _) => {}
             }
+            (corner, here) = (after, there);
         }
         std::mem::swap(&mut polygon, &mut next);
     }
-    drop_doubles(&mut polygon, slack);
+    drop_doubles(polygon, slack);
     polygon
 }
 
 /// Where the reference's side `i` meets another edge.
 fn meeting(reference: &Outline, i: usize, other: Owner) -> Origin {
-    let count = reference.len();
     match other {
         Owner::Incident(edge) => Origin::Edges(reference[i].2, edge),
-        Owner::Reference(j) if (i + 1) % count == j => Origin::Reference(reference[j].1),
+        // The last side meets the first at the first corner.
+        Owner::Reference(0) if i + 1 == reference.len() => Origin::Reference(reference[0].1),
         Owner::Reference(_) => Origin::Reference(reference[i].1),
     }
 }
 
-/// Of corners in one place the first stays, a true corner rather than a crossing.
+/// Of neighbours in one place one stays, a true corner rather than a crossing.
 fn drop_doubles(polygon: &mut Polygon, slack: f64) {
-    let mut kept = Polygon::new();
-    let same = |x: &Clipped, y: &Clipped| x.at.distance_squared(y.at) <= slack * slack;
     let is_crossing = |corner: &Clipped| matches!(corner.origin, Origin::Edges(..));
-    for corner in polygon.iter() {
-        match kept.iter_mut().find(|k| same(k, corner)) {
-            Some(double) if is_crossing(double) && !is_crossing(corner) => *double = *corner,
-            Some(_) => {}
-            None => kept.push(*corner),
+    let mut i = 0;
+    while i < polygon.len() && polygon.len() > 1 {
+        let next = if i + 1 < polygon.len() { i + 1 } else { 0 };
+        if polygon[i].at.distance_squared(polygon[next].at) > slack * slack {
+            i += 1;
+        } else if is_crossing(&polygon[i]) {
+            polygon.remove(i);
+        } else {
+            polygon.remove(next);
         }
     }
-    *polygon = kept;
 }

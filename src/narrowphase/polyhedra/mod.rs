@@ -33,8 +33,9 @@ use smallvec::SmallVec;
 /// How far outside a face a corner still lies on it, as a share of the solid's size across.
 const SLACK: f64 = 1e-4;
 
-/// Where two solids touch, or may soon. In the frame of A.
-#[derive(Clone, Debug)]
+/// Where two solids touch, or may soon, in the frame of A; without points where they do not. It is handed in to be written over, which
+/// spares moving it about.
+#[derive(Clone, Debug, Default)]
 pub struct Contact {
     /// Unit vector from B to A.
     pub normal: DVec3,
@@ -73,10 +74,11 @@ pub fn meet<A: Solid, B: Solid>(
     place: &Placement,
     search: Search,
     axis: &mut Axis,
-) -> Option<Contact> {
+    contact: &mut Contact,
+) {
     let found = separate(a, b, place, search.reach, *axis);
     *axis = found.axis;
-    touch(a, b, place, &found, search)
+    touch(a, b, place, &found, search, contact);
 }
 
 /// Where they touch, once it is known along which axis.
@@ -86,27 +88,31 @@ pub fn touch<A: Solid, B: Solid>(
     place: &Placement,
     found: &Separation,
     search: Search,
-) -> Option<Contact> {
+    contact: &mut Contact,
+) {
+    contact.normal = -found.normal;
+    contact.points.clear();
     if found.distance > search.reach || seams::graze(a, b, place, found.normal, search.graze) {
-        return None;
+        return;
     }
-    let points = match found.axis {
-        Axis::Edges(of_a, of_b) => crossing(a, b, place, found, of_a, of_b)
-            .into_iter()
-            .collect(),
-        _ => common(a, b, place, found),
-    };
-    finish(-found.normal, points, search.reach)
+    match found.axis {
+        Axis::Edges(of_a, of_b) => {
+            let point = crossing(a, b, place, found, of_a, of_b);
+            contact.points.extend(point);
+        }
+        _ => common(a, b, place, found, search.reach, &mut contact.points),
+    }
 }
 
 /// The same for a normal that is given, from A to B: what the two have in common along it.
-pub fn meet_along<A: Solid, B: Solid>(
+pub fn touch_along<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
     normal: DVec3,
     reach: f64,
-) -> Option<Contact> {
+    contact: &mut Contact,
+) {
     // The face that looks along the normal is the reference.
     let back = place.back(-normal);
     let (face_a, face_b) = (facing(a, normal), facing(b, back));
@@ -119,12 +125,9 @@ pub fn meet_along<A: Solid, B: Solid>(
         normal,
         distance: 0.0,
     };
-    finish(-normal, common(a, b, place, &found), reach)
-}
-
-fn finish(normal: DVec3, mut points: Points, reach: f64) -> Option<Contact> {
-    points.retain(|point| point.distance <= reach);
-    (!points.is_empty()).then_some(Contact { normal, points })
+    contact.normal = -normal;
+    contact.points.clear();
+    common(a, b, place, &found, reach, &mut contact.points);
 }
 
 /// How far off what counts as on, m.
@@ -140,66 +143,86 @@ fn across<S: Solid>(solid: &S) -> f64 {
     }
 }
 
-/// What a face and what faces it have in common.
-fn common<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, found: &Separation) -> Points {
+/// What a face and what faces it have in common, no farther apart than `reach`.
+fn common<A: Solid, B: Solid>(
+    a: &A,
+    b: &B,
+    place: &Placement,
+    found: &Separation,
+    reach: f64,
+    points: &mut Points,
+) {
     let slack = slack(a, b);
     match found.axis {
+        Axis::FaceOfA(face) => {
+            let above = Above {
+                face,
+                normal: found.normal,
+                slack,
+                reach,
+            };
+            above.points(a, b, place, points, |origin| match origin {
+                Origin::Reference(i) => FeatureId::corner_of_a(i),
+                Origin::Incident(i) => FeatureId::corner_of_b(i),
+                Origin::Edges(i, j) => FeatureId::edges(i, j),
+            });
+        }
         Axis::FaceOfB(face) => {
-            let (normal, back) = (place.back(-found.normal), place.inverse());
-            let edges = |of_b, of_a| FeatureId::edges(of_a, of_b);
-            let ids = (FeatureId::corner_of_b, FeatureId::corner_of_a, edges);
-            let mut points = on_face(b, a, &back, face, normal, slack, ids);
-            for point in &mut points {
+            let above = Above {
+                face,
+                normal: place.back(-found.normal),
+                slack,
+                reach,
+            };
+            above.points(b, a, &place.inverse(), points, |origin| match origin {
+                Origin::Reference(i) => FeatureId::corner_of_b(i),
+                Origin::Incident(i) => FeatureId::corner_of_a(i),
+                Origin::Edges(i, j) => FeatureId::edges(j, i),
+            });
+            for point in points {
                 point.position = place.point(point.position);
             }
-            points
         }
-        Axis::FaceOfA(face) => {
-            let ids = (
-                FeatureId::corner_of_a,
-                FeatureId::corner_of_b,
-                FeatureId::edges,
-            );
-            on_face(a, b, place, face, found.normal, slack, ids)
-        }
-        _ => Points::new(),
+        _ => {}
     }
 }
 
-/// What lies on a face of the reference, in its frame. `normal` points away from it; the numbers of corners of the reference, of the
-/// incident, and of crossings come from `ids`.
-fn on_face<R: Solid, I: Solid>(
-    reference: &R,
-    incident: &I,
-    place: &Placement,
+/// Above which face of the reference to look, along which normal, how far off what counts as on, and how far, m.
+struct Above {
     face: u16,
     normal: DVec3,
     slack: f64,
-    (corner, other_corner, edges): (
-        impl Fn(u16) -> FeatureId,
-        impl Fn(u16) -> FeatureId,
-        impl Fn(u16, u16) -> FeatureId,
-    ),
-) -> Points {
-    let below = outline(incident, facing(incident, place.back(-normal)));
-    let (out, offset) = reference.plane(face);
-    let slant = 1.0 / out.dot(normal);
-    let point = |clipped: Clipped| {
-        let distance = (out.dot(clipped.at) - offset) * slant;
-        Point {
-            position: clipped.at - normal * (0.5 * distance),
-            distance,
-            feature: match clipped.origin {
-                Origin::Reference(i) => corner(i),
-                Origin::Incident(i) => other_corner(i),
-                Origin::Edges(i, j) => edges(i, j),
-            },
+    reach: f64,
+}
+
+impl Above {
+    /// What lies there, in the frame of the reference. `feature` numbers what a corner is made of.
+    fn points<R: Solid, I: Solid>(
+        &self,
+        reference: &R,
+        incident: &I,
+        place: &Placement,
+        points: &mut Points,
+        feature: impl Fn(Origin) -> FeatureId,
+    ) {
+        let below = facing(incident, place.back(-self.normal));
+        let below =
+            outline(incident, below).map(|(at, point, edge)| (place.point(at), point, edge));
+        let sides: Outline = outline(reference, self.face).collect();
+        let (out, offset) = reference.plane(self.face);
+        let slant = 1.0 / out.dot(self.normal);
+        let space = &mut [Polygon::new(), Polygon::new()];
+        for clipped in clip(&sides, below, self.normal, self.slack, space) {
+            let distance = (out.dot(clipped.at) - offset) * slant;
+            if distance <= self.reach {
+                points.push(Point {
+                    position: clipped.at - self.normal * (0.5 * distance),
+                    distance,
+                    feature: feature(clipped.origin),
+                });
+            }
         }
-    };
-    clip(&outline(reference, face), &below, place, normal, slack)
-        .into_iter()
-        .map(point)
-        .collect()
+    }
 }
 
 /// The point where two edges cross, if they do and not only the lines that they are on.

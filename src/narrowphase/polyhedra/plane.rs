@@ -6,24 +6,25 @@ use super::{Contact, FeatureId, Point};
 use glam::DVec3;
 
 /// Where a solid touches everything below a plane, or may soon: `up · x = height` in its frame, with the unit vector `up`. The
-/// contact's normal is `up`; `corner` numbers its corners.
+/// contact's normal is `up`; `corner` numbers its corners. The contact that is handed in is written over.
 pub fn meet_plane<S: Solid>(
     solid: &S,
     up: DVec3,
     height: f64,
     reach: f64,
     corner: impl Fn(u16) -> FeatureId,
-) -> Option<Contact> {
-    let points = outline(solid, facing(solid, -up))
-        .into_iter()
-        .map(|(at, number, _)| {
-            let distance = up.dot(at) - height;
-            Point {
+    contact: &mut Contact,
+) {
+    contact.normal = up;
+    contact.points.clear();
+    for (at, number, _) in outline(solid, facing(solid, -up)) {
+        let distance = up.dot(at) - height;
+        if distance <= reach {
+            contact.points.push(Point {
                 position: at - up * (0.5 * distance),
                 distance,
                 feature: corner(number),
-            }
-        })
-        .collect();
-    super::finish(up, points, reach)
+            });
+        }
+    }
 }

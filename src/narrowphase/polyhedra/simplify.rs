@@ -6,8 +6,9 @@
 //! until every one counts and they are few enough. Corners that were there in the last step count more, or of two near each other
 //! now this would stay, now that.
 
-use super::{Contact, FeatureId};
+use super::{Contact, FeatureId, Points};
 use glam::DVec3;
+use smallvec::SmallVec;
 
 /// A corner without which less than this share of the area is lost is none.
 const SMALL: f64 = 0.05;
@@ -18,31 +19,44 @@ const KEPT: f64 = 2.0;
 impl Contact {
     /// Drops corners until no more than `most` are left, and each of them counts. `known`: those that were there in the last step.
     pub fn simplify(&mut self, most: usize, known: impl Fn(FeatureId) -> bool) {
-        let normal = self.normal;
-        let points = &mut self.points;
-        let twice = |x: DVec3, y: DVec3, z: DVec3| normal.dot((y - x).cross(z - x)).abs();
+        let (normal, points) = (self.normal, &mut self.points);
+        if points.len() < 3 {
+            return;
+        }
+        // Twice the area, of all and of the triangle that goes with a corner.
+        let area = |x: DVec3, y: DVec3, z: DVec3| normal.dot((y - x).cross(z - x)).abs();
         let first = points[0].position;
-        let whole: f64 = points
-            .windows(2)
-            .map(|pair| twice(first, pair[0].position, pair[1].position))
+        let pairs = points.windows(2);
+        let whole: f64 = pairs
+            .map(|two| area(first, two[0].position, two[1].position))
             .sum();
-        while points.len() > 2 {
+        let loss = |points: &Points, i: usize| {
             let count = points.len();
-            let loss = |i: usize| {
-                let at = |k: usize| points[(i + k) % count].position;
-                let area = twice(at(count - 1), at(0), at(1));
-                match known(points[i].feature) {
-                    true => KEPT * area,
-                    false => area,
+            let before = points[if i > 0 { i - 1 } else { count - 1 }].position;
+            let after = points[if i + 1 < count { i + 1 } else { 0 }].position;
+            let area = area(before, points[i].position, after);
+            match known(points[i].feature) {
+                true => KEPT * area,
+                false => area,
+            }
+        };
+        let mut losses: SmallVec<[f64; 16]> = (0..points.len()).map(|i| loss(points, i)).collect();
+        loop {
+            let mut least = 0;
+            for i in 1..losses.len() {
+                if losses[i] < losses[least] {
+                    least = i;
                 }
-            };
-            let least = (0..count)
-                .map(|i| (loss(i), i))
-                .min_by(|x, y| x.0.total_cmp(&y.0));
-            match least {
-                Some((loss, i)) if count > most || loss < SMALL * whole => points.remove(i),
-                _ => return,
-            };
+            }
+            if points.len() <= most && losses[least] >= SMALL * whole || points.len() == 2 {
+                return;
+            }
+            points.remove(least);
+            losses.remove(least);
+            let count = points.len();
+            for i in [least + count - 1, least] {
+                losses[i % count] = loss(points, i % count);
+            }
         }
     }
 }

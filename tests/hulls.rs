@@ -232,6 +232,22 @@ fn a_hundred_thousand_points() {
         start.elapsed()
     );
     check(&hull, &ball);
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.3, 0.2, 1.0);
+    let onto = |(i, p): (usize, &Vec3)| {
+        let at = p.to_array();
+        let mut at = at.map(|x| (50.0 * x).round() / 50.0);
+        at[i % 3] = 0.5f32.copysign(at[i % 3]);
+        turn * Vec3::from_array(at) + Vec3::ONE
+    };
+    let faces: Vec<_> = cube.iter().enumerate().map(onto).collect();
+    let start = std::time::Instant::now();
+    let hull = Polyhedron::new(&faces).expect("eight of them are corners");
+    println!(
+        "on a cube: {} faces, {:?}",
+        hull.faces.len(),
+        start.elapsed()
+    );
+    assert_eq!([hull.points.len(), hull.faces.len()], [8, 6]);
     let sphere: Vec<_> = cube.iter().map(|p| p.normalize()).collect();
     let start = std::time::Instant::now();
     let error = Polyhedron::new(&sphere).expect_err("too many corners");

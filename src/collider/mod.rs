@@ -20,7 +20,7 @@ use solid::Solid;
 use std::fmt;
 
 /// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
-/// the constructors here cover the common ones.
+/// the constructors here cover the common ones. Of convex hulls it also holds the [`Polyhedron`].
 #[derive(Component, Clone)]
 #[component(on_remove = crate::body::lost_description)]
 pub struct Collider {
@@ -250,6 +250,7 @@ impl Collider {
     }
 
     /// Its corners, edges and faces, where it is a convex hull: for contacts of flat faces.
+    #[expect(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn polyhedron(&self) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Hull(hull) => Some(hull),
@@ -258,6 +259,7 @@ impl Collider {
     }
 
     /// The same of a part of a compound.
+    #[expect(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn part_polyhedron(&self, part: u32) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Parts(parts) => parts.get(part as usize)?.as_deref(),

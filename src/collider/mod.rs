@@ -159,7 +159,7 @@ impl Collider {
     /// [`ColliderError::DegenerateHull`] where a length is not positive, or tiny beside another.
     pub fn wedge(x: f32, y: f32, z: f32) -> Result<Self, ColliderError> {
         let half = 0.5 * Vec3::new(x, y, z);
-        if !(half.min_element() > 0.0) {
+        if half.min_element() <= 0.0 {
             return Err(ColliderError::DegenerateHull);
         }
         let profile = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
@@ -250,7 +250,7 @@ impl Collider {
     }
 
     /// Its corners, edges and faces, where it is a convex hull: for contacts of flat faces.
-    #[expect(dead_code, reason = "for the contact of polyhedra, which is next")]
+    #[allow(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn polyhedron(&self) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Hull(hull) => Some(hull),
@@ -259,7 +259,7 @@ impl Collider {
     }
 
     /// The same of a part of a compound.
-    #[expect(dead_code, reason = "for the contact of polyhedra, which is next")]
+    #[allow(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn part_polyhedron(&self, part: u32) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Parts(parts) => parts.get(part as usize)?.as_deref(),

@@ -37,17 +37,17 @@ impl Facet {
         }
     }
 
-    fn from_corner(&self, points: &[I64Vec3], point: u32) -> I64Vec3 {
+    fn away(&self, points: &[I64Vec3], point: u32) -> I64Vec3 {
         points[point as usize] - points[self.corners[0] as usize]
     }
 
     /// How far a point is outside, in steps.
     fn height(&self, points: &[I64Vec3], point: u32) -> f64 {
-        self.unit.dot(self.from_corner(points, point).as_dvec3())
+        self.unit.dot(self.away(points, point).as_dvec3())
     }
 
     fn is_seen_from(&self, points: &[I64Vec3], point: u32) -> bool {
-        let way = self.from_corner(points, point);
+        let way = self.away(points, point);
         let part = |i: usize| i128::from(self.normal[i]) * i128::from(way[i]);
         part(0) + part(1) + part(2) > 0
     }
@@ -59,7 +59,7 @@ impl Facet {
         let limit = heights.fold(0.0, f64::max) - slack;
         let high = self.outside.iter().copied();
         high.filter(|&p| self.height(points, p) >= limit)
-            .max_by_key(|&p| length_squared(self.from_corner(points, p)))
+            .max_by_key(|&p| length_squared(self.away(points, p)))
     }
 
     fn side_from(&self, corner: u32) -> usize {

@@ -167,7 +167,7 @@ impl Collider {
         Self::convex_hull(profile.map(corner).as_flattened())
     }
 
-    /// Of what is a hundred-thousandth of a metre across no body can be made.
+    /// Of what is hardly a tenth of a millimetre across no body can be made: it is lighter than any may be.
     fn has_mass(&self) -> bool {
         let mass = MassProperties::new(Some(self), None, None, None, None);
         mass.is_valid(self.radius_about(mass.local_center))

@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 fn check(hull: &Polyhedron, points: &[Vec3]) {
     let (corners, edges, faces) = (hull.points.len(), hull.edges.len(), hull.faces.len());
     assert_eq!(corners + faces, edges + 2, "{corners} {edges} {faces}");
-    assert!(corners >= 4 && corners <= Polyhedron::MAX_CORNERS);
+    assert!((4..=Polyhedron::MAX_CORNERS).contains(&corners));
     assert!(hull.points.iter().all(|p| points.contains(p)));
     assert_eq!(hull.corners.len(), 2 * edges);
     assert_eq!(hull.sides.len(), 2 * edges);
@@ -232,6 +232,22 @@ fn a_hundred_thousand_points() {
         start.elapsed()
     );
     check(&hull, &ball);
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.3, 0.2, 1.0);
+    let onto = |(i, p): (usize, &Vec3)| {
+        let at = p.to_array();
+        let mut at = at.map(|x| (50.0 * x).round() / 50.0);
+        at[i % 3] = 0.5f32.copysign(at[i % 3]);
+        turn * Vec3::from_array(at) + Vec3::ONE
+    };
+    let faces: Vec<_> = cube.iter().enumerate().map(onto).collect();
+    let start = std::time::Instant::now();
+    let hull = Polyhedron::new(&faces).expect("eight of them are corners");
+    println!(
+        "on a cube: {} faces, {:?}",
+        hull.faces.len(),
+        start.elapsed()
+    );
+    assert_eq!([hull.points.len(), hull.faces.len()], [8, 6]);
     let sphere: Vec<_> = cube.iter().map(|p| p.normalize()).collect();
     let start = std::time::Instant::now();
     let error = Polyhedron::new(&sphere).expect_err("too many corners");
@@ -244,6 +260,54 @@ fn a_hundred_thousand_points() {
             .len(),
         4000
     );
+}
+
+/// Parry takes faces up to 1.5° apart for one; whatever that leaves of them must bear being touched.
+#[test]
+fn fine_faces_bear_contact_by_parry() {
+    let squash = |points: Vec<Vec3>, y: f32| -> Vec<Vec3> {
+        points.iter().map(|p| *p * Vec3::new(1.0, y, 1.0)).collect()
+    };
+    let sphere: Vec<_> = random(4000, 3).iter().map(|p| p.normalize()).collect();
+    let shapes = [
+        prism(1000, 0.5),
+        icosphere(4),
+        squash(icosphere(4), 0.02),
+        squash(sphere.clone(), 0.05),
+        squash(sphere.clone(), 20.0),
+        sphere,
+    ];
+    for points in shapes {
+        let hull = Collider::convex_hull(&points).expect("a hull");
+        for other in [
+            Collider::ball(0.1),
+            Collider::capsule(0.1, 0.5),
+            hull.clone(),
+        ] {
+            let others = other.shape().as_support_map().expect("convex");
+            for direction in random(20, 4) {
+                let direction = direction.normalize();
+                let hulls = hull.shape().as_support_map().expect("convex");
+                let reach = direction.dot(hulls.local_support_point(direction));
+                let back = -direction.dot(others.local_support_point(-direction));
+                let at = parry3d::math::Pose::from_translation(0.99 * (reach + back) * direction);
+                let here = parry3d::math::Pose::IDENTITY;
+                let shapes = (&**hull.shape(), &**other.shape());
+                parry3d::query::contact(&here, shapes.0, &at, shapes.1, 0.1).expect("known shapes");
+                let mut manifolds: Vec<parry3d::query::ContactManifold<(), ()>> = Vec::new();
+                parry3d::query::PersistentQueryDispatcher::contact_manifolds(
+                    &parry3d::query::DefaultQueryDispatcher,
+                    &at,
+                    shapes.0,
+                    shapes.1,
+                    0.1,
+                    &mut manifolds,
+                    &mut None,
+                )
+                .expect("known shapes");
+            }
+        }
+    }
 }
 
 fn assert_near(found: f64, expected: f64, what: &str) {

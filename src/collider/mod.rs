@@ -20,7 +20,7 @@ use solid::Solid;
 use std::fmt;
 
 /// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
-/// the constructors here cover the common ones.
+/// the constructors here cover the common ones. Of convex hulls it also holds the [`Polyhedron`].
 #[derive(Component, Clone)]
 #[component(on_remove = crate::body::lost_description)]
 pub struct Collider {
@@ -159,7 +159,7 @@ impl Collider {
     /// [`ColliderError::DegenerateHull`] where a length is not positive, or tiny beside another.
     pub fn wedge(x: f32, y: f32, z: f32) -> Result<Self, ColliderError> {
         let half = 0.5 * Vec3::new(x, y, z);
-        if !(half.min_element() > 0.0) {
+        if half.min_element() <= 0.0 {
             return Err(ColliderError::DegenerateHull);
         }
         let profile = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
@@ -167,7 +167,7 @@ impl Collider {
         Self::convex_hull(profile.map(corner).as_flattened())
     }
 
-    /// Of what is a hundred-thousandth of a metre across no body can be made.
+    /// Of what is hardly a tenth of a millimetre across no body can be made: it is lighter than any may be.
     fn has_mass(&self) -> bool {
         let mass = MassProperties::new(Some(self), None, None, None, None);
         mass.is_valid(self.radius_about(mass.local_center))
@@ -250,6 +250,7 @@ impl Collider {
     }
 
     /// Its corners, edges and faces, where it is a convex hull: for contacts of flat faces.
+    #[allow(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn polyhedron(&self) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Hull(hull) => Some(hull),
@@ -258,6 +259,7 @@ impl Collider {
     }
 
     /// The same of a part of a compound.
+    #[allow(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn part_polyhedron(&self, part: u32) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Parts(parts) => parts.get(part as usize)?.as_deref(),

@@ -102,3 +102,47 @@ pub(super) fn to_parry(polyhedron: &Polyhedron) -> Result<SharedShape, ColliderE
         Some(hull) => Ok(SharedShape::new(hull)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::collider::Collider;
+    use glam::{Quat, Vec3};
+    use parry3d::shape::SharedShape;
+    use std::f32::consts::PI;
+
+    /// Two wedges, and a box beside them.
+    #[test]
+    fn parts_weigh_what_the_whole_does() {
+        let wedge = Collider::wedge(1.0, 0.5, 2.0).expect("a wedge");
+        let turned = Quat::from_rotation_z(PI);
+        let cuboid = Collider::cuboid(1.0, 0.5, 2.0);
+        let parts = vec![
+            (Vec3::ZERO, Quat::IDENTITY, wedge.clone()),
+            (Vec3::ZERO, turned, wedge.clone()),
+            (Vec3::X, Quat::IDENTITY, cuboid),
+        ];
+        let compound = Collider::compound(parts).expect("a compound");
+        let [found, expected] =
+            [compound.clone(), Collider::cuboid(2.0, 0.5, 2.0)].map(|c| c.mass_properties());
+        assert!((found.mass() - expected.mass()).abs() < 1e-5);
+        assert!((found.local_com - 0.5 * Vec3::X).length() < 1e-6);
+        let inertia = [found, expected].map(|m| m.reconstruct_inertia_matrix());
+        assert!(inertia[0].abs_diff_eq(inertia[1], 1e-5), "{inertia:?}");
+
+        assert_eq!(compound.part_polyhedron(1), wedge.polyhedron());
+        assert!(compound.part_polyhedron(2).is_none() && compound.part_polyhedron(3).is_none());
+        let again = Collider::from(wedge.shape().clone());
+        assert_eq!(again.polyhedron(), wedge.polyhedron());
+        assert!(
+            Collider::from(compound.shape().clone())
+                .part_polyhedron(1)
+                .is_some()
+        );
+        assert!(Collider::wedge(1.0, 0.5, 2.0).is_ok_and(|other| other.is_same(&wedge)));
+        assert!(
+            Collider::from(SharedShape::ball(1.0))
+                .polyhedron()
+                .is_none()
+        );
+    }
+}

@@ -17,6 +17,8 @@ pub(super) struct Facet {
     unit: DVec3,
     /// Points that see it, each of them with one facet only.
     outside: Vec<u32>,
+    /// Points that see it, but are outside of it by next to nothing.
+    near: Vec<u32>,
     gone: bool,
 }
 
@@ -30,21 +32,22 @@ impl Facet {
             normal,
             unit: normal.as_dvec3().normalize(),
             outside: Vec::new(),
+            near: Vec::new(),
             gone: false,
         }
     }
 
-    fn from_corner(&self, points: &[I64Vec3], point: u32) -> I64Vec3 {
+    fn away(&self, points: &[I64Vec3], point: u32) -> I64Vec3 {
         points[point as usize] - points[self.corners[0] as usize]
     }
 
     /// How far a point is outside, in steps.
     fn height(&self, points: &[I64Vec3], point: u32) -> f64 {
-        self.unit.dot(self.from_corner(points, point).as_dvec3())
+        self.unit.dot(self.away(points, point).as_dvec3())
     }
 
     fn is_seen_from(&self, points: &[I64Vec3], point: u32) -> bool {
-        let way = self.from_corner(points, point);
+        let way = self.away(points, point);
         let part = |i: usize| i128::from(self.normal[i]) * i128::from(way[i]);
         part(0) + part(1) + part(2) > 0
     }
@@ -56,7 +59,7 @@ impl Facet {
         let limit = heights.fold(0.0, f64::max) - slack;
         let high = self.outside.iter().copied();
         high.filter(|&p| self.height(points, p) >= limit)
-            .max_by_key(|&p| length_squared(self.from_corner(points, p)))
+            .max_by_key(|&p| length_squared(self.away(points, p)))
     }
 
     fn side_from(&self, corner: u32) -> usize {
@@ -71,27 +74,24 @@ fn length_squared(v: I64Vec3) -> i64 {
 /// The facets of the hull; none where the points are in one plane. Points outside it by less than `slack`, in steps, are left out.
 pub(super) fn hull(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     let mut facets = simplex(points, slack)?;
-    share_out(
-        points,
-        &mut facets,
-        (0..points.len() as u32).collect(),
-        slack,
-    );
-    let mut open: Vec<usize> = (0..facets.len()).collect();
+    let all = (0..points.len() as u32).collect();
+    let mut open = share_out(points, &mut facets, 0, all, slack);
     let mut starting = vec![0; points.len()];
-    while let Some(i) = open.pop() {
-        if facets[i].gone {
-            continue;
+    while !open.is_empty() {
+        while let Some(i) = open.pop() {
+            if facets[i].gone {
+                continue;
+            }
+            let Some(apex) = facets[i].furthest(points, slack) else {
+                continue;
+            };
+            let (rim, mut orphans) = take_off(points, &mut facets, i as u32, apex);
+            let first = facets.len();
+            put_on(points, &mut facets, &rim, apex, &mut starting);
+            orphans.retain(|&p| p != apex);
+            open.extend(share_out(points, &mut facets, first, orphans, slack));
         }
-        let Some(apex) = facets[i].furthest(points, slack) else {
-            continue;
-        };
-        let (rim, mut orphans) = take_off(points, &mut facets, i as u32, apex);
-        let first = facets.len();
-        put_on(points, &mut facets, &rim, apex, &mut starting);
-        orphans.retain(|&p| p != apex);
-        share_out(points, &mut facets[first..], orphans, slack);
-        open.extend(first..facets.len());
+        open = look_beyond(points, &mut facets, slack);
     }
     Some(without_gaps(facets))
 }
@@ -124,14 +124,76 @@ fn simplex(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     Some(facets.into())
 }
 
-/// Each point goes to a facet it is outside of; what is outside of none is inside the hull.
-fn share_out(points: &[I64Vec3], facets: &mut [Facet], orphans: Vec<u32>, slack: f64) {
+/// Each point goes to a facet it sees, from the first one given on; if it sees none it is inside the hull. Returns the facets that
+/// points are well outside of.
+fn share_out(
+    points: &[I64Vec3],
+    facets: &mut [Facet],
+    first: usize,
+    orphans: Vec<u32>,
+    slack: f64,
+) -> Vec<usize> {
+    let mut homes = Vec::new();
     for point in orphans {
-        let outside = |facet: &&mut Facet| facet.height(points, point) > slack;
-        if let Some(facet) = facets.iter_mut().find(outside) {
-            facet.outside.push(point);
+        let mut near = None;
+        let home = (first..facets.len()).find(|&i| {
+            let height = facets[i].height(points, point);
+            if height > 0.0 {
+                near.get_or_insert(i);
+            }
+            height > slack
+        });
+        if let Some(home) = home {
+            facets[home].outside.push(point);
+            homes.push(home);
+        } else if let Some(near) = near {
+            facets[near].near.push(point);
         }
     }
+    homes.dedup();
+    homes
+}
+
+/// At a sharp edge, what is hardly outside of a facet may be well outside of one behind it. Returns such, with the points.
+fn look_beyond(points: &[I64Vec3], facets: &mut [Facet], slack: f64) -> Vec<usize> {
+    let mut homes = Vec::new();
+    for i in 0..facets.len() {
+        for point in std::mem::take(&mut facets[i].near) {
+            match beyond(points, facets, i, point, slack) {
+                Some(home) => {
+                    facets[home].outside.push(point);
+                    homes.push(home);
+                }
+                None => facets[i].near.push(point),
+            }
+        }
+    }
+    homes
+}
+
+/// A facet that a point is well outside of, if there is one. All that it sees hang together.
+fn beyond(
+    points: &[I64Vec3],
+    facets: &[Facet],
+    from: usize,
+    point: u32,
+    slack: f64,
+) -> Option<usize> {
+    let mut seen = vec![from];
+    let mut done = 0;
+    while let Some(&i) = seen.get(done) {
+        done += 1;
+        for other in facets[i].beside.map(|other| other as usize) {
+            let height = facets[other].height(points, point);
+            if height > slack {
+                return Some(other);
+            }
+            if height > 0.0 && !seen.contains(&other) {
+                seen.push(other);
+            }
+        }
+    }
+    None
 }
 
 /// Takes off all facets that a point sees. Returns the rim they leave, as facets and which of their sides, and their points.
@@ -147,6 +209,7 @@ fn take_off(
     while let Some(i) = open.pop() {
         let facet = &mut facets[i as usize];
         orphans.append(&mut std::mem::take(&mut facet.outside));
+        orphans.append(&mut std::mem::take(&mut facet.near));
         let (beside, corners) = (facet.beside, facet.corners);
         for side in 0..3 {
             let other = &mut facets[beside[side] as usize];

@@ -1,0 +1,115 @@
+//! Semicircular arches of hulls that touch exactly.
+
+use crate::blocks::{Frame, Masonry};
+use crate::drawings::{RADIUS, arch};
+use crate::limit::{Limit, SHARE, all_found, all_met};
+use crate::site::{As, Site, joints_stay_whole};
+use crate::statics::{limit_tilt, threshold};
+
+const VOUSSOIRS: [usize; 4] = [11, 12, 15, 20];
+
+/// The thickness, as a share of the mean radius, of arches that are tried in other ways.
+const THICK: f64 = 0.2;
+
+fn stands(masonry: &Masonry, tilt: f64) -> bool {
+    let [inner, outer] = [0, 1].map(|i| masonry.blocks[1].outline[i].length());
+    Site::leaning(masonry, tilt).stands(0.05 * (outer - inner))
+}
+
+fn thickness() -> Vec<Limit> {
+    let each = |n, friction| {
+        let of = move |share| arch(n, share, friction);
+        Limit::from(
+            format!("thickness of {n} voussoirs, friction {friction}"),
+            threshold(0.02, 0.3, of),
+            move |share| stands(&of(share), 0.0),
+        )
+    };
+    let all = VOUSSOIRS.into_iter();
+    all.flat_map(|n| [0.6, 0.84].map(|friction| each(n, friction)))
+        .collect()
+}
+
+fn friction() -> Vec<Limit> {
+    let each = |n| {
+        let of = move |friction| arch(n, THICK, friction);
+        Limit::from(
+            format!("friction of {n} voussoirs"),
+            threshold(0.1, 0.9, of),
+            move |friction| stands(&of(friction), 0.0),
+        )
+    };
+    VOUSSOIRS.map(each).into()
+}
+
+fn tilt() -> Vec<Limit> {
+    let each = |n, friction| {
+        let masonry = arch(n, THICK, friction);
+        Limit::up_to(
+            format!("tilt of {n} voussoirs, friction {friction}"),
+            limit_tilt(&masonry),
+            move |tilt| stands(&masonry, tilt),
+        )
+    };
+    let all = VOUSSOIRS.into_iter();
+    all.flat_map(|n| [0.5, 0.84].map(|friction| each(n, friction)))
+        .collect()
+}
+
+#[test]
+fn an_arch_too_thin_falls() {
+    all_met(thickness(), SHARE);
+}
+
+#[test]
+fn an_arch_of_too_little_friction_falls() {
+    all_met(friction(), SHARE);
+}
+
+#[test]
+fn an_arch_tilted_too_far_falls() {
+    all_met(tilt(), SHARE);
+}
+
+#[test]
+#[ignore = "long"]
+fn limits_of_arches_by_thickness() {
+    all_found(thickness());
+}
+
+#[test]
+#[ignore = "long"]
+fn limits_of_arches_by_friction() {
+    all_found(friction());
+}
+
+#[test]
+#[ignore = "long"]
+fn limits_of_arches_by_tilt() {
+    all_found(tilt());
+}
+
+/// Far from all limits an arch hardly moves.
+#[test]
+fn a_thick_arch_stays_where_it_is() {
+    for n in VOUSSOIRS {
+        let mut site = Site::leaning(&arch(n, THICK, 0.84), 0.0);
+        site.lab.run(20.0);
+        let moved = site.moved();
+        println!("{n} voussoirs: moved {moved:.2e} m");
+        assert!(moved < 1e-3 * RADIUS, "{n} voussoirs: {moved} m");
+    }
+}
+
+#[test]
+fn all_joints_of_an_arch_are_found_whole() {
+    for n in VOUSSOIRS {
+        for (share, yaw) in [(THICK, 0.0), (THICK, 0.4), (0.15, 0.7)] {
+            let masonry = arch(n, share, 0.84);
+            let frame = Frame { tilt: 0.0, yaw };
+            let mut site = Site::build(&masonry, frame, As::Hulls);
+            let what = format!("{n} voussoirs {share} thick, yaw {yaw}");
+            joints_stay_whole(&mut site, &what);
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! A drawing built in a world, and what is asked of it there.
+
+use crate::blocks::{Frame, Masonry};
+use crate::support::Lab;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use drystone::body::{Density, Pose, RigidBody};
+use drystone::collider::{Collider, Friction};
+use drystone::contact::{ContactPair, Manifold};
+use drystone::settings::Gravity;
+use glam::{DQuat, DVec2, DVec3, Quat, Vec3};
+
+/// What rectangles are built of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum As {
+    Hulls,
+    Cuboids,
+}
+
+/// A built drawing.
+pub struct Site {
+    pub lab: Lab,
+    pub masonry: Masonry,
+    frame: Frame,
+    /// One for each block.
+    pub bodies: Vec<Entity>,
+    start: Vec<Pose>,
+}
+
+/// Seconds after which what still stands is taken to stand.
+const LONG: f32 = 10.0;
+
+/// A patch's normal may be off by this, rad: 0.1°.
+const NORMAL: f64 = 0.1 * std::f64::consts::PI / 180.0;
+
+fn pose(frame: Frame, center: DVec2, turn: f64) -> Pose {
+    let rotation = frame.rotation();
+    Pose {
+        position: (rotation * center.extend(0.0)).as_vec3(),
+        rotation: (rotation * DQuat::from_rotation_z(turn)).as_quat(),
+    }
+}
+
+impl Site {
+    /// At 60 Hz with the default settings, without sleeping.
+    pub fn build(masonry: &Masonry, frame: Frame, shapes: As) -> Self {
+        let mut lab = Lab::shipped(1.0 / 60.0);
+        let mut bodies = Vec::new();
+        let mut start = Vec::new();
+        for block in &masonry.blocks {
+            let collider = match block.cuboid() {
+                Some(size) if shapes == As::Cuboids => {
+                    let [x, y, z] = size.as_vec3().to_array();
+                    Collider::cuboid(x, y, z)
+                }
+                _ => {
+                    let corners: Vec<Vec3> =
+                        block.corners().into_iter().map(DVec3::as_vec3).collect();
+                    Collider::convex_hull(&corners).expect("a block has volume")
+                }
+            };
+            let pose = pose(frame, block.center(), block.turn());
+            start.push(pose);
+            bodies.push(lab.spawn((
+                if block.fixed {
+                    RigidBody::Static
+                } else {
+                    RigidBody::Dynamic
+                },
+                collider,
+                Friction::new(masonry.friction as f32),
+                Density(block.density as f32),
+                Transform::from_translation(pose.position).with_rotation(pose.rotation),
+            )));
+        }
+        Self {
+            lab,
+            masonry: masonry.clone(),
+            frame,
+            bodies,
+            start,
+        }
+    }
+
+    /// Of hulls, under a gravity that leans towards −x by this angle, rad.
+    pub fn leaning(masonry: &Masonry, tilt: f64) -> Self {
+        let mut site = Self::build(masonry, Frame::default(), As::Hulls);
+        let down = DQuat::from_rotation_z(-tilt) * DVec3::NEG_Y;
+        site.lab.world.resource_mut::<Gravity>().0 = crate::support::G * down.as_vec3();
+        site
+    }
+
+    pub fn poses(&self) -> Vec<Pose> {
+        self.bodies
+            .iter()
+            .map(|&body| self.lab.pose(body))
+            .collect()
+    }
+
+    /// The farthest that a corner could have come from where it was, m: by its block's way and turn.
+    pub fn moved(&self) -> f64 {
+        apart(&self.start, &self.poses())
+    }
+
+    /// The fastest, m/s.
+    fn speed(&self) -> f32 {
+        let speed = |&body: &Entity| self.lab.velocity(body).linear.length();
+        self.bodies.iter().map(speed).fold(0.0, f32::max)
+    }
+
+    /// Whether nothing moves by `most` m in ten seconds, or is still on its way then.
+    pub fn stands(&mut self, most: f64) -> bool {
+        for _ in 0..(LONG / self.lab.dt) as usize {
+            self.lab.step();
+            if self.moved() > most {
+                return false;
+            }
+        }
+        self.speed() < 0.01
+    }
+
+    /// The manifold between two blocks, with the sign that turns its normals from the second to the first.
+    fn manifold(&mut self, blocks: [usize; 2]) -> Option<(Manifold, f32)> {
+        let [a, b] = blocks.map(|i| self.bodies[i]);
+        let mut pairs = self.lab.world.query::<(&ContactPair, &Manifold)>();
+        pairs.iter(&self.lab.world).find_map(|(pair, manifold)| {
+            let sign = match pair.bodies {
+                [first, second] if (first, second) == (a, b) => 1.0,
+                [first, second] if (first, second) == (b, a) => -1.0,
+                _ => return None,
+            };
+            Some((manifold.clone(), sign))
+        })
+    }
+
+    /// What is wrong with the joints: each has one patch of four points, with the joint's normal. With a `reach`, m, a point of
+    /// them is that near to each of its true corners.
+    pub fn flaws(&mut self, reach: Option<f64>) -> Vec<String> {
+        let mut flaws = Vec::new();
+        let rotation = self.frame.rotation();
+        for joint in self.masonry.joints() {
+            let between = format!("joint {:?}", joint.blocks);
+            let Some((manifold, sign)) = self.manifold(joint.blocks) else {
+                flaws.push(format!("{between}: no pair"));
+                continue;
+            };
+            let [patch] = manifold.patches[..] else {
+                flaws.push(format!("{between}: {} patches", manifold.patches.len()));
+                continue;
+            };
+            let count = manifold.points.len();
+            if count != 4 {
+                flaws.push(format!("{between}: {count} corners"));
+            }
+            let normal = (sign * patch.normal).as_dvec3();
+            let off = normal.cross(rotation * joint.normal.extend(0.0)).length();
+            let right_way = normal.dot(rotation * joint.normal.extend(0.0)) > 0.0;
+            if off > NORMAL || !right_way {
+                flaws.push(format!(
+                    "{between}: normal off by {}°",
+                    off.asin().to_degrees()
+                ));
+            }
+            let Some(reach) = reach else { continue };
+            for corner in Masonry::joint_corners(&joint).map(|p| rotation * p) {
+                let away = |point: &drystone::contact::ContactPoint| {
+                    point.position.as_dvec3().distance(corner)
+                };
+                let nearest = manifold
+                    .points
+                    .iter()
+                    .map(away)
+                    .fold(f64::INFINITY, f64::min);
+                if nearest > reach {
+                    flaws.push(format!(
+                        "{between}: no point within {nearest} m of a corner"
+                    ));
+                }
+            }
+        }
+        flaws
+    }
+}
+
+/// The farthest that two sets of poses of the same bodies are apart, m: ways, and turns on an arm of a metre.
+pub fn apart(one: &[Pose], other: &[Pose]) -> f64 {
+    let turn = |a: Quat, b: Quat| 2.0 * (a.inverse() * b).xyz().length();
+    let pairs = one.iter().zip(other);
+    let each = pairs.map(|(a, b)| {
+        a.position
+            .distance(b.position)
+            .max(turn(a.rotation, b.rotation))
+    });
+    // What is no number is farther than any.
+    each.fold(0.0, |most: f64, x| {
+        if x.is_nan() {
+            f64::INFINITY
+        } else {
+            most.max(x as f64)
+        }
+    })
+}
+
+/// Asserts that all joints are found whole as they are built, to 0.1° and a millimetre, and are so after two seconds.
+#[track_caller]
+pub fn joints_stay_whole(site: &mut Site, what: &str) {
+    site.lab.step();
+    let first = site.flaws(Some(1e-3));
+    site.lab.run(2.0);
+    let later = site.flaws(None);
+    let joints = site.masonry.joints().len();
+    println!(
+        "{what}: of {joints} joints {} flaws at first, {} after 2 s, moved {:.2e} m {:?} {:?}",
+        first.len(),
+        later.len(),
+        site.moved(),
+        first.first(),
+        later.first(),
+    );
+    assert_eq!(first, [""; 0], "{what}: at first");
+    assert_eq!(later, [""; 0], "{what}: after 2 s");
+}

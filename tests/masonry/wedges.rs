@@ -1,0 +1,153 @@
+//! Wedges on a slope, in a groove, between two blocks, and in a flat arch.
+//!
+//! A wedge whose narrow end is up holds between two supports only if it was pressed in, of which statics of rigid blocks knows
+//! nothing. All that is here is determinate.
+
+use crate::blocks::{Frame, Masonry};
+use crate::drawings::{flat_arch, frustum, groove, splitter};
+use crate::limit::{Limit, SHARE, all_found, all_met};
+use crate::site::{As, Site, joints_stay_whole};
+use crate::statics::{limit_load, limit_tilt, threshold};
+
+/// What a wedge a metre high may give way as it settles, m.
+const SETTLES: f64 = 0.05;
+
+fn tilt(what: String, masonry: Masonry) -> Limit {
+    Limit::up_to(
+        format!("tilt of {what}"),
+        limit_tilt(&masonry),
+        move |tilt| Site::leaning(&masonry, tilt).stands(SETTLES),
+    )
+}
+
+/// The weight of the last block, as a multiple of what it is drawn with.
+fn load(what: String, masonry: Masonry) -> Limit {
+    let last = masonry.blocks.len() - 1;
+    Limit::up_to(
+        format!("load on {what}"),
+        limit_load(&masonry, last),
+        move |factor| {
+            let masonry = masonry.clone().loaded(factor);
+            Site::leaning(&masonry, 0.0).stands(SETTLES)
+        },
+    )
+}
+
+fn friction(what: String, of: impl Fn(f64) -> Masonry + 'static) -> Limit {
+    Limit::from(
+        format!("friction of {what}"),
+        threshold(0.0, 1.0, &of),
+        move |friction| Site::leaning(&of(friction), 0.0).stands(SETTLES),
+    )
+}
+
+fn frustums() -> Vec<Limit> {
+    let each = |mu| tilt(format!("a frustum, friction {mu}"), frustum(mu));
+    [0.3, 0.84].map(each).into()
+}
+
+fn grooves() -> Vec<Limit> {
+    let each = |(half, mu)| {
+        let what = format!("a wedge of {half}° in a groove, friction {mu}");
+        tilt(what, groove(half, mu))
+    };
+    [(30.0, 0.3), (45.0, 0.3), (50.0, 0.84), (60.0, 0.84)]
+        .map(each)
+        .into()
+}
+
+fn splitters() -> Vec<Limit> {
+    let each = |(half, mu)| {
+        let what = format!("blocks parted by a wedge of {half}°");
+        [
+            load(format!("{what}, friction {mu}"), splitter(half, mu)),
+            friction(what, move |mu| splitter(half, mu).loaded(10.0)),
+        ]
+    };
+    let all = [(20.0, 0.3), (10.0, 0.4), (30.0, 0.3)];
+    all.into_iter().flat_map(each).collect()
+}
+
+fn flat_arches() -> Vec<Limit> {
+    let each = |(n, on, mu)| {
+        let what = format!("voussoir {on} of a flat arch of {n}");
+        let of = move |mu| flat_arch(n, mu, Some(on));
+        [
+            load(format!("{what}, friction {mu}"), of(mu)),
+            friction(what, move |mu| of(mu).loaded(20.0)),
+        ]
+    };
+    let all = [(5, 2, 0.05), (5, 1, 0.05), (7, 3, 0.08), (7, 1, 0.08)];
+    all.into_iter().flat_map(each).collect()
+}
+
+#[test]
+fn a_frustum_leaves_its_slope_where_statics_says() {
+    all_met(frustums(), SHARE);
+}
+
+#[test]
+fn a_wedge_leaves_its_groove_where_statics_says() {
+    all_met(grooves(), SHARE);
+}
+
+#[test]
+fn a_wedge_parts_two_blocks_where_statics_says() {
+    all_met(splitters(), SHARE);
+}
+
+#[test]
+fn a_flat_arch_gives_way_where_statics_says() {
+    all_met(flat_arches(), SHARE);
+}
+
+#[test]
+#[ignore = "long"]
+fn limits_of_wedges() {
+    let all = frustums().into_iter().chain(grooves());
+    all_found(all.chain(splitters()));
+}
+
+#[test]
+#[ignore = "long"]
+fn limits_of_flat_arches() {
+    all_found(flat_arches());
+}
+
+/// Where friction is more than the slope of its sides it jams, however it is turned.
+#[test]
+fn a_slender_wedge_jams_in_its_groove() {
+    let masonry = groove(10.0, 0.84);
+    assert_eq!(limit_tilt(&masonry), 0.5 * std::f64::consts::PI);
+    for degrees in [0.0f64, 20.0, 40.0, 60.0, 80.0] {
+        let mut site = Site::leaning(&masonry, degrees.to_radians());
+        let stands = site.stands(SETTLES);
+        println!("{degrees}°: moved {} m", site.moved());
+        assert!(stands, "{degrees}°: {} m", site.moved());
+    }
+}
+
+#[test]
+fn all_joints_of_wedges_are_found_whole() {
+    for (what, masonry) in [
+        ("frustum", frustum(0.5)),
+        ("groove", groove(30.0, 0.3)),
+        ("slender groove", groove(10.0, 0.84)),
+        ("splitter", splitter(30.0, 0.6)),
+        ("flat arch of 5", flat_arch(5, 0.3, None)),
+        (
+            "flat arch of 5 with a load",
+            flat_arch(5, 0.3, Some(2)).loaded(5.0),
+        ),
+        (
+            "flat arch of 7 with a load",
+            flat_arch(7, 0.3, Some(1)).loaded(5.0),
+        ),
+    ] {
+        for yaw in [0.0, 0.4] {
+            let frame = Frame { tilt: 0.0, yaw };
+            let mut site = Site::build(&masonry, frame, As::Hulls);
+            joints_stay_whole(&mut site, &format!("{what}, yaw {yaw}"));
+        }
+    }
+}

@@ -137,6 +137,32 @@ fn a_pile_of_hulls_sleeps() {
     });
 }
 
+/// Of 8 to 20 corners each, some slabs and some splinters; twenty seconds.
+#[test]
+fn a_pile_of_rubble_sleeps() {
+    sleeps("rubble", 20.0, |_, rng| {
+        let count = rng.usize(8..=20);
+        let mut one = || rng.f32() - 0.5;
+        let size = 0.3 * Vec3::new(1.3 + one(), 1.0 + one(), 1.0 + one());
+        let corners: Vec<Vec3> = (0..count)
+            .map(|_| 0.75 * size * Vec3::new(one(), one(), one()).normalize())
+            .collect();
+        Collider::convex_hull(&corners).expect("a hull")
+    });
+}
+
+/// Flat faces with right angles, which come to lie on each other all over.
+#[test]
+fn a_pile_of_bricks_given_as_hulls_sleeps() {
+    sleeps("bricks", 20.0, |_, _| {
+        let corners: Vec<Vec3> = (0..8)
+            .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5)
+            .map(|corner| Vec3::new(0.4, 0.3, 0.35) * corner)
+            .collect();
+        Collider::convex_hull(&corners).expect("a hull")
+    });
+}
+
 /// On a slope of 2°, with the default and with none.
 #[test]
 fn rolling_friction_holds_a_round_body_on_a_slope() {

@@ -1,5 +1,7 @@
 //! The limit of something simulated against that of statics.
 
+use crate::site::{End, How};
+
 /// How far a simulated limit may be from the true one, as a share of it.
 pub const SHARE: f64 = 0.03;
 
@@ -10,26 +12,26 @@ pub struct Limit {
     pub at: f64,
     /// It stands above, not below.
     pub from: bool,
-    /// Whether it stands in the simulation.
-    pub stands: Box<dyn Fn(f64) -> bool>,
+    /// How it ends in the simulation.
+    pub end: Box<dyn Fn(f64, How) -> End>,
 }
 
 impl Limit {
     /// It stands up to there.
-    pub fn up_to(what: String, at: f64, stands: impl Fn(f64) -> bool + 'static) -> Self {
+    pub fn up_to(what: String, at: f64, end: impl Fn(f64, How) -> End + 'static) -> Self {
         Self {
             what,
             at,
             from: false,
-            stands: Box::new(stands),
+            end: Box::new(end),
         }
     }
 
     /// It stands from there.
-    pub fn from(what: String, at: f64, stands: impl Fn(f64) -> bool + 'static) -> Self {
+    pub fn from(what: String, at: f64, end: impl Fn(f64, How) -> End + 'static) -> Self {
         Self {
             from: true,
-            ..Self::up_to(what, at, stands)
+            ..Self::up_to(what, at, end)
         }
     }
 
@@ -39,30 +41,28 @@ impl Limit {
     }
 
     /// What is wrong just inside and just outside of the limit.
-    fn missed(&self, share: f64) -> Option<String> {
-        let [inside, outside] = [share, -share].map(|share| (self.stands)(self.within(share)));
-        let end = |stands| if stands { "stands" } else { "falls" };
+    fn missed(&self, how: How, share: f64) -> Option<String> {
+        let ends = [share, -share].map(|share| (self.end)(self.within(share), how));
+        let [inside, outside] = ends;
         let found = format!(
-            "{}: limit {:.4}; {} inside, {} outside",
-            self.what,
-            self.at,
-            end(inside),
-            end(outside)
+            "{}: limit {:.4}; {inside:?} inside, {outside:?} outside",
+            self.what, self.at,
         );
         println!("{found}");
-        (!inside || outside).then_some(found)
+        let met = inside == End::Stands && outside != End::Stands;
+        (!met).then_some(found)
     }
 
     /// How far the limit is from the true one, as a share of it, by bisection; infinite where it is not between half and one and a half
     /// of it.
-    fn off(&self) -> f64 {
+    fn off(&self, how: How) -> f64 {
         let (mut inside, mut outside) = (0.5, -0.5);
-        let ends = [inside, outside].map(|share| (self.stands)(self.within(share)));
+        let ends = [inside, outside].map(|share| (self.end)(self.within(share), how));
         let mut off = f64::INFINITY;
-        if ends == [true, false] {
+        if ends[0] == End::Stands && ends[1] != End::Stands {
             while inside - outside > 0.002 {
                 let middle = 0.5 * (inside + outside);
-                if (self.stands)(self.within(middle)) {
+                if (self.end)(self.within(middle), how) == End::Stands {
                     inside = middle;
                 } else {
                     outside = middle;
@@ -70,10 +70,13 @@ impl Limit {
             }
             off = -0.5 * (inside + outside);
         }
-        let percent = 100.0 * off;
         println!(
-            "{}: limit {:.4}, stands to {percent:.1} % beyond",
-            self.what, self.at
+            "{} ({:?}, {}): limit {:.4}, stands to {:.1} % beyond; far inside and out: {ends:?}",
+            self.what,
+            how.shapes,
+            if how.slowly { "slowly" } else { "at once" },
+            self.at,
+            100.0 * off,
         );
         off
     }
@@ -81,18 +84,20 @@ impl Limit {
 
 /// Asserts that all stand just inside and none just outside of their limits.
 #[track_caller]
-pub fn all_met(limits: impl IntoIterator<Item = Limit>, share: f64) {
+pub fn all_met(limits: impl IntoIterator<Item = Limit>, how: How, share: f64) {
     let limits: Vec<Limit> = limits.into_iter().collect();
-    let missed: Vec<String> = limits.iter().filter_map(|l| l.missed(share)).collect();
+    let missed: Vec<String> = limits.iter().filter_map(|l| l.missed(how, share)).collect();
     let (some, all) = (missed.len(), limits.len());
     assert!(some == 0, "{some} of {all} limits missed: {missed:#?}");
 }
 
-/// Bisects all limits and asserts that they are the true ones.
+/// Bisects all limits, built in all ways, and asserts that they are the true ones.
 #[track_caller]
 pub fn all_found(limits: impl IntoIterator<Item = Limit>) {
-    let limits: Vec<Limit> = limits.into_iter().collect();
-    let off: Vec<f64> = limits.iter().map(Limit::off).collect();
+    let mut off = Vec::new();
+    for limit in limits {
+        off.extend(How::ALL.map(|how| limit.off(how)));
+    }
     let missed = off.iter().filter(|off| off.abs() > SHARE).count();
-    assert!(missed == 0, "{missed} of {} limits missed", limits.len());
+    assert!(missed == 0, "{missed} of {} limits missed", off.len());
 }

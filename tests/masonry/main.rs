@@ -13,4 +13,5 @@ mod site;
 mod slides;
 mod stacks;
 mod statics;
+mod truth;
 mod wedges;

@@ -1,6 +1,6 @@
 //! A drawing built in a world, and what is asked of it there.
 
-use crate::blocks::{Frame, Masonry};
+use crate::blocks::{Block, Frame, Masonry};
 use crate::support::Lab;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -10,18 +10,63 @@ use drystone::contact::{ContactPair, Manifold};
 use drystone::settings::Gravity;
 use glam::{DQuat, DVec2, DVec3, Quat, Vec3};
 
-/// What rectangles are built of.
+/// What blocks are built as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum As {
     Hulls,
+    /// Where they are rectangles.
     Cuboids,
+    /// Hulls whose contacts are not found, but those of the drawing: to tell what the solver does from what collision detection does.
+    TrueContacts,
+}
+
+/// How a drawing is built.
+#[derive(Clone, Copy, Debug)]
+pub struct How {
+    pub shapes: As,
+    /// Its weight comes on over five seconds, as if centring were taken away; else at once.
+    pub slowly: bool,
+}
+
+impl How {
+    pub const SLOWLY: Self = Self {
+        shapes: As::Hulls,
+        slowly: true,
+    };
+    pub const AT_ONCE: Self = Self {
+        shapes: As::Hulls,
+        slowly: false,
+    };
+    pub const TRUE_SLOWLY: Self = Self {
+        shapes: As::TrueContacts,
+        slowly: true,
+    };
+    pub const TRUE_AT_ONCE: Self = Self {
+        shapes: As::TrueContacts,
+        slowly: false,
+    };
+    pub const ALL: [Self; 4] = [
+        Self::SLOWLY,
+        Self::AT_ONCE,
+        Self::TRUE_SLOWLY,
+        Self::TRUE_AT_ONCE,
+    ];
+}
+
+/// How it ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    Stands,
+    /// Nothing has gone far, but something moves.
+    Shakes,
+    Falls,
 }
 
 /// A built drawing.
 pub struct Site {
     pub lab: Lab,
     pub masonry: Masonry,
-    frame: Frame,
+    pub frame: Frame,
     /// One for each block.
     pub bodies: Vec<Entity>,
     start: Vec<Pose>,
@@ -30,8 +75,26 @@ pub struct Site {
 /// Seconds after which what still stands is taken to stand.
 const LONG: f32 = 10.0;
 
+/// Seconds in which weight comes on slowly.
+const SLOW: f32 = 5.0;
+
 /// A patch's normal may be off by this, rad: 0.1°.
 const NORMAL: f64 = 0.1 * std::f64::consts::PI / 180.0;
+
+fn hull(block: &Block, shapes: As) -> Collider {
+    // Where contacts are not looked for by shapes, these are only near each other, which is found without fail.
+    let smaller = if shapes == As::TrueContacts {
+        1e-4
+    } else {
+        0.0
+    };
+    let corners: Vec<Vec3> = block
+        .corners()
+        .into_iter()
+        .map(|corner| (corner - smaller * corner.signum()).as_vec3())
+        .collect();
+    Collider::convex_hull(&corners).expect("a block has volume")
+}
 
 fn pose(frame: Frame, center: DVec2, turn: f64) -> Pose {
     let rotation = frame.rotation();
@@ -53,11 +116,7 @@ impl Site {
                     let [x, y, z] = size.as_vec3().to_array();
                     Collider::cuboid(x, y, z)
                 }
-                _ => {
-                    let corners: Vec<Vec3> =
-                        block.corners().into_iter().map(DVec3::as_vec3).collect();
-                    Collider::convex_hull(&corners).expect("a block has volume")
-                }
+                _ => hull(block, shapes),
             };
             let pose = pose(frame, block.center(), block.turn());
             start.push(pose);
@@ -73,18 +132,22 @@ impl Site {
                 Transform::from_translation(pose.position).with_rotation(pose.rotation),
             )));
         }
-        Self {
+        let mut site = Self {
             lab,
             masonry: masonry.clone(),
             frame,
             bodies,
             start,
+        };
+        if shapes == As::TrueContacts {
+            site.hold_true_contacts();
         }
+        site
     }
 
-    /// Of hulls, under a gravity that leans towards −x by this angle, rad.
-    pub fn leaning(masonry: &Masonry, tilt: f64) -> Self {
-        let mut site = Self::build(masonry, Frame::default(), As::Hulls);
+    /// Under a gravity that leans towards −x by this angle, rad.
+    pub fn leaning(masonry: &Masonry, tilt: f64, shapes: As) -> Self {
+        let mut site = Self::build(masonry, Frame::default(), shapes);
         let down = DQuat::from_rotation_z(-tilt) * DVec3::NEG_Y;
         site.lab.world.resource_mut::<Gravity>().0 = crate::support::G * down.as_vec3();
         site
@@ -97,26 +160,43 @@ impl Site {
             .collect()
     }
 
-    /// The farthest that a corner could have come from where it was, m: by its block's way and turn.
+    /// The farthest that anything is from where it was, m: ways, and turns on an arm of a metre.
     pub fn moved(&self) -> f64 {
         apart(&self.start, &self.poses())
     }
 
     /// The fastest, m/s.
-    fn speed(&self) -> f32 {
+    pub fn speed(&self) -> f32 {
         let speed = |&body: &Entity| self.lab.velocity(body).linear.length();
         self.bodies.iter().map(speed).fold(0.0, f32::max)
     }
 
-    /// Whether nothing moves by `most` m in ten seconds, or is still on its way then.
-    pub fn stands(&mut self, most: f64) -> bool {
+    /// Brings the weight on bit by bit.
+    fn load_slowly(&mut self) {
+        let all = self.lab.world.resource::<Gravity>().0;
+        let steps = (SLOW / self.lab.dt) as usize;
+        for step in 0..steps {
+            self.lab.world.resource_mut::<Gravity>().0 = all * (step as f32 / steps as f32);
+            self.lab.step();
+        }
+        self.lab.world.resource_mut::<Gravity>().0 = all;
+    }
+
+    /// Whether something moves by `most` m in ten seconds, or is still on its way then.
+    pub fn end(&mut self, most: f64, slowly: bool) -> End {
+        if slowly {
+            self.load_slowly();
+        }
         for _ in 0..(LONG / self.lab.dt) as usize {
             self.lab.step();
             if self.moved() > most {
-                return false;
+                return End::Falls;
             }
         }
-        self.speed() < 0.01
+        match self.speed() < 0.01 {
+            true => End::Stands,
+            false => End::Shakes,
+        }
     }
 
     /// The manifold between two blocks, with the sign that turns its normals from the second to the first.

@@ -100,24 +100,28 @@ fn limits_of_arches() {
 /// Far from all limits an arch hardly moves.
 #[test]
 fn a_thick_arch_stays_where_it_is() {
-    for n in VOUSSOIRS {
+    let moved = VOUSSOIRS.map(|n| {
         let mut site = Site::leaning(&arch(n, THICK, 0.84), 0.0, As::Hulls);
         site.lab.run(20.0);
-        let moved = site.moved();
-        println!("{n} voussoirs: moved {moved:.2e} m");
-        assert!(moved < 1e-3 * RADIUS, "{n} voussoirs: {moved} m");
-    }
+        let (moved, speed) = (site.moved(), site.speed());
+        println!("{n} voussoirs: moved {moved:.2e} m, {speed:.1e} m/s");
+        moved
+    });
+    assert!(moved.iter().all(|&m| m < 1e-3 * RADIUS), "{moved:?} m");
 }
 
 #[test]
 fn all_joints_of_an_arch_are_found_whole() {
-    for n in VOUSSOIRS {
-        for (share, yaw) in [(THICK, 0.0), (THICK, 0.4), (0.15, 0.7)] {
-            let masonry = arch(n, share, 0.84);
+    let turned = VOUSSOIRS.into_iter().flat_map(|n| {
+        [(THICK, 0.0), (THICK, 0.4), (0.15, 0.7)].map(|(share, yaw)| {
             let frame = Frame { tilt: 0.0, yaw };
-            let mut site = Site::build(&masonry, frame, As::Hulls);
-            let what = format!("{n} voussoirs {share} thick, yaw {yaw}");
-            joints_stay_whole(&mut site, &what);
-        }
-    }
+            let site = Site::build(&arch(n, share, 0.84), frame, As::Hulls);
+            (format!("{n} voussoirs {share} thick, yaw {yaw}"), site)
+        })
+    });
+    let leaning = VOUSSOIRS.into_iter().map(|n| {
+        let site = Site::leaning(&arch(n, THICK, 0.84), 0.15, As::Hulls);
+        (format!("{n} voussoirs, leaning"), site)
+    });
+    joints_stay_whole(turned.chain(leaning));
 }

@@ -35,8 +35,9 @@ struct Slide {
     turn: f32,
 }
 
-/// How a slider stood and moved, at rest and after each step, in the axes of the scene.
-type Track = Vec<(Pose, Vec3)>;
+/// How a slider stands and moves after a step, in the axes of the scene.
+type Moment = (Pose, Vec3);
+type Track = Vec<Moment>;
 
 impl Slide {
     /// All of them, but for yaws.
@@ -162,7 +163,7 @@ impl Slide {
     fn compare(&self, bed: Bed, of: impl Fn(Bed) -> Track) -> Option<String> {
         let [found, slab] = [bed, Bed::Slab].map(of);
         let pairs = || found.iter().zip(&slab);
-        let worst = |difference: &dyn Fn(&(Pose, Vec3), &(Pose, Vec3)) -> f32| {
+        let worst = |difference: &dyn Fn(&Moment, &Moment) -> f32| {
             let each = pairs().map(|(a, b)| difference(a, b));
             // What is no number is worse than any.
             each.fold(

@@ -1,11 +1,13 @@
 //! The limit of something simulated against that of statics.
 
 use crate::site::{End, How};
+use std::rc::Rc;
 
 /// How far a simulated limit may be from the true one, as a share of it.
 pub const SHARE: f64 = 0.03;
 
 /// A parameter up to or from which something stands.
+#[derive(Clone)]
 pub struct Limit {
     pub what: String,
     /// By statics.
@@ -13,7 +15,7 @@ pub struct Limit {
     /// It stands above, not below.
     pub from: bool,
     /// How it ends in the simulation.
-    pub end: Box<dyn Fn(f64, How) -> End>,
+    pub end: Rc<dyn Fn(f64, How) -> End>,
 }
 
 impl Limit {
@@ -23,7 +25,7 @@ impl Limit {
             what,
             at,
             from: false,
-            end: Box::new(end),
+            end: Rc::new(end),
         }
     }
 

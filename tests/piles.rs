@@ -125,7 +125,9 @@ impl Solid {
         let faces = self.faces.iter().chain(&other.faces).copied();
         let pairs = self.edges.iter();
         let crosses = pairs.flat_map(|a| other.edges.iter().map(|b| a.cross(*b)));
-        let crosses = crosses.filter_map(|way| (way.length() > 1e-4).then(|| way.normalize()));
+        let crosses = crosses
+            .filter(|way| way.length() > 1e-4)
+            .map(DVec3::normalize);
         let all = faces.chain(crosses).map(|way| self.along(other, way));
         all.fold(f64::INFINITY, f64::min)
     }

@@ -72,13 +72,14 @@ impl Limit {
             }
             off = -0.5 * (inside + outside);
         }
+        let found = match off.is_finite() {
+            true => format!("{:.1} % beyond", 100.0 * off),
+            false => format!("not found: {ends:?} half of it inside and out"),
+        };
+        let start = if how.slowly { "slowly" } else { "at once" };
         println!(
-            "{} ({:?}, {}): limit {:.4}, stands to {:.1} % beyond; far inside and out: {ends:?}",
-            self.what,
-            how.shapes,
-            if how.slowly { "slowly" } else { "at once" },
-            self.at,
-            100.0 * off,
+            "{} ({:?}, {start}): limit {:.4}, {found}",
+            self.what, how.shapes, self.at
         );
         off
     }

@@ -78,7 +78,7 @@ const COLUMNS: [usize; 4] = [2, 3, 5, 8];
 
 #[test]
 fn a_column_tips_where_statics_says_whatever_it_is_built_of() {
-    for shapes in [As::Cuboids, As::Hulls, As::TrueContacts] {
+    for shapes in [As::Cuboids, As::TrueContacts, As::Hulls] {
         println!("{shapes:?}");
         let how = How {
             shapes,
@@ -90,7 +90,7 @@ fn a_column_tips_where_statics_says_whatever_it_is_built_of() {
 
 #[test]
 fn a_column_built_at_once_tips_where_statics_says_whatever_it_is_built_of() {
-    for shapes in [As::Cuboids, As::Hulls, As::TrueContacts] {
+    for shapes in [As::Cuboids, As::TrueContacts, As::Hulls] {
         println!("{shapes:?}");
         let how = How {
             shapes,

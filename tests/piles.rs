@@ -9,7 +9,7 @@ use drystone::collider::{Collider, CombineRule, RollingFriction};
 use drystone::diagnosis::BodyProblem;
 use drystone::metrics;
 use drystone::sleeping::Sleeping;
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use support::*;
 
@@ -87,6 +87,61 @@ fn settle(lab: &mut Lab, bodies: &[Entity], seconds: f32) -> (Option<f32>, f32, 
     )
 }
 
+/// A hull in the world: its corners, and the directions of its faces and edges.
+struct Solid {
+    corners: Vec<DVec3>,
+    faces: Vec<DVec3>,
+    edges: Vec<DVec3>,
+}
+
+impl Solid {
+    /// Nothing for a body that is no hull.
+    fn of(lab: &Lab, body: Entity) -> Option<Self> {
+        let pose = lab.pose(body);
+        let shape = lab.world.get::<Collider>(body)?.shape();
+        let hull = shape.as_convex_polyhedron()?;
+        let rotation = pose.rotation.as_dquat();
+        let turn = |v: Vec3| rotation * v.as_dvec3();
+        let at = |p: &Vec3| turn(*p) + pose.position.as_dvec3();
+        Some(Self {
+            corners: hull.points().iter().map(at).collect(),
+            faces: hull.faces().iter().map(|face| turn(face.normal)).collect(),
+            edges: hull.edges().iter().map(|edge| turn(edge.dir)).collect(),
+        })
+    }
+
+    /// How far it and another overlap along a direction, m.
+    fn along(&self, other: &Self, way: DVec3) -> f64 {
+        let reach = |solid: &Self, way: DVec3| {
+            let all = solid.corners.iter().map(|corner| corner.dot(way));
+            all.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let [there, back] = [way, -way].map(|way| reach(self, way) + reach(other, -way));
+        there.min(back)
+    }
+
+    /// The least way that would part them, m; negative where they are apart.
+    fn overlap(&self, other: &Self) -> f64 {
+        let faces = self.faces.iter().chain(&other.faces).copied();
+        let pairs = self.edges.iter();
+        let crosses = pairs.flat_map(|a| other.edges.iter().map(|b| a.cross(*b)));
+        let crosses = crosses
+            .filter(|way| way.length() > 1e-4)
+            .map(DVec3::normalize);
+        let all = faces.chain(crosses).map(|way| self.along(other, way));
+        all.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The deepest overlap of two hulls by their corners alone, m: manifolds say nothing of contacts that were not found.
+fn overlap_of_hulls(lab: &Lab, bodies: &[Entity]) -> f64 {
+    let all: Vec<Solid> = bodies.iter().filter_map(|&b| Solid::of(lab, b)).collect();
+    let pairs = all.iter().enumerate();
+    let pairs = pairs.flat_map(|(i, a)| all[..i].iter().map(move |b| (a, b)));
+    let near = pairs.filter(|(a, b)| a.corners[0].distance(b.corners[0]) < 1.0);
+    near.map(|(a, b)| a.overlap(b)).fold(0.0, f64::max)
+}
+
 /// In a bin and on a half-space, in so many seconds, and nothing lies more than 5 mm inside another.
 #[track_caller]
 fn sleeps(what: &str, seconds: f32, collider: impl Fn(usize, &mut fastrand::Rng) -> Collider) {
@@ -94,10 +149,14 @@ fn sleeps(what: &str, seconds: f32, collider: impl Fn(usize, &mut fastrand::Rng)
         let mut lab = Lab::new();
         let bodies = pile(&mut lab, seed, &collider);
         let (slept, fastest, overlap) = settle(&mut lab, &bodies, seconds);
-        println!("{what}: asleep at {slept:?} s, fastest {fastest} m/s, overlap {overlap} m");
+        let by_corners = overlap_of_hulls(&lab, &bodies);
+        println!(
+            "{what}: asleep at {slept:?} s, fastest {fastest} m/s, overlap {overlap} m, of hulls {by_corners} m"
+        );
         assert_eq!(lab.errors(), []);
         assert!(slept.is_some(), "{what}: {fastest} m/s after {seconds} s");
         assert!(overlap < 0.005, "{what}: {overlap} m");
+        assert!(by_corners < 0.005, "{what}: {by_corners} m by corners");
     }
 }
 
@@ -132,6 +191,32 @@ fn a_pile_of_hulls_sleeps() {
         let mut one = || rng.f32() - 0.5;
         let corners: Vec<Vec3> = (0..12)
             .map(|_| 0.22 * Vec3::new(one(), one(), one()).normalize())
+            .collect();
+        Collider::convex_hull(&corners).expect("a hull")
+    });
+}
+
+/// Of 8 to 20 corners each, some slabs and some splinters; twenty seconds.
+#[test]
+fn a_pile_of_rubble_sleeps() {
+    sleeps("rubble", 20.0, |_, rng| {
+        let count = rng.usize(8..=20);
+        let mut one = || rng.f32() - 0.5;
+        let size = 0.3 * Vec3::new(1.3 + one(), 1.0 + one(), 1.0 + one());
+        let corners: Vec<Vec3> = (0..count)
+            .map(|_| 0.75 * size * Vec3::new(one(), one(), one()).normalize())
+            .collect();
+        Collider::convex_hull(&corners).expect("a hull")
+    });
+}
+
+/// Flat faces with right angles, which come to lie on each other all over.
+#[test]
+fn a_pile_of_bricks_given_as_hulls_sleeps() {
+    sleeps("bricks", 20.0, |_, _| {
+        let corners: Vec<Vec3> = (0..8)
+            .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5)
+            .map(|corner| Vec3::new(0.4, 0.3, 0.35) * corner)
             .collect();
         Collider::convex_hull(&corners).expect("a hull")
     });

@@ -1,0 +1,17 @@
+//! Masonry of hulls that touch exactly, against limit analysis: it stands where statics lets it and falls where it does not.
+//!
+//! `cargo test --test masonry -- --nocapture` prints the figures; with `--ignored` the limits, by bisection.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod arches;
+mod blocks;
+mod drawings;
+mod limit;
+mod site;
+mod slides;
+mod stacks;
+mod statics;
+mod truth;
+mod wedges;

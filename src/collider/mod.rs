@@ -250,7 +250,6 @@ impl Collider {
     }
 
     /// Its corners, edges and faces, where it is a convex hull: for contacts of flat faces.
-    #[allow(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn polyhedron(&self) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Hull(hull) => Some(hull),
@@ -259,7 +258,6 @@ impl Collider {
     }
 
     /// The same of a part of a compound.
-    #[allow(dead_code, reason = "for the contact of polyhedra, which is next")]
     pub(crate) fn part_polyhedron(&self, part: u32) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Parts(parts) => parts.get(part as usize)?.as_deref(),

@@ -6,6 +6,7 @@ use drystone::body::Pose;
 use drystone::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
 };
+use drystone::narrowphase::polyhedra::FeatureId;
 use drystone::settings::{Gravity, StabilizationSettings};
 use glam::{DQuat, Vec3};
 
@@ -73,6 +74,7 @@ fn of(joint: &Joint, blocks: [usize; 2], rotation: DQuat, poses: &[Pose]) -> Man
             arms: blocks.map(|i| position - poses[i].position),
             distance: 0.0,
             detected: 0.0,
+            feature: FeatureId::NONE,
         });
     }
     manifold.patches.push(Patch {

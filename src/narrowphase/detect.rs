@@ -1,11 +1,11 @@
 //! Detection: where two bodies touch, or may, found anew.
 
 use super::forms::{Form, WithTwo, with_two};
-use super::parry;
 use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet, meet_plane};
+use super::{parry, passing};
 use crate::body::BodyState;
 use crate::contact::{ContactPoint, Manifold, NarrowphaseCache, Patch};
-use crate::settings::StabilizationSettings;
+use crate::settings::{StabilizationSettings, StepTime};
 use glam::{Quat, Vec3};
 use smallvec::{SmallVec, smallvec};
 
@@ -80,6 +80,7 @@ pub(super) fn push(
 /// The points no further apart than `reach`, m. `old`: those of the last time.
 pub(super) fn detect(
     settings: &StabilizationSettings,
+    time: &StepTime,
     a: &BodyState,
     b: &BodyState,
     reach: f32,
@@ -104,7 +105,8 @@ pub(super) fn detect(
                 graze: settings.outer_distance() as f64,
             };
             let two = Two {
-                place: Placement::between(at(a), at(b)),
+                bodies: [a, b],
+                dt: time.dt,
                 search,
                 axis: &mut cache.axis,
                 contact: &mut contact,
@@ -152,7 +154,8 @@ fn at(body: &BodyState) -> (Vec3, Quat) {
 
 /// Two polyhedra that may touch.
 struct Two<'a> {
-    place: Placement,
+    bodies: [&'a BodyState; 2],
+    dt: f32,
     search: Search,
     axis: &'a mut Axis,
     contact: &'a mut Contact,
@@ -160,7 +163,33 @@ struct Two<'a> {
 
 impl WithTwo for Two<'_> {
     fn with<A: Solid, B: Solid>(self, a: &A, b: &B) {
-        meet(a, b, &self.place, self.search, self.axis, self.contact);
+        let Self {
+            bodies: [body_a, body_b],
+            dt,
+            search,
+            axis,
+            contact,
+        } = self;
+        let place = Placement::between(at(body_a), at(body_b));
+        let near = meet(a, b, &place, search, axis, contact);
+        if !near || !contact.points.is_empty() {
+            return;
+        }
+        let Some(way) = passing::way_until_they_meet(body_a, body_b, dt) else {
+            return;
+        };
+        let way = (body_a.pose.rotation.inverse() * way).as_dvec3();
+        let mut there = place;
+        there.origin += way;
+        let search = Search {
+            reach: search.graze,
+            ..search
+        };
+        meet(a, b, &there, search, &mut Axis::Unknown, contact);
+        for point in &mut contact.points {
+            point.distance += contact.normal.dot(way);
+            point.position -= 0.5 * way;
+        }
     }
 }
 

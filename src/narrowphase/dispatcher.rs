@@ -157,12 +157,12 @@ impl WithTwo for Parts<'_> {
         } = *self.place;
         let place = Placement::new(translation.as_dvec3(), rotation.as_dquat().normalize());
         let found = separate(a, b, &place, self.search.reach, *self.axis);
-        *self.axis = found.axis;
-        if found.distance > self.search.reach {
+        *self.axis = found.best.axis;
+        if found.best.distance > self.search.reach {
             return;
         }
         // At an edge inside a surface nothing is met that its faces would not meet.
-        let normal = found.normal.as_vec3();
+        let normal = found.best.normal.as_vec3();
         let mut of_a = normal;
         let mut of_b = rotation.inverse() * -normal;
         if !self

@@ -121,7 +121,7 @@ fn look(
     } else {
         let reach = reach + limit;
         let old = std::mem::take(manifold);
-        *manifold = detect::detect(settings, a, b, reach, cache, &old);
+        *manifold = detect::detect(settings, time, a, b, reach, cache, &old);
         let lost = match manifold.points.is_empty() {
             true => stand.and_then(|stand| stand.lost(&old, cache, a, b, little)),
             false => None,

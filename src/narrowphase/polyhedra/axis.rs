@@ -55,6 +55,21 @@ pub struct Separation {
     pub distance: f64,
 }
 
+/// What to try, and what next if that holds nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Separations {
+    /// The greatest.
+    pub best: Separation,
+    /// That of edges, where a face's has been preferred although it is less.
+    pub beside: Option<Separation>,
+}
+
+impl From<Separation> for Separations {
+    fn from(best: Separation) -> Self {
+        Self { best, beside: None }
+    }
+}
+
 /// The greatest separation; any that is beyond `reach` (m), if there is one. `last`: the axis of the last time.
 pub fn separate<A: Solid, B: Solid>(
     a: &A,
@@ -62,12 +77,12 @@ pub fn separate<A: Solid, B: Solid>(
     place: &Placement,
     reach: f64,
     last: Axis,
-) -> Separation {
+) -> Separations {
     if let Axis::Edges(of_a, of_b) = last
         && let Some(known) = across(a, b, place, of_a, of_b)
         && known.distance > reach
     {
-        return known;
+        return known.into();
     }
     let back = place.inverse();
     let margin = MARGIN * a.outer().min(b.outer());
@@ -116,32 +131,23 @@ pub fn separate<A: Solid, B: Solid>(
         distance: none,
     });
     if best.distance > reach {
-        return best;
+        return best.into();
     }
-    let rival = Rival {
-        normal: best.normal,
-        alone: best.distance + margin,
-        beside: best.distance + MORE / MARGIN * margin,
-    };
+    let floor = best.distance + margin;
     let edges = match (a.half(), b.half()) {
-        (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, &rival),
-        _ => best_edges(a, b, place, &rival),
+        (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, floor),
+        _ => best_edges(a, b, place, floor),
     };
-    edges.unwrap_or(best)
-}
-
-/// The face that edges have to beat.
-struct Rival {
-    normal: DVec3,
-    /// What they have to be apart at least, m,
-    alone: f64,
-    /// and where they look as it does.
-    beside: f64,
-}
-
-impl Rival {
-    fn loses(&self, normal: DVec3, distance: f64) -> bool {
-        distance > self.beside || distance > self.alone && normal.dot(self.normal) < ALIKE
+    let alike = |edges: &Separation| {
+        let more = MORE / MARGIN * margin;
+        edges.normal.dot(best.normal) > ALIKE && edges.distance < best.distance + more
+    };
+    match edges {
+        Some(edges) if alike(&edges) => Separations {
+            best,
+            beside: Some(edges),
+        },
+        edges => edges.unwrap_or(best).into(),
     }
 }
 
@@ -293,9 +299,8 @@ fn best_edges<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
-    rival: &Rival,
+    mut floor: f64,
 ) -> Option<Separation> {
-    let mut floor = rival.alone;
     let (center_a, center_b) = (a.center(), place.point(b.center()));
     let mut of_b = Arcs::new();
     for edge in 0..b.edges() {
@@ -313,7 +318,6 @@ fn best_edges<A: Solid, B: Solid>(
         for other in &of_b {
             if let Some((normal, distance)) = arc.crosses(other)
                 && distance > floor
-                && rival.loses(normal, distance)
             {
                 floor = distance;
                 best = Some(Separation {
@@ -328,8 +332,12 @@ fn best_edges<A: Solid, B: Solid>(
 }
 
 /// The same of two boxes: of each three directions of edges there are nine cross products, and signs say which edges they are.
-fn box_edges(half_a: DVec3, half_b: DVec3, place: &Placement, rival: &Rival) -> Option<Separation> {
-    let mut floor = rival.alone;
+fn box_edges(
+    half_a: DVec3,
+    half_b: DVec3,
+    place: &Placement,
+    mut floor: f64,
+) -> Option<Separation> {
     let axes = place.axes();
     let mut best = None;
     for (j, axis) in axes.iter().enumerate() {
@@ -348,11 +356,8 @@ fn box_edges(half_a: DVec3, half_b: DVec3, place: &Placement, rival: &Rival) -> 
                 continue;
             }
             let length = square.sqrt();
-            let (normal, distance) = (across * (center.signum() / length), apart / length);
-            if rival.loses(normal, distance) {
-                floor = distance;
-                best = Some((i, j, normal));
-            }
+            floor = apart / length;
+            best = Some((i, j, across * (center.signum() / length)));
         }
     }
     let (i, j, normal) = best?;

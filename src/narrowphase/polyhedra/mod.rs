@@ -18,7 +18,7 @@ mod simplify;
 mod solid;
 mod triangle;
 
-pub use axis::{Axis, Separation, separate};
+pub use axis::{Axis, Separation, Separations, separate};
 pub use clip::{Clipped, Origin, Outline, Polygon, clip, facing, outline};
 pub use cuboid::Cuboid;
 pub use feature::FeatureId;
@@ -32,6 +32,9 @@ use smallvec::SmallVec;
 
 /// How far outside a face a corner still lies on it, as a share of the solid's size across.
 const SLACK: f64 = 1e-4;
+
+/// By how much less overlap than edges beside it a preferred face may show, as a share of the same.
+const LACKING: f64 = 1e-3;
 
 /// Where two solids touch, or may soon, in the frame of A; without points where they do not. It is handed in to be written over, which
 /// spares moving it about.
@@ -67,7 +70,7 @@ pub struct Search {
 }
 
 /// Where B, placed in the frame of A, touches A. `axis`: that of the last time, and then that of this; it saves most of the work
-/// where the two are still apart.
+/// where the two are still apart. True where they are within reach, which they may be without a point that faces the other.
 pub fn meet<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -75,10 +78,11 @@ pub fn meet<A: Solid, B: Solid>(
     search: Search,
     axis: &mut Axis,
     contact: &mut Contact,
-) {
+) -> bool {
     let found = separate(a, b, place, search.reach, *axis);
-    *axis = found.axis;
+    *axis = found.best.axis;
     touch(a, b, place, &found, search, contact);
+    found.best.distance <= search.reach
 }
 
 /// Where they touch, once it is known along which axis.
@@ -86,21 +90,27 @@ pub fn touch<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
-    found: &Separation,
+    found: &Separations,
     search: Search,
     contact: &mut Contact,
 ) {
-    contact.normal = -found.normal;
+    let best = &found.best;
+    contact.normal = -best.normal;
     contact.points.clear();
-    if found.distance > search.reach || seams::graze(a, b, place, found.normal, search.graze) {
+    if best.distance > search.reach || seams::graze(a, b, place, best.normal, search.graze) {
         return;
     }
-    match found.axis {
-        Axis::Edges(of_a, of_b) => {
-            let point = crossing(a, b, place, found, of_a, of_b);
-            contact.points.extend(point);
+    common(a, b, place, best, search.reach, &mut contact.points);
+    // A face that was preferred may end where the edges meet.
+    if let Some(edges) = &found.beside
+        && {
+            let enough = edges.distance + LACKING * across(a).min(across(b));
+            contact.points.iter().all(|point| point.distance > enough)
         }
-        _ => common(a, b, place, found, search.reach, &mut contact.points),
+    {
+        contact.normal = -edges.normal;
+        contact.points.clear();
+        common(a, b, place, edges, search.reach, &mut contact.points);
     }
 }
 
@@ -143,7 +153,7 @@ fn across<S: Solid>(solid: &S) -> f64 {
     }
 }
 
-/// What a face and what faces it have in common, no farther apart than `reach`.
+/// What a face and what faces it have in common, or two edges, no farther apart than `reach`.
 fn common<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -183,7 +193,8 @@ fn common<A: Solid, B: Solid>(
                 point.position = place.point(point.position);
             }
         }
-        _ => {}
+        Axis::Edges(of_a, of_b) => points.extend(crossing(a, b, place, found, of_a, of_b)),
+        Axis::Unknown => {}
     }
 }
 

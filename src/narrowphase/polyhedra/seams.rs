@@ -2,8 +2,9 @@
 //!
 //! A brick that slides along a course sinks in by a fraction of a millimetre, and the next brick then stands in its way by as
 //! much: collision detection finds a wall, and the brick bumps or stops. The true contact is the one that is about to begin, on
-//! top. So a pair has no contact while it overlaps by next to nothing across the normal.
+//! top. So a pair has no contact while it overlaps by next to nothing across the normal, where faces of both are flush.
 
+use super::clip::facing;
 use super::placement::Placement;
 use super::solid::Solid;
 use glam::DVec3;
@@ -14,7 +15,11 @@ const SHARE: f64 = 0.02;
 /// A face whose normal is nearer to the contact's than this, as a cosine, is the contact's own.
 const OWN: f64 = 0.7;
 
-/// True where the two overlap by less than `most` (m) and next to nothing along some face's normal other than the contact's.
+/// Two faces nearer to parallel than this, as a cosine, may be flush (2°).
+const FLUSH: f64 = 0.9994;
+
+/// True where the two overlap by less than `most` (m) and next to nothing along the normal of some face other than the contact's, which
+/// lies along one of the other's.
 pub fn graze<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -38,7 +43,8 @@ fn grazes<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3, mo
         let near = b.reach(-back);
         let overlap = offset + near - out.dot(place.origin);
         let extent = (offset + a.reach(-out)).min(near + b.reach(back));
-        overlap < (SHARE * extent).min(most)
+        let flush = || -b.plane(facing(b, -back)).0.dot(back) > FLUSH;
+        overlap < (SHARE * extent).min(most) && flush()
     })
 }
 

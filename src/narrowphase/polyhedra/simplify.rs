@@ -4,7 +4,7 @@
 //! a spring to a soft solver, so the side with more of them is stiffer, and what stands on it leans: a stack of 20 with 0.01 rad
 //! of yaw fell by that alone. So the corner by which the polygon loses the least area goes first (Visvalingam and Whyatt 1993),
 //! until every one counts and they are few enough. Corners that were there in the last step count more, or of two near each other
-//! now this would stay, now that.
+//! now this would stay, now that. And the deepest stays in any case, if it is clearly so: without it one would sink into the other.
 
 use super::{Contact, FeatureId, Points};
 use glam::DVec3;
@@ -12,6 +12,9 @@ use smallvec::SmallVec;
 
 /// A corner without which less than this share of the area is lost is none.
 const SMALL: f64 = 0.05;
+
+/// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
+const DEEP: f64 = 0.005;
 
 /// How many times as much a corner counts that was there before.
 const KEPT: f64 = 2.0;
@@ -41,7 +44,11 @@ impl Contact {
             }
         };
         let mut losses: SmallVec<[f64; 16]> = (0..points.len()).map(|i| loss(points, i)).collect();
+        let clearly = DEEP * whole.sqrt();
         loop {
+            if let Some(deepest) = clearly_deepest(points, clearly) {
+                losses[deepest] = f64::INFINITY;
+            }
             let mut least = 0;
             for i in 1..losses.len() {
                 if losses[i] < losses[least] {
@@ -59,4 +66,17 @@ impl Contact {
             }
         }
     }
+}
+
+/// The corner that is deeper than all others by so much, m.
+fn clearly_deepest(points: &Points, by: f64) -> Option<usize> {
+    let (mut deepest, mut least, mut second) = (0, f64::INFINITY, f64::INFINITY);
+    for (i, point) in points.iter().enumerate() {
+        if point.distance < least {
+            (deepest, least, second) = (i, point.distance, least);
+        } else {
+            second = second.min(point.distance);
+        }
+    }
+    (least + by < second).then_some(deepest)
 }

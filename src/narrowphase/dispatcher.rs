@@ -172,7 +172,7 @@ impl WithTwo for Parts<'_> {
             return;
         }
         if of_a == normal {
-            touch(a, b, &place, &found, self.search, self.contact);
+            *self.axis = touch(a, b, &place, &found, self.search, self.contact);
         } else {
             let normal = of_a.as_dvec3().normalize();
             touch_along(a, b, &place, normal, self.search.reach, self.contact);

@@ -33,7 +33,7 @@ use smallvec::SmallVec;
 /// How far outside a face a corner still lies on it, as a share of the solid's size across.
 const SLACK: f64 = 1e-4;
 
-/// By how much less overlap than edges beside it a preferred face may show, as a share of the same.
+/// By how much less overlap a preferred axis may show, as a share of the same.
 const LACKING: f64 = 1e-3;
 
 /// Where two solids touch, or may soon, in the frame of A; without points where they do not. It is handed in to be written over, which
@@ -80,12 +80,11 @@ pub fn meet<A: Solid, B: Solid>(
     contact: &mut Contact,
 ) -> bool {
     let found = separate(a, b, place, search.reach, *axis);
-    *axis = found.best.axis;
-    touch(a, b, place, &found, search, contact);
+    *axis = touch(a, b, place, &found, search, contact);
     found.best.distance <= search.reach
 }
 
-/// Where they touch, once it is known along which axis.
+/// Where they touch, once it is known along which axis; returns that which held enough.
 pub fn touch<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -93,25 +92,27 @@ pub fn touch<A: Solid, B: Solid>(
     found: &Separations,
     search: Search,
     contact: &mut Contact,
-) {
-    let best = &found.best;
-    contact.normal = -best.normal;
-    contact.points.clear();
-    if best.distance > search.reach || seams::graze(a, b, place, best.normal, search.graze) {
-        return;
-    }
-    common(a, b, place, best, search.reach, &mut contact.points);
-    // A face that was preferred may end where the edges meet.
-    if let Some(edges) = &found.beside
-        && {
-            let enough = edges.distance + LACKING * across(a).min(across(b));
-            contact.points.iter().all(|point| point.distance > enough)
-        }
-    {
-        contact.normal = -edges.normal;
+) -> Axis {
+    let along = |axis: &Separation, contact: &mut Contact| {
+        contact.normal = -axis.normal;
         contact.points.clear();
-        common(a, b, place, edges, search.reach, &mut contact.points);
+        common(a, b, place, axis, search.reach, &mut contact.points);
+    };
+    let best = &found.best;
+    if best.distance > search.reach || seams::graze(a, b, place, best.normal, search.graze) {
+        contact.points.clear();
+        return best.axis;
     }
+    along(best, contact);
+    // What was preferred may end where the other begins.
+    if let Some(beside) = &found.beside {
+        let enough = beside.distance + LACKING * across(a).min(across(b));
+        if contact.points.iter().all(|point| point.distance > enough) {
+            along(beside, contact);
+            return beside.axis;
+        }
+    }
+    best.axis
 }
 
 /// The same for a normal that is given, from A to B: what the two have in common along it.

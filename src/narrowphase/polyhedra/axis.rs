@@ -66,6 +66,7 @@ pub fn separate<A: Solid, B: Solid>(
     if let Axis::Edges(of_a, of_b) = last
         && let Some(known) = across(a, b, place, of_a, of_b)
         && known.distance > reach
+        && between(a, b, place, known.normal) > reach
     {
         return known;
     }
@@ -143,6 +144,12 @@ impl Rival {
     fn loses(&self, normal: DVec3, distance: f64) -> bool {
         distance > self.beside || distance > self.alone && normal.dot(self.normal) < ALIKE
     }
+}
+
+/// How far B is from A along a direction, m, whatever is farthest there. Where edges are all but parallel, rounding says on which
+/// side of an arc a normal is, and theirs may be any that is square to them: before it counts it is asked for here.
+fn between<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3) -> f64 {
+    normal.dot(place.origin) - b.reach(-place.back(normal)) - a.reach(normal)
 }
 
 /// How far B is outside the plane of a face of A, m.
@@ -312,6 +319,9 @@ fn best_edges<A: Solid, B: Solid>(
         }
         for other in &of_b {
             if let Some((normal, distance)) = arc.crosses(other)
+                && distance > floor
+                && rival.loses(normal, distance)
+                && let distance = between(a, b, place, normal)
                 && distance > floor
                 && rival.loses(normal, distance)
             {

@@ -124,11 +124,22 @@ pub fn separate<A: Solid, B: Solid>(
         alone: best.distance + margin,
         beside: best.distance + MORE / MARGIN * margin,
     };
-    let edges = match (a.half(), b.half()) {
-        (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, &rival),
-        _ => best_edges(a, b, place, &rival),
+    rival.edges(a, b, place).unwrap_or(best)
+}
+
+/// The edges that part them further than a face does, by however little: where the face won but nothing is above it.
+pub(super) fn but_for<A: Solid, B: Solid>(
+    a: &A,
+    b: &B,
+    place: &Placement,
+    face: &Separation,
+) -> Option<Separation> {
+    let rival = Rival {
+        normal: face.normal,
+        alone: face.distance,
+        beside: face.distance,
     };
-    edges.unwrap_or(best)
+    rival.edges(a, b, place)
 }
 
 /// The face that edges have to beat.
@@ -143,6 +154,13 @@ struct Rival {
 impl Rival {
     fn loses(&self, normal: DVec3, distance: f64) -> bool {
         distance > self.beside || distance > self.alone && normal.dot(self.normal) < ALIKE
+    }
+
+    fn edges<A: Solid, B: Solid>(&self, a: &A, b: &B, place: &Placement) -> Option<Separation> {
+        match (a.half(), b.half()) {
+            (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, self),
+            _ => best_edges(a, b, place, self),
+        }
     }
 }
 
@@ -295,7 +313,7 @@ impl Arc {
 /// The edges of solids of which so many can win are kept in place.
 type Arcs = SmallVec<[Arc; 32]>;
 
-/// The two edges along whose cross product the solids are farthest apart, if that is farther than `floor`.
+/// The two edges along whose cross product the solids are farthest apart, if they win: others do not cross there.
 fn best_edges<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -320,10 +338,8 @@ fn best_edges<A: Solid, B: Solid>(
         for other in &of_b {
             if let Some((normal, distance)) = arc.crosses(other)
                 && distance > floor
-                && rival.loses(normal, distance)
                 && let distance = between(a, b, place, normal)
                 && distance > floor
-                && rival.loses(normal, distance)
             {
                 floor = distance;
                 best = Some(Separation {
@@ -334,7 +350,7 @@ fn best_edges<A: Solid, B: Solid>(
             }
         }
     }
-    best
+    best.filter(|best| rival.loses(best.normal, best.distance))
 }
 
 /// The same of two boxes: of each three directions of edges there are nine cross products, and signs say which edges they are.
@@ -358,14 +374,11 @@ fn box_edges(half_a: DVec3, half_b: DVec3, place: &Placement, rival: &Rival) -> 
                 continue;
             }
             let length = square.sqrt();
-            let (normal, distance) = (across * (center.signum() / length), apart / length);
-            if rival.loses(normal, distance) {
-                floor = distance;
-                best = Some((i, j, normal));
-            }
+            floor = apart / length;
+            best = Some((i, j, across * (center.signum() / length)));
         }
     }
-    let (i, j, normal) = best?;
+    let (i, j, normal) = best.filter(|best| rival.loses(best.2, floor))?;
     let corner = |direction: DVec3| {
         (0..3).fold(0u16, |corner, k| {
             corner | ((direction[k] > 0.0) as u16) << k

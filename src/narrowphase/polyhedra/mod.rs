@@ -79,6 +79,16 @@ pub fn meet<A: Solid, B: Solid>(
     let found = separate(a, b, place, search.reach, *axis);
     *axis = found.axis;
     touch(a, b, place, &found, search, contact);
+    // A face wins over edges that look where it does, but these may cross where nothing is above it.
+    let is_edges = matches!(found.axis, Axis::Edges(..));
+    if contact.points.is_empty()
+        && found.distance < 0.0
+        && !is_edges
+        && let Some(edges) = axis::but_for(a, b, place, &found)
+    {
+        *axis = edges.axis;
+        touch(a, b, place, &edges, search, contact);
+    }
 }
 
 /// Where they touch, once it is known along which axis.

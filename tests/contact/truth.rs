@@ -32,6 +32,8 @@ pub struct Form {
     pub size: f64,
     /// Radius about the centre, m.
     pub outer: f64,
+    /// What is level by less stands, m: a ten thousandth of a length that is not large for any part of it.
+    slack: f64,
 }
 
 impl Form {
@@ -49,6 +51,10 @@ impl Form {
             edges: ridges().map(|ridge| ridge.ends).collect(),
             beside: ridges().map(|ridge| ridge.faces).collect(),
             outer: solid.outer(),
+            slack: match solid.inner() {
+                0.0 => 1e-4 * solid.outer(),
+                inner => 1e-4 * solid.outer().min(2.5 * inner),
+            },
             points,
         }
     }
@@ -81,7 +87,7 @@ impl Form {
         for ends in &self.edges {
             let [from, to] = ends.map(|i| points[i as usize]);
             let way = (to - from).normalize();
-            if ways.iter().all(|w| w.cross(way).length() > 3.0 * PARALLEL) {
+            if ways.iter().all(|w| w.cross(way).length() > 1e-12) {
                 ways.push(way);
             }
         }
@@ -108,7 +114,7 @@ pub struct Stood<'a> {
     pub form: &'a Form,
     pub points: Vec<DVec3>,
     pub normals: Vec<DVec3>,
-    /// The directions of its edges, each once.
+    /// The directions of its edges, each once: those of edges that are all but parallel are not the same.
     ways: Vec<DVec3>,
 }
 
@@ -130,24 +136,38 @@ impl Stood<'_> {
 
     /// True where an edge along `along` is farthest in a direction. Otherwise that direction is that of no two features.
     fn rests_on_an_edge(&self, way: DVec3, along: DVec3) -> bool {
-        let most = self.reach(way) - 1e-6 * self.form.size;
+        let most = self.reach(way) - 1e-9 * self.form.size;
         self.form.edges.iter().any(|ends| {
             let [p, q] = ends.map(|i| self.points[i as usize]);
-            p.dot(way) >= most && q.dot(way) >= most && (q - p).normalize().cross(along).length() < 1e-6
+            p.dot(way) >= most && q.dot(way) >= most && (q - p).normalize().cross(along).length() < 1e-9
         })
     }
 
-    /// The faces by which it may meet what is in a direction: around its farthest corners those that look there most.
+    /// The faces by which it may meet what is in a direction: around its farthest corner that which looks there most, or where it
+    /// stands on more than a corner one that has them all; and all that are as good but for rounding.
     pub fn facing(&self, way: DVec3) -> Vec<u16> {
-        let most = self.reach(way) - 1e-7 * self.form.size;
-        let touches = |face: &u16| self.corners(*face).iter().any(|p| p.dot(way) >= most);
-        let faces: Vec<u16> = (0..self.normals.len() as u16).filter(touches).collect();
+        let most = self.reach(way);
+        let stands_on = |face: u16, slack: f64| {
+            let corners = self.corners(face);
+            corners.iter().filter(|p| p.dot(way) >= most - slack).count()
+        };
         let looks = |face: u16| self.normals[face as usize].dot(way);
-        let best = faces.iter().map(|&f| looks(f)).fold(-1.0, f64::max);
+        let all: Vec<u16> = (0..self.normals.len() as u16).collect();
+        let lowest = |face: &u16| stands_on(*face, 1e-7 * self.form.size) > 0;
+        let lowest: Vec<u16> = all.into_iter().filter(lowest).collect();
+        let mut faces = Vec::new();
+        for slack in [0.9 * self.form.slack, 1.1 * self.form.slack] {
+            let count = lowest.iter().map(|&f| stands_on(f, slack)).max();
+            let stand = lowest.iter().filter(|&&f| Some(stands_on(f, slack)) == count);
+            let best = stand.clone().map(|&f| looks(f)).fold(-1.0, f64::max);
+            faces.extend(stand.filter(|&&f| looks(f) >= best - 1e-6));
+        }
+        // Where it is all but flat.
+        let best = lowest.iter().map(|&f| looks(f)).fold(-1.0, f64::max);
+        if best > 0.9999 - 1e-6 {
+            faces.extend(lowest.iter().filter(|&&f| looks(f) >= best - 1e-6));
+        }
         faces
-            .into_iter()
-            .filter(|&f| looks(f) >= best - 1e-7)
-            .collect()
     }
 }
 
@@ -260,30 +280,54 @@ impl Truth {
                 let Some(way) = across(a, b, i, j, normal) else {
                     return f64::INFINITY;
                 };
-                self.edges_missed_by(way, apart(a, b, way))
+                self.edges_missed_by(way, apart(a, b, way), self.is_bare(a, b))
             }
         }
     }
 
-    fn face_missed_by(&self, face: usize) -> f64 {
-        let (normal, distance) = self.faces[face];
-        let edges = self.edges.iter();
-        let by_edges = edges.map(|e| e.1 - distance - self.lead(normal, e.0));
-        // Faces of one body win over those of the other by a margin.
-        by_edges.fold(
-            self.best_face - distance - MARGIN * self.radius,
-            f64::max,
-        )
+    /// The edges that part them furthest, and those that do but for rounding.
+    fn best_edges(&self) -> impl Iterator<Item = &(DVec3, f64)> {
+        let edges = self.edges.iter().map(|e| e.1);
+        let best = edges.fold(f64::NEG_INFINITY, f64::max);
+        let low = best - 1e-9 * self.size;
+        self.edges.iter().filter(move |e| e.1 >= low)
     }
 
-    fn edges_missed_by(&self, way: DVec3, distance: f64) -> f64 {
+    fn face_missed_by(&self, face: usize) -> f64 {
+        let (normal, distance) = self.faces[face];
+        // Faces of one body win over those of the other by a margin.
+        let by_faces = self.best_face - distance - MARGIN * self.radius;
+        let by_edges = |e: &(DVec3, f64)| e.1 - distance - self.lead(normal, e.0);
+        by_faces.max(self.best_edges().map(by_edges).reduce(f64::min).unwrap_or(by_faces))
+    }
+
+    /// `is_bare`: nothing is above the face that these edges have to beat.
+    fn edges_missed_by(&self, way: DVec3, distance: f64, is_bare: bool) -> f64 {
         // Which of the best faces it had to beat depends on rounding.
         let low = self.best_face - MARGIN * self.radius - DEPTH * self.size;
-        let best = || self.faces.iter().filter(|f| f.1 >= low);
-        let bar = |edges: DVec3| best().map(move |f| f.1 + self.lead(f.0, edges));
-        let easiest = bar(way).fold(f64::INFINITY, f64::min);
-        let qualified = self.edges.iter().filter(|e| bar(e.0).all(|bar| e.1 > bar));
-        qualified.fold(easiest - distance, |most, e| most.max(e.1 - distance))
+        let best = self.faces.iter().filter(|f| f.1 >= low);
+        let lead = |face| if is_bare { 0.0 } else { self.lead(face, way) };
+        let bar = best.map(|f| f.1 + lead(f.0)).fold(f64::INFINITY, f64::min);
+        (bar - distance).max(self.most() - distance)
+    }
+
+    /// True where they overlap, but nothing is above one of the best faces.
+    fn is_bare(&self, a: &Stood, b: &Stood) -> bool {
+        let low = self.best_face - MARGIN * self.radius - DEPTH * self.size;
+        let is_bare = |i: usize| {
+            let (normal, distance) = self.faces[i];
+            let (own, other, way, face) = match i.checked_sub(a.normals.len()) {
+                None => (a, b, normal, i),
+                Some(face) => (b, a, -normal, face),
+            };
+            let corners = own.corners(face as u16);
+            distance >= low
+                && other.facing(-way).into_iter().any(|below| {
+                    // The border counts.
+                    shared(&corners, &other.corners(below), way, 0.9 * own.form.slack.min(other.form.slack)).extent == 0.0
+                })
+        };
+        self.best_face < 0.0 && (0..self.faces.len()).any(is_bare)
     }
 
     /// The normal that an axis has, on the side of the one that is given.

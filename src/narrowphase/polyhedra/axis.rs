@@ -73,7 +73,7 @@ pub fn separate<A: Solid, B: Solid>(
     let back = place.inverse();
     let margin = MARGIN * a.outer().min(b.outer());
     let faces_of_a = |floor, first| {
-        let (face, distance) = best_face(a, b, place, floor, reach, first)?;
+        let (face, distance) = best_face(a, b, place, [floor, margin], reach, first)?;
         Some(Separation {
             axis: Axis::FaceOfA(face),
             normal: a.plane(face).0,
@@ -81,7 +81,7 @@ pub fn separate<A: Solid, B: Solid>(
         })
     };
     let faces_of_b = |floor, first| {
-        let (face, distance) = best_face(b, a, &back, floor, reach, first)?;
+        let (face, distance) = best_face(b, a, &back, [floor, margin], reach, first)?;
         Some(Separation {
             axis: Axis::FaceOfB(face),
             normal: -place.direction(b.plane(face).0),
@@ -176,12 +176,13 @@ fn outside<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, face: u16) -> f6
     normal.dot(place.origin) - b.reach(-place.back(normal)) - offset
 }
 
-/// The face of A that B is farthest outside of, if that is farther than `floor`; any beyond `reach`. `first` is tried first.
+/// The face of A that B is farthest outside of, if that is farther than `floor`; any beyond `reach`. `first` is tried first, and
+/// wins over others by `margin`.
 fn best_face<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
-    floor: f64,
+    [floor, margin]: [f64; 2],
     reach: f64,
     first: Option<u16>,
 ) -> Option<(u16, f64)> {
@@ -191,7 +192,9 @@ fn best_face<A: Solid, B: Solid>(
         let (normal, offset) = a.plane(face);
         normal.dot(center) - offset - inner
     };
-    let first = first.filter(|face| *face < a.faces()).unwrap_or_else(|| {
+    let last = first.filter(|face| *face < a.faces());
+    let margin = last.map_or(0.0, |_| margin);
+    let first = last.unwrap_or_else(|| {
         let (mut best, mut most) = (0, f64::NEG_INFINITY);
         for face in 0..a.faces() {
             let bound = bound(face);
@@ -206,7 +209,7 @@ fn best_face<A: Solid, B: Solid>(
     if bound(first) > floor {
         let distance = outside(a, b, place, first);
         if distance > floor {
-            (floor, best) = (distance, Some((first, distance)));
+            (floor, best) = (distance + margin, Some((first, distance)));
         }
     }
     for face in 0..a.faces() {

@@ -59,6 +59,11 @@ impl Form {
         }
     }
 
+    /// Ten times as long as thick, or flat.
+    pub fn is_thin(&self) -> bool {
+        self.slack < 2.5e-5 * self.outer
+    }
+
     pub fn corners(&self, face: usize) -> impl Iterator<Item = DVec3> + Clone {
         self.faces[face].iter().map(|&i| self.points[i as usize])
     }

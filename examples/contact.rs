@@ -4,6 +4,8 @@
 //! cargo run --release --example contact
 //! ```
 
+// Of what all pictures have in common these need the letters.
+#[allow(dead_code)]
 mod drawing;
 
 use drawing::Picture;
@@ -119,9 +121,12 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
     for view in views {
         // One inside the other's line shows where they coincide.
         for (face, color, width) in [(&view.faces[0], OF_A, 7), (&view.faces[1], OF_B, 2)] {
-            let round = face.iter().chain(face.first()).map(pixel);
+            let back = face.first().filter(|_| face.len() > 2);
+            let round = face.iter().chain(back).map(pixel);
             area.draw(&PathElement::new(round.collect::<Vec<_>>(), color.stroke_width(width)))?;
         }
+    }
+    for view in views {
         for at in &view.polygon {
             area.draw(&Circle::new(pixel(at), 5, BLACK.stroke_width(1)))?;
         }
@@ -212,7 +217,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lowest = -round.reach(-(tilt.inverse() * DVec3::Y));
     let standing = Placement::new(DVec3::Y * (0.5 - 2e-4 - lowest), tilt);
     let wedge = voussoir(12.0);
-    let joint = DQuat::from_rotation_z(-(12.0f64 - 0.05).to_radians()) * DQuat::from_rotation_y(0.004);
+    let joint = DQuat::from_rotation_z(-12.01f64.to_radians()) * DQuat::from_rotation_y(0.004);
     let pictures = [
         ("squares-1", "Equal squares, turned by 1°", vec![turned(1f64.to_radians())]),
         ("squares-45", "Equal squares, turned by 45°", vec![turned(FRAC_PI_4)]),
@@ -228,7 +233,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("prism", "A prism of 16 on a cube", vec![view(&cube, &prism(16, 0.6), at(0.1, 0.9999, 0.0))]),
         ("edges", "An edge across an edge", vec![view(&rotated_cube(), &cube, below)]),
         ("tilted", "A hull tilted by 13.27° on a cube", vec![view(&cube, &round, standing)]),
-        ("joint", "A joint of an arch, 0.05° open, twisted by 0.004", vec![view(&wedge, &wedge, Placement::new(DVec3::ZERO, joint))]),
+        ("joint", "A joint of an arch, 0.01° open, twisted by 0.004", vec![view(&wedge, &wedge, Placement::new(DVec3::ZERO, joint))]),
     ];
     for (file, title, views) in pictures {
         let path = out.join(format!("{file}.png"));

@@ -30,6 +30,12 @@ const MORE: f64 = 2e-3;
 /// The sine of the angle below which two edges are parallel: the faces beside them know as much.
 const PARALLEL: f64 = 1e-7;
 
+/// Single precision tells a direction in a plane from one beside it by no less than this sine, squared: a hull's normals.
+const ROUNDING: f64 = 4e-14;
+
+/// How far edges may be behind other corners along their normal, as a share of the smaller solid's radius.
+const BEHIND: f64 = 1e-7;
+
 /// Which features make the separating axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axis {
@@ -294,13 +300,14 @@ impl Arc {
     fn crosses(&self, other: &Self) -> Option<(DVec3, f64)> {
         let [a, b] = self.normals;
         let [c, d] = other.normals;
-        // On either side of the other's great circle, both ways, and on the same half of the sphere.
+        // On either side of the other's great circle, both ways, and on the same half of the sphere. What is on the circle but for
+        // rounding may be on either side.
         let [c_side, d_side] = [c, d].map(|normal| normal.dot(self.along));
-        if c_side * d_side >= 0.0 {
+        if c_side * d_side >= ROUNDING * self.along.length_squared() {
             return None;
         }
         let [a_side, b_side] = [a, b].map(|normal| normal.dot(other.along));
-        if a_side * b_side >= 0.0 {
+        if a_side * b_side >= ROUNDING * other.along.length_squared() {
             return None;
         }
         let across = self.along.cross(other.along);
@@ -324,6 +331,7 @@ fn best_edges<A: Solid, B: Solid>(
     rival: &Rival,
 ) -> Option<Separation> {
     let mut floor = rival.alone;
+    let behind = BEHIND * a.outer().min(b.outer());
     let (center_a, center_b) = (a.center(), place.point(b.center()));
     let mut of_b = Arcs::new();
     for edge in 0..b.edges() {
@@ -341,8 +349,10 @@ fn best_edges<A: Solid, B: Solid>(
         for other in &of_b {
             if let Some((normal, distance)) = arc.crosses(other)
                 && distance > floor
+                && let own = distance
                 && let distance = between(a, b, place, normal)
                 && distance > floor
+                && own - distance <= behind
             {
                 floor = distance;
                 best = Some(Separation {

@@ -62,7 +62,9 @@ fn view<A: Solid, B: Solid>(a: &A, b: &B, place: Placement) -> View {
         ],
         _ => [
             outline(a, face_a).map(|corner| corner.0).collect(),
-            outline(b, face_b).map(|corner| place.point(corner.0)).collect(),
+            outline(b, face_b)
+                .map(|corner| place.point(corner.0))
+                .collect(),
         ],
     };
     let polygon = contact.points.iter().map(|point| point.position).collect();
@@ -73,7 +75,9 @@ fn view<A: Solid, B: Solid>(a: &A, b: &B, place: Placement) -> View {
         normal,
         faces,
         polygon,
-        kept: kept.map(|p| (p.position, label(p.feature, p.distance))).collect(),
+        kept: kept
+            .map(|p| (p.position, label(p.feature, p.distance)))
+            .collect(),
     }
 }
 
@@ -92,17 +96,28 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
     // The longest side of the first face lies.
     let face = &views[0].faces[0];
     let side = |i: usize| face[(i + 1) % face.len()] - face[i];
-    let longest = (0..face.len()).map(side).max_by(|u, v| u.length().total_cmp(&v.length()));
+    let longest = (0..face.len())
+        .map(side)
+        .max_by(|u, v| u.length().total_cmp(&v.length()));
     let u = longest.unwrap_or(DVec3::X).reject_from(normal).normalize();
     let v = normal.cross(u);
     let flat = |at: &DVec3| (at.dot(u), at.dot(v));
-    let all: Vec<_> = views.iter().flat_map(|view| view.faces.iter().flatten()).map(flat).collect();
+    let all: Vec<_> = views
+        .iter()
+        .flat_map(|view| view.faces.iter().flatten())
+        .map(flat)
+        .collect();
     let range = |of: fn(&(f64, f64)) -> f64| {
         let values = all.iter().map(of);
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
     };
     let ((left, right), (low, high)) = (range(|p| p.0), range(|p| p.1));
-    let (width, height) = (SIZE.0 as f64 - 2.0 * MARGIN, SIZE.1 as f64 - 2.0 * MARGIN - HEAD);
+    let (width, height) = (
+        SIZE.0 as f64 - 2.0 * MARGIN,
+        SIZE.1 as f64 - 2.0 * MARGIN - HEAD,
+    );
     let scale = (width / (right - left).max(1e-6)).min(height / (high - low).max(1e-6));
     let pixel = |at: &DVec3| {
         let (x, y) = flat(at);
@@ -123,7 +138,10 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
         for (face, color, width) in [(&view.faces[0], OF_A, 7), (&view.faces[1], OF_B, 2)] {
             let back = face.first().filter(|_| face.len() > 2);
             let round = face.iter().chain(back).map(pixel);
-            area.draw(&PathElement::new(round.collect::<Vec<_>>(), color.stroke_width(width)))?;
+            area.draw(&PathElement::new(
+                round.collect::<Vec<_>>(),
+                color.stroke_width(width),
+            ))?;
         }
     }
     for view in views {
@@ -137,13 +155,29 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
             area.draw(&Circle::new(at, 7, BLACK.filled()))?;
             let wide = 8 * label.chars().count() as i32;
             // Outwards, or above the only one.
-            let x = if at.0 < center.0 { at.0 - wide - 12 } else { at.0 + 14 };
-            let y = if at.1 > center.1 { at.1 + 10 } else { at.1 - 28 };
+            let x = if at.0 < center.0 {
+                at.0 - wide - 12
+            } else {
+                at.0 + 14
+            };
+            let y = if at.1 > center.1 {
+                at.1 + 10
+            } else {
+                at.1 - 28
+            };
             let x = x.clamp(5, SIZE.0 as i32 - wide - 5);
-            area.draw(&Text::new(label.clone(), (x, y), ("sans-serif", 18).into_font()))?;
+            area.draw(&Text::new(
+                label.clone(),
+                (x, y),
+                ("sans-serif", 18).into_font(),
+            ))?;
         }
     }
-    area.draw(&Text::new(title.to_owned(), (20, 14), ("sans-serif", 26).into_font()))?;
+    area.draw(&Text::new(
+        title.to_owned(),
+        (20, 14),
+        ("sans-serif", 26).into_font(),
+    ))?;
     let bottom = SIZE.1 as i32 - 30;
     let key = [
         ("face or edge of A", OF_A, 7, 20),
@@ -151,13 +185,28 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
         ("in common", COMMON, 14, 420),
     ];
     for (text, color, width, x) in key {
-        area.draw(&PathElement::new([(x, bottom), (x + 40, bottom)], color.stroke_width(width)))?;
-        area.draw(&Text::new(text, (x + 50, bottom - 10), ("sans-serif", 18).into_font()))?;
+        area.draw(&PathElement::new(
+            [(x, bottom), (x + 40, bottom)],
+            color.stroke_width(width),
+        ))?;
+        area.draw(&Text::new(
+            text,
+            (x + 50, bottom - 10),
+            ("sans-serif", 18).into_font(),
+        ))?;
     }
     area.draw(&Circle::new((610, bottom), 5, BLACK.stroke_width(1)))?;
-    area.draw(&Text::new("corner of it", (625, bottom - 10), ("sans-serif", 18).into_font()))?;
+    area.draw(&Text::new(
+        "corner of it",
+        (625, bottom - 10),
+        ("sans-serif", 18).into_font(),
+    ))?;
     area.draw(&Circle::new((770, bottom), 7, BLACK.filled()))?;
-    area.draw(&Text::new("kept, overlap < 0", (785, bottom - 10), ("sans-serif", 18).into_font()))?;
+    area.draw(&Text::new(
+        "kept, overlap < 0",
+        (785, bottom - 10),
+        ("sans-serif", 18).into_font(),
+    ))?;
     area.present()?;
     Ok(())
 }
@@ -199,7 +248,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let brick = Cuboid::new(Vec3::new(0.5, 0.25, 0.25));
     let turned = |angle: f64| {
         let up = DVec3::Y * 0.9999;
-        view(&cube, &cube, Placement::new(up, DQuat::from_rotation_y(angle)))
+        view(
+            &cube,
+            &cube,
+            Placement::new(up, DQuat::from_rotation_y(angle)),
+        )
     };
     let sunk = 0.4999;
     let triangle = Triangle::new([
@@ -219,21 +272,56 @@ fn main() -> Result<(), Box<dyn Error>> {
     let wedge = voussoir(12.0);
     let joint = DQuat::from_rotation_z(-12.01f64.to_radians()) * DQuat::from_rotation_y(0.004);
     let pictures = [
-        ("squares-1", "Equal squares, turned by 1°", vec![turned(1f64.to_radians())]),
-        ("squares-45", "Equal squares, turned by 45°", vec![turned(FRAC_PI_4)]),
+        (
+            "squares-1",
+            "Equal squares, turned by 1°",
+            vec![turned(1f64.to_radians())],
+        ),
+        (
+            "squares-45",
+            "Equal squares, turned by 45°",
+            vec![turned(FRAC_PI_4)],
+        ),
         ("squares", "Equal squares that coincide", vec![turned(0.0)]),
-        ("flush", "Flush edges, half over each other", vec![view(&brick, &brick, at(0.5, sunk, 0.0))]),
+        (
+            "flush",
+            "Flush edges, half over each other",
+            vec![view(&brick, &brick, at(0.5, sunk, 0.0))],
+        ),
         (
             "seam",
             "A brick on the seam of two, flush",
             // Seen from the one on top, whose frame both have in common.
-            vec![view(&brick, &brick, at(-0.5, -sunk, 0.0)), view(&brick, &brick, at(0.5, -sunk, 0.0))],
+            vec![
+                view(&brick, &brick, at(-0.5, -sunk, 0.0)),
+                view(&brick, &brick, at(0.5, -sunk, 0.0)),
+            ],
         ),
-        ("corners", "A triangle's corner on a corner", vec![view(&cube, &triangle, at(0.0, -1e-4, 0.0))]),
-        ("prism", "A prism of 16 on a cube", vec![view(&cube, &prism(16, 0.6), at(0.1, 0.9999, 0.0))]),
-        ("edges", "An edge across an edge", vec![view(&rotated_cube(), &cube, below)]),
-        ("tilted", "A hull tilted by 13.27° on a cube", vec![view(&cube, &round, standing)]),
-        ("joint", "A joint of an arch, 0.01° open, twisted by 0.004", vec![view(&wedge, &wedge, Placement::new(DVec3::ZERO, joint))]),
+        (
+            "corners",
+            "A triangle's corner on a corner",
+            vec![view(&cube, &triangle, at(0.0, -1e-4, 0.0))],
+        ),
+        (
+            "prism",
+            "A prism of 16 on a cube",
+            vec![view(&cube, &prism(16, 0.6), at(0.1, 0.9999, 0.0))],
+        ),
+        (
+            "edges",
+            "An edge across an edge",
+            vec![view(&rotated_cube(), &cube, below)],
+        ),
+        (
+            "tilted",
+            "A hull tilted by 13.27° on a cube",
+            vec![view(&cube, &round, standing)],
+        ),
+        (
+            "joint",
+            "A joint of an arch, 0.01° open, twisted by 0.004",
+            vec![view(&wedge, &wedge, Placement::new(DVec3::ZERO, joint))],
+        ),
     ];
     for (file, title, views) in pictures {
         let path = out.join(format!("{file}.png"));

@@ -2,7 +2,9 @@
 
 use super::truth::{Form, Pose};
 use drystone::collider::Polyhedron;
-use drystone::narrowphase::polyhedra::{Axis, Contact, Cuboid, Placement, Search, Solid, Triangle, meet};
+use drystone::narrowphase::polyhedra::{
+    Axis, Contact, Cuboid, Placement, Search, Solid, Triangle, meet,
+};
 use fastrand::Rng;
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
@@ -204,7 +206,10 @@ impl Dice {
         match self.0.u32(..12) {
             0 | 1 => Some(Shape::cuboid("cuboid", half.as_vec3())),
             2 => Some(Shape::cuboid("cube", Vec3::splat(0.5 * size as f32))),
-            3 => Some(Shape::cuboid("slab", DVec3::new(wide, thin, wide).as_vec3())),
+            3 => Some(Shape::cuboid(
+                "slab",
+                DVec3::new(wide, thin, wide).as_vec3(),
+            )),
             4 => Some(Shape::cuboid("rod", DVec3::new(thin, thin, wide).as_vec3())),
             5 | 6 => {
                 let points = self.prism(size);
@@ -267,7 +272,10 @@ impl Dice {
                 let face = *self.of(&whole);
                 let corners = &form.faces[face];
                 let from = self.0.usize(..corners.len());
-                let (p, q) = (point(corners[from]), point(corners[(from + 1) % corners.len()]));
+                let (p, q) = (
+                    point(corners[from]),
+                    point(corners[(from + 1) % corners.len()]),
+                );
                 let middle = form.corners(face).sum::<DVec3>() / corners.len() as f64;
                 let at = match self.0.u32(..5) {
                     0 => p,

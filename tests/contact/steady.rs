@@ -1,8 +1,8 @@
 //! What a pair keeps from step to step: the names of its points, and which of them hold it.
 
+use super::Seen;
 use super::pairs::{Dice, Pair, Shape, contact};
 use super::truth::Pose;
-use super::Seen;
 use drystone::narrowphase::polyhedra::{Axis, Contact, FeatureId, Search};
 use fastrand::Rng;
 use glam::{DQuat, DVec3, Quat, Vec3};
@@ -98,10 +98,15 @@ fn four_points_hold_most_of_the_polygon() {
             }
         }
     });
-    println!("four of {simplified} polygons hold {least:.3} at least, and {other} change their choice");
+    println!(
+        "four of {simplified} polygons hold {least:.3} at least, and {other} change their choice"
+    );
     assert!(simplified > 1500, "only {simplified}");
     assert!(least >= 0.6, "{least}");
-    assert!(other * 1000 < simplified, "{other} of {simplified} keep other points when they hardly move");
+    assert!(
+        other * 1000 < simplified,
+        "{other} of {simplified} keep other points when they hardly move"
+    );
 }
 
 /// A brick that slides along a course has a contact with that below, whatever is ahead of it; a brick that is in the way stays so.
@@ -112,16 +117,31 @@ fn a_seam_is_no_wall() {
         let size = dice.log(1e-3, 100.0);
         let half = size * DVec3::new(0.5, 0.25, 0.25);
         let brick = Shape::cuboid("brick", half.as_vec3());
-        let other = if i % 2 == 0 { brick.as_hull().expect("it is one") } else { Shape::cuboid("brick", half.as_vec3()) };
+        let other = if i % 2 == 0 {
+            brick.as_hull().expect("it is one")
+        } else {
+            Shape::cuboid("brick", half.as_vec3())
+        };
         let search = Search {
             reach: 0.02 * size,
             graze: 0.01 * size,
         };
-        let (turn, sunk) = (dice.jitter((Vec3::ZERO, Quat::IDENTITY), 0.0, 3.0).1.as_dquat(), dice.log(1e-5, 4e-3));
+        let (turn, sunk) = (
+            dice.jitter((Vec3::ZERO, Quat::IDENTITY), 0.0, 3.0)
+                .1
+                .as_dquat(),
+            dice.log(1e-5, 4e-3),
+        );
         let from = DVec3::new(0.3, 0.5 - sunk, 0.0);
         let touches = |from: DVec3, to: DVec3| {
             let pose = |at: DVec3| ((turn * (size * at)).as_vec3(), DQuat::as_quat(turn));
-            let contact = contact(&brick.body, &other.body, [pose(from), pose(to)], search, &mut Axis::Unknown);
+            let contact = contact(
+                &brick.body,
+                &other.body,
+                [pose(from), pose(to)],
+                search,
+                &mut Axis::Unknown,
+            );
             !contact.points.is_empty()
         };
         assert!(touches(from, DVec3::ZERO), "below, {sunk}");

@@ -2,8 +2,10 @@
 
 use super::pairs::{Body, Dice, Shape, contact, corners};
 use super::truth::Pose;
-use drystone::narrowphase::polyhedra::{Axis, Cuboid, FeatureId, Placement, Search, Triangle, meet_plane};
 use drystone::collider::Polyhedron;
+use drystone::narrowphase::polyhedra::{
+    Axis, Cuboid, FeatureId, Placement, Search, Triangle, meet_plane,
+};
 use fastrand::Rng;
 use glam::{DQuat, DVec3, Quat, Vec3};
 
@@ -53,10 +55,16 @@ fn look(a: &Body, b: &Body, poses: [Pose; 2], mut axis: Axis) {
     let mut few = contact.clone();
     few.simplify(4, |_| false);
     assert!(few.points.len() <= 4);
-    if poses.iter().all(|pose| pose.0.is_finite() && pose.1.is_finite() && pose.1.length() > 0.5) {
+    if poses
+        .iter()
+        .all(|pose| pose.0.is_finite() && pose.1.is_finite() && pose.1.length() > 0.5)
+    {
         assert!(contact.normal.is_normalized(), "{}", contact.normal);
         for point in &contact.points {
-            assert!(point.position.is_finite() && point.distance.is_finite(), "{point:?}");
+            assert!(
+                point.position.is_finite() && point.distance.is_finite(),
+                "{point:?}"
+            );
         }
     }
 }
@@ -101,13 +109,26 @@ fn thousands_of_corners_do_no_harm() {
         look(&large, &large, [HERE, (at, Quat::IDENTITY)], Axis::Unknown);
     }
     let slab = Body::Cuboid(Vec3::new(3.0, 0.1, 3.0));
-    look(&large, &slab, [HERE, (Vec3::Y * -1.09, Quat::IDENTITY)], Axis::Unknown);
+    look(
+        &large,
+        &slab,
+        [HERE, (Vec3::Y * -1.09, Quat::IDENTITY)],
+        Axis::Unknown,
+    );
 }
 
 #[test]
 fn one_inside_another_is_pushed_out_the_short_way() {
-    let box_of = |half: Vec3| Shape::cuboid("box", half).as_hull().expect("it is one").body;
-    let outer = [Body::Cuboid(Vec3::new(2.0, 1.0, 3.0)), box_of(Vec3::new(2.0, 1.0, 3.0))];
+    let box_of = |half: Vec3| {
+        Shape::cuboid("box", half)
+            .as_hull()
+            .expect("it is one")
+            .body
+    };
+    let outer = [
+        Body::Cuboid(Vec3::new(2.0, 1.0, 3.0)),
+        box_of(Vec3::new(2.0, 1.0, 3.0)),
+    ];
     let inner = [Body::Cuboid(Vec3::splat(0.1)), box_of(Vec3::splat(0.1))];
     let search = Search {
         reach: 0.1,
@@ -117,8 +138,16 @@ fn one_inside_another_is_pushed_out_the_short_way() {
         for b in &inner {
             let at = (Vec3::new(0.3, 0.5, -0.2), Quat::IDENTITY);
             let contact = contact(a, b, [HERE, at], search, &mut Axis::Unknown);
-            assert!(contact.normal.distance(-DVec3::Y) < 1e-6, "{}", contact.normal);
-            let deepest = contact.points.iter().map(|p| p.distance).fold(0.0, f64::min);
+            assert!(
+                contact.normal.distance(-DVec3::Y) < 1e-6,
+                "{}",
+                contact.normal
+            );
+            let deepest = contact
+                .points
+                .iter()
+                .map(|p| p.distance)
+                .fold(0.0, f64::min);
             assert!((deepest + 0.6).abs() < 1e-6, "{deepest}");
         }
     }
@@ -129,9 +158,20 @@ fn one_inside_another_is_pushed_out_the_short_way() {
 fn on_a_plane_it_stands_on_what_is_level() {
     let stands = |points: &[Vec3], up: DVec3| {
         let hull = Polyhedron::new(points).expect("it has volume");
-        let lowest = hull.points.iter().map(|p| p.as_dvec3().dot(up)).fold(f64::INFINITY, f64::min);
+        let lowest = hull
+            .points
+            .iter()
+            .map(|p| p.as_dvec3().dot(up))
+            .fold(f64::INFINITY, f64::min);
         let mut contact = Default::default();
-        meet_plane(&hull, up, lowest, 1e-3, FeatureId::corner_of_a, &mut contact);
+        meet_plane(
+            &hull,
+            up,
+            lowest,
+            1e-3,
+            FeatureId::corner_of_a,
+            &mut contact,
+        );
         contact.points.len()
     };
     let tilted = |angle: f64| DQuat::from_rotation_x(angle) * DVec3::Y;
@@ -156,11 +196,16 @@ fn on_a_plane_it_stands_on_what_is_level() {
 /// A triangle of no area is none.
 #[test]
 fn a_line_is_no_triangle() {
-    for points in [[Vec3::ZERO; 3], [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X], [Vec3::NAN; 3]] {
+    for points in [
+        [Vec3::ZERO; 3],
+        [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X],
+        [Vec3::NAN; 3],
+    ] {
         assert!(Triangle::new(points).is_none(), "{points:?}");
     }
     let flat = Cuboid::new(Vec3::ZERO);
     let place = Placement::new(DVec3::ZERO, DQuat::IDENTITY);
-    let found = drystone::narrowphase::polyhedra::separate(&flat, &flat, &place, 1.0, Axis::Unknown);
+    let found =
+        drystone::narrowphase::polyhedra::separate(&flat, &flat, &place, 1.0, Axis::Unknown);
     assert_eq!(found.distance, 0.0);
 }

@@ -144,7 +144,9 @@ impl Stood<'_> {
         let most = self.reach(way) - 1e-9 * self.form.size;
         self.form.edges.iter().any(|ends| {
             let [p, q] = ends.map(|i| self.points[i as usize]);
-            p.dot(way) >= most && q.dot(way) >= most && (q - p).normalize().cross(along).length() < 1e-9
+            p.dot(way) >= most
+                && q.dot(way) >= most
+                && (q - p).normalize().cross(along).length() < 1e-9
         })
     }
 
@@ -154,7 +156,10 @@ impl Stood<'_> {
         let most = self.reach(way);
         let stands_on = |face: u16, slack: f64| {
             let corners = self.corners(face);
-            corners.iter().filter(|p| p.dot(way) >= most - slack).count()
+            corners
+                .iter()
+                .filter(|p| p.dot(way) >= most - slack)
+                .count()
         };
         let looks = |face: u16| self.normals[face as usize].dot(way);
         let all: Vec<u16> = (0..self.normals.len() as u16).collect();
@@ -163,7 +168,9 @@ impl Stood<'_> {
         let mut faces = Vec::new();
         for slack in [0.9 * self.form.slack, 1.1 * self.form.slack] {
             let count = lowest.iter().map(|&f| stands_on(f, slack)).max();
-            let stand = lowest.iter().filter(|&&f| Some(stands_on(f, slack)) == count);
+            let stand = lowest
+                .iter()
+                .filter(|&&f| Some(stands_on(f, slack)) == count);
             let best = stand.clone().map(|&f| looks(f)).fold(-1.0, f64::max);
             faces.extend(stand.filter(|&&f| looks(f) >= best - 1e-6));
         }
@@ -182,13 +189,7 @@ pub fn apart(a: &Stood, b: &Stood, way: DVec3) -> f64 {
 }
 
 /// The same, if it is more than `floor`. Any corner can only bring them nearer, and the two that did last do so mostly again.
-fn apart_by(
-    a: &Stood,
-    b: &Stood,
-    way: DVec3,
-    floor: f64,
-    near: &mut [usize; 2],
-) -> Option<f64> {
+fn apart_by(a: &Stood, b: &Stood, way: DVec3, floor: f64, near: &mut [usize; 2]) -> Option<f64> {
     let mut high = a.points[near[0]].dot(way);
     let mut low = b.points[near[1]].dot(way);
     if low - high <= floor {
@@ -270,7 +271,11 @@ impl Truth {
 
     /// How much farther apart than a face edges have to be.
     fn lead(&self, face: DVec3, edges: DVec3) -> f64 {
-        let share = if edges.dot(face) >= ALIKE { MORE } else { MARGIN };
+        let share = if edges.dot(face) >= ALIKE {
+            MORE
+        } else {
+            MARGIN
+        };
         share * self.radius
     }
 
@@ -303,7 +308,12 @@ impl Truth {
         // Faces of one body win over those of the other by a margin.
         let by_faces = self.best_face - distance - MARGIN * self.radius;
         let by_edges = |e: &(DVec3, f64)| e.1 - distance - self.lead(normal, e.0);
-        by_faces.max(self.best_edges().map(by_edges).reduce(f64::min).unwrap_or(by_faces))
+        by_faces.max(
+            self.best_edges()
+                .map(by_edges)
+                .reduce(f64::min)
+                .unwrap_or(by_faces),
+        )
     }
 
     /// `is_bare`: nothing is above the face that these edges have to beat.
@@ -328,8 +338,9 @@ impl Truth {
             let corners = own.corners(face as u16);
             distance >= low
                 && other.facing(-way).into_iter().any(|below| {
-                    // The border counts.
-                    shared(&corners, &other.corners(below), way, 0.9 * own.form.slack.min(other.form.slack)).extent == 0.0
+                    // On the border something may be or not.
+                    let border = -1.1 * own.form.slack.min(other.form.slack);
+                    shared(&corners, &other.corners(below), way, border).extent == 0.0
                 })
         };
         self.best_face < 0.0 && (0..self.faces.len()).any(is_bare)
@@ -426,7 +437,8 @@ fn sides(polygon: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
 fn is_inside(polygon: &[DVec2], at: DVec2) -> bool {
     let scale = polygon.iter().map(|p| p.length()).fold(0.0, f64::max);
     polygon.len() > 2
-        && sides(polygon).all(|(p, q)| (q - p).perp_dot(at - p) >= -1e-12 * scale * (q - p).length())
+        && sides(polygon)
+            .all(|(p, q)| (q - p).perp_dot(at - p) >= -1e-12 * scale * (q - p).length())
 }
 
 /// Counterclockwise (Andrew's monotone chain).

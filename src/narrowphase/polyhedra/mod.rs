@@ -107,8 +107,14 @@ pub fn touch<A: Solid, B: Solid>(
     }
     match found.axis {
         Axis::Edges(of_a, of_b) => {
-            let point = crossing(a, b, place, found, of_a, of_b);
-            contact.points.extend(point);
+            match crossing(a, b, place, found, of_a, of_b) {
+                Some(point) => contact.points.push(point),
+                // All but parallel, they cross anywhere.
+                None if found.distance < 0.0 => {
+                    along(a, b, place, found.normal, search.reach, &mut contact.points)
+                }
+                None => {}
+            }
         }
         _ => common(a, b, place, found, search.reach, &mut contact.points),
     }
@@ -123,6 +129,20 @@ pub fn touch_along<A: Solid, B: Solid>(
     reach: f64,
     contact: &mut Contact,
 ) {
+    contact.normal = -normal;
+    contact.points.clear();
+    along(a, b, place, normal, reach, &mut contact.points);
+}
+
+/// What the faces that look along a normal, from A to B, have in common.
+fn along<A: Solid, B: Solid>(
+    a: &A,
+    b: &B,
+    place: &Placement,
+    normal: DVec3,
+    reach: f64,
+    points: &mut Points,
+) {
     // The face that looks along the normal is the reference.
     let back = place.back(-normal);
     let (face_a, face_b) = (facing(a, normal), facing(b, back));
@@ -135,9 +155,7 @@ pub fn touch_along<A: Solid, B: Solid>(
         normal,
         distance: 0.0,
     };
-    contact.normal = -normal;
-    contact.points.clear();
-    common(a, b, place, &found, reach, &mut contact.points);
+    common(a, b, place, &found, reach, points);
 }
 
 /// How far off what counts as on, m.

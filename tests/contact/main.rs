@@ -152,7 +152,9 @@ impl Errors {
             ("extent", self.extent, AREA),
         ];
         // What is not a number is too large.
-        let large = all.iter().find(|(_, error, most)| !(error <= most))?;
+        let large = all
+            .iter()
+            .find(|(_, error, most)| error.is_nan() || error > most)?;
         Some(format!("{} {:.2e}", large.0, large.1))
     }
 }

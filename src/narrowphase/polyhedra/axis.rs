@@ -35,6 +35,12 @@ const STEADY: f64 = 0.005;
 /// The sine of the angle below which two edges are parallel: the faces beside them know as much.
 const PARALLEL: f64 = 1e-7;
 
+/// Single precision tells a direction in a plane from one beside it by no less than this sine, squared: a hull's normals.
+const ROUNDING: f64 = 4e-14;
+
+/// How far edges may be behind other corners along their normal, as a share of the smaller solid's radius.
+const BEHIND: f64 = 1e-7;
+
 /// Which features make the separating axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axis {
@@ -95,16 +101,16 @@ pub fn separate<A: Solid, B: Solid>(
     if face.distance > reach {
         return face.into();
     }
-    let floor = face.distance + MARGIN * size;
     let edges = match (a.half(), b.half()) {
-        (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, floor),
-        _ => best_edges(a, b, place, floor),
+        (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, face.distance),
+        _ => best_edges(a, b, place, face.distance),
     };
     let best = edges.unwrap_or(face);
-    let alike = |other: &Separation| other.normal.dot(best.normal) > ALIKE;
+    let alike = face.normal.dot(best.normal) > ALIKE;
+    let more = if alike { MORE } else { MARGIN };
     let preferred = match last {
         Some(last) if last.distance + STEADY * size >= best.distance => last,
-        _ if alike(&face) && face.distance + MORE * size > best.distance => face,
+        _ if face.distance + more * size >= best.distance => face,
         _ => best,
     };
     Separations {
@@ -134,7 +140,8 @@ fn along<A: Solid, B: Solid>(
         }),
         Axis::Edges(of_a, of_b) if of_a < a.edges() && of_b < b.edges() => {
             let (one, two) = (Arc::of(a, of_a), Arc::of(b, of_b).turned_round(place));
-            let (normal, distance) = one.crosses(&two)?;
+            let (normal, _) = one.crosses(&two)?;
+            let distance = between(a, b, place, normal);
             Some(Separation {
                 axis,
                 normal,
@@ -143,6 +150,12 @@ fn along<A: Solid, B: Solid>(
         }
         _ => None,
     }
+}
+
+/// How far B is from A along a direction, m, whatever is farthest there. Where edges are all but parallel, rounding says on which
+/// side of an arc a normal is, and theirs may be any that is square to them: before it counts it is asked for here.
+fn between<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3) -> f64 {
+    normal.dot(place.origin) - b.reach(-place.back(normal)) - a.reach(normal)
 }
 
 /// How far B is outside the plane of a face of A, m.
@@ -279,13 +292,14 @@ impl Arc {
     fn crosses(&self, other: &Self) -> Option<(DVec3, f64)> {
         let [a, b] = self.normals;
         let [c, d] = other.normals;
-        // On either side of the other's great circle, both ways, and on the same half of the sphere.
+        // On either side of the other's great circle, both ways, and on the same half of the sphere. What is on the circle but for
+        // rounding may be on either side.
         let [c_side, d_side] = [c, d].map(|normal| normal.dot(self.along));
-        if c_side * d_side >= 0.0 {
+        if c_side * d_side >= ROUNDING * self.along.length_squared() {
             return None;
         }
         let [a_side, b_side] = [a, b].map(|normal| normal.dot(other.along));
-        if a_side * b_side >= 0.0 {
+        if a_side * b_side >= ROUNDING * other.along.length_squared() {
             return None;
         }
         let across = self.along.cross(other.along);
@@ -308,6 +322,7 @@ fn best_edges<A: Solid, B: Solid>(
     place: &Placement,
     mut floor: f64,
 ) -> Option<Separation> {
+    let behind = BEHIND * a.outer().min(b.outer());
     let (center_a, center_b) = (a.center(), place.point(b.center()));
     let mut of_b = Arcs::new();
     for edge in 0..b.edges() {
@@ -325,6 +340,10 @@ fn best_edges<A: Solid, B: Solid>(
         for other in &of_b {
             if let Some((normal, distance)) = arc.crosses(other)
                 && distance > floor
+                && let own = distance
+                && let distance = between(a, b, place, normal)
+                && distance > floor
+                && own - distance <= behind
             {
                 floor = distance;
                 best = Some(Separation {

@@ -50,14 +50,37 @@ pub fn outline<S: Solid>(solid: &S, face: u16) -> impl ExactSizeIterator<Item = 
     solid.outline(face).map(corner)
 }
 
+/// A face that looks in a direction as much as this, as a cosine, lies on what is there with all its corners.
+const FLAT: f64 = 0.9999;
+
 /// The face by which a solid meets another that it lies on in a direction (of its own frame): of those around its farthest corner
-/// the one that looks there most.
+/// the one that looks there most; but where it stands on an edge, one of the two beside it, or it would stand on one end.
 pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
-    let looks = |face: &u16| solid.plane(*face).0.dot(direction);
-    solid
-        .around(solid.farthest(direction))
-        .max_by(|x, y| looks(x).total_cmp(&looks(y)))
-        .unwrap_or_default()
+    let looks = |face: u16| solid.plane(face).0.dot(direction);
+    let farthest = solid.farthest(direction);
+    let (mut best, mut most) = (0, f64::NEG_INFINITY);
+    for face in solid.around(farthest) {
+        let looks = looks(face);
+        if looks > most {
+            (best, most) = (face, looks);
+        }
+    }
+    if most > FLAT {
+        return best;
+    }
+    let level = direction.dot(solid.point(farthest)) - super::SLACK * super::across(solid);
+    let stands_on = |face: u16| {
+        let corners = solid.outline(face).map(|side| solid.point(side.point));
+        corners.filter(|at| direction.dot(*at) >= level).count()
+    };
+    let mut count = stands_on(best);
+    for face in solid.around(farthest) {
+        let (own, looks_so) = (stands_on(face), looks(face));
+        if own > count || own == count && looks_so > most {
+            (best, count, most) = (face, own, looks_so);
+        }
+    }
+    best
 }
 
 /// The part of the incident outline (in the frame of the reference) inside the prism over the reference outline along `normal`.

@@ -124,6 +124,20 @@ pub fn touch_along<A: Solid, B: Solid>(
     reach: f64,
     contact: &mut Contact,
 ) {
+    contact.normal = -normal;
+    contact.points.clear();
+    faces_along(a, b, place, normal, reach, &mut contact.points);
+}
+
+/// What the faces that look along a normal, from A to B, have in common.
+fn faces_along<A: Solid, B: Solid>(
+    a: &A,
+    b: &B,
+    place: &Placement,
+    normal: DVec3,
+    reach: f64,
+    points: &mut Points,
+) {
     // The face that looks along the normal is the reference.
     let back = place.back(-normal);
     let (face_a, face_b) = (facing(a, normal), facing(b, back));
@@ -136,9 +150,7 @@ pub fn touch_along<A: Solid, B: Solid>(
         normal,
         distance: 0.0,
     };
-    contact.normal = -normal;
-    contact.points.clear();
-    common(a, b, place, &found, reach, &mut contact.points);
+    common(a, b, place, &found, reach, points);
 }
 
 /// How far off what counts as on, m.
@@ -194,7 +206,12 @@ fn common<A: Solid, B: Solid>(
                 point.position = place.point(point.position);
             }
         }
-        Axis::Edges(of_a, of_b) => points.extend(crossing(a, b, place, found, of_a, of_b)),
+        Axis::Edges(of_a, of_b) => match crossing(a, b, place, found, of_a, of_b) {
+            Some(point) => points.push(point),
+            // All but parallel, they cross anywhere.
+            None if found.distance < 0.0 => faces_along(a, b, place, found.normal, reach, points),
+            None => {}
+        },
         Axis::Unknown => {}
     }
 }

@@ -3,6 +3,7 @@
 use super::forms::{Form, WithTwo, with_two};
 use super::parry;
 use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet, meet_plane};
+use super::round::{self, Part};
 use crate::body::BodyState;
 use crate::contact::{ContactPoint, Manifold, NarrowphaseCache, Patch};
 use crate::settings::StabilizationSettings;
@@ -103,13 +104,19 @@ pub(super) fn detect(
                 reach: reach as f64,
                 graze: settings.outer_distance() as f64,
             };
-            let two = Two {
-                place: Placement::between(at(a), at(b)),
-                search,
-                axis: &mut cache.axis,
-                contact: &mut contact,
-            };
-            with_two(&form_a, &form_b, two);
+            let place = Placement::between(at(a), at(b));
+            if form_a.is_round() || form_b.is_round() {
+                let [part_a, part_b] = Part::two(&form_a, &form_b, place);
+                round::meet(&part_a, &part_b, search, &mut contact);
+            } else {
+                let two = Two {
+                    place,
+                    search,
+                    axis: &mut cache.axis,
+                    contact: &mut contact,
+                };
+                with_two(&form_a, &form_b, two);
+            }
             a
         }
         (Some(form), None) if shape_b.as_halfspace().is_some() => {
@@ -134,7 +141,9 @@ pub(super) fn detect(
         feature: point.feature,
     });
     let normal = frame.pose.rotation * contact.normal.as_vec3();
-    push(&mut manifold, [a, b], normal, false, points.collect());
+    // What touches in a line or a point rolls.
+    let rolls = (a.is_curved() || b.is_curved()) && contact.points.len() < 3;
+    push(&mut manifold, [a, b], normal, rolls, points.collect());
     manifold
 }
 
@@ -164,7 +173,7 @@ impl WithTwo for Two<'_> {
     }
 }
 
-/// Where a polyhedron touches a half-space, in its own frame; the normal points out of the plane.
+/// Where a body touches a half-space, in its own frame; the normal points out of the plane.
 fn on_plane(
     body: &BodyState,
     form: Form,
@@ -183,5 +192,6 @@ fn on_plane(
         Form::Cuboid(cuboid) => meet_plane(&cuboid, up, height, reach, corner, contact),
         Form::Hull(hull) => meet_plane(hull, up, height, reach, corner, contact),
         Form::Triangle(triangle) => meet_plane(&triangle, up, height, reach, corner, contact),
+        Form::Round(frustum) => round::meet_plane(&frustum, up, height, reach, corner, contact),
     }
 }

@@ -9,10 +9,10 @@ use super::solid::Solid;
 use glam::DVec3;
 
 /// What counts as nothing, as a share of the smaller solid's extent.
-const SHARE: f64 = 0.02;
+pub(crate) const SHARE: f64 = 0.02;
 
 /// A face whose normal is nearer to the contact's than this, as a cosine, is the contact's own.
-const OWN: f64 = 0.7;
+pub(crate) const OWN: f64 = 0.7;
 
 /// True where the two overlap by less than `most` (m) and next to nothing along some face's normal other than the contact's.
 pub fn graze<A: Solid, B: Solid>(

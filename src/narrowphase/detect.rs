@@ -134,7 +134,11 @@ pub(super) fn detect(
         }
     };
     let known = |feature| old.points.iter().any(|point| point.feature == feature);
-    contact.simplify(most(settings), known);
+    let radius = a.rolling_radius().min(b.rolling_radius());
+    match radius.is_finite() {
+        true => round::simplify(&mut contact, most(settings), radius, known),
+        false => contact.simplify(most(settings), known),
+    }
     let points = contact.points.iter().map(|point| Candidate {
         position: frame.pose.transform_point(point.position.as_vec3()),
         distance: point.distance as f32,
@@ -142,7 +146,7 @@ pub(super) fn detect(
     });
     let normal = frame.pose.rotation * contact.normal.as_vec3();
     // What touches in a line or a point rolls.
-    let rolls = (a.is_curved() || b.is_curved()) && contact.points.len() < 3;
+    let rolls = radius.is_finite() && contact.points.len() < 3;
     push(&mut manifold, [a, b], normal, rolls, points.collect());
     manifold
 }

@@ -123,7 +123,8 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         if form_a.is_round() || form_b.is_round() {
             parts.with_round(&form_a, &form_b);
             // As few as there are of a whole body.
-            contact.simplify(self.most, |_| false);
+            let radius = body_a.rolling_radius().min(body_b.rolling_radius());
+            round::simplify(&mut contact, self.most, radius, |_| false);
         } else {
             with_two(&form_a, &form_b, parts);
         }

@@ -9,6 +9,7 @@ mod nearest;
 mod normal;
 mod part;
 mod seams;
+mod simplify;
 
 use super::polyhedra::{Contact, FeatureId, Origin, Point, Polygon, SLACK, Search, clip};
 use face::{Face, LEVEL};
@@ -16,6 +17,7 @@ pub use frustum::Frustum;
 use glam::DVec3;
 pub use normal::{Found, separate};
 pub use part::Part;
+pub use simplify::simplify;
 
 /// Half the width of the line along which two round sides touch, as a share of the smaller size. Of crossed sides the points draw
 /// together within it.

@@ -1,6 +1,6 @@
 //! Detection: where two bodies touch, or may, found anew.
 
-use super::forms::{Form, WithTwo, with_two};
+use super::forms::{Form, WithTwo, ours, with_two};
 use super::parry;
 use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet, meet_plane};
 use super::round::{self, Part};
@@ -98,8 +98,8 @@ pub(super) fn detect(
         return part(a, b);
     }
     let mut contact = Contact::default();
-    let frame = match (Form::of(a), Form::of(b)) {
-        (Some(form_a), Some(form_b)) => {
+    let frame = match ours(Form::of(a), Form::of(b)) {
+        [Some(form_a), Some(form_b)] => {
             let search = Search {
                 reach: reach as f64,
                 graze: settings.outer_distance() as f64,
@@ -119,11 +119,11 @@ pub(super) fn detect(
             }
             a
         }
-        (Some(form), None) if shape_b.as_halfspace().is_some() => {
+        [Some(form), None] if shape_b.as_halfspace().is_some() => {
             on_plane(a, form, b, reach, FeatureId::corner_of_a, &mut contact);
             a
         }
-        (None, Some(form)) if shape_a.as_halfspace().is_some() => {
+        [None, Some(form)] if shape_a.as_halfspace().is_some() => {
             on_plane(b, form, a, reach, FeatureId::corner_of_b, &mut contact);
             contact.normal = -contact.normal;
             b

@@ -2,7 +2,7 @@
 //! convex parts that are polyhedra, cylinders or cones is ours ([`polyhedra`](super::polyhedra), [`round`](super::round)), all other
 //! contact is parry's.
 
-use super::forms::{Form, WithTwo, with_two};
+use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{Axis, Contact, Placement, Search, Solid, separate, touch, touch_along};
 use super::round::{self, Found, Part};
 use crate::body::BodyState;
@@ -94,10 +94,10 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         manifold: &mut ParryManifold,
     ) -> Result<(), Unsupported> {
         let [body_a, body_b] = self.bodies;
-        let forms = [
+        let forms = ours(
             Form::of_part(body_a, a, manifold.subshape1),
             Form::of_part(body_b, b, manifold.subshape2),
-        ];
+        );
         let [Some(form_a), Some(form_b)] = forms else {
             return DefaultQueryDispatcher.contact_manifold_convex_convex(
                 place, a, b, normals_a, normals_b, reach, manifold,

@@ -45,6 +45,23 @@ impl<'a> Form<'a> {
     pub fn is_round(&self) -> bool {
         matches!(self, Self::Round(_))
     }
+
+    fn is_bordered(&self) -> bool {
+        matches!(self, Self::Round(round) if round.is_bordered())
+    }
+
+    fn has_ends(&self) -> bool {
+        matches!(self, Self::Round(round) if !round.is_bordered())
+    }
+}
+
+/// Those of two shapes whose contact is ours to find.
+pub(super) fn ours<'a>(a: Option<Form<'a>>, b: Option<Form<'a>>) -> [Option<Form<'a>>; 2] {
+    match (&a, &b) {
+        // Of balls and capsules parry's is as good, but with cylinders and cones.
+        (Some(one), Some(other)) if one.has_ends() || other.has_ends() => [a, b],
+        _ => [a, b].map(|form| form.filter(|form| !form.is_bordered())),
+    }
 }
 
 /// What can be done with two polyhedra of any form.

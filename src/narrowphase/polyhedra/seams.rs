@@ -9,7 +9,7 @@ use super::solid::Solid;
 use glam::DVec3;
 
 /// What counts as nothing, as a share of the smaller solid's extent.
-pub(crate) const SHARE: f64 = 0.02;
+const SHARE: f64 = 0.02;
 
 /// A face whose normal is nearer to the contact's than this, as a cosine, is the contact's own.
 pub(crate) const OWN: f64 = 0.7;

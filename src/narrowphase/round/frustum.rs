@@ -1,4 +1,5 @@
-//! Cylinders and cones: both are frustums, with straight sides and flat ends.
+//! Cylinders and cones: both are frustums, with straight sides and flat ends. Capsules and balls are frustums without radius, with all
+//! around them up to a distance.
 //!
 //! An end is an outline of twelve points that are fixed in the body, so that they hold still while it stands. Where it is tilted, the
 //! lowest point of the rim is one more, or what wobbles would jolt from corner to corner. A side is the line that faces the other
@@ -33,42 +34,58 @@ pub struct Frustum {
     half_height: f64,
     base: f64,
     top: f64,
+    border: f64,
 }
 
 impl Frustum {
-    /// Of a cylinder, or of a cone.
+    /// Of a cylinder, cone, ball, or capsule along the y axis.
     pub fn of(shape: &dyn Shape) -> Option<Self> {
-        let (half_height, base, top) = match shape.as_typed_shape() {
-            TypedShape::Cylinder(it) => (it.half_height, it.radius, it.radius),
-            TypedShape::Cone(it) => (it.half_height, it.radius, 0.0),
+        let [half_height, base, top, border] = match shape.as_typed_shape() {
+            TypedShape::Cylinder(it) => [it.half_height, it.radius, it.radius, 0.0],
+            TypedShape::Cone(it) => [it.half_height, it.radius, 0.0, 0.0],
+            TypedShape::Ball(it) => [0.0, 0.0, 0.0, it.radius],
+            TypedShape::Capsule(it) => {
+                let to = it.segment.b;
+                let upright = it.segment.a == -to && to.x == 0.0 && to.z == 0.0;
+                [upright.then_some(to.y)?.abs(), 0.0, 0.0, it.radius]
+            }
             _ => return None,
-        };
+        }
+        .map(f64::from);
         Some(Self {
-            half_height: half_height as f64,
-            base: base as f64,
-            top: top as f64,
+            half_height,
+            base,
+            top,
+            border,
         })
+    }
+
+    /// A ball or a capsule.
+    pub fn is_bordered(&self) -> bool {
+        self.border > 0.0
     }
 
     /// A length that is not large for any part of it, m.
     pub fn size(&self) -> f64 {
-        self.half_height.min(self.base)
+        self.half_height.min(self.base) + self.border
     }
 
     /// The point farthest in a direction.
     pub fn farthest(&self, direction: DVec3) -> DVec3 {
         let out = direction.with_y(0.0).normalize_or_zero();
         let [low, high] = self.line(out);
+        let border = self.border * direction.normalize_or_zero();
         match direction.dot(high) > direction.dot(low) {
-            true => high,
-            false => low,
+            true => high + border,
+            false => low + border,
         }
     }
 
     /// The directions out of its flat ends.
     pub fn ends(&self) -> impl Iterator<Item = DVec3> {
-        let top = (self.top > 0.0).then_some(DVec3::Y);
-        [DVec3::NEG_Y].into_iter().chain(top)
+        let ends = [(DVec3::NEG_Y, self.base), (DVec3::Y, self.top)];
+        ends.into_iter()
+            .filter_map(|(end, radius)| (radius > 0.0).then_some(end))
     }
 
     /// The normal of the side that looks most in a direction.
@@ -76,14 +93,15 @@ impl Frustum {
         let out = direction.with_y(0.0).try_normalize()?;
         let [low, high] = self.line(out);
         let up = high - low;
-        Some((out * up.y - DVec3::Y * out.dot(up)).normalize())
+        (out * up.y - DVec3::Y * out.dot(up)).try_normalize()
     }
 
     /// What it lies on in a direction.
     pub fn facing(&self, direction: DVec3) -> Option<Face> {
         let side = self.side(direction).unwrap_or_default();
         if side.dot(direction) >= LEVEL {
-            let [low, high] = self.line(side.with_y(0.0).normalize());
+            let line = self.line(side.with_y(0.0).normalize());
+            let [low, high] = line.map(|at| at + self.border * side);
             let outline = [(low, SIDE, SIDE), (high, SIDE + 1, SIDE)];
             return Some(Face::new(outline.into_iter().collect(), side));
         }

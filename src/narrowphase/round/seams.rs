@@ -1,8 +1,12 @@
-//! Seams between flat faces, as of polyhedra (`polyhedra/seams.rs`).
+//! Seams between flat faces, as of polyhedra (`polyhedra/seams.rs`): a cylinder that slides on its end must not catch on them.
 
 use super::part::Part;
-use crate::narrowphase::polyhedra::seams::{OWN, SHARE};
+use crate::narrowphase::polyhedra::seams::OWN;
 use glam::DVec3;
+
+/// What counts as nothing, as a share of the smaller body's extent: less than of polyhedra, since where the flank of a cone meets the rim of
+/// another it is most of the overlap, and in heaps many do.
+const SHARE: f64 = 2e-3;
 
 /// True where the two overlap by less than `most` (m) and next to nothing along some flat face's normal other than the contact's.
 pub fn graze(a: &Part, b: &Part, normal: DVec3, most: f64) -> bool {

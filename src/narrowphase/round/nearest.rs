@@ -5,7 +5,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 /// The distance is known to this share of its square.
-const PRECISE: f64 = 1e-14;
+const PRECISE: f64 = 1e-12;
 
 /// Most points of the surfaces that are tried.
 const TRIES: usize = 64;

@@ -73,7 +73,7 @@ pub fn separate(a: &Part, b: &Part, reach: f64) -> Option<Found> {
             break;
         };
         let distance = apart(normal);
-        if distance <= best.0 + 1e-3 * MARGIN * size {
+        if distance <= best.0 + 0.1 * MARGIN * size {
             break;
         }
         best = (distance, normal);

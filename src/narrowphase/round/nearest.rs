@@ -2,7 +2,6 @@
 //! direction between points on curved surfaces is only as good as the root of what the distance is.
 
 use glam::DVec3;
-use smallvec::SmallVec;
 
 /// The distance is known to this share of its square.
 const PRECISE: f64 = 1e-12;
@@ -10,102 +9,88 @@ const PRECISE: f64 = 1e-12;
 /// Most points of the surfaces that are tried.
 const TRIES: usize = 64;
 
-/// A point of A, and of B, and what each of the corners of the simplex counts.
-#[derive(Clone, Copy)]
-struct Corner {
-    on: [DVec3; 2],
-    share: f64,
-}
-
-impl Corner {
-    fn way(&self) -> DVec3 {
-        self.on[1] - self.on[0]
-    }
-}
-
-type Simplex = SmallVec<[Corner; 4]>;
+/// What each of four corners counts, and the square of the distance of what they then are together.
+type Shares = (f64, [f64; 4]);
 
 /// The point of A, and that of B. `farthest`: those of A in a direction and of B against it; `towards`: about where B is.
 pub fn nearest(farthest: impl Fn(DVec3) -> [DVec3; 2], towards: DVec3) -> [DVec3; 2] {
-    let corner = |direction| Corner {
-        on: farthest(direction),
-        share: 1.0,
-    };
-    let mut simplex: Simplex = smallvec::smallvec![corner(towards)];
-    let mut way = simplex[0].way();
+    let mut corners = [[DVec3::ZERO; 2]; 4];
+    corners[0] = farthest(towards);
+    let (mut count, mut shares) = (1, [1.0, 0.0, 0.0, 0.0]);
+    let between = |on: [DVec3; 2]| on[1] - on[0];
+    let mut way = between(corners[0]);
     for _ in 0..TRIES {
-        let next = corner(way);
+        let next = farthest(way);
         let square = way.length_squared();
-        if square - way.dot(next.way()) <= PRECISE * square {
+        if square - way.dot(between(next)) <= PRECISE * square || count == 4 {
             break;
         }
-        let mut tried = simplex.clone();
-        tried.push(next);
-        let tried = reduced(&tried);
-        let way_there = weighed(&tried, |corner| corner.way());
+        corners[count] = next;
+        let ways = corners.map(between);
+        let (there, new) = reduced(&ways, count + 1);
         // Rounding has the last word.
-        if way_there.length_squared() >= square {
+        if there >= square {
             break;
         }
-        (simplex, way) = (tried, way_there);
-    }
-    [0, 1].map(|i| weighed(&simplex, |corner| corner.on[i]))
-}
-
-fn weighed(simplex: &[Corner], what: impl Fn(&Corner) -> DVec3) -> DVec3 {
-    simplex
-        .iter()
-        .map(|corner| corner.share * what(corner))
-        .sum()
-}
-
-/// The part of a simplex that is nearest to the origin, with the shares that its corners have in the nearest point.
-fn reduced(simplex: &[Corner]) -> Simplex {
-    match *simplex {
-        [a, b] => on_line(a, b),
-        [a, b, c] => on_triangle(a, b, c),
-        [a, b, c, d] => {
-            let sides = [(a, b, d), (b, c, d), (c, a, d), (a, b, c)];
-            let nearest = sides.map(|(a, b, c)| on_triangle(a, b, c));
-            least(nearest)
+        // Only corners that count are kept.
+        let all = count + 1;
+        (count, shares) = (0, [0.0; 4]);
+        for i in (0..all).filter(|&i| new[i] > 0.0) {
+            (corners[count], shares[count]) = (corners[i], new[i]);
+            count += 1;
         }
-        _ => simplex.into(),
+        way = between(weighed(&corners, &shares));
+    }
+    weighed(&corners, &shares)
+}
+
+fn weighed(corners: &[[DVec3; 2]; 4], shares: &[f64; 4]) -> [DVec3; 2] {
+    let point = |k: usize| (0..4).map(|i| shares[i] * corners[i][k]).sum();
+    [point(0), point(1)]
+}
+
+/// What the first `count` corners have of the point nearest to the origin.
+fn reduced(ways: &[DVec3; 4], count: usize) -> Shares {
+    match count {
+        2 => on_line(ways, [0, 1]),
+        3 => on_triangle(ways, [0, 1, 2]),
+        _ => {
+            let sides = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 2]];
+            least(sides.map(|side| on_triangle(ways, side)))
+        }
     }
 }
 
-fn least<const N: usize>(all: [Simplex; N]) -> Simplex {
-    let square = |one: &Simplex| weighed(one, Corner::way).length_squared();
-    all.into_iter()
-        .min_by(|x, y| square(x).total_cmp(&square(y)))
-        .unwrap_or_default()
+fn least<const N: usize>(all: [Shares; N]) -> Shares {
+    let mut best = all[0];
+    for one in &all[1..] {
+        if one.0 < best.0 {
+            best = *one;
+        }
+    }
+    best
 }
 
-fn on_line(a: Corner, b: Corner) -> Simplex {
-    let (from, way) = (a.way(), b.way() - a.way());
-    let share = -from.dot(way) / way.length_squared();
-    if share >= 1.0 {
-        return shares([(b, 1.0)]);
-    }
-    match share > 0.0 {
-        true => shares([(a, 1.0 - share), (b, share)]),
-        false => shares([(a, 1.0)]),
-    }
+fn on_line(ways: &[DVec3; 4], [i, j]: [usize; 2]) -> Shares {
+    let (from, way) = (ways[i], ways[j] - ways[i]);
+    let share = (-from.dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    let mut shares = [0.0; 4];
+    (shares[i], shares[j]) = (1.0 - share, share);
+    ((from + share * way).length_squared(), shares)
 }
 
 /// Above the triangle, or else nearest to one of its sides.
-fn on_triangle(a: Corner, b: Corner, c: Corner) -> Simplex {
-    let [p, q, r] = [a, b, c].map(|corner| corner.way());
+fn on_triangle(ways: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Shares {
+    let [p, q, r] = [ways[i], ways[j], ways[k]];
     let normal = (q - p).cross(r - p);
     let area = |x: DVec3, y: DVec3| x.cross(y).dot(normal);
     let [u, v, w] = [area(q, r), area(r, p), area(p, q)];
     if u > 0.0 && v > 0.0 && w > 0.0 {
         let all = u + v + w;
-        return shares([(a, u / all), (b, v / all), (c, w / all)]);
+        let mut shares = [0.0; 4];
+        (shares[i], shares[j], shares[k]) = (u / all, v / all, w / all);
+        let there = shares[i] * p + shares[j] * q + shares[k] * r;
+        return (there.length_squared(), shares);
     }
-    least([on_line(a, b), on_line(b, c), on_line(c, a)])
-}
-
-fn shares<const N: usize>(corners: [(Corner, f64); N]) -> Simplex {
-    let corner = |(corner, share)| Corner { share, ..corner };
-    corners.into_iter().map(corner).collect()
+    least([[i, j], [j, k], [k, i]].map(|line| on_line(ways, line)))
 }

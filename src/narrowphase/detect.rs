@@ -1,7 +1,8 @@
 //! Detection: where two bodies touch, or may, found anew.
 
-use super::forms::{Form, WithTwo, with_two};
+use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet, meet_plane};
+use super::round::{self, Part};
 use super::{parry, passing};
 use crate::body::BodyState;
 use crate::contact::{ContactPoint, Manifold, NarrowphaseCache, Patch};
@@ -98,27 +99,33 @@ pub(super) fn detect(
         return part(a, b);
     }
     let mut contact = Contact::default();
-    let frame = match (Form::of(a), Form::of(b)) {
-        (Some(form_a), Some(form_b)) => {
+    let frame = match ours(Form::of(a), Form::of(b)) {
+        [Some(form_a), Some(form_b)] => {
             let search = Search {
                 reach: reach as f64,
                 graze: settings.outer_distance() as f64,
             };
-            let two = Two {
-                bodies: [a, b],
-                dt: time.dt,
-                search,
-                axis: &mut cache.axis,
-                contact: &mut contact,
-            };
-            with_two(&form_a, &form_b, two);
+            if form_a.is_round() || form_b.is_round() {
+                let place = Placement::between(at(a), at(b));
+                let [part_a, part_b] = Part::two(&form_a, &form_b, place);
+                round::meet(&part_a, &part_b, search, &mut contact);
+            } else {
+                let two = Two {
+                    bodies: [a, b],
+                    dt: time.dt,
+                    search,
+                    axis: &mut cache.axis,
+                    contact: &mut contact,
+                };
+                with_two(&form_a, &form_b, two);
+            }
             a
         }
-        (Some(form), None) if shape_b.as_halfspace().is_some() => {
+        [Some(form), None] if shape_b.as_halfspace().is_some() => {
             on_plane(a, form, b, reach, FeatureId::corner_of_a, &mut contact);
             a
         }
-        (None, Some(form)) if shape_a.as_halfspace().is_some() => {
+        [None, Some(form)] if shape_a.as_halfspace().is_some() => {
             on_plane(b, form, a, reach, FeatureId::corner_of_b, &mut contact);
             contact.normal = -contact.normal;
             b
@@ -129,14 +136,20 @@ pub(super) fn detect(
         }
     };
     let known = |feature| old.points.iter().any(|point| point.feature == feature);
-    contact.simplify(most(settings), known);
+    let radius = a.rolling_radius().min(b.rolling_radius());
+    match radius.is_finite() {
+        true => round::simplify(&mut contact, most(settings), radius, known),
+        false => contact.simplify(most(settings), known),
+    }
     let points = contact.points.iter().map(|point| Candidate {
         position: frame.pose.transform_point(point.position.as_vec3()),
         distance: point.distance as f32,
         feature: point.feature,
     });
     let normal = frame.pose.rotation * contact.normal.as_vec3();
-    push(&mut manifold, [a, b], normal, false, points.collect());
+    // What touches in a line or a point rolls.
+    let rolls = radius.is_finite() && contact.points.len() < 3;
+    push(&mut manifold, [a, b], normal, rolls, points.collect());
     manifold
 }
 
@@ -193,7 +206,7 @@ impl WithTwo for Two<'_> {
     }
 }
 
-/// Where a polyhedron touches a half-space, in its own frame; the normal points out of the plane.
+/// Where a body touches a half-space, in its own frame; the normal points out of the plane.
 fn on_plane(
     body: &BodyState,
     form: Form,
@@ -212,5 +225,6 @@ fn on_plane(
         Form::Cuboid(cuboid) => meet_plane(&cuboid, up, height, reach, corner, contact),
         Form::Hull(hull) => meet_plane(hull, up, height, reach, corner, contact),
         Form::Triangle(triangle) => meet_plane(&triangle, up, height, reach, corner, contact),
+        Form::Round(frustum) => round::meet_plane(&frustum, up, height, reach, corner, contact),
     }
 }

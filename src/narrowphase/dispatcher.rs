@@ -1,8 +1,10 @@
 //! Parry takes apart what is composite (meshes, height fields, compounds) and finds which parts may touch; the contact of two
-//! convex parts that are polyhedra is ours ([`polyhedra`](super::polyhedra)), all other contact is parry's.
+//! convex parts that are polyhedra, cylinders or cones is ours ([`polyhedra`](super::polyhedra), [`round`](super::round)), all other
+//! contact is parry's.
 
-use super::forms::{Form, WithTwo, with_two};
+use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{Axis, Contact, Placement, Search, Solid, separate, touch, touch_along};
+use super::round::{self, Found, Part};
 use crate::body::BodyState;
 use glam::{DVec3, Vec3};
 use parry3d::math::Pose;
@@ -18,6 +20,8 @@ pub(super) struct Dispatcher<'a> {
     pub bodies: [&'a BodyState; 2],
     /// See [`Search::graze`], m.
     pub graze: f32,
+    /// Most points of a patch.
+    pub most: usize,
 }
 
 impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
@@ -90,10 +94,10 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         manifold: &mut ParryManifold,
     ) -> Result<(), Unsupported> {
         let [body_a, body_b] = self.bodies;
-        let forms = [
+        let forms = ours(
             Form::of_part(body_a, a, manifold.subshape1),
             Form::of_part(body_b, b, manifold.subshape2),
-        ];
+        );
         let [Some(form_a), Some(form_b)] = forms else {
             return DefaultQueryDispatcher.contact_manifold_convex_convex(
                 place, a, b, normals_a, normals_b, reach, manifold,
@@ -116,7 +120,14 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
             axis: &mut axis,
             contact: &mut contact,
         };
-        with_two(&form_a, &form_b, parts);
+        if form_a.is_round() || form_b.is_round() {
+            parts.with_round(&form_a, &form_b);
+            // As few as there are of a whole body.
+            let radius = body_a.rolling_radius().min(body_b.rolling_radius());
+            round::simplify(&mut contact, self.most, radius, |_| false);
+        } else {
+            with_two(&form_a, &form_b, parts);
+        }
         manifold.data = axis;
         manifold.points.clear();
         let single = |v: DVec3| v.as_vec3();
@@ -148,33 +159,53 @@ struct Parts<'a> {
     contact: &'a mut Contact,
 }
 
+impl Parts<'_> {
+    fn place(&self) -> Placement {
+        let rotation = self.place.rotation.as_dquat().normalize();
+        Placement::new(self.place.translation.as_dvec3(), rotation)
+    }
+
+    /// The normal as it is, or at an edge inside a surface as the faces there have it: nothing is met there that they would not
+    /// meet. None where it is no contact at all.
+    fn constrained(&self, normal: DVec3) -> Option<DVec3> {
+        let single = normal.as_vec3();
+        let mut of_a = single;
+        let mut of_b = self.place.rotation.inverse() * -single;
+        let counts = self
+            .normals
+            .project_local_normals(self.place, &mut of_a, &mut of_b);
+        counts.then(|| match of_a == single {
+            true => normal,
+            false => of_a.as_dvec3().normalize(),
+        })
+    }
+
+    fn with_round(self, a: &Form, b: &Form) {
+        let [a, b] = Part::two(a, b, self.place());
+        let Some(found) = round::separate(&a, &b, self.search.reach) else {
+            return;
+        };
+        if let Some(normal) = self.constrained(found.normal) {
+            let found = Found { normal, ..found };
+            round::touch(&a, &b, &found, self.search.reach, self.contact);
+        }
+    }
+}
+
 impl WithTwo for Parts<'_> {
     fn with<A: Solid, B: Solid>(self, a: &A, b: &B) {
-        let Pose {
-            rotation,
-            translation,
-            ..
-        } = *self.place;
-        let place = Placement::new(translation.as_dvec3(), rotation.as_dquat().normalize());
+        let place = self.place();
         let found = separate(a, b, &place, self.search.reach, *self.axis);
         *self.axis = found.best.axis;
         if found.best.distance > self.search.reach {
             return;
         }
-        // At an edge inside a surface nothing is met that its faces would not meet.
-        let normal = found.best.normal.as_vec3();
-        let mut of_a = normal;
-        let mut of_b = rotation.inverse() * -normal;
-        if !self
-            .normals
-            .project_local_normals(self.place, &mut of_a, &mut of_b)
-        {
+        let Some(normal) = self.constrained(found.best.normal) else {
             return;
-        }
-        if of_a == normal {
+        };
+        if normal == found.best.normal {
             *self.axis = touch(a, b, &place, &found, self.search, self.contact);
         } else {
-            let normal = of_a.as_dvec3().normalize();
             touch_along(a, b, &place, normal, self.search.reach, self.contact);
         }
     }

@@ -1,6 +1,7 @@
-//! Which shapes are polyhedra of ours, and what is done with two of them.
+//! Of which shapes the contact is ours to find, and what is done with two polyhedra among them.
 
 use super::polyhedra::{Cuboid, Solid, Triangle};
+use super::round::Frustum;
 use crate::body::BodyState;
 use crate::collider::Polyhedron;
 use parry3d::shape::{Shape, TypedShape};
@@ -10,6 +11,7 @@ pub(super) enum Form<'a> {
     Cuboid(Cuboid),
     Hull(&'a Polyhedron),
     Triangle(Triangle),
+    Round(Frustum),
 }
 
 impl<'a> Form<'a> {
@@ -36,19 +38,40 @@ impl<'a> Form<'a> {
                 Triangle::new([triangle.a, triangle.b, triangle.c]).map(Self::Triangle)
             }
             TypedShape::ConvexPolyhedron(_) => hull().map(Self::Hull),
-            _ => None,
+            _ => Frustum::of(shape).map(Self::Round),
         }
+    }
+
+    pub fn is_round(&self) -> bool {
+        matches!(self, Self::Round(_))
+    }
+
+    fn is_bordered(&self) -> bool {
+        matches!(self, Self::Round(round) if round.is_bordered())
+    }
+
+    fn has_ends(&self) -> bool {
+        matches!(self, Self::Round(round) if !round.is_bordered())
     }
 }
 
-/// What can be done with two solids of any form.
+/// Those of two shapes whose contact is ours to find.
+pub(super) fn ours<'a>(a: Option<Form<'a>>, b: Option<Form<'a>>) -> [Option<Form<'a>>; 2] {
+    match (&a, &b) {
+        // Of balls and capsules parry's is as good, but with cylinders and cones.
+        (Some(one), Some(other)) if one.has_ends() || other.has_ends() => [a, b],
+        _ => [a, b].map(|form| form.filter(|form| !form.is_bordered())),
+    }
+}
+
+/// What can be done with two polyhedra of any form.
 pub(super) trait WithTwo {
     fn with<A: Solid, B: Solid>(self, a: &A, b: &B);
 }
 
-/// Does it with these two.
+/// Does it with these two, if they are polyhedra.
 pub(super) fn with_two<W: WithTwo>(a: &Form, b: &Form, what: W) {
-    use Form::{Cuboid, Hull, Triangle};
+    use Form::{Cuboid, Hull, Round, Triangle};
     match (a, b) {
         (Cuboid(a), Cuboid(b)) => what.with(a, b),
         (Cuboid(a), Hull(b)) => what.with(a, *b),
@@ -59,5 +82,6 @@ pub(super) fn with_two<W: WithTwo>(a: &Form, b: &Form, what: W) {
         (Triangle(a), Cuboid(b)) => what.with(a, b),
         (Triangle(a), Hull(b)) => what.with(a, *b),
         (Triangle(a), Triangle(b)) => what.with(a, b),
+        (Round(_), _) | (_, Round(_)) => {}
     }
 }

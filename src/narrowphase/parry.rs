@@ -1,9 +1,9 @@
-//! All other contact, by parry: of round shapes, and of the parts of meshes, height fields and compounds.
+//! All other contact, by parry: of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
 
 use super::detect::{Candidate, Candidates, most, push};
 use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
-use super::{cylinders, features, reduction};
+use super::reduction;
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache};
 use crate::settings::StabilizationSettings;
@@ -41,6 +41,7 @@ pub(super) fn detect(
     let dispatcher = Dispatcher {
         bodies: [a, b],
         graze: settings.outer_distance(),
+        most: most(settings),
     };
     let found =
         dispatcher.contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace);
@@ -48,7 +49,6 @@ pub(super) fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
-    let cylinders = cylinders::meet(a, b);
     for found in manifolds.iter() {
         let (sub_a, sub_b) = (
             found.subshape_pos1().copied(),
@@ -57,42 +57,21 @@ pub(super) fn detect(
         let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
         // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
         let normal = -(a.pose.rotation * turned);
-        let mut normal = normal.try_normalize().unwrap_or(Vec3::Y);
-        if cylinders {
-            normal = cylinders::normal(a, b, normal);
-        }
+        let normal = normal.try_normalize().unwrap_or(Vec3::Y);
 
         let size = a.face_size(normal).min(b.face_size(normal));
-        let own = match cylinders {
-            true => features::contacts(a, b, normal),
-            false => Vec::new(),
-        };
-        let mut candidates: Candidates = own
-            .into_iter()
-            .map(|[on_a, on_b]| Candidate {
-                position: 0.5 * (on_a + on_b),
-                distance: normal.dot(on_a - on_b),
-                feature: FeatureId::NONE,
-            })
-            .collect();
-        let own = !candidates.is_empty();
-        for contact in found.points.iter().filter(|_| !own) {
+        let mut candidates = Candidates::new();
+        for contact in &found.points {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
-            let mut on = [
+            let on = [
                 a.pose.transform_point(local_a),
                 b.pose.transform_point(local_b),
             ];
-            let mut distance = contact.dist;
-            if cylinders {
-                on[0] = cylinders::on_surface(a, on[0], -normal);
-                on[1] = cylinders::on_surface(b, on[1], normal);
-                distance = normal.dot(on[0] - on[1]);
-            }
             candidates.push(Candidate {
                 position: 0.5 * (on[0] + on[1]),
-                distance,
-                feature: match curved {
+                distance: contact.dist,
+                feature: match curved && contact.fid2 != PackedFeatureId::UNKNOWN {
                     // It rolls on.
                     true => FeatureId::NONE,
                     false => feature(contact).of_parts(found.subshape1, found.subshape2),

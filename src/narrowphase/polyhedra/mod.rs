@@ -13,7 +13,7 @@ mod feature;
 mod hull;
 mod placement;
 mod plane;
-mod seams;
+pub(crate) mod seams;
 mod simplify;
 mod solid;
 mod triangle;
@@ -31,7 +31,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 /// How far outside a face a corner still lies on it, as a share of the solid's size across.
-const SLACK: f64 = 1e-4;
+pub(crate) const SLACK: f64 = 1e-4;
 
 /// By how much less overlap a preferred axis may show, as a share of the same.
 const LACKING: f64 = 1e-3;
@@ -159,7 +159,7 @@ fn slack<A: Solid, B: Solid>(a: &A, b: &B) -> f64 {
 }
 
 /// A length that is not large for any part of the solid, m.
-fn across<S: Solid>(solid: &S) -> f64 {
+pub(crate) fn across<S: Solid>(solid: &S) -> f64 {
     match solid.inner() {
         0.0 => solid.outer(),
         inner => (2.5 * inner).min(solid.outer()),

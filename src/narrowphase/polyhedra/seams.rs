@@ -13,7 +13,7 @@ use glam::DVec3;
 const SHARE: f64 = 0.02;
 
 /// A face whose normal is nearer to the contact's than this, as a cosine, is the contact's own.
-const OWN: f64 = 0.7;
+pub(crate) const OWN: f64 = 0.7;
 
 /// Two faces nearer to parallel than this, as a cosine, may be flush (2°).
 const FLUSH: f64 = 0.9994;

@@ -1,0 +1,123 @@
+//! The contact of cylinders and cones with each other, with polyhedra and with half-spaces.
+//!
+//! First the direction along which they are farthest apart ([`separate`]); then what they have in common there: of what lies on each
+//! other the outline of one clipped by that of the other, of all else the one point where they are nearest.
+
+mod face;
+mod frustum;
+mod nearest;
+mod normal;
+mod part;
+mod seams;
+mod simplify;
+
+use super::polyhedra::{Contact, FeatureId, Origin, Point, Polygon, SLACK, Search, clip};
+use face::{Face, LEVEL};
+pub use frustum::Frustum;
+use glam::DVec3;
+pub use normal::{Found, separate};
+pub use part::Part;
+pub use simplify::simplify;
+
+/// Half the width of the line along which two round sides touch, as a share of the smaller size. Of crossed sides the points draw
+/// together within it.
+const LINE: f64 = 0.02;
+
+/// Where the two touch, or may soon, in the frame that they share. The contact that is handed in is written over.
+pub fn meet(a: &Part, b: &Part, search: Search, contact: &mut Contact) {
+    contact.points.clear();
+    let Some(found) = separate(a, b, search.reach) else {
+        return;
+    };
+    if !seams::graze(a, b, found.normal, search.graze) {
+        touch(a, b, &found, search.reach, contact);
+    }
+}
+
+/// The same along a direction that is known.
+pub fn touch(a: &Part, b: &Part, found: &Found, reach: f64, contact: &mut Contact) {
+    contact.normal = -found.normal;
+    contact.points.clear();
+    if let (Some(of_a), Some(of_b)) = (a.facing(found.normal), b.facing(-found.normal)) {
+        let size = a.size().min(b.size());
+        common(of_a, of_b, found.normal, size, reach, contact);
+    }
+    if contact.points.is_empty() && found.distance <= reach {
+        contact.points.push(Point {
+            position: 0.5 * (found.on[0] + found.on[1]),
+            distance: found.distance,
+            feature: FeatureId::NONE,
+        });
+    }
+}
+
+/// What two faces have in common. `size`: of the smaller body, m.
+fn common(of_a: Face, of_b: Face, normal: DVec3, size: f64, reach: f64, contact: &mut Contact) {
+    let by_a = match [&of_a, &of_b].map(Face::is_line) {
+        [false, true] => true,
+        [true, false] => false,
+        _ => of_a.normal.dot(normal) >= of_b.normal.dot(-normal),
+    };
+    let (reference, incident, up) = match by_a {
+        true => (of_a, of_b, normal),
+        false => (of_b, of_a, -normal),
+    };
+    if reference.is_line() && reference.along().dot(incident.along()).abs() < LEVEL {
+        return;
+    }
+    let (on, out) = (reference.outline[0].0, reference.normal);
+    let reference = reference.widened(LINE * size);
+    let slant = 1.0 / out.dot(up);
+    let space = &mut [Polygon::new(), Polygon::new()];
+    let incident = incident.outline.into_iter();
+    for clipped in clip(&reference.outline, incident, up, SLACK * size, space) {
+        let distance = out.dot(clipped.at - on) * slant;
+        if distance <= reach {
+            contact.points.push(Point {
+                position: clipped.at - up * (0.5 * distance),
+                distance,
+                feature: match (clipped.origin, by_a) {
+                    (Origin::Reference(i), true) | (Origin::Incident(i), false) => {
+                        FeatureId::corner_of_a(i)
+                    }
+                    (Origin::Reference(i), false) | (Origin::Incident(i), true) => {
+                        FeatureId::corner_of_b(i)
+                    }
+                    (Origin::Edges(i, j), true) | (Origin::Edges(j, i), false) => {
+                        FeatureId::edges(i, j)
+                    }
+                },
+            });
+        }
+    }
+}
+
+/// Where one touches everything below a plane, or may soon: `up · x = height` in its frame. `corner` numbers its corners.
+pub fn meet_plane(
+    round: &Frustum,
+    up: DVec3,
+    height: f64,
+    reach: f64,
+    corner: impl Fn(u16) -> FeatureId,
+    contact: &mut Contact,
+) {
+    contact.normal = up;
+    contact.points.clear();
+    let mut add = |at: DVec3, feature| {
+        let distance = up.dot(at) - height;
+        if distance <= reach {
+            contact.points.push(Point {
+                position: at - up * (0.5 * distance),
+                distance,
+                feature,
+            });
+        }
+    };
+    match round.facing(-up) {
+        Some(face) => face
+            .outline
+            .iter()
+            .for_each(|(at, i, _)| add(*at, corner(*i))),
+        None => add(round.farthest(-up), FeatureId::NONE),
+    }
+}

@@ -1,0 +1,92 @@
+//! What the contact of round bodies asks of each of the two.
+
+use super::face::Face;
+use crate::narrowphase::forms::Form;
+use crate::narrowphase::polyhedra::{Placement, Solid, across};
+use glam::{DQuat, DVec3};
+use smallvec::SmallVec;
+
+/// A form, placed in the frame that both have in common.
+pub struct Part<'a> {
+    form: &'a Form<'a>,
+    place: Placement,
+}
+
+pub type Directions = SmallVec<[DVec3; 8]>;
+
+impl<'a> Part<'a> {
+    /// Two, the second at a place in the frame of the first.
+    pub fn two(a: &'a Form<'a>, b: &'a Form<'a>, place: Placement) -> [Self; 2] {
+        let here = Placement::new(DVec3::ZERO, DQuat::IDENTITY);
+        let part = |form, place| Self { form, place };
+        [part(a, here), part(b, place)]
+    }
+
+    pub fn center(&self) -> DVec3 {
+        self.place.point(match self.form {
+            Form::Cuboid(solid) => solid.center(),
+            Form::Hull(solid) => solid.center(),
+            Form::Triangle(solid) => solid.center(),
+            Form::Round(_) => DVec3::ZERO,
+        })
+    }
+
+    /// A length that is not large for any part of it, m.
+    pub fn size(&self) -> f64 {
+        match self.form {
+            Form::Cuboid(solid) => across(solid),
+            Form::Hull(solid) => across(*solid),
+            Form::Triangle(solid) => across(solid),
+            Form::Round(round) => round.size(),
+        }
+    }
+
+    /// The point farthest in a direction.
+    pub fn farthest(&self, direction: DVec3) -> DVec3 {
+        let there = self.place.back(direction);
+        self.place.point(match self.form {
+            Form::Cuboid(solid) => solid.point(solid.farthest(there)),
+            Form::Hull(solid) => solid.point(solid.farthest(there)),
+            Form::Triangle(solid) => solid.point(solid.farthest(there)),
+            Form::Round(round) => round.farthest(there),
+        })
+    }
+
+    /// The directions out of its flat faces.
+    pub fn normals(&self) -> Directions {
+        fn of<S: Solid>(solid: &S) -> Directions {
+            (0..solid.faces()).map(|face| solid.plane(face).0).collect()
+        }
+        let mut normals = match self.form {
+            Form::Cuboid(solid) => of(solid),
+            Form::Hull(solid) => of(*solid),
+            Form::Triangle(solid) => of(solid),
+            Form::Round(round) => round.ends().collect(),
+        };
+        for normal in &mut normals {
+            *normal = self.place.direction(*normal);
+        }
+        normals
+    }
+
+    /// The normal of a round side that looks most in a direction.
+    pub fn side(&self, direction: DVec3) -> Option<DVec3> {
+        let Form::Round(round) = self.form else {
+            return None;
+        };
+        let side = round.side(self.place.back(direction))?;
+        Some(self.place.direction(side))
+    }
+
+    /// What it lies on in a direction.
+    pub fn facing(&self, direction: DVec3) -> Option<Face> {
+        let there = self.place.back(direction);
+        let face = match self.form {
+            Form::Cuboid(solid) => Face::of(solid, there),
+            Form::Hull(solid) => Face::of(*solid, there),
+            Form::Triangle(solid) => Face::of(solid, there),
+            Form::Round(round) => round.facing(there),
+        };
+        Some(face?.placed(&self.place))
+    }
+}

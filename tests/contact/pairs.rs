@@ -108,9 +108,9 @@ fn with(
         Body::Hull(hull) => meet(a, hull, place, search, axis, contact),
         Body::Triangle(points) => {
             let triangle = Triangle::new(*points).expect("it was one before");
-            meet(a, &triangle, place, search, axis, contact);
+            meet(a, &triangle, place, search, axis, contact)
         }
-    }
+    };
 }
 
 /// Part of a body.

@@ -207,5 +207,5 @@ fn a_line_is_no_triangle() {
     let place = Placement::new(DVec3::ZERO, DQuat::IDENTITY);
     let found =
         drystone::narrowphase::polyhedra::separate(&flat, &flat, &place, 1.0, Axis::Unknown);
-    assert_eq!(found.distance, 0.0);
+    assert_eq!(found.best.distance, 0.0);
 }

@@ -290,7 +290,7 @@ impl Truth {
                 let Some(way) = across(a, b, i, j, normal) else {
                     return f64::INFINITY;
                 };
-                self.edges_missed_by(way, apart(a, b, way), self.is_bare(a, b))
+                self.most() - apart(a, b, way)
             }
         }
     }
@@ -314,36 +314,6 @@ impl Truth {
                 .reduce(f64::min)
                 .unwrap_or(by_faces),
         )
-    }
-
-    /// `is_bare`: nothing is above the face that these edges have to beat.
-    fn edges_missed_by(&self, way: DVec3, distance: f64, is_bare: bool) -> f64 {
-        // Which of the best faces it had to beat depends on rounding.
-        let low = self.best_face - MARGIN * self.radius - DEPTH * self.size;
-        let best = self.faces.iter().filter(|f| f.1 >= low);
-        let lead = |face| if is_bare { 0.0 } else { self.lead(face, way) };
-        let bar = best.map(|f| f.1 + lead(f.0)).fold(f64::INFINITY, f64::min);
-        (bar - distance).max(self.most() - distance)
-    }
-
-    /// True where they overlap, but nothing is above one of the best faces.
-    fn is_bare(&self, a: &Stood, b: &Stood) -> bool {
-        let low = self.best_face - MARGIN * self.radius - DEPTH * self.size;
-        let is_bare = |i: usize| {
-            let (normal, distance) = self.faces[i];
-            let (own, other, way, face) = match i.checked_sub(a.normals.len()) {
-                None => (a, b, normal, i),
-                Some(face) => (b, a, -normal, face),
-            };
-            let corners = own.corners(face as u16);
-            distance >= low
-                && other.facing(-way).into_iter().any(|below| {
-                    // On the border something may be or not.
-                    let border = -1.1 * own.form.slack.min(other.form.slack);
-                    shared(&corners, &other.corners(below), way, border).extent == 0.0
-                })
-        };
-        self.best_face < 0.0 && (0..self.faces.len()).any(is_bare)
     }
 
     /// The normal that an axis has, on the side of the one that is given.

@@ -99,8 +99,9 @@ pub fn touch<A: Solid, B: Solid>(
         common(a, b, place, axis, search.reach, &mut contact.points);
     };
     let best = &found.best;
+    contact.normal = -best.normal;
+    contact.points.clear();
     if best.distance > search.reach || seams::graze(a, b, place, best.normal, search.graze) {
-        contact.points.clear();
         return best.axis;
     }
     along(best, contact);

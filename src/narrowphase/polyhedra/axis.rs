@@ -106,6 +106,9 @@ pub fn separate<A: Solid, B: Solid>(
         _ => best_edges(a, b, place, face.distance),
     };
     let best = edges.unwrap_or(face);
+    if best.distance > reach {
+        return best.into();
+    }
     let alike = face.normal.dot(best.normal) > ALIKE;
     let more = if alike { MORE } else { MARGIN };
     let preferred = match last {

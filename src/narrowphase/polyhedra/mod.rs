@@ -207,12 +207,16 @@ fn common<A: Solid, B: Solid>(
                 point.position = place.point(point.position);
             }
         }
-        Axis::Edges(of_a, of_b) => match crossing(a, b, place, found, of_a, of_b) {
-            Some(point) => points.push(point),
-            // All but parallel, they cross anywhere.
-            None if found.distance < 0.0 => faces_along(a, b, place, found.normal, reach, points),
-            None => {}
-        },
+        Axis::Edges(of_a, of_b) => {
+            let (point, crosses) = crossing(a, b, place, found, of_a, of_b);
+            if !crosses && found.distance < 0.0 {
+                // All but parallel, they cross anywhere: the faces beside them know more, if they have anything in common.
+                faces_along(a, b, place, found.normal, reach, points);
+            }
+            if crosses || found.distance < 0.0 && points.is_empty() {
+                points.push(point);
+            }
+        }
         Axis::Unknown => {}
     }
 }
@@ -255,7 +259,7 @@ impl Above {
     }
 }
 
-/// The point where two edges cross, if they do and not only the lines that they are on.
+/// Where two edges are nearest to each other, and whether they cross there and not only the lines that they are on.
 fn crossing<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -263,7 +267,7 @@ fn crossing<A: Solid, B: Solid>(
     found: &Separation,
     of_a: u16,
     of_b: u16,
-) -> Option<Point> {
+) -> (Point, bool) {
     let [p, p_end] = a.edge(of_a).ends.map(|i| a.point(i));
     let [q, q_end] = b.edge(of_b).ends.map(|i| place.point(b.point(i)));
     let (u, v, w) = (p_end - p, q_end - q, q - p);
@@ -277,12 +281,15 @@ fn crossing<A: Solid, B: Solid>(
         let over = slack / length;
         (-over..=1.0 + over).contains(&share)
     };
-    if !on(s, uu.sqrt()) || !on(t, vv.sqrt()) {
-        return None;
-    }
-    Some(Point {
+    let crosses = on(s, uu.sqrt()) && on(t, vv.sqrt());
+    let [s, t] = match crosses {
+        true => [s, t],
+        false => [s, t].map(|share| share.clamp(0.0, 1.0)),
+    };
+    let point = Point {
         position: 0.5 * (p + s * u + q + t * v),
         distance: found.distance,
         feature: FeatureId::edges(of_a, of_b),
-    })
+    };
+    (point, crosses)
 }

@@ -326,12 +326,15 @@ fn best_edges<A: Solid, B: Solid>(
     mut floor: f64,
 ) -> Option<Separation> {
     let behind = BEHIND * a.outer().min(b.outer());
-    let (center_a, center_b) = (a.center(), place.point(b.center()));
+    let (center_a, center_b) = (
+        place.back(a.center() - place.origin),
+        place.point(b.center()),
+    );
     let mut of_b = Arcs::new();
     for edge in 0..b.edges() {
-        let arc = Arc::of(b, edge).turned_round(place);
-        if arc.most(arc.on - center_a) - a.inner() > floor {
-            of_b.push(arc);
+        let arc = Arc::of(b, edge);
+        if arc.most(center_a - arc.on) - a.inner() > floor {
+            of_b.push(arc.turned_round(place));
         }
     }
     let mut best = None;
@@ -367,29 +370,35 @@ fn box_edges(
     place: &Placement,
     mut floor: f64,
 ) -> Option<Separation> {
-    let axes = place.axes();
+    // turn[j][i]: axis j of B along axis i of A.
+    let turn = place.axes().map(|axis| axis.to_array());
+    let (origin, half_a, half_b) = (
+        place.origin.to_array(),
+        half_a.to_array(),
+        half_b.to_array(),
+    );
+    let next = [1, 2, 0];
     let mut best = None;
-    for (j, axis) in axes.iter().enumerate() {
+    for j in 0..3 {
+        let (k, l) = (next[j], next[next[j]]);
         for i in 0..3 {
-            let across = DVec3::AXES[i].cross(*axis);
-            let square = across.length_squared();
-            if square <= PARALLEL * PARALLEL {
-                continue;
-            }
-            let center = across.dot(place.origin);
-            let of_b = |k: usize| axes[k].dot(across).abs() * half_b[k];
-            let reach = across.abs().dot(half_a) + of_b((j + 1) % 3) + of_b((j + 2) % 3);
-            let apart = center.abs() - reach;
+            // Axis i of A × axis j of B has no part along axis i, and along the axes of B by the same rule.
+            let (m, n) = (next[i], next[next[i]]);
+            let (along_m, along_n) = (-turn[j][n], turn[j][m]);
+            let square = along_m * along_m + along_n * along_n;
+            let center = along_m * origin[m] + along_n * origin[n];
+            let of_a = along_m.abs() * half_a[m] + along_n.abs() * half_a[n];
+            let of_b = turn[l][i].abs() * half_b[k] + turn[k][i].abs() * half_b[l];
+            let apart = center.abs() - of_a - of_b;
             // Without a root for most: apart / √square > floor.
-            if apart < 0.0 && floor >= 0.0 || apart * apart.abs() <= floor * floor.abs() * square {
-                continue;
+            if apart * apart.abs() > floor * floor.abs() * square && square > PARALLEL * PARALLEL {
+                floor = apart / square.sqrt();
+                best = Some((i, j, center.signum()));
             }
-            let length = square.sqrt();
-            floor = apart / length;
-            best = Some((i, j, across * (center.signum() / length)));
         }
     }
-    let (i, j, normal) = best?;
+    let (i, j, side) = best?;
+    let normal = side * DVec3::AXES[i].cross(place.axes()[j]).normalize();
     let corner = |direction: DVec3| {
         (0..3).fold(0u16, |corner, k| {
             corner | ((direction[k] > 0.0) as u16) << k

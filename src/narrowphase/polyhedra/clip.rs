@@ -38,8 +38,12 @@ enum Owner {
     Incident(u16),
 }
 
-/// Faces of more corners than this leave the stack.
-pub type Polygon = SmallVec<[Clipped; 16]>;
+/// Polygons of more corners than this leave their place.
+type Polygon = SmallVec<[Clipped; 16]>;
+
+/// Room to clip in. It is large, and so better kept than made.
+#[derive(Clone, Debug, Default)]
+pub struct Space([Polygon; 2]);
 
 /// A face's outline: each corner, and the numbers of the corner and of the edge that leads on.
 pub type Outline = SmallVec<[(DVec3, u16, u16); 8]>;
@@ -86,13 +90,13 @@ pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
 /// The part of the incident outline (in the frame of the reference) inside the prism over the reference outline along `normal`.
 /// `slack`: how far outside still is inside, m; `space`: room to work in, where the polygon then is.
 pub fn clip<'s>(
-    reference: &Outline,
+    reference: impl IntoIterator<Item = (DVec3, u16, u16)>,
     incident: impl Iterator<Item = (DVec3, u16, u16)>,
     normal: DVec3,
     slack: f64,
-    space: &'s mut [Polygon; 2],
+    space: &'s mut Space,
 ) -> &'s [Clipped] {
-    let [polygon, next] = space;
+    let Space([polygon, next]) = space;
     let (mut polygon, mut next) = (polygon, next);
     polygon.clear();
     polygon.extend(incident.map(|(at, point, edge)| Clipped {
@@ -100,14 +104,25 @@ pub fn clip<'s>(
         origin: Origin::Incident(point),
         side: Owner::Incident(edge),
     }));
-    let count = reference.len();
-    for (i, &(from, ..)) in reference.iter().enumerate() {
-        let to = reference[if i + 1 < count { i + 1 } else { 0 }].0;
+    let mut sides = reference.into_iter();
+    let Some(first) = sides.next() else {
+        return &[];
+    };
+    let (mut from, mut next_from) = (first, sides.next());
+    for i in 0.. {
+        let (is_last, to) = (next_from.is_none(), next_from.unwrap_or(first));
         // As long as the side, and so are depths and slack.
-        let inward = normal.cross(to - from);
+        let inward = normal.cross(to.0 - from.0);
+        let start = inward.dot(from.0);
         let slack = slack * inward.length();
-        let depth = |at: DVec3| inward.dot(at - from);
-        let own = Owner::Reference(i as u16);
+        let depth = |at: DVec3| inward.dot(at) - start;
+        // Where this side meets another edge; the last side meets the first at the first corner.
+        let meeting = |other: Owner| match other {
+            Owner::Incident(edge) => Origin::Edges(from.2, edge),
+            Owner::Reference(0) if is_last => Origin::Reference(to.1),
+            Owner::Reference(_) => Origin::Reference(from.1),
+        };
+        let own = Owner::Reference(i);
         next.clear();
         let Some(last) = polygon.last() else {
             break;
@@ -117,7 +132,7 @@ pub fn clip<'s>(
             let there = depth(after.at);
             let crossing = |side| Clipped {
                 at: corner.at.lerp(after.at, here / (here - there)),
-                origin: meeting(reference, i, corner.side),
+                origin: meeting(corner.side),
                 side,
             };
             match (here >= -slack, there >= -slack) {
@@ -138,19 +153,13 @@ pub fn clip<'s>(
             (corner, here) = (after, there);
         }
         std::mem::swap(&mut polygon, &mut next);
+        if is_last {
+            break;
+        }
+        (from, next_from) = (to, sides.next());
     }
     drop_doubles(polygon, slack);
     polygon
-}
-
-/// Where the reference's side `i` meets another edge.
-fn meeting(reference: &Outline, i: usize, other: Owner) -> Origin {
-    match other {
-        Owner::Incident(edge) => Origin::Edges(reference[i].2, edge),
-        // The last side meets the first at the first corner.
-        Owner::Reference(0) if i + 1 == reference.len() => Origin::Reference(reference[0].1),
-        Owner::Reference(_) => Origin::Reference(reference[i].1),
-    }
 }
 
 /// Of neighbours in one place one stays, a true corner rather than a crossing.

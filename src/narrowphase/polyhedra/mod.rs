@@ -19,7 +19,7 @@ mod solid;
 mod triangle;
 
 pub use axis::{Axis, Separation, Separations, separate};
-pub use clip::{Clipped, Origin, Outline, Polygon, clip, facing, outline};
+pub use clip::{Clipped, Origin, Outline, Space, clip, facing, outline};
 pub use cuboid::Cuboid;
 pub use feature::FeatureId;
 pub use placement::Placement;
@@ -44,6 +44,7 @@ pub struct Contact {
     pub normal: DVec3,
     /// The corners of what they have in common, one after another around it.
     pub points: Points,
+    pub(super) space: Space,
 }
 
 /// The points of a contact.
@@ -96,7 +97,7 @@ pub fn touch<A: Solid, B: Solid>(
     let along = |axis: &Separation, contact: &mut Contact| {
         contact.normal = -axis.normal;
         contact.points.clear();
-        common(a, b, place, axis, search.reach, &mut contact.points);
+        common(a, b, place, axis, search.reach, contact);
     };
     let best = &found.best;
     contact.normal = -best.normal;
@@ -127,7 +128,7 @@ pub fn touch_along<A: Solid, B: Solid>(
 ) {
     contact.normal = -normal;
     contact.points.clear();
-    faces_along(a, b, place, normal, reach, &mut contact.points);
+    faces_along(a, b, place, normal, reach, contact);
 }
 
 /// What the faces that look along a normal, from A to B, have in common.
@@ -137,7 +138,7 @@ fn faces_along<A: Solid, B: Solid>(
     place: &Placement,
     normal: DVec3,
     reach: f64,
-    points: &mut Points,
+    contact: &mut Contact,
 ) {
     // The face that looks along the normal is the reference.
     let back = place.back(-normal);
@@ -151,7 +152,7 @@ fn faces_along<A: Solid, B: Solid>(
         normal,
         distance: 0.0,
     };
-    common(a, b, place, &found, reach, points);
+    common(a, b, place, &found, reach, contact);
 }
 
 /// How far off what counts as on, m.
@@ -174,7 +175,7 @@ fn common<A: Solid, B: Solid>(
     place: &Placement,
     found: &Separation,
     reach: f64,
-    points: &mut Points,
+    contact: &mut Contact,
 ) {
     let slack = slack(a, b);
     match found.axis {
@@ -185,7 +186,7 @@ fn common<A: Solid, B: Solid>(
                 slack,
                 reach,
             };
-            above.points(a, b, place, points, |origin| match origin {
+            above.points(a, b, place, contact, |origin| match origin {
                 Origin::Reference(i) => FeatureId::corner_of_a(i),
                 Origin::Incident(i) => FeatureId::corner_of_b(i),
                 Origin::Edges(i, j) => FeatureId::edges(i, j),
@@ -198,12 +199,12 @@ fn common<A: Solid, B: Solid>(
                 slack,
                 reach,
             };
-            above.points(b, a, &place.inverse(), points, |origin| match origin {
+            above.points(b, a, &place.inverse(), contact, |origin| match origin {
                 Origin::Reference(i) => FeatureId::corner_of_b(i),
                 Origin::Incident(i) => FeatureId::corner_of_a(i),
                 Origin::Edges(i, j) => FeatureId::edges(j, i),
             });
-            for point in points {
+            for point in &mut contact.points {
                 point.position = place.point(point.position);
             }
         }
@@ -211,10 +212,10 @@ fn common<A: Solid, B: Solid>(
             let (point, crosses) = crossing(a, b, place, found, of_a, of_b);
             if !crosses && found.distance < 0.0 {
                 // All but parallel, they cross anywhere: the faces beside them know more, if they have anything in common.
-                faces_along(a, b, place, found.normal, reach, points);
+                faces_along(a, b, place, found.normal, reach, contact);
             }
-            if crosses || found.distance < 0.0 && points.is_empty() {
-                points.push(point);
+            if crosses || found.distance < 0.0 && contact.points.is_empty() {
+                contact.points.push(point);
             }
         }
         Axis::Unknown => {}
@@ -236,17 +237,17 @@ impl Above {
         reference: &R,
         incident: &I,
         place: &Placement,
-        points: &mut Points,
+        contact: &mut Contact,
         feature: impl Fn(Origin) -> FeatureId,
     ) {
         let below = facing(incident, place.back(-self.normal));
         let below =
             outline(incident, below).map(|(at, point, edge)| (place.point(at), point, edge));
-        let sides: Outline = outline(reference, self.face).collect();
+        let sides = outline(reference, self.face);
         let (out, offset) = reference.plane(self.face);
         let slant = 1.0 / out.dot(self.normal);
-        let space = &mut [Polygon::new(), Polygon::new()];
-        for clipped in clip(&sides, below, self.normal, self.slack, space) {
+        let Contact { points, space, .. } = contact;
+        for clipped in clip(sides, below, self.normal, self.slack, space) {
             let distance = (out.dot(clipped.at) - offset) * slant;
             if distance <= self.reach {
                 points.push(Point {

@@ -6,8 +6,8 @@
 //! until every one counts and they are few enough. Corners that were there in the last step count more, or of two near each other
 //! now this would stay, now that. And the deepest stays in any case, if it is clearly so: without it one would sink into the other.
 //!
-//! What went first may be missed last: of a round face four corners were left that held 0.56 of it. So each that stays gives way to
-//! one between its neighbours that holds clearly more.
+//! What went first may be missed last: of a round face four corners were left that held 0.56 of it. So of many corners each that stays
+//! gives way to one between its neighbours that holds clearly more.
 
 use super::{Contact, FeatureId, Point, Points};
 use glam::DVec3;
@@ -18,6 +18,9 @@ const SMALL: f64 = 0.05;
 
 /// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
 const DEEP: f64 = 0.005;
+
+/// Two quadrilaterals have no more corners in common.
+const MANY: usize = 8;
 
 /// What holds more by this share holds clearly more, and how often to look for it.
 const CLEARLY: f64 = 1.05;
@@ -53,7 +56,7 @@ impl Contact {
             let after = &points[if i + 1 < count { i + 1 } else { 0 }];
             counts(before, &points[i], after)
         };
-        let all = match points.len() > most {
+        let all = match points.len() > most.max(MANY) {
             true => points.clone(),
             false => Points::new(),
         };
@@ -79,7 +82,7 @@ impl Contact {
                 losses[i % count] = loss(points, i % count);
             }
         }
-        if points.len() > 2 {
+        if points.len() > 2 && !all.is_empty() {
             exchange(points, &all, clearly, counts);
         }
     }

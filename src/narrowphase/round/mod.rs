@@ -11,7 +11,7 @@ mod part;
 mod seams;
 mod simplify;
 
-use super::polyhedra::{Contact, FeatureId, Origin, Point, Polygon, SLACK, Search, clip};
+use super::polyhedra::{Contact, FeatureId, Origin, Point, SLACK, Search, clip};
 use face::{Face, LEVEL};
 pub use frustum::Frustum;
 use glam::DVec3;
@@ -68,12 +68,12 @@ fn common(of_a: Face, of_b: Face, normal: DVec3, size: f64, reach: f64, contact:
     let (on, out) = (reference.outline[0].0, reference.normal);
     let reference = reference.widened(LINE * size);
     let slant = 1.0 / out.dot(up);
-    let space = &mut [Polygon::new(), Polygon::new()];
     let incident = incident.outline.into_iter();
-    for clipped in clip(&reference.outline, incident, up, SLACK * size, space) {
+    let Contact { points, space, .. } = contact;
+    for clipped in clip(reference.outline, incident, up, SLACK * size, space) {
         let distance = out.dot(clipped.at - on) * slant;
         if distance <= reach {
-            contact.points.push(Point {
+            points.push(Point {
                 position: clipped.at - up * (0.5 * distance),
                 distance,
                 feature: match (clipped.origin, by_a) {

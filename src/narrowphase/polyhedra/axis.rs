@@ -184,18 +184,28 @@ fn best_face<A: Solid, B: Solid>(
         normal: DVec3::Y,
         distance: f64::NEG_INFINITY,
     });
+    let halves = a.half().zip(b.half());
     let floor = best.distance + margin;
-    if let Some((face, distance)) = farther_face(a, b, place, floor, reach) {
+    let of_a = match halves {
+        Some((half_a, half_b)) => farther_side(half_a, half_b, place, floor),
+        None => farther_face(a, b, place, floor, reach),
+    };
+    if let Some((face, distance)) = of_a {
         best = Separation {
             axis: Axis::FaceOfA(face),
             normal: a.plane(face).0,
             distance,
         };
     }
+    if best.distance > reach {
+        return best;
+    }
     let floor = best.distance + margin;
-    if best.distance <= reach
-        && let Some((face, distance)) = farther_face(b, a, back, floor, reach)
-    {
+    let of_b = match halves {
+        Some((half_a, half_b)) => farther_side(half_b, half_a, back, floor),
+        None => farther_face(b, a, back, floor, reach),
+    };
+    if let Some((face, distance)) = of_b {
         best = Separation {
             axis: Axis::FaceOfB(face),
             normal: -place.direction(b.plane(face).0),
@@ -243,6 +253,27 @@ fn farther_face<A: Solid, B: Solid>(
         }
         if bound(face) > floor && Some(face) != first {
             improve(face, &mut floor);
+        }
+    }
+    best
+}
+
+/// The same of two boxes: of each two opposite faces it is the one that B's middle is on the side of.
+fn farther_side(
+    half_a: DVec3,
+    half_b: DVec3,
+    place: &Placement,
+    mut floor: f64,
+) -> Option<(u16, f64)> {
+    let [x, y, z] = place.axes().map(DVec3::abs);
+    let of_b = x * half_b.x + y * half_b.y + z * half_b.z;
+    let distances = place.origin.abs() - half_a - of_b;
+    let mut best = None;
+    for axis in 0..3 {
+        let distance = distances[axis];
+        if distance > floor {
+            let face = 2 * axis as u16 + (place.origin[axis] > 0.0) as u16;
+            (floor, best) = (distance, Some((face, distance)));
         }
     }
     best

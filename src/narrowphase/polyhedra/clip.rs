@@ -16,8 +16,6 @@ pub struct Clipped {
     pub at: DVec3,
     /// What it is.
     pub origin: Origin,
-    /// Whose edge leads on from here.
-    side: Owner,
 }
 
 /// What a clipped corner is made of.
@@ -38,12 +36,45 @@ enum Owner {
     Incident(u16),
 }
 
+/// A corner of a polygon on its way: its place among all, and whose edge leads on from it. In one word, since what has just been
+/// written in parts is slow to be read as a whole.
+#[derive(Clone, Copy, Debug)]
+struct Link(u32);
+
+impl Link {
+    const OF_REFERENCE: u32 = 1 << 15;
+
+    fn new(corner: usize, side: Owner) -> Self {
+        let side = match side {
+            Owner::Reference(i) => u32::from(i) | Self::OF_REFERENCE,
+            Owner::Incident(edge) => u32::from(edge),
+        };
+        Self((corner as u32) << 16 | side)
+    }
+
+    fn corner(self) -> usize {
+        (self.0 >> 16) as usize
+    }
+
+    fn side(self) -> Owner {
+        let number = (self.0 & (Self::OF_REFERENCE - 1)) as u16;
+        match self.0 & Self::OF_REFERENCE {
+            0 => Owner::Incident(number),
+            _ => Owner::Reference(number),
+        }
+    }
+}
+
 /// Polygons of more corners than this leave their place.
-type Polygon = SmallVec<[Clipped; 16]>;
+type Polygon = SmallVec<[Link; 16]>;
 
 /// Room to clip in. It is large, and so better kept than made.
 #[derive(Clone, Debug, Default)]
-pub struct Space([Polygon; 2]);
+pub struct Space {
+    /// All corners that there have been.
+    corners: SmallVec<[Clipped; 24]>,
+    polygons: [Polygon; 2],
+}
 
 /// A face's outline: each corner, and the numbers of the corner and of the edge that leads on.
 pub type Outline = SmallVec<[(DVec3, u16, u16); 8]>;
@@ -95,19 +126,21 @@ pub fn clip<'s>(
     normal: DVec3,
     slack: f64,
     space: &'s mut Space,
-) -> &'s [Clipped] {
-    let Space([polygon, next]) = space;
+) -> impl Iterator<Item = &'s Clipped> {
+    let Space { corners, polygons } = space;
+    let [polygon, next] = polygons;
     let (mut polygon, mut next) = (polygon, next);
+    corners.clear();
     polygon.clear();
-    polygon.extend(incident.map(|(at, point, edge)| Clipped {
-        at,
-        origin: Origin::Incident(point),
-        side: Owner::Incident(edge),
-    }));
+    for (at, point, edge) in incident {
+        polygon.push(Link::new(corners.len(), Owner::Incident(edge)));
+        corners.push(Clipped {
+            at,
+            origin: Origin::Incident(point),
+        });
+    }
     let mut sides = reference.into_iter();
-    let Some(first) = sides.next() else {
-        return &[];
-    };
+    let first = sides.next().unwrap_or_default();
     let (mut from, mut next_from) = (first, sides.next());
     for i in 0.. {
         let (is_last, to) = (next_from.is_none(), next_from.unwrap_or(first));
@@ -122,55 +155,59 @@ pub fn clip<'s>(
             Owner::Reference(0) if is_last => Origin::Reference(to.1),
             Owner::Reference(_) => Origin::Reference(from.1),
         };
-        let own = Owner::Reference(i);
-        next.clear();
-        let Some(last) = polygon.last() else {
-            break;
-        };
-        let (mut corner, mut here) = (last, depth(last.at));
-        for after in polygon.iter() {
-            let there = depth(after.at);
-            let crossing = |side| Clipped {
-                at: corner.at.lerp(after.at, here / (here - there)),
-                origin: meeting(corner.side),
-                side,
+        // Most sides clip nothing.
+        if polygon
+            .iter()
+            .any(|link| depth(corners[link.corner()].at) < -slack)
+        {
+            let own = Owner::Reference(i);
+            next.clear();
+            let Some(&last) = polygon.last() else {
+                break;
             };
-            match (here >= -slack, there >= -slack) {
-                (true, true) => next.push(*corner),
-                (true, false) => {
-                    let on = here <= slack;
-                    next.push(Clipped {
-                        side: if on { own } else { corner.side },
-                        ..*corner
+            let (mut link, mut here) = (last, depth(corners[last.corner()].at));
+            for &after in polygon.iter() {
+                let there = depth(corners[after.corner()].at);
+                let mut cross = |side| {
+                    let [from, to] = [link, after].map(|link| corners[link.corner()].at);
+                    corners.push(Clipped {
+                        at: from.lerp(to, here / (here - there)),
+                        origin: meeting(link.side()),
                     });
-                    if !on {
-                        next.push(crossing(own));
+                    Link::new(corners.len() - 1, side)
+                };
+                match (here >= -slack, there >= -slack) {
+                    (true, true) => next.push(link),
+                    (true, false) if here > slack => {
+                        next.push(link);
+                        next.push(cross(own));
                     }
+                    (true, false) => next.push(Link::new(link.corner(), own)),
+                    (false, true) if there > slack => next.push(cross(link.side())),
+                    (false, _) => {}
                 }
-                (false, true) if there > slack => next.push(crossing(corner.side)),
-                (false, _) => {}
+                (link, here) = (after, there);
             }
-            (corner, here) = (after, there);
+            std::mem::swap(&mut polygon, &mut next);
         }
-        std::mem::swap(&mut polygon, &mut next);
         if is_last {
             break;
         }
         (from, next_from) = (to, sides.next());
     }
-    drop_doubles(polygon, slack);
-    polygon
+    drop_doubles(polygon, corners, slack);
+    polygon.iter().map(|link| &corners[link.corner()])
 }
 
 /// Of neighbours in one place one stays, a true corner rather than a crossing.
-fn drop_doubles(polygon: &mut Polygon, slack: f64) {
-    let is_crossing = |corner: &Clipped| matches!(corner.origin, Origin::Edges(..));
+fn drop_doubles(polygon: &mut Polygon, corners: &[Clipped], slack: f64) {
     let mut i = 0;
     while i < polygon.len() && polygon.len() > 1 {
         let next = if i + 1 < polygon.len() { i + 1 } else { 0 };
-        if polygon[i].at.distance_squared(polygon[next].at) > slack * slack {
+        let [one, other] = [i, next].map(|i| &corners[polygon[i].corner()]);
+        if one.at.distance_squared(other.at) > slack * slack {
             i += 1;
-        } else if is_crossing(&polygon[i]) {
+        } else if matches!(one.origin, Origin::Edges(..)) {
             polygon.remove(i);
         } else {
             polygon.remove(next);

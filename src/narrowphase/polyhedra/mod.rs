@@ -47,6 +47,20 @@ pub struct Contact {
     pub(super) space: Space,
 }
 
+impl Contact {
+    /// Twice the area of the polygon, m².
+    fn twice_area(&self) -> f64 {
+        let Some(first) = self.points.first() else {
+            return 0.0;
+        };
+        let pairs = self.points.windows(2).map(|pair| {
+            let [x, y] = [&pair[0], &pair[1]].map(|point| point.position - first.position);
+            self.normal.dot(x.cross(y)).abs()
+        });
+        pairs.sum()
+    }
+}
+
 /// The points of a contact.
 pub type Points = SmallVec<[Point; 8]>;
 
@@ -102,10 +116,17 @@ pub fn touch<A: Solid, B: Solid>(
     let best = &found.best;
     contact.normal = -best.normal;
     contact.points.clear();
-    if best.distance > search.reach || seams::graze(a, b, place, best.normal, search.graze) {
+    if best.distance > search.reach {
         return best.axis;
     }
     along(best, contact);
+    // What lies in a strip so narrow is no larger.
+    let strip = search.graze / (1.0 - seams::OWN * seams::OWN).sqrt();
+    let most = strip * 2.0 * a.outer().min(b.outer());
+    if contact.twice_area() <= 2.0 * most && seams::graze(a, b, place, best.normal, search.graze) {
+        contact.points.clear();
+        return best.axis;
+    }
     // What was preferred may end where the other begins.
     if let Some(beside) = &found.beside {
         let enough = beside.distance + LACKING * across(a).min(across(b));

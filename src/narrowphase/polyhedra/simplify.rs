@@ -32,17 +32,13 @@ const KEPT: f64 = 2.0;
 impl Contact {
     /// Drops corners until no more than `most` are left, and each of them counts. `known`: those that were there in the last step.
     pub fn simplify(&mut self, most: usize, known: impl Fn(FeatureId) -> bool) {
-        let (normal, points) = (self.normal, &mut self.points);
-        if points.len() < 3 {
+        if self.points.len() < 3 {
             return;
         }
-        // Twice the area, of all and of the triangle that goes with a corner.
+        let whole = self.twice_area();
+        let (normal, points) = (self.normal, &mut self.points);
+        // Twice the area, as of the whole.
         let area = |x: DVec3, y: DVec3, z: DVec3| normal.dot((y - x).cross(z - x)).abs();
-        let first = points[0].position;
-        let pairs = points.windows(2);
-        let whole: f64 = pairs
-            .map(|two| area(first, two[0].position, two[1].position))
-            .sum();
         let counts = |before: &Point, point: &Point, after: &Point| {
             let area = area(before.position, point.position, after.position);
             match known(point.feature) {
@@ -56,11 +52,11 @@ impl Contact {
             let after = &points[if i + 1 < count { i + 1 } else { 0 }];
             counts(before, &points[i], after)
         };
-        let all = match points.len() > most.max(MANY) {
-            true => points.clone(),
-            false => Points::new(),
-        };
-        let mut losses: SmallVec<[f64; 16]> = (0..points.len()).map(|i| loss(points, i)).collect();
+        let all = (points.len() > most.max(MANY)).then(|| points.to_vec());
+        let mut losses = SmallVec::<[f64; 16]>::new();
+        for i in 0..points.len() {
+            losses.push(loss(points, i));
+        }
         let clearly = DEEP * whole.sqrt();
         loop {
             if let Some(deepest) = clearly_deepest(points, clearly) {
@@ -82,7 +78,9 @@ impl Contact {
                 losses[i % count] = loss(points, i % count);
             }
         }
-        if points.len() > 2 && !all.is_empty() {
+        if let Some(all) = all
+            && points.len() > 2
+        {
             exchange(points, &all, clearly, counts);
         }
     }
@@ -91,7 +89,7 @@ impl Contact {
 /// Each point gives way to that of `all` between its neighbours which counts most there, if clearly.
 fn exchange(
     points: &mut Points,
-    all: &Points,
+    all: &[Point],
     clearly: f64,
     counts: impl Fn(&Point, &Point, &Point) -> f64,
 ) {

@@ -141,7 +141,10 @@ pub(super) fn detect(
         true => round::simplify(&mut contact, most(settings), radius, known),
         false => contact.simplify(most(settings), known),
     }
-    let points = contact.points.iter().map(|point| Candidate {
+    let half = contact.points.len().div_ceil(2);
+    let (one, other) = contact.points.split_at(half);
+    let across = (0..half).flat_map(|i| one.get(i).into_iter().chain(other.get(i)));
+    let points = across.map(|point| Candidate {
         position: frame.pose.transform_point(point.position.as_vec3()),
         distance: point.distance as f32,
         feature: point.feature,

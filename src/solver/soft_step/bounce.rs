@@ -25,8 +25,12 @@ pub struct Bounces {
 struct Bouncing {
     /// Its index among the problem's.
     point: usize,
+    /// That of its patch.
+    patch: usize,
     /// Normal velocity to leave with, m/s.
     leave: f32,
+    /// When it arrives, s from the start of the step.
+    arrives: f32,
 }
 
 /// The points that will bounce if they are stopped, and how fast; before the substeps.
@@ -35,7 +39,8 @@ struct Bouncing {
 /// and what these add on the way to the surface. Without the second a ball would lose height in every bounce.
 pub fn find(problem: &Problem) -> Bounces {
     let mut points = Vec::new();
-    for patch in problem.patches.iter().filter(|p| p.restitution > 0.0) {
+    let patches = problem.patches.iter().enumerate();
+    for (number, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
         let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
         for point in patch.range() {
             let PatchPoint {
@@ -49,7 +54,12 @@ pub fn find(problem: &Problem) -> Bounces {
                 let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
                 // What would be back within the step rests.
                 if leave > -0.5 * gained {
-                    points.push(Bouncing { point, leave });
+                    points.push(Bouncing {
+                        point,
+                        patch: number,
+                        leave,
+                        arrives: separation.max(0.0) / -came,
+                    });
                 }
             }
         }
@@ -103,7 +113,21 @@ impl Row {
 /// Lets those leave that have been stopped; after so many substeps.
 pub fn bounce(problem: &mut Problem, bounces: Bounces, substeps: usize) {
     let mut bouncing = bounces.points;
-    bouncing.retain(|bouncing| problem.points[bouncing.point].given > 0.0);
+    let at_once = problem.dt / substeps as f32;
+    for patch in bouncing.chunk_by_mut(|a, b| a.patch == b.patch) {
+        let stopped = |bouncing: &Bouncing| problem.points[bouncing.point].given > 0.0;
+        let arrived = patch.iter().filter(|point| stopped(point));
+        let last = arrived
+            .map(|point| point.arrives)
+            .fold(f32::NEG_INFINITY, f32::max);
+        for point in patch {
+            // A face that lands at the very end of the step lands as one, or it would be thrown by one of its edges.
+            if !stopped(point) && point.arrives > last + at_once {
+                point.leave = 0.0;
+            }
+        }
+    }
+    bouncing.retain(|bouncing| bouncing.leave > 0.0);
     if bouncing.is_empty() {
         return;
     }
@@ -195,7 +219,7 @@ fn rows(problem: &Problem, bouncing: &[Bouncing], substeps: usize) -> Vec<Row> {
         for index in patch.range() {
             let bounces = next.next_if(|bouncing| bouncing.point == index);
             let point = &problem.points[index];
-            if point.given <= 0.0 {
+            if point.given <= 0.0 && bounces.is_none() {
                 continue;
             }
             let bodies = patch.bodies.map(|body| body as usize);

@@ -141,15 +141,14 @@ pub(super) fn detect(
         true => round::simplify(&mut contact, most(settings), radius, known),
         false => contact.simplify(most(settings), known),
     }
-    let half = contact.points.len().div_ceil(2);
-    let (one, other) = contact.points.split_at(half);
-    let across = (0..half).flat_map(|i| one.get(i).into_iter().chain(other.get(i)));
-    let points = across.map(|point| Candidate {
-        position: frame.pose.transform_point(point.position.as_vec3()),
+    let (origin, turn) = at(frame);
+    let (origin, turn) = (origin.as_dvec3(), turn.as_dquat().normalize());
+    let points = contact.points.iter().map(|point| Candidate {
+        position: (turn * point.position + origin).as_vec3(),
         distance: point.distance as f32,
         feature: point.feature,
     });
-    let normal = frame.pose.rotation * contact.normal.as_vec3();
+    let normal = (turn * contact.normal).as_vec3();
     // What touches in a line or a point rolls.
     let rolls = radius.is_finite() && contact.points.len() < 3;
     push(&mut manifold, [a, b], normal, rolls, points.collect());

@@ -120,13 +120,13 @@ pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
 
 /// The part of the incident outline (in the frame of the reference) inside the prism over the reference outline along `normal`.
 /// `slack`: how far outside still is inside, m; `space`: room to work in, where the polygon then is.
-pub fn clip<'s>(
+pub fn clip(
     reference: impl IntoIterator<Item = (DVec3, u16, u16)>,
     incident: impl Iterator<Item = (DVec3, u16, u16)>,
     normal: DVec3,
     slack: f64,
-    space: &'s mut Space,
-) -> impl Iterator<Item = &'s Clipped> {
+    space: &mut Space,
+) -> impl Iterator<Item = &Clipped> {
     let Space { corners, polygons } = space;
     let [polygon, next] = polygons;
     let (mut polygon, mut next) = (polygon, next);

@@ -208,19 +208,19 @@ fn a_pile_of_capsules_sleeps() {
 
 #[test]
 fn a_pile_of_cylinders_sleeps() {
-    sleeps_within("cylinders", 10.0, 0.008, |_, _| {
+    sleeps_within("cylinders", 10.0, 0.006, |_, _| {
         Collider::cylinder(0.2, 0.4)
     });
 }
 
 #[test]
 fn a_pile_of_cones_sleeps() {
-    sleeps_within("cones", 10.0, 0.008, |_, _| Collider::cone(0.22, 0.4));
+    sleeps_within("cones", 10.0, 0.006, |_, _| Collider::cone(0.22, 0.4));
 }
 
 #[test]
 fn a_pile_of_all_sleeps() {
-    sleeps_within("all", 10.0, 0.008, |i, _| match i % 4 {
+    sleeps_within("all", 10.0, 0.005, |i, _| match i % 4 {
         0 => Collider::ball(0.25),
         1 => Collider::capsule(0.15, 0.25),
         2 => Collider::cylinder(0.2, 0.4),

@@ -1,8 +1,9 @@
 //! The stage **narrowphase**: where the bodies of each pair touch, or may within the step, and which point of the last step
 //! each point is.
 //!
-//! Of cuboids and hulls the points are found by [`polyhedra`], of cylinders and cones by `round`, of other shapes by parry. A manifold is kept while the two bodies hardly
-//! move against each other, which costs a tenth of finding it anew. Pairs at rest (asleep, or static) keep theirs untouched.
+//! Of cuboids and hulls the points are found by [`polyhedra`], of cylinders and cones by `round`, of other shapes by parry. A manifold
+//! is kept while the two bodies hardly move against each other, which costs a tenth of finding it anew. Pairs at rest (asleep, or
+//! static) keep theirs untouched.
 
 mod detect;
 mod dispatcher;

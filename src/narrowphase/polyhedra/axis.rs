@@ -8,9 +8,8 @@
 //! and edges near the contact are left of however many there are.
 //!
 //! Faces win over edges by a margin far below what matters and far above rounding: where faces coincide the crossed edges of the same
-//! faces are as far apart, and say less. Of two faces turned a little against each
-//! other some pair of edges is often farther apart, along a direction between their normals: where an arch settles, its joints
-//! would have one point now and four then. So edges that look where the best face looks must win by more, and anything must that
+//! faces are as far apart, and say less. Of two faces turned a little against each other some pair of edges is often farther apart,
+//! along a direction between their normals: where an arch settles, its joints would have one point now and four then. So edges that look where the best face looks must win by more, and anything must that
 //! shall win over the axis of the last time.
 
 use super::cuboid;
@@ -375,9 +374,8 @@ fn best_edges<A: Solid, B: Solid>(
             continue;
         }
         for other in &of_b {
-            if let Some((normal, distance)) = arc.crosses(other)
-                && distance > floor
-                && let own = distance
+            if let Some((normal, own)) = arc.crosses(other)
+                && own > floor
                 && let distance = between(a, b, place, normal)
                 && distance > floor
                 && own - distance <= behind

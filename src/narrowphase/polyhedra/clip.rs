@@ -5,6 +5,7 @@
 //! far above rounding. So faces that coincide keep all their corners, whichever way rounding turns them. Each corner of the
 //! result knows which features it is made of, since each edge on the way knows whose it is.
 
+use super::feature::FeatureId;
 use super::solid::{Side, Solid};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -27,6 +28,17 @@ pub enum Origin {
     Incident(u16),
     /// Where an edge of the reference and one of the incident face cross.
     Edges(u16, u16),
+}
+
+impl Origin {
+    /// Its number; `by_a` where the reference is A.
+    pub fn feature(self, by_a: bool) -> FeatureId {
+        match (self, by_a) {
+            (Self::Reference(i), true) | (Self::Incident(i), false) => FeatureId::corner_of_a(i),
+            (Self::Reference(i), false) | (Self::Incident(i), true) => FeatureId::corner_of_b(i),
+            (Self::Edges(i, j), true) | (Self::Edges(j, i), false) => FeatureId::edges(i, j),
+        }
+    }
 }
 
 /// Whose an edge is: of the reference by its place in the outline, of the incident by its number.

@@ -75,6 +75,23 @@ pub struct Point {
     pub feature: FeatureId,
 }
 
+impl Point {
+    /// Where a point of one surface is so far (m) above another in a direction; none beyond `reach`.
+    pub(super) fn above(
+        at: DVec3,
+        up: DVec3,
+        distance: f64,
+        feature: FeatureId,
+        reach: f64,
+    ) -> Option<Self> {
+        (distance <= reach).then(|| Self {
+            position: at - up * (0.5 * distance),
+            distance,
+            feature,
+        })
+    }
+}
+
 /// What is known of two solids beforehand.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
@@ -207,11 +224,7 @@ fn common<A: Solid, B: Solid>(
                 slack,
                 reach,
             };
-            above.points(a, b, place, contact, |origin| match origin {
-                Origin::Reference(i) => FeatureId::corner_of_a(i),
-                Origin::Incident(i) => FeatureId::corner_of_b(i),
-                Origin::Edges(i, j) => FeatureId::edges(i, j),
-            });
+            above.points(a, b, place, contact, |origin| origin.feature(true));
         }
         Axis::FaceOfB(face) => {
             let above = Above {
@@ -220,11 +233,8 @@ fn common<A: Solid, B: Solid>(
                 slack,
                 reach,
             };
-            above.points(b, a, &place.inverse(), contact, |origin| match origin {
-                Origin::Reference(i) => FeatureId::corner_of_b(i),
-                Origin::Incident(i) => FeatureId::corner_of_a(i),
-                Origin::Edges(i, j) => FeatureId::edges(j, i),
-            });
+            let back = place.inverse();
+            above.points(b, a, &back, contact, |origin| origin.feature(false));
             for point in &mut contact.points {
                 point.position = place.point(point.position);
             }
@@ -270,13 +280,14 @@ impl Above {
         let Contact { points, space, .. } = contact;
         for clipped in clip(sides, below, self.normal, self.slack, space) {
             let distance = (out.dot(clipped.at) - offset) * slant;
-            if distance <= self.reach {
-                points.push(Point {
-                    position: clipped.at - self.normal * (0.5 * distance),
-                    distance,
-                    feature: feature(clipped.origin),
-                });
-            }
+            let feature = feature(clipped.origin);
+            points.extend(Point::above(
+                clipped.at,
+                self.normal,
+                distance,
+                feature,
+                self.reach,
+            ));
         }
     }
 }

@@ -19,12 +19,7 @@ pub fn meet_plane<S: Solid>(
     contact.points.clear();
     for (at, number, _) in outline(solid, facing(solid, -up)) {
         let distance = up.dot(at) - height;
-        if distance <= reach {
-            contact.points.push(Point {
-                position: at - up * (0.5 * distance),
-                distance,
-                feature: corner(number),
-            });
-        }
+        let point = Point::above(at, up, distance, corner(number), reach);
+        contact.points.extend(point);
     }
 }

@@ -94,9 +94,6 @@ fn exchange(
     counts: impl Fn(&Point, &Point, &Point) -> f64,
 ) {
     let (count, around) = (points.len(), all.len());
-    if around <= count {
-        return;
-    }
     let deepest = clearly_deepest(points, clearly);
     for i in (0..ROUNDS * count).map(|i| i % count) {
         if Some(i) == deepest {

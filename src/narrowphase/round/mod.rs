@@ -11,7 +11,7 @@ mod part;
 mod seams;
 mod simplify;
 
-use super::polyhedra::{Contact, FeatureId, Origin, Point, SLACK, Search, clip};
+use super::polyhedra::{Contact, FeatureId, Point, SLACK, Search, clip};
 use face::{Face, LEVEL};
 pub use frustum::Frustum;
 use glam::DVec3;
@@ -72,23 +72,8 @@ fn common(of_a: Face, of_b: Face, normal: DVec3, size: f64, reach: f64, contact:
     let Contact { points, space, .. } = contact;
     for clipped in clip(reference.outline, incident, up, SLACK * size, space) {
         let distance = out.dot(clipped.at - on) * slant;
-        if distance <= reach {
-            points.push(Point {
-                position: clipped.at - up * (0.5 * distance),
-                distance,
-                feature: match (clipped.origin, by_a) {
-                    (Origin::Reference(i), true) | (Origin::Incident(i), false) => {
-                        FeatureId::corner_of_a(i)
-                    }
-                    (Origin::Reference(i), false) | (Origin::Incident(i), true) => {
-                        FeatureId::corner_of_b(i)
-                    }
-                    (Origin::Edges(i, j), true) | (Origin::Edges(j, i), false) => {
-                        FeatureId::edges(i, j)
-                    }
-                },
-            });
-        }
+        let feature = clipped.origin.feature(by_a);
+        points.extend(Point::above(clipped.at, up, distance, feature, reach));
     }
 }
 
@@ -105,13 +90,8 @@ pub fn meet_plane(
     contact.points.clear();
     let mut add = |at: DVec3, feature| {
         let distance = up.dot(at) - height;
-        if distance <= reach {
-            contact.points.push(Point {
-                position: at - up * (0.5 * distance),
-                distance,
-                feature,
-            });
-        }
+        let point = Point::above(at, up, distance, feature, reach);
+        contact.points.extend(point);
     };
     match round.facing(-up) {
         Some(face) => face

@@ -20,6 +20,30 @@ pub fn stack(n: usize, friction: f64) -> Masonry {
     Masonry { blocks, friction }
 }
 
+/// Running bond of so many bricks 1 × 0.5 × 0.5 m to a course, half bricks at the ends of every second, on a floor; `gap`: by how much
+/// bricks are shorter, so that neighbours don't touch, m.
+pub fn wall(width: usize, courses: usize, gap: f64, friction: f64) -> Masonry {
+    let height = 0.5;
+    let brick = |from: f64, to: f64, course: usize| {
+        let left = from + 0.5 * (gap - width as f64);
+        let corner = dvec2(left, course as f64 * height);
+        let mut brick = Block::rectangle(corner, dvec2(to - from - gap, height));
+        brick.depth = 0.5;
+        brick
+    };
+    let mut blocks = vec![floor()];
+    for course in 0..courses {
+        let first = 0.5 * (course % 2) as f64;
+        let joints = (0..=width).map(|i| (i as f64 - first).max(0.0));
+        let mut ends: Vec<f64> = joints.collect();
+        if first > 0.0 {
+            ends.push(width as f64);
+        }
+        blocks.extend(ends.windows(2).map(|ends| brick(ends[0], ends[1], course)));
+    }
+    Masonry { blocks, friction }
+}
+
 /// A block with sloping sides, 0.5 m high, on a floor.
 pub fn frustum(friction: f64) -> Masonry {
     let outline = [(-1.0, 0.0), (1.0, 0.0), (0.6, 0.5), (-0.4, 0.5)].map(DVec2::from);

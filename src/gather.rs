@@ -188,6 +188,7 @@ pub fn gather(
             inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
             start: [body.velocity.linear, body.velocity.angular],
             motion: None,
+            level: islands.level(slot).unwrap_or(0),
         });
     }
 
@@ -348,6 +349,8 @@ impl IslandProblem {
                     },
                     rolling_radius: touch.pair.rolling_radius,
                     rolling: impulse.warm_rolling * time.carried(),
+                    load_tangential: impulse.load_tangential * time.dt,
+                    load_twist: impulse.load_twist * time.dt,
                     given: Vec3::ZERO,
                 });
             }

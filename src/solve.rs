@@ -186,6 +186,8 @@ impl IslandProblem {
                 warm_tangential: found.tangential / dt,
                 warm_twist: found.twist / dt,
                 warm_rolling: found.rolling / dt,
+                load_tangential: found.load_tangential / dt,
+                load_twist: found.load_twist / dt,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.given).sum();

@@ -11,6 +11,9 @@ use std::f32::consts::PI;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+/// Sweeps of a solver of points where nothing else is said.
+const BY_POINTS: usize = 24;
+
 /// Simulates a scene and prints what became of it.
 #[derive(Parser)]
 #[command(after_help = format!("Scenes: {KNOWN}"))]
@@ -148,6 +151,10 @@ impl Arguments {
         let mut experiment = Experiment::new(self.scene, self.preset());
         experiment.dt = self.dt.unwrap_or(experiment.dt);
         let solver = &mut experiment.solver;
+        let by_points = matches!(self.solver, Some(SolverName::Pgs | SolverName::Nncg));
+        if by_points && self.preset == PresetName::Default {
+            solver.iterations = BY_POINTS;
+        }
         match self.solver {
             Some(SolverName::SoftStep) => solver.solver = Arc::new(SoftStep::default()),
             Some(SolverName::Pgs) => solver.solver = Arc::new(Pgs),

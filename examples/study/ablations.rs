@@ -5,7 +5,7 @@ use crate::methods::{DEFAULT, METHODS, Method};
 use crate::report::report;
 use crate::runs::Finding;
 use crate::tables::{Table, mm};
-use drystone::settings::{Preset, SolverSettings};
+use drystone::settings::Preset;
 use indicatif::ProgressBar;
 use serde_json::Value;
 
@@ -54,6 +54,12 @@ pub fn run(trials: Vec<Trial>, bar: &ProgressBar) -> Vec<Record> {
         Record { trial, finding }
     };
     trials.into_iter().map(run).collect()
+}
+
+impl Trial {
+    fn has_own_iterations(&self) -> bool {
+        self.iterations == self.method.own_iterations(&self.case)
+    }
 }
 
 impl Record {
@@ -114,7 +120,7 @@ pub fn tables(records: &[Record]) -> Vec<Table> {
             format!("At equal iterations, {step}"),
             format!(
                 "Drift / sag after {seconds} s in mm, rms speed in mm/s; milliseconds a step. With the preset's iterations: 75 for the paper's solvers, \
-                 24 for Soft Step. A dash where that takes too long to be run."
+                 for Soft Step 16 a sixtieth of a second, and up to 24 until all is at rest. A dash where that takes too long to be run."
             ),
             &cases,
             at_own_iterations,
@@ -152,9 +158,7 @@ fn table(
 }
 
 fn at_equal_time(records: &[Record], method: &Method) -> String {
-    let iterations = SolverSettings::default().iterations;
-    let is_default =
-        |r: &&Record| r.trial.method.label == DEFAULT && r.trial.iterations == iterations;
+    let is_default = |r: &&Record| r.trial.method.label == DEFAULT && r.trial.has_own_iterations();
     let own = of_method(records, method);
     let (Some(default), Some(fewest)) = (records.iter().find(is_default), own.first()) else {
         return "–".into();
@@ -177,9 +181,7 @@ fn at_equal_time(records: &[Record], method: &Method) -> String {
 
 fn at_own_iterations(records: &[Record], method: &Method) -> String {
     let own = of_method(records, method);
-    let meant = own
-        .iter()
-        .find(|r| r.trial.iterations == method.own_iterations());
+    let meant = own.iter().find(|r| r.trial.has_own_iterations());
     meant.map_or("–".into(), |Record { finding, .. }| {
         let (drift, sag) = (mm(finding.drift), mm(finding.sag));
         let jitter = 1e3 * finding.rms_speed;

@@ -104,20 +104,23 @@ impl Scope {
 
     /// Iterations of a method that are worth their time in a case. Those that it is meant for may take longer.
     pub fn budgets(self, case: &Case, method: &Method) -> Vec<usize> {
-        let all = if method.is_soft() {
-            &SOFT_BUDGETS[..]
+        let mut all = if method.is_soft() {
+            SOFT_BUDGETS.to_vec()
         } else {
-            &BUDGETS[..]
+            BUDGETS.to_vec()
         };
+        all.push(method.own_iterations(case));
+        all.sort_unstable();
+        all.dedup();
         let affordable = |&n: &usize| {
             let longest = match self.quick {
                 true => 0.35,
-                false if n == method.own_iterations() => 15.0,
+                false if n == method.own_iterations(case) => 15.0,
                 false => 2.5,
             };
             self.expected(case, method, n) < longest
         };
-        all.iter().copied().filter(affordable).collect()
+        all.into_iter().filter(affordable).collect()
     }
 
     /// One seed where a run takes long.

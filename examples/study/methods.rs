@@ -7,6 +7,9 @@ use drystone::settings::{AnchorRule, NormalStabilization, Preset};
 use drystone::solver::SoftStep;
 use std::sync::Arc;
 
+/// What Soft Step usually takes.
+const SWEEPS_PER_SECOND: f32 = 960.0;
+
 /// A way to simulate, but for the iterations.
 pub struct Method {
     /// Short.
@@ -15,6 +18,8 @@ pub struct Method {
     preset: Preset,
     /// What is different.
     change: fn(&mut Experiment),
+    /// The same of Soft Step itself.
+    soft: fn(&mut SoftStep),
     /// Red, green, blue.
     color: (u8, u8, u8),
 }
@@ -27,18 +32,21 @@ pub static METHODS: [Method; 13] = [
         label: "paper to the letter: NNCG, literal anchors",
         preset: Preset::Paper,
         change: |e| e.stabilization.friction.anchors = AnchorRule::Literal,
+        soft: |_| {},
         color: (150, 20, 20),
     },
     Method {
         label: "+ persistent anchors (paper preset)",
         preset: Preset::Paper,
         change: |_| {},
+        soft: |_| {},
         color: (225, 60, 40),
     },
     Method {
         label: "+ pair-pose anchors",
         preset: Preset::Paper,
         change: pair_pose,
+        soft: |_| {},
         color: (240, 150, 40),
     },
     Method {
@@ -48,6 +56,7 @@ pub static METHODS: [Method; 13] = [
             pair_pose(e);
             pgs(e);
         },
+        soft: |_| {},
         color: (170, 90, 170),
     },
     Method {
@@ -58,6 +67,7 @@ pub static METHODS: [Method; 13] = [
             pgs(e);
             keep_four(e);
         },
+        soft: |_| {},
         color: (90, 50, 130),
     },
     Method {
@@ -70,48 +80,56 @@ pub static METHODS: [Method; 13] = [
             pgs(e);
             keep_four(e);
         },
+        soft: |_| {},
         color: (130, 130, 130),
     },
     Method {
         label: "Soft Step without anchors",
         preset: Preset::Default,
         change: |e| e.stabilization.friction.enabled = false,
+        soft: |_| {},
         color: (60, 160, 60),
     },
     Method {
         label: "… without preload",
         preset: Preset::Default,
-        change: |e| soft(e, |s| s.preload = 0.0),
+        change: |_| {},
+        soft: |s| s.preload = 0.0,
         color: (150, 200, 60),
     },
     Method {
         label: "… without recycled manifolds",
         preset: Preset::Default,
         change: |e| e.stabilization.recycle_share = 0.0,
+        soft: |_| {},
         color: (20, 170, 160),
     },
     Method {
         label: "… without reduction to four points",
         preset: Preset::Default,
         change: |e| e.stabilization.reduce_manifolds = false,
+        soft: |_| {},
         color: (110, 150, 180),
     },
     Method {
         label: "… softer, 19 sweeps a period",
         preset: Preset::Default,
-        change: |e| soft(e, |s| s.sweeps_per_period = 19.0),
+        change: |_| {},
+        soft: |s| s.sweeps_per_period = 19.0,
         color: (100, 190, 250),
     },
     Method {
         label: "… stiffer, 7 sweeps a period",
         preset: Preset::Default,
-        change: |e| soft(e, |s| s.sweeps_per_period = 7.0),
+        change: |_| {},
+        soft: |s| s.sweeps_per_period = 7.0,
         color: (210, 120, 200),
     },
     Method {
         label: DEFAULT,
         preset: Preset::Default,
         change: |_| {},
+        soft: |_| {},
         color: (20, 60, 200),
     },
 ];
@@ -133,27 +151,34 @@ fn keep_four(experiment: &mut Experiment) {
     experiment.stabilization.reduce_manifolds = best.reduce_manifolds;
 }
 
-fn soft(experiment: &mut Experiment, change: fn(&mut SoftStep)) {
-    let mut solver = SoftStep::default();
-    change(&mut solver);
-    experiment.solver.solver = Arc::new(solver);
-}
-
 impl Method {
     /// With Soft Step rather than one of the paper's solvers.
     pub fn is_soft(&self) -> bool {
         self.preset == Preset::Default
     }
 
-    /// As many as it is meant for: the preset's.
-    pub fn own_iterations(&self) -> usize {
-        self.preset.solver().iterations
+    /// As many as it is meant for: the preset's, or those that Soft Step usually takes.
+    pub fn own_iterations(&self, case: &Case) -> usize {
+        if self.is_soft() {
+            (SWEEPS_PER_SECOND * case.dt).round() as usize
+        } else {
+            self.preset.solver().iterations
+        }
     }
 
-    /// This way with so many iterations.
+    /// This way with so many iterations. Soft Step takes as many as it finds that it needs where they are its own.
     pub fn experiment(&self, case: &Case, iterations: usize) -> Experiment {
         let mut experiment = case.experiment(self.preset);
-        experiment.solver.iterations = iterations;
+        let mut soft = SoftStep::default();
+        if !self.is_soft() || iterations != self.own_iterations(case) {
+            experiment.solver.iterations = iterations;
+            // Short enough that it would always take more.
+            soft.longest_substep = case.dt / iterations as f32;
+        }
+        if self.is_soft() {
+            (self.soft)(&mut soft);
+            experiment.solver.solver = Arc::new(soft);
+        }
         (self.change)(&mut experiment);
         experiment
     }

@@ -216,6 +216,10 @@ pub struct PatchImpulse {
     pub warm_twist: f32,
     /// Moment of rolling friction on A, likewise, N·m, world axes.
     pub warm_rolling: Vec3,
+    /// Slow mean of the friction force on A, N.
+    pub load_tangential: Vec3,
+    /// The same of its moment, N·m.
+    pub load_twist: f32,
 }
 
 /// What contact gave to A in part of a step.

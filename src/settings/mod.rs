@@ -226,7 +226,8 @@ impl StabilizationSettings {
 pub struct SolverSettings {
     /// [`SoftStep`], [`Pgs`], [`Nncg`], or a user's own.
     pub solver: Arc<dyn ContactSolver>,
-    /// Sweeps over all contacts, at most.
+    /// Sweeps over all contacts in a solve, at most. [`Pgs`] and [`Nncg`] take them all, but for their tolerance; [`SoftStep`] as many
+    /// as the step's length and the structure need, and softer springs where that is more.
     pub iterations: usize,
     /// Whole steps of Δt/n that one step is cut into, detection included.
     pub substeps: usize,
@@ -315,7 +316,7 @@ impl Preset {
         match self {
             Preset::Default => SolverSettings {
                 solver: Arc::new(SoftStep::default()),
-                iterations: 24,
+                iterations: 192,
                 substeps: 1,
                 cone: FrictionCone::Circular,
                 warm_start: 0.3,

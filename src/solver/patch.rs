@@ -31,6 +31,10 @@ pub struct Patch {
     pub rolling_radius: f32,
     /// Moment against rolling, N·m·s, likewise.
     pub rolling: Vec3,
+    /// Slow means of λ_t and of the twist: what they carry at rest.
+    pub load_tangential: Vec3,
+    /// See `load_tangential`.
+    pub load_twist: f32,
     /// What λ_t has given in the whole step, N·s: found.
     pub given: Vec3,
 }

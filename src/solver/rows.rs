@@ -21,6 +21,8 @@ pub struct Body {
     pub start: [Vec3; 2],
     /// The mean linear and angular velocity over the step, where a solver took substeps.
     pub motion: Option<[Vec3; 2]>,
+    /// Bodies between it and what stands still, itself included; 0 where nothing carries it.
+    pub level: u32,
 }
 
 impl Default for Body {
@@ -33,6 +35,7 @@ impl Default for Body {
             inverse_inertia: Mat3::ZERO,
             start: [Vec3::ZERO; 2],
             motion: None,
+            level: 0,
         }
     }
 }

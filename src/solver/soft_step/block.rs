@@ -9,6 +9,10 @@
 
 use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
 use crate::solver::{Patch, PatchPoint, Problem};
+use glam::Vec3;
+
+/// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
+const FRICTION: f32 = 0.3;
 
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +103,9 @@ pub struct Block {
     pub(super) twist: Lane,
     /// What friction gave in the substeps before this one, N·s.
     pub(super) given: [Lane; 2],
+    /// What anchored friction and twist carry at rest, N·s and N·m·s.
+    pub(super) held: [Lane; 2],
+    pub(super) held_twist: Lane,
     /// 1/n with n points.
     pub(super) share: Lane,
     pub(super) stiffness: Lane,
@@ -196,6 +203,9 @@ impl Block {
             self.slip[0][lane] = t1.dot(slip.shift);
             self.slip[1][lane] = t2.dot(slip.shift);
             self.slip_twist[lane] = slip.twist;
+            self.held[0][lane] = t1.dot(patch.load_tangential) * share;
+            self.held[1][lane] = t2.dot(patch.load_tangential) * share;
+            self.held_twist[lane] = patch.load_twist * share;
         }
         self.tangential[0][lane] = t1.dot(patch.tangential) * share;
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
@@ -249,6 +259,14 @@ impl Block {
             point.given = from.given[lane] + from.impulse[lane];
             point.impulse = from.impulse[lane] * whole;
             point.load += rate * (point.impulse - point.load);
+        }
+        // What friction is to hold on to goes with its anchor.
+        let rate = FRICTION * rate;
+        if patch.slip.is_some() {
+            patch.load_tangential += rate * (patch.tangential - patch.load_tangential);
+            patch.load_twist += rate * (patch.twist - patch.load_twist);
+        } else {
+            (patch.load_tangential, patch.load_twist) = (Vec3::ZERO, 0.0);
         }
     }
 

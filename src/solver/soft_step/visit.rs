@@ -113,7 +113,8 @@ impl Block {
 
         let limit = self.friction * lever + self.rolling_lever * carried;
         let excess = visit.velocity.angular.x + hold.back_twist;
-        let found = self.twist * keep - self.twist_mass * hold.mass_scale * excess;
+        let found = self.twist * keep + hold.impulse_scale * self.held_twist
+            - self.twist_mass * hold.mass_scale * excess;
         let found = found.min(limit).max(-limit);
         let twist = found - self.twist;
         self.twist = found;
@@ -125,7 +126,10 @@ impl Block {
         ];
         // The exact step where it stays inside the cone, else an isotropic one, projected (see `rows.rs`).
         let [xx, yy, xy] = self.tangent_mass;
-        let start = [self.tangential[0] * keep, self.tangential[1] * keep];
+        let start = [
+            self.tangential[0] * keep + hold.impulse_scale * self.held[0],
+            self.tangential[1] * keep + hold.impulse_scale * self.held[1],
+        ];
         let mut found = [
             start[0] - hold.mass_scale * (xx * excess[0] + xy * excess[1]),
             start[1] - hold.mass_scale * (xy * excess[0] + yy * excess[1]),

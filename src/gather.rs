@@ -316,6 +316,9 @@ impl IslandProblem {
                 let points = &touch.manifold.points[patch.range()];
                 let center = contact::Patch::center(points);
                 let impulse = touch.impulses.patches[i];
+                let slip = touch.targets.patches[i];
+                // What friction holds on to is given up with its anchor.
+                let held = if slip.is_some() { time.dt } else { 0.0 };
                 let first = self.points.len() as u32;
                 let solved = &touch.impulses.points[patch.range()];
                 // What is round carries its load elsewhere in the next moment, and would be pushed on by the mean of where it was.
@@ -338,7 +341,7 @@ impl IslandProblem {
                     arms: [center, points[0].arms[1] + center - points[0].arms[0]],
                     friction: touch.pair.friction,
                     restitution: touch.pair.restitution,
-                    slip: touch.targets.patches[i],
+                    slip,
                     first,
                     count: patch.count,
                     tangential: impulse.warm_tangential * time.carried(),
@@ -349,8 +352,8 @@ impl IslandProblem {
                     },
                     rolling_radius: touch.pair.rolling_radius,
                     rolling: impulse.warm_rolling * time.carried(),
-                    load_tangential: impulse.load_tangential * time.dt,
-                    load_twist: impulse.load_twist * time.dt,
+                    load_tangential: impulse.load_tangential * held,
+                    load_twist: impulse.load_twist * held,
                     given: Vec3::ZERO,
                 });
             }

@@ -260,14 +260,9 @@ impl Block {
             point.impulse = from.impulse[lane] * whole;
             point.load += rate * (point.impulse - point.load);
         }
-        // What friction is to hold on to goes with its anchor.
         let rate = FRICTION * rate;
-        if patch.slip.is_some() {
-            patch.load_tangential += rate * (patch.tangential - patch.load_tangential);
-            patch.load_twist += rate * (patch.twist - patch.load_twist);
-        } else {
-            (patch.load_tangential, patch.load_twist) = (Vec3::ZERO, 0.0);
-        }
+        patch.load_tangential += rate * (patch.tangential - patch.load_tangential);
+        patch.load_twist += rate * (patch.twist - patch.load_twist);
     }
 
     /// How the patch's relative motion answers to a wrench at its centre, world axes.

@@ -199,7 +199,9 @@ impl Block {
     ) {
         let soft = &self.softness;
         let mean = visit.carried * self.share;
-        let most = mean * Lane::splat(UNLOADED);
+        let kept = mean * self.load.inverse();
+        let most = (kept * Lane::splat(UNLOADED)).min(Lane::ONE);
+        let kept = kept.min(Lane::ONE);
         let mut normals = on_normals_local(&visit.velocity);
         // 1 where it lands. The patches beside it must find what they would find alone.
         let landing = Lane::splat(LANDING);
@@ -219,8 +221,8 @@ impl Block {
                 let s = point.separation + along.dot(*moved);
                 point.now = s;
                 let push = (-soft.bias_rate * s).min(self.max_speed);
-                let load = point.load.min(most);
-                let lost = (load.min(mean) - point.impulse).max(Lane::ZERO);
+                let load = point.load * most;
+                let lost = (point.load * kept - point.impulse).max(Lane::ZERO);
                 let held = load - pass.preload * lost;
                 point.reach = load * point.compliance;
                 let closed = soft.mass_scale * point.mass * (approach - push)

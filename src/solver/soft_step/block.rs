@@ -10,6 +10,9 @@
 use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
 use crate::solver::{Patch, PatchPoint, Problem};
 
+/// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
+const ASIDE: f32 = 0.1;
+
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
@@ -214,7 +217,7 @@ impl Block {
         let mean = mine.iter().map(|p| p.load).sum::<f32>() / mine.len() as f32;
         self.load[lane] = mean * share;
         for (to, point) in points.iter_mut().zip(mine) {
-            to.load[lane] = (mean + gamma() * (point.load - mean)) * share;
+            to.load[lane] = point.load * share;
             to.x[lane] = t1.dot(point.offset);
             to.y[lane] = t2.dot(point.offset);
             to.separation[lane] = point.separation;
@@ -248,17 +251,17 @@ impl Block {
         patch.rolling = (t1 * self.rolling[0][lane] + t2 * self.rolling[1][lane]) * whole;
         let [x, y] = [0, 1].map(|i| self.given[i][lane] + self.tangential[i][lane]);
         patch.given = t1 * x + t2 * y;
-        let n = patch_points.len() as f32;
-        let held = patch_points.iter().map(|p| p.load).sum::<f32>() / n;
+        let share = 1.0 / patch_points.len() as f32;
+        let held = share * patch_points.iter().map(|p| p.load).sum::<f32>();
         for (from, point) in points.iter().zip(&mut *patch_points) {
             point.given = from.given[lane] + from.impulse[lane];
             point.impulse = from.impulse[lane] * whole;
         }
-        let now = patch_points.iter().map(|p| p.impulse).sum::<f32>() / n;
+        let mean = share * patch_points.iter().map(|p| p.impulse).sum::<f32>();
         for point in patch_points {
-            point.load +=
-                rate * (now - held) + rate * rd() * ((point.impulse - now) - (point.load - held));
-            point.load = point.load.max(0.0);
+            let aside = (point.impulse - mean) - (point.load - held);
+            let followed = rate * (mean - held + ASIDE * aside);
+            point.load = (point.load + followed).max(0.0);
         }
     }
 
@@ -481,21 +484,4 @@ impl Points {
             z: -self.x,
         }
     }
-}
-
-fn param(cell: &std::sync::OnceLock<f32>, name: &str, default: f32) -> f32 {
-    *cell.get_or_init(|| {
-        std::env::var(name)
-            .ok()
-            .and_then(|s| s.parse().ok())
-            .unwrap_or(default)
-    })
-}
-fn gamma() -> f32 {
-    static C: std::sync::OnceLock<f32> = std::sync::OnceLock::new();
-    param(&C, "GAMMA", 1.0)
-}
-fn rd() -> f32 {
-    static C: std::sync::OnceLock<f32> = std::sync::OnceLock::new();
-    param(&C, "RD", 0.1)
 }

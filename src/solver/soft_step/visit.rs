@@ -199,9 +199,10 @@ impl Block {
     ) {
         let soft = &self.softness;
         let mean = visit.carried * self.share;
-        let kept = mean * self.load.inverse();
-        let most = (kept * Lane::splat(UNLOADED)).min(Lane::ONE);
-        let kept = kept.min(Lane::ONE);
+        // The share of its load that the patch still carries, and what of it is held at most.
+        let left = mean * self.load.inverse();
+        let most = (left * Lane::splat(UNLOADED)).min(Lane::ONE);
+        let left = left.min(Lane::ONE);
         let mut normals = on_normals_local(&visit.velocity);
         // 1 where it lands. The patches beside it must find what they would find alone.
         let landing = Lane::splat(LANDING);
@@ -222,7 +223,7 @@ impl Block {
                 point.now = s;
                 let push = (-soft.bias_rate * s).min(self.max_speed);
                 let load = point.load * most;
-                let lost = (point.load * kept - point.impulse).max(Lane::ZERO);
+                let lost = (point.load * left - point.impulse).max(Lane::ZERO);
                 let held = load - pass.preload * lost;
                 point.reach = load * point.compliance;
                 let closed = soft.mass_scale * point.mass * (approach - push)

@@ -13,6 +13,9 @@ use crate::solver::{Body, Problem};
 /// What is faster than this has not been put there, but thrown, m/s.
 const PUT: f32 = 0.25;
 
+/// What is built is put where it will rest to so much at least, m.
+const PLACED: f32 = 0.005;
+
 /// Sweeps to and fro in which a structure is brought to rest, at most, for each of its courses.
 const SWEEPS_PER_COURSE: usize = 50;
 
@@ -24,42 +27,40 @@ struct New {
 }
 
 impl New {
-    /// None in most steps, which this finds in one pass over the points.
+    /// None in most steps, which one pass over the points finds.
     fn find(problem: &Problem, closed: f32) -> Option<Self> {
-        let fall = problem.gravity.length() * problem.dt;
-        let slow = |body: &Body| body.start[0].length_squared() <= fall * fall;
         let mut carries = vec![false; problem.bodies.len()];
-        let mut touches = false;
         for patch in problem.patches.iter() {
             let points = &problem.points[patch.range()];
             let old = points.iter().any(|p| p.impulse > 0.0 || p.load > 0.0);
             for body in patch.bodies {
                 carries[body as usize] |= old;
             }
-            touches |= !old && points.iter().any(|p| p.separation <= closed);
         }
-        if !touches {
+        let mut bodies = problem.bodies.iter().zip(&carries);
+        if bodies.all(|(body, &carries)| carries || body.inverse_mass == 0.0) {
             return None;
         }
+        let fall = problem.gravity.length() * problem.dt;
+        let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
         let stands = hand_down::standing(problem, closed);
-        let put = fall.min(PUT);
-        let mut bodies = vec![false; problem.bodies.len()];
-        let (mut new, mut old) = (0, 0);
-        for (i, body) in problem.bodies.iter().enumerate() {
-            if body.inverse_mass > 0.0 {
-                bodies[i] = stands[i] && !carries[i] && body.start[0].length() <= put;
-                if bodies[i] { new += 1 } else { old += 1 }
-            }
-        }
-        let all = new > old && problem.bodies.iter().all(slow);
+        let bodies = problem.bodies.iter().zip(carries).zip(stands);
+        let is_new = |((body, carries), stands): ((&Body, bool), bool)| {
+            body.inverse_mass > 0.0 && stands && !carries && slower(body, fall.min(PUT))
+        };
+        let bodies: Vec<bool> = bodies.map(is_new).collect();
+        let new = bodies.iter().filter(|new| **new).count();
+        let moved = problem.bodies.iter().filter(|body| body.inverse_mass > 0.0);
+        let all = 2 * new > moved.count() && problem.bodies.iter().all(|body| slower(body, fall));
         (new > 0).then_some(Self { bodies, all })
     }
 }
 
 /// Gives contacts that carry nothing yet the load they will carry, as impulses and as what they carry at rest.
 pub fn cold_start(problem: &mut Problem) {
-    // What falls from rest gets so far in a step, m.
-    let closed = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
+    // What falls from rest gets so far in a step.
+    let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
+    let closed = fallen.max(PLACED);
     let Some(new) = New::find(problem, closed) else {
         return;
     };
@@ -68,3 +69,6 @@ pub fn cold_start(problem: &mut Problem) {
         statics::settle(problem, closed, SWEEPS_PER_COURSE * courses);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -11,7 +11,7 @@ use super::super::lanes::Lane;
 use crate::solver::Problem;
 
 /// It ends when a sweep makes less than this share of the difference that gravity makes.
-const STILL: f32 = 1e-4;
+const STILL: f32 = 3e-4;
 
 /// Impulses, or changes of them, N·s and N·m·s.
 struct Impulses {

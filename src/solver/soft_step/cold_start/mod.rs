@@ -17,7 +17,10 @@ const PUT: f32 = 0.25;
 const PLACED: f32 = 0.005;
 
 /// Sweeps to and fro in which a structure is brought to rest, at most, for each of its courses.
-const SWEEPS_PER_COURSE: usize = 50;
+const SWEEPS_PER_COURSE: usize = 150;
+
+/// And so many visits to patches: no step of a large structure that never comes to rest may take seconds.
+const PATCH_VISITS: usize = 1_000_000;
 
 /// Which bodies stand on something and carry nothing yet.
 struct New {
@@ -66,7 +69,8 @@ pub fn cold_start(problem: &mut Problem) {
     };
     let courses = hand_down::hand_down(problem, closed, &new.bodies);
     if new.all {
-        statics::settle(problem, closed, SWEEPS_PER_COURSE * courses);
+        let most = PATCH_VISITS / problem.patches.len().max(1);
+        statics::settle(problem, closed, most.min(SWEEPS_PER_COURSE * courses));
     }
 }
 

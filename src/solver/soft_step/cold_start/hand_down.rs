@@ -174,26 +174,42 @@ impl Foot {
     }
 }
 
-/// Hands down the weights of bodies that are new. What others carry is kept, and what comes to it is added. Through how many bodies the
+/// What each body would do in this step under its forces and what its contacts start with.
+fn unbalanced(problem: &Problem) -> Vec<[Vec3; 2]> {
+    let mut motions: Vec<[Vec3; 2]> = problem.bodies.iter().map(Body::push).collect();
+    for patch in problem.patches.iter() {
+        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let index = patch.bodies[side] as usize;
+            let (body, arm) = (&problem.bodies[index], patch.arms[side]);
+            push(body, &mut motions[index], sign * patch.tangential, arm);
+            for point in &problem.points[patch.range()] {
+                let impulse = sign * point.impulse * patch.normal;
+                push(body, &mut motions[index], impulse, arm + point.offset);
+            }
+        }
+    }
+    motions
+}
+
+/// Hands down the weights of bodies that are new. What is below keeps what it carries where that is enough. Through how many bodies the
 /// longest way led.
 pub fn hand_down(problem: &mut Problem, closed: f32, new: &[bool]) -> usize {
     let down = -up(problem);
     let mut supports = Supports::new(problem);
-    // What each body would do with what has come to it if nothing held it.
-    let bodies = problem.bodies.iter().zip(new);
-    let push = |(body, &new): (&Body, &bool)| if new { body.push() } else { Default::default() };
-    let mut motions: Vec<[Vec3; 2]> = bodies.map(push).collect();
+    let mut motions = unbalanced(problem);
+    let mut gained = new.to_vec();
     let mut courses = vec![1; problem.bodies.len()];
     let mut ready: Vec<usize> = (0..problem.bodies.len())
         .filter(|&body| supports.above[body] == 0)
         .collect();
     while let Some(index) = ready.pop() {
         let beneath = std::mem::take(&mut supports.of[index]);
-        if motions[index] != [Vec3::ZERO; 2] {
+        if gained[index] {
             let foot = |&at: &(usize, usize)| Foot::new(problem, at, closed);
             let mut feet: Vec<Foot> = beneath.iter().filter_map(foot).collect();
             share(problem, index, &mut feet, &mut motions[index], down);
             for foot in feet {
+                gained[foot.below(problem)] = true;
                 foot.hand_on(problem, &mut motions);
             }
         }
@@ -237,6 +253,10 @@ fn share(problem: &Problem, index: usize, feet: &mut [Foot], motion: &mut [Vec3;
 }
 
 impl Foot {
+    fn below(&self, problem: &Problem) -> usize {
+        problem.patches[self.patch].bodies[1 - self.side] as usize
+    }
+
     /// To the problem, and to what is below.
     fn hand_on(self, problem: &mut Problem, motions: &mut [[Vec3; 2]]) {
         let patch = &mut problem.patches[self.patch];
@@ -257,7 +277,8 @@ impl Foot {
         for (i, row) in &self.normals {
             let point = &mut problem.points[*i];
             load(row, patch.arms[other] + point.offset);
-            point.load = (point.load + row.impulse - row.before).max(0.0);
+            // More it may have carried until just now.
+            point.load = point.load.max(row.impulse);
             point.impulse = row.impulse;
         }
     }

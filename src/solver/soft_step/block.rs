@@ -14,6 +14,9 @@ use glam::Vec3;
 /// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
 const FRICTION: f32 = 0.3;
 
+/// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
+const ASIDE: f32 = 0.1;
+
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
@@ -37,7 +40,7 @@ pub(super) struct Softness {
 }
 
 /// The spring that a soft row is where a body has two neighbours.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Spring {
     /// ω, rad/s.
     pub omega: f32,
@@ -108,6 +111,8 @@ pub struct Block {
     pub(super) held_twist: Lane,
     /// 1/n with n points.
     pub(super) share: Lane,
+    /// The mean of what its points carry at rest, N·s.
+    pub(super) load: Lane,
     pub(super) stiffness: Lane,
     /// Fastest correction, m/s.
     pub(super) max_speed: Lane,
@@ -220,8 +225,9 @@ impl Block {
         let mine = &problem.points[patch.range()];
         self.share[lane] = 1.0 / mine.len() as f32;
         let mean = mine.iter().map(|p| p.load).sum::<f32>() / mine.len() as f32;
+        self.load[lane] = mean * share;
         for (to, point) in points.iter_mut().zip(mine) {
-            to.load[lane] = mean * share;
+            to.load[lane] = point.load * share;
             to.x[lane] = t1.dot(point.offset);
             to.y[lane] = t2.dot(point.offset);
             to.separation[lane] = point.separation;
@@ -255,10 +261,17 @@ impl Block {
         patch.rolling = (t1 * self.rolling[0][lane] + t2 * self.rolling[1][lane]) * whole;
         let [x, y] = [0, 1].map(|i| self.given[i][lane] + self.tangential[i][lane]);
         patch.given = t1 * x + t2 * y;
-        for (from, point) in points.iter().zip(patch_points) {
+        let share = 1.0 / patch_points.len() as f32;
+        let held = share * patch_points.iter().map(|p| p.load).sum::<f32>();
+        for (from, point) in points.iter().zip(&mut *patch_points) {
             point.given = from.given[lane] + from.impulse[lane];
             point.impulse = from.impulse[lane] * whole;
-            point.load += rate * (point.impulse - point.load);
+        }
+        let mean = share * patch_points.iter().map(|p| p.impulse).sum::<f32>();
+        for point in patch_points {
+            let aside = (point.impulse - mean) - (point.load - held);
+            let followed = rate * (mean - held + ASIDE * aside);
+            point.load = (point.load + followed).max(0.0);
         }
         let rate = FRICTION * rate;
         patch.load_tangential += rate * (patch.tangential - patch.load_tangential);
@@ -399,24 +412,56 @@ impl Block {
     /// Gives the bodies the impulses that the patches start with.
     #[inline(always)]
     pub fn warm_start(&self, points: &[Points], velocities: &mut [State]) {
+        let friction = [self.tangential[0], self.tangential[1], self.twist];
+        let normal = points.iter().map(|point| (point, point.impulse));
+        self.give(friction, self.rolling, normal, velocities);
+    }
+
+    /// Adds to the impulses along both tangents and about the normal, and to those of the points.
+    pub fn add(
+        &mut self,
+        points: &mut [Points],
+        friction: [Lane; 3],
+        normal: &[Lane],
+        velocities: &mut [State],
+    ) {
+        self.tangential[0] += friction[0];
+        self.tangential[1] += friction[1];
+        self.twist += friction[2];
+        for (point, &change) in points.iter_mut().zip(normal) {
+            point.impulse += change;
+        }
+        let normal = points.iter().zip(normal.iter().copied());
+        self.give(friction, [Lane::ZERO; 2], normal, velocities);
+    }
+
+    /// Changes velocities by impulses along both tangents and about the normal, against rolling, and of points.
+    #[inline(always)]
+    fn give<'a>(
+        &self,
+        friction: [Lane; 3],
+        rolling: [Lane; 2],
+        normal: impl Iterator<Item = (&'a Points, Lane)>,
+        velocities: &mut [State],
+    ) {
         let a = gather(velocities, &self.bodies[0]);
         let b = gather(velocities, &self.bodies[1]);
         let mut wrench = Screw {
             linear: Wide {
                 x: Lane::ZERO,
-                y: self.tangential[0],
-                z: self.tangential[1],
+                y: friction[0],
+                z: friction[1],
             },
             angular: Wide {
-                x: self.twist,
-                y: self.rolling[0],
-                z: self.rolling[1],
+                x: friction[2],
+                y: rolling[0],
+                z: rolling[1],
             },
         };
-        for point in points {
-            wrench.linear.x += point.impulse;
-            wrench.angular.y += point.y * point.impulse;
-            wrench.angular.z -= point.x * point.impulse;
+        for (point, impulse) in normal {
+            wrench.linear.x += impulse;
+            wrench.angular.y += point.y * impulse;
+            wrench.angular.z -= point.x * impulse;
         }
         self.push(&self.frame(), wrench, a, b, velocities);
     }

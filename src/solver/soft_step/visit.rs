@@ -203,7 +203,10 @@ impl Block {
     ) {
         let soft = &self.softness;
         let mean = visit.carried * self.share;
-        let most = mean * Lane::splat(UNLOADED);
+        // The share of its load that the patch still carries, and what of it is held at most.
+        let left = mean * self.load.inverse();
+        let most = (left * Lane::splat(UNLOADED)).min(Lane::ONE);
+        let left = left.min(Lane::ONE);
         let mut normals = on_normals_local(&visit.velocity);
         // 1 where it lands. The patches beside it must find what they would find alone.
         let landing = Lane::splat(LANDING);
@@ -223,8 +226,8 @@ impl Block {
                 let s = point.separation + along.dot(*moved);
                 point.now = s;
                 let push = (-soft.bias_rate * s).min(self.max_speed);
-                let load = point.load.min(most);
-                let lost = (load.min(mean) - point.impulse).max(Lane::ZERO);
+                let load = point.load * most;
+                let lost = (point.load * left - point.impulse).max(Lane::ZERO);
                 let held = load - pass.preload * lost;
                 point.reach = load * point.compliance;
                 let closed = soft.mass_scale * point.mass * (approach - push)

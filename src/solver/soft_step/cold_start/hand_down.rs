@@ -1,0 +1,291 @@
+//! Loads go down: from the top, each body hands its own weight and what it has been given to what it lies on, as if that could not
+//! give way. One pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
+
+use crate::solver::{Body, Patch, PatchPoint, Problem};
+use glam::Vec3;
+
+/// Normals flatter than this, as a cosine to the vertical, carry no load.
+const FLAT: f32 = 0.1;
+
+/// Visits to the supports of one body, which share its load, at most.
+const VISITS: usize = 200;
+
+/// Visits end when they change less than this share of what the body carries.
+const SHARED: f32 = 1e-5;
+
+/// What lies on what.
+struct Supports {
+    /// For each body the patches it lies on, and on which side of them it is.
+    of: Vec<Vec<(usize, usize)>>,
+    /// How many patches lie on each body and have not handed down their load.
+    above: Vec<usize>,
+}
+
+/// On which side of a patch what it carries is; none where it is too steep to carry.
+fn upper(patch: &Patch, up: Vec3) -> Option<usize> {
+    let slope = patch.normal.dot(up);
+    (slope.abs() >= FLAT).then_some(if slope > 0.0 { 0 } else { 1 })
+}
+
+fn up(problem: &Problem) -> Vec3 {
+    -problem.gravity.normalize_or_zero()
+}
+
+/// Whether a way down to what nothing moves leads from each body through closed patches. They come in the order of their level, so
+/// that one pass finds all.
+pub fn standing(problem: &Problem, closed: f32) -> Vec<bool> {
+    let up = up(problem);
+    let fixed = |body: &Body| body.inverse_mass == 0.0;
+    let mut stands: Vec<bool> = problem.bodies.iter().map(fixed).collect();
+    for patch in problem.patches.iter() {
+        let points = &problem.points[patch.range()];
+        if let Some(side) = upper(patch, up)
+            && points.iter().any(|point| point.separation <= closed)
+        {
+            let [on_top, below] = [side, 1 - side].map(|side| patch.bodies[side] as usize);
+            stands[on_top] |= stands[below];
+        }
+    }
+    stands
+}
+
+impl Supports {
+    fn new(problem: &Problem) -> Self {
+        let up = up(problem);
+        let mut supports = Self {
+            of: vec![Vec::new(); problem.bodies.len()],
+            above: vec![0; problem.bodies.len()],
+        };
+        for (i, patch) in problem.patches.iter().enumerate() {
+            if let Some(side) = upper(patch, up) {
+                let [on_top, below] = [side, 1 - side].map(|side| patch.bodies[side] as usize);
+                supports.of[on_top].push((i, side));
+                supports.above[below] += 1;
+            }
+        }
+        supports
+    }
+}
+
+/// A direction along which something is pushed.
+struct Row {
+    direction: Vec3,
+    /// From the centre of the body, m.
+    arm: Vec3,
+    /// Inverse effective mass, if what is below could not give way, 1/kg.
+    response: f32,
+    /// N·s
+    impulse: f32,
+    /// What it was.
+    before: f32,
+}
+
+impl Row {
+    fn new(body: &Body, direction: Vec3, arm: Vec3, impulse: f32) -> Self {
+        Self {
+            direction,
+            arm,
+            response: body.response(direction, arm),
+            impulse,
+            before: impulse,
+        }
+    }
+
+    /// What would stop the body along it.
+    fn wanted(&self, [linear, angular]: [Vec3; 2]) -> f32 {
+        self.impulse - self.direction.dot(linear + angular.cross(self.arm)) / self.response
+    }
+
+    /// What has come to it, N·s.
+    fn gained(&self) -> Vec3 {
+        self.direction * (self.impulse - self.before)
+    }
+
+    /// Makes its impulse that; by how much it changes.
+    fn set(&mut self, impulse: f32, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        push(body, motion, self.direction * change, self.arm);
+        change.abs()
+    }
+}
+
+/// A patch that a body stands on.
+struct Foot {
+    /// Among the problem's.
+    patch: usize,
+    /// On which side of it the body is.
+    side: usize,
+    normals: Vec<(usize, Row)>,
+    tangents: [Row; 2],
+}
+
+impl Foot {
+    /// Where any of its points is closed.
+    fn new(problem: &Problem, (index, side): (usize, usize), closed: f32) -> Option<Self> {
+        let patch = &problem.patches[index];
+        let body = &problem.bodies[patch.bodies[side] as usize];
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let arm = patch.arms[side];
+        let point = |i: usize| -> Option<(usize, Row)> {
+            let PatchPoint {
+                offset,
+                separation,
+                impulse,
+                ..
+            } = problem.points[i];
+            let row = Row::new(body, patch.normal * sign, arm + offset, impulse);
+            let carries = separation <= closed || impulse > 0.0;
+            (carries && row.response > 0.0).then_some((i, row))
+        };
+        let normals: Vec<_> = patch.range().filter_map(point).collect();
+        let (t1, t2) = patch.normal.any_orthonormal_pair();
+        (!normals.is_empty()).then(|| Self {
+            patch: index,
+            side,
+            normals,
+            tangents: [t1, t2].map(|t| Row::new(body, t * sign, arm, t.dot(patch.tangential))),
+        })
+    }
+
+    /// Lets its points stop the body; by how much an impulse has changed at most, N·s.
+    fn push(&mut self, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
+        let mut changed = 0f32;
+        for (_, row) in &mut self.normals {
+            let wanted = row.wanted(*motion).max(0.0);
+            changed = changed.max(row.set(wanted, body, motion));
+        }
+        changed
+    }
+
+    /// The same of its friction, within what its points carry.
+    fn hold(&mut self, friction: f32, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
+        let carried: f32 = self.normals.iter().map(|(_, row)| row.impulse).sum();
+        let [x, y] = [0, 1].map(|i| self.tangents[i].wanted(*motion));
+        let share = (friction * carried / x.hypot(y)).min(1.0);
+        let found = if share.is_nan() {
+            [0.0; 2]
+        } else {
+            [x, y].map(|x| share * x)
+        };
+        let rows = self.tangents.iter_mut().zip(found);
+        rows.map(|(row, found)| row.set(found, body, motion))
+            .fold(0.0, f32::max)
+    }
+}
+
+/// What each body would do in this step under its forces and what its contacts start with.
+fn unbalanced(problem: &Problem) -> Vec<[Vec3; 2]> {
+    let mut motions: Vec<[Vec3; 2]> = problem.bodies.iter().map(Body::push).collect();
+    for patch in problem.patches.iter() {
+        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let index = patch.bodies[side] as usize;
+            let (body, arm) = (&problem.bodies[index], patch.arms[side]);
+            push(body, &mut motions[index], sign * patch.tangential, arm);
+            for point in &problem.points[patch.range()] {
+                let impulse = sign * point.impulse * patch.normal;
+                push(body, &mut motions[index], impulse, arm + point.offset);
+            }
+        }
+    }
+    motions
+}
+
+/// Hands down the weights of bodies that are new. What is below keeps what it carries where that is enough. Through how many bodies the
+/// longest way led.
+pub fn hand_down(problem: &mut Problem, closed: f32, new: &[bool]) -> usize {
+    let down = -up(problem);
+    let mut supports = Supports::new(problem);
+    let mut motions = unbalanced(problem);
+    let mut gained = new.to_vec();
+    let mut courses = vec![1; problem.bodies.len()];
+    let mut ready: Vec<usize> = (0..problem.bodies.len())
+        .filter(|&body| supports.above[body] == 0)
+        .collect();
+    while let Some(index) = ready.pop() {
+        let beneath = std::mem::take(&mut supports.of[index]);
+        if gained[index] {
+            let foot = |&at: &(usize, usize)| Foot::new(problem, at, closed);
+            let mut feet: Vec<Foot> = beneath.iter().filter_map(foot).collect();
+            share(problem, index, &mut feet, &mut motions[index], down);
+            for foot in feet {
+                gained[foot.below(problem)] = true;
+                foot.hand_on(problem, &mut motions);
+            }
+        }
+        for (patch, side) in beneath {
+            let below = problem.patches[patch].bodies[1 - side] as usize;
+            courses[below] = courses[below].max(courses[index] + 1);
+            supports.above[below] -= 1;
+            if supports.above[below] == 0 {
+                ready.push(below);
+            }
+        }
+    }
+    courses.into_iter().max().unwrap_or(0)
+}
+
+/// Shares what has come to a body among its feet.
+fn share(problem: &Problem, index: usize, feet: &mut [Foot], motion: &mut [Vec3; 2], down: Vec3) {
+    let body = &problem.bodies[index];
+    // Equal shares first: visits alone would let the foot visited first carry the most.
+    let weight = motion[0].dot(down).max(0.0) / body.inverse_mass;
+    let count: usize = feet.iter().map(|foot| foot.normals.len()).sum();
+    for (_, row) in feet.iter_mut().flat_map(|foot| &mut foot.normals) {
+        row.set(row.impulse + weight / count as f32, body, motion);
+    }
+    // Friction only where there is no rest without: it would be held by springs.
+    for with_friction in [false, true] {
+        for _ in 0..VISITS {
+            let mut changed = 0f32;
+            for foot in feet.iter_mut() {
+                changed = changed.max(foot.push(body, motion));
+                if with_friction {
+                    let friction = problem.patches[foot.patch].friction;
+                    changed = changed.max(foot.hold(friction, body, motion));
+                }
+            }
+            if changed <= SHARED * weight {
+                break;
+            }
+        }
+    }
+}
+
+impl Foot {
+    fn below(&self, problem: &Problem) -> usize {
+        problem.patches[self.patch].bodies[1 - self.side] as usize
+    }
+
+    /// To the problem, and to what is below.
+    fn hand_on(self, problem: &mut Problem, motions: &mut [[Vec3; 2]]) {
+        let patch = &mut problem.patches[self.patch];
+        let (sign, other) = if self.side == 0 { (1.0, 1) } else { (-1.0, 0) };
+        let below = patch.bodies[other] as usize;
+        let mut load = |row: &Row, arm: Vec3| {
+            push(
+                &problem.bodies[below],
+                &mut motions[below],
+                -row.gained(),
+                arm,
+            )
+        };
+        for row in &self.tangents {
+            patch.tangential += sign * row.gained();
+            load(row, patch.arms[other]);
+        }
+        for (i, row) in &self.normals {
+            let point = &mut problem.points[*i];
+            load(row, patch.arms[other] + point.offset);
+            // More it may have carried until just now.
+            point.load = point.load.max(row.impulse);
+            point.impulse = row.impulse;
+        }
+    }
+}
+
+fn push(body: &Body, motion: &mut [Vec3; 2], impulse: Vec3, arm: Vec3) {
+    let [linear, angular] = body.answer(impulse, arm);
+    motion[0] += linear;
+    motion[1] += angular;
+}

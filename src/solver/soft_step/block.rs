@@ -11,7 +11,7 @@ use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, sc
 use crate::solver::{Patch, PatchPoint, Problem};
 
 /// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
-const ASIDE: f32 = 0.1;
+const ASIDE: f32 = 0.03;
 
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]

@@ -101,7 +101,6 @@ fn a_column_built_at_once_tips_where_statics_says_whatever_it_is_built_of() {
 }
 
 #[test]
-#[ignore = "missed by the solver: of cuboids as well it falls inside"]
 fn a_tall_column_built_at_once_tips_where_statics_says() {
     all_met([column(8)], How::AT_ONCE, 0.02);
 }

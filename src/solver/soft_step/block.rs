@@ -15,7 +15,7 @@ use glam::Vec3;
 const FRICTION: f32 = 0.3;
 
 /// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
-const ASIDE: f32 = 0.1;
+const ASIDE: f32 = 0.03;
 
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]

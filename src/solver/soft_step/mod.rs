@@ -13,13 +13,14 @@
 //! - **Every third substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
 //!   course in walls and pyramids of 40 courses. After every second, at equal sweeps, arches tremble and small pyramids drift
 //!   twice as far; those of 50 courses come to rest sooner.
-//! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry the slow mean
-//!   of their patch's load by themselves, and springs rest where surfaces meet, and where friction took hold: integral action, with the
-//!   mean for its integral. The mean is slow because a fast one shakes, and the patch's because a point's own would let a body
+//! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry their load at rest by
+//!   themselves, and springs rest where surfaces meet and where friction took hold: integral action. The mean of a patch is followed
+//!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
+//!   more slowly, or bodies would
 //!   rock. Where load is taken off, a row holds on to most of it, which makes it the stiffer on that side; towers stand by that.
 //! - **The longest of recent steps** sets the stiffness ([`Problem::longest`]): springs that became stiffer with every short step
 //!   would throw what a long one has let sink.
-//! - **Cold start** ([`cold_start`]): what was just built gets the load it will carry from the top down.
+//! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still.
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.

@@ -11,7 +11,7 @@ mod statics;
 use crate::solver::{Body, Problem};
 
 /// What is faster than this has not been put there, but thrown, m/s.
-const PUT: f32 = 0.25;
+const PUT: f32 = 0.01;
 
 /// What is built is put where it will rest to so much at least, m.
 const PLACED: f32 = 0.005;
@@ -49,7 +49,7 @@ impl New {
         let stands = hand_down::standing(problem, closed);
         let bodies = problem.bodies.iter().zip(carries).zip(stands);
         let is_new = |((body, carries), stands): ((&Body, bool), bool)| {
-            body.inverse_mass > 0.0 && stands && !carries && slower(body, fall.min(PUT))
+            body.inverse_mass > 0.0 && stands && !carries && slower(body, PUT)
         };
         let bodies: Vec<bool> = bodies.map(is_new).collect();
         let new = bodies.iter().filter(|new| **new).count();

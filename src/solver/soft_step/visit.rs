@@ -14,7 +14,7 @@ const LANDING_VISITS: usize = 8;
 
 /// What a point is held to carry is at most so many times what its patch carries now: where a load is taken away at once, the slow
 /// mean would throw what has borne it.
-const UNLOADED: f32 = 1.5;
+const UNLOADED: f32 = 3.0;
 
 /// A visit on its way.
 struct Visit {

@@ -228,11 +228,19 @@ pub fn hand_down(problem: &mut Problem, closed: f32, new: &[bool]) -> usize {
 /// Shares what has come to a body among its feet.
 fn share(problem: &Problem, index: usize, feet: &mut [Foot], motion: &mut [Vec3; 2], down: Vec3) {
     let body = &problem.bodies[index];
-    // Equal shares first: visits alone would let the foot visited first carry the most.
-    let weight = motion[0].dot(down).max(0.0) / body.inverse_mass;
-    let count: usize = feet.iter().map(|foot| foot.normals.len()).sum();
+    let pressed = motion[0].dot(down) / body.inverse_mass;
+    // Equal shares of what comes, and of what goes the same share of each first: visits alone would let the foot visited first carry
+    // the most, or the least.
+    let rows = || feet.iter().flat_map(|foot| &foot.normals);
+    let equal = pressed.max(0.0) / rows().count() as f32;
+    let borne: f32 = rows().map(|(_, row)| row.impulse).sum();
+    let left = if borne > 0.0 {
+        (1.0 + pressed.min(0.0) / borne).max(0.0)
+    } else {
+        1.0
+    };
     for (_, row) in feet.iter_mut().flat_map(|foot| &mut foot.normals) {
-        row.set(row.impulse + weight / count as f32, body, motion);
+        row.set(left * row.impulse + equal, body, motion);
     }
     // Friction only where there is no rest without: it would be held by springs.
     for with_friction in [false, true] {
@@ -245,7 +253,7 @@ fn share(problem: &Problem, index: usize, feet: &mut [Foot], motion: &mut [Vec3;
                     changed = changed.max(foot.hold(friction, body, motion));
                 }
             }
-            if changed <= SHARED * weight {
+            if changed <= SHARED * pressed.abs() {
                 break;
             }
         }
@@ -277,8 +285,9 @@ impl Foot {
         for (i, row) in &self.normals {
             let point = &mut problem.points[*i];
             load(row, patch.arms[other] + point.offset);
-            // More it may have carried until just now.
-            point.load = point.load.max(row.impulse);
+            // More than its impulse it may have carried until just now.
+            let lost = (row.before - row.impulse).max(0.0);
+            point.load = (point.load - lost).max(row.impulse);
             point.impulse = row.impulse;
         }
     }

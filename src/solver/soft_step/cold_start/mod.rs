@@ -19,10 +19,13 @@ const PLACED: f32 = 0.005;
 /// Sweeps to and fro in which a structure is brought to rest, at most, for each of its courses.
 const SWEEPS_PER_COURSE: usize = 150;
 
+/// What bears so many times what a body is pressed down with still bears what is gone.
+const UNLOADED: f32 = 2.0;
+
 /// And so many visits to patches: no step of a large structure that never comes to rest may take seconds.
 const PATCH_VISITS: usize = 1_000_000;
 
-/// Which bodies stand on something and carry nothing yet.
+/// Which bodies stand on something and carry nothing yet, or still carry what is gone.
 struct New {
     bodies: Vec<bool>,
     /// They are most, and nothing else moves: it was built as a whole.
@@ -32,30 +35,78 @@ struct New {
 impl New {
     /// None in most steps, which one pass over the points finds.
     fn find(problem: &Problem, closed: f32) -> Option<Self> {
-        let mut carries = vec![false; problem.bodies.len()];
-        for patch in problem.patches.iter() {
-            let points = &problem.points[patch.range()];
-            let old = points.iter().any(|p| p.impulse > 0.0 || p.load > 0.0);
-            for body in patch.bodies {
-                carries[body as usize] |= old;
-            }
-        }
-        let mut bodies = problem.bodies.iter().zip(&carries);
-        if bodies.all(|(body, &carries)| carries || body.inverse_mass == 0.0) {
-            return None;
-        }
+        let footing = Footing::of_all(problem);
         let fall = problem.gravity.length() * problem.dt;
         let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
-        let stands = hand_down::standing(problem, closed);
-        let bodies = problem.bodies.iter().zip(carries).zip(stands);
-        let is_new = |((body, carries), stands): ((&Body, bool), bool)| {
-            body.inverse_mass > 0.0 && stands && !carries && slower(body, PUT)
+        let moves = |body: &&Body| body.inverse_mass > 0.0;
+        let pairs = || {
+            problem
+                .bodies
+                .iter()
+                .zip(&footing)
+                .filter(|(body, _)| moves(body))
         };
-        let bodies: Vec<bool> = bodies.map(is_new).collect();
-        let new = bodies.iter().filter(|new| **new).count();
-        let moved = problem.bodies.iter().filter(|body| body.inverse_mass > 0.0);
+        let unloaded = |(body, footing): &(&Body, &Footing)| footing.is_unloaded(body, problem);
+        if pairs().all(|(_, footing)| footing.carries) && !pairs().any(|pair| unloaded(&pair)) {
+            return None;
+        }
+        let stands = hand_down::standing(problem, closed);
+        let bodies = problem.bodies.iter().zip(&footing).zip(stands);
+        let bodies: Vec<[bool; 2]> = bodies
+            .map(|((body, footing), stands)| {
+                let still = moves(&body) && stands && slower(body, PUT);
+                [
+                    still && !footing.carries,
+                    still && unloaded(&(body, footing)),
+                ]
+            })
+            .collect();
+        let new = bodies.iter().filter(|[new, _]| *new).count();
+        let moved = problem.bodies.iter().filter(moves);
         let all = 2 * new > moved.count() && problem.bodies.iter().all(|body| slower(body, fall));
-        (new > 0).then_some(Self { bodies, all })
+        let bodies: Vec<bool> = bodies
+            .into_iter()
+            .map(|[new, unloaded]| new || unloaded)
+            .collect();
+        bodies.contains(&true).then_some(Self { bodies, all })
+    }
+}
+
+/// What holds a body as the step begins.
+#[derive(Clone, Copy, Default)]
+struct Footing {
+    /// Something has pushed on it before.
+    carries: bool,
+    /// What has long pushed on it upwards and downwards, N·s.
+    up: f32,
+    down: f32,
+}
+
+impl Footing {
+    fn of_all(problem: &Problem) -> Vec<Self> {
+        let up = -problem.gravity.normalize_or_zero();
+        let mut all = vec![Self::default(); problem.bodies.len()];
+        for patch in problem.patches.iter() {
+            let (mut old, mut load) = (false, 0.0);
+            for point in &problem.points[patch.range()] {
+                old |= point.impulse > 0.0 || point.load > 0.0;
+                load += point.load;
+            }
+            let push = up.dot(patch.normal * load + patch.load_tangential);
+            for (body, push) in patch.bodies.into_iter().zip([push, -push]) {
+                let footing = &mut all[body as usize];
+                footing.carries |= old;
+                footing.up += push.max(0.0);
+                footing.down -= push.min(0.0);
+            }
+        }
+        all
+    }
+
+    /// What lay on it is gone, and what bore that would throw it.
+    fn is_unloaded(&self, body: &Body, problem: &Problem) -> bool {
+        let weight = problem.gravity.length() * problem.dt / body.inverse_mass;
+        self.up > UNLOADED * (self.down + weight)
     }
 }
 

@@ -157,6 +157,7 @@ impl Island {
             let [x, y] = block.tangential;
             patch.tangential = t1 * x[lane] + t2 * y[lane];
             patch.twist = block.twist[lane];
+            (patch.load_tangential, patch.load_twist) = (patch.tangential, patch.twist);
             let found = &self.points[block.range()];
             for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
                 point.impulse = found.impulse[lane];

@@ -10,7 +10,7 @@ use support::*;
 fn after(dt: f32, linear: Vec3, angular: Vec3) -> (f32, f32) {
     let mut lab = Lab::shipped(dt);
     lab.ground();
-    let slab = lab.body(Collider::cuboid(Vec3::new(0.4, 0.1, 0.4)), Vec3::Y * 0.05);
+    let slab = lab.body(Collider::cuboid(0.4, 0.1, 0.4), Vec3::Y * 0.05);
     lab.run(1.0);
     let start = lab.pose(slab);
     lab.set_velocity(slab, linear, angular);

@@ -20,6 +20,10 @@ const UNLOADED: f32 = 1.5;
 /// less; without it walls that settle drift half as far again.
 const PLAY: f32 = 1e-3;
 
+/// Friction may exceed the cone of normals that were relaxed after it by this factor: where it may not, what slides and trembles loses
+/// some of its friction in every visit.
+const STALE: f32 = 1.05;
+
 /// A visit on its way.
 struct Visit {
     /// Relative velocity in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
@@ -76,6 +80,7 @@ impl Block {
                 self.relax_rolling(points, &mut visit);
             }
             self.relax_normals_softly(points, &mut visit, &on_normals_local(&moved), pass);
+            self.confine(points, &mut visit);
         } else {
             if self.rolls {
                 self.relax_rolling(points, &mut visit);
@@ -196,6 +201,27 @@ impl Block {
         visit.wrench.linear.y += change[0];
         visit.wrench.linear.z += change[1];
         visit.wrench.angular.x += twist;
+    }
+
+    /// Soft friction was found for what normals carried before them. Where they have let go since, as after a blow, friction of the
+    /// blow would be given twice.
+    #[inline(always)]
+    fn confine(&mut self, points: &[Points], visit: &mut Visit) {
+        let mut carried = Lane::ZERO;
+        for point in points {
+            carried += point.impulse;
+        }
+        let limit = Lane::splat(STALE) * self.friction * carried;
+        let [x, y] = self.tangential;
+        let square = x * x + y * y;
+        if !square.any_above(limit * limit) {
+            return;
+        }
+        let length = square.sqrt();
+        let shorten = length.above(limit, limit * length.inverse(), Lane::ONE);
+        self.tangential = [x * shorten, y * shorten];
+        visit.wrench.linear.y += self.tangential[0] - x;
+        visit.wrench.linear.z += self.tangential[1] - y;
     }
 
     /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.

@@ -8,7 +8,7 @@ use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Velocity};
 use crate::contact::{self, ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};
 use crate::islands::Islands;
 use crate::settings::{PhysicsThreads, SolverSettings, StabilizationSettings, StepTime};
-use crate::solver::{Body, Contact, ContactInput, Patch, PatchPoint, Rows, SolveReport};
+use crate::solver::{Body, Contact, ContactInput, Patch, PatchPoint, Rows, Slip, SolveReport};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 use glam::Vec3;
@@ -354,6 +354,7 @@ impl IslandProblem {
                     rolling: impulse.warm_rolling * time.carried(),
                     load_tangential: impulse.load_tangential * held,
                     load_twist: impulse.load_twist * held,
+                    dragged: Slip::default(),
                     given: Vec3::ZERO,
                 });
             }

@@ -188,6 +188,7 @@ impl IslandProblem {
                 warm_rolling: found.rolling / dt,
                 load_tangential: found.load_tangential / dt,
                 load_twist: found.load_twist / dt,
+                dragged: found.dragged,
             };
             let points = &self.points[found.range()];
             let sum: f32 = points.iter().map(|point| point.given).sum();

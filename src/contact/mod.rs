@@ -220,6 +220,8 @@ pub struct PatchImpulse {
     pub load_tangential: Vec3,
     /// The same of its moment, N·m.
     pub load_twist: f32,
+    /// How far it slid for good in the last solve, until its anchor is told.
+    pub dragged: Slip,
 }
 
 /// What contact gave to A in part of a step.

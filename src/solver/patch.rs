@@ -37,6 +37,8 @@ pub struct Patch {
     pub load_twist: f32,
     /// What λ_t has given in the whole step, N·s: found.
     pub given: Vec3,
+    /// How far it has slid for good in this step, so that its anchor is to follow: found.
+    pub dragged: Slip,
 }
 
 impl Patch {

@@ -10,8 +10,9 @@ use crate::contact::{
 use crate::settings::{
     AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
 };
+use crate::solver::Slip;
 use bevy_ecs::prelude::*;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 /// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
@@ -41,6 +42,16 @@ pub fn write_pose([a, b]: [&BodyState; 2]) -> PatchAnchor {
     }
 }
 
+/// The anchor of a patch moved by so far about the patch's centre (world, m), as the solver has found it dragged.
+fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by: Slip) {
+    let turn = Quat::from_axis_angle(normal, by.twist);
+    let position = b.pose.transform_point(anchor.position);
+    let position = center + by.shift + turn * (position - center);
+    let rotation = turn * b.pose.rotation * anchor.rotation;
+    anchor.position = b.pose.inverse_transform_point(position);
+    anchor.rotation = (b.pose.rotation.inverse() * rotation).normalize();
+}
+
 /// See the module's text.
 pub fn anchors(
     table: Res<BodyTable>,
@@ -49,7 +60,7 @@ pub fn anchors(
     mut pairs: Query<(
         &ContactPair,
         &Manifold,
-        &ContactImpulses,
+        &mut ContactImpulses,
         &mut ContactAnchors,
     )>,
 ) {
@@ -58,14 +69,14 @@ pub fn anchors(
         return;
     }
     let table = &*table;
-    for (pairs, manifolds, impulses, mut anchors) in pairs
+    for (pairs, manifolds, mut impulses, mut anchors) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
     {
         let columns = (
             pairs,
             manifolds,
-            impulses,
+            impulses.bypass_change_detection(),
             anchors.bypass_change_detection(),
         );
         let grain = threads.grain(columns.0.len());
@@ -118,7 +129,7 @@ fn hold_patches(
     friction: &FrictionStabilization,
     pair: &ContactPair,
     manifold: &Manifold,
-    impulses: &ContactImpulses,
+    impulses: &mut ContactImpulses,
     bodies: [&BodyState; 2],
     anchors: &mut ContactAnchors,
     dt: f32,
@@ -133,13 +144,20 @@ fn hold_patches(
         };
         let lever = points.iter().zip(solved).map(lever).sum();
         let was = anchor.sticking;
+        let dragged = std::mem::take(&mut impulses.patches[i].dragged);
         anchor.sticking = !patch.curved
             && sticks(friction.classifier, pair.friction, solved, was)
             && holds_twist(pair.friction, impulses.patches[i].warm_twist * dt, lever);
         if !anchor.sticking {
             *anchor = PatchAnchor::default();
-        } else if !anchor.set {
+            continue;
+        }
+        if !anchor.set {
             *anchor = write_pose(bodies);
+        }
+        if dragged != Slip::default() {
+            let center = bodies[0].center + center;
+            drag(bodies[1], anchor, patch.normal, center, dragged);
         }
     }
 }

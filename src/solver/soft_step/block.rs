@@ -8,8 +8,7 @@
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
 use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
-use crate::solver::{Patch, PatchPoint, Problem};
-use glam::Vec3;
+use crate::solver::{Patch, PatchPoint, Problem, Slip};
 
 /// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
 const FRICTION: f32 = 0.3;
@@ -100,8 +99,17 @@ pub struct Block {
     pub(super) rolling: [Lane; 2],
     /// 1 where friction is anchored.
     pub(super) anchored: Lane,
+    /// How far the patch has slipped since its anchor was set, when detected and less what the anchor was dragged since: m, rad.
     pub(super) slip: [Lane; 2],
     pub(super) slip_twist: Lane,
+    /// How far the anchor was dragged in this step, m, rad.
+    pub(super) dragged: [Lane; 2],
+    pub(super) dragged_twist: Lane,
+    /// Stretch of the springs of friction to an impulse, m/(N·s) and rad/(N·m·s).
+    pub(super) compliance: Lane,
+    pub(super) compliance_twist: Lane,
+    /// Mean distance of its points from its centre, m.
+    pub(super) radius: Lane,
     pub(super) tangential: [Lane; 2],
     pub(super) twist: Lane,
     /// What friction gave in the substeps before this one, N·s.
@@ -261,6 +269,10 @@ impl Block {
         patch.rolling = (t1 * self.rolling[0][lane] + t2 * self.rolling[1][lane]) * whole;
         let [x, y] = [0, 1].map(|i| self.given[i][lane] + self.tangential[i][lane]);
         patch.given = t1 * x + t2 * y;
+        patch.dragged = Slip {
+            shift: t1 * self.dragged[0][lane] + t2 * self.dragged[1][lane],
+            twist: self.dragged_twist[lane],
+        };
         let share = 1.0 / patch_points.len() as f32;
         let held = share * patch_points.iter().map(|p| p.load).sum::<f32>();
         for (from, point) in points.iter().zip(&mut *patch_points) {
@@ -330,9 +342,12 @@ impl Block {
         }
         let soft = &self.softness;
         let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
+        self.compliance = self.anchored * gives * self.isotropic_mass.inverse();
+        self.compliance_twist = self.anchored * gives * self.twist_mass.inverse();
         for point in points {
             let along = point.direction();
             point.radius = (point.x * point.x + point.y * point.y).sqrt();
+            self.radius += self.share * point.radius;
             point.effect = self.normals.apply(along);
             point.mass = point.mass * along.dot(point.effect).inverse();
             point.compliance = gives * point.mass.inverse();

@@ -16,6 +16,14 @@ const LANDING_VISITS: usize = 8;
 /// mean would throw what has borne it.
 const UNLOADED: f32 = 3.0;
 
+/// How far beyond its spring a patch slips before it takes its anchor along, m. Impulses that have not converged yet let what rests slip by
+/// less; without it walls that settle drift half as far again.
+const PLAY: f32 = 1e-3;
+
+/// Friction may exceed the cone of normals that were relaxed after it by this factor: where it may not, what slides and trembles loses
+/// some of its friction in every visit.
+const STALE: f32 = 1.05;
+
 /// A visit on its way.
 struct Visit {
     /// Relative velocity in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
@@ -65,12 +73,14 @@ impl Block {
             let moved_a = gather(motions, &self.bodies[0]);
             let moved_b = gather(motions, &self.bodies[1]);
             let moved = self.relative(&frame, moved_a, moved_b);
+            self.drag(points, &moved);
             self.relax_friction(points, &mut visit, &self.spring(&moved));
             visit.follow_friction(self);
             if self.rolls {
                 self.relax_rolling(points, &mut visit);
             }
             self.relax_normals_softly(points, &mut visit, &on_normals_local(&moved), pass);
+            self.confine(points, &mut visit);
         } else {
             if self.rolls {
                 self.relax_rolling(points, &mut visit);
@@ -97,6 +107,42 @@ impl Block {
                 back(self.slip[1] + moved.linear.z),
             ],
             back_twist: rate * (self.slip_twist + moved.angular.x),
+        }
+    }
+
+    /// What slides takes its anchor along. The springs of friction, or their place where none is set yet, stretch no farther than the
+    /// patch can hold them with what it carries. Else what slides and stops inside one step, and so counts as sticking, would be
+    /// drawn back by all that it slid.
+    #[inline(always)]
+    fn drag(&mut self, points: &[Points], moved: &Screw) {
+        let pull = [
+            self.compliance * self.held[0] - self.slip[0] - moved.linear.y,
+            self.compliance * self.held[1] - self.slip[1] - moved.linear.z,
+        ];
+        let pull_twist =
+            self.compliance_twist * self.held_twist - self.slip_twist - moved.angular.x;
+        let length = (pull[0] * pull[0] + pull[1] * pull[1]).sqrt();
+        let angle = pull_twist.max(-pull_twist);
+        let play = Lane::splat(PLAY);
+        if !length.any_above(play) && !(angle * self.radius).any_above(play) {
+            return;
+        }
+        let (mut carried, mut lever) = (Lane::ZERO, Lane::ZERO);
+        for point in points {
+            carried += point.impulse;
+            lever += point.impulse * point.radius;
+        }
+        let limit = self.friction * lever + self.rolling_lever * carried;
+        let reach = self.compliance_twist * limit + play * self.radius.inverse();
+        let cut = (reach * angle.inverse()).min(Lane::ONE) - Lane::ONE;
+        self.slip_twist -= cut * pull_twist;
+        self.dragged_twist += cut * pull_twist;
+
+        let reach = self.compliance * self.friction * carried + play;
+        let cut = (reach * length.inverse()).min(Lane::ONE) - Lane::ONE;
+        for (i, pull) in pull.into_iter().enumerate() {
+            self.slip[i] -= cut * pull;
+            self.dragged[i] += cut * pull;
         }
     }
 
@@ -155,6 +201,27 @@ impl Block {
         visit.wrench.linear.y += change[0];
         visit.wrench.linear.z += change[1];
         visit.wrench.angular.x += twist;
+    }
+
+    /// Soft friction was found for what normals carried before them. Where they have let go since, as after a blow, friction of the
+    /// blow would be given twice.
+    #[inline(always)]
+    fn confine(&mut self, points: &[Points], visit: &mut Visit) {
+        let mut carried = Lane::ZERO;
+        for point in points {
+            carried += point.impulse;
+        }
+        let limit = Lane::splat(STALE) * self.friction * carried;
+        let [x, y] = self.tangential;
+        let square = x * x + y * y;
+        if !square.any_above(limit * limit) {
+            return;
+        }
+        let length = square.sqrt();
+        let shorten = length.above(limit, limit * length.inverse(), Lane::ONE);
+        self.tangential = [x * shorten, y * shorten];
+        visit.wrench.linear.y += self.tangential[0] - x;
+        visit.wrench.linear.z += self.tangential[1] - y;
     }
 
     /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.

@@ -21,8 +21,11 @@ const STABLE: f32 = 0.04;
 /// Fewer courses count as so many: a cube under a thousand of its weight needs as much as a tower.
 const FEW: f32 = 24.0;
 
-/// Where nothing is as it was, sweeps come more often than usual by this share.
+/// Where things are not as they were, sweeps come more often than usual by this share.
 const UNSETTLED: f32 = 0.5;
+
+/// They are not where so much of what contacts carry is new. Piles of round things are always so: nothing is held for them.
+const NEW: f32 = 0.25;
 
 /// What is too much for sweeps that come so many times as often as usual is too much.
 const MOST: f32 = 4.0;
@@ -44,7 +47,7 @@ impl Effort {
     pub fn new(settings: &SoftStep, problem: &Problem) -> Self {
         let usual = ROUND as f32 / (SUBSTEPS_PER_RIGID_SWEEP as f32 * settings.longest_substep);
         let most = MOST * usual;
-        let usual = usual * (1.0 + UNSETTLED * unsettled(problem));
+        let usual = usual * (1.0 + UNSETTLED * (unsettled(problem) / NEW).min(1.0));
         let rate = (settings.sweeps_per_period * stable(problem)).clamp(usual, most);
         let sweeps = |seconds: f32| {
             let rounds = (rate * seconds / ROUND as f32 - A_LITTLE).ceil() as usize;

@@ -13,6 +13,9 @@ use crate::solver::{Body, Problem};
 /// What is faster than this has not been put there, but thrown, m/s.
 const PUT: f32 = 0.01;
 
+/// What is faster than this is not at rest, m/s: the parts of a pile take up their loads and leave them as they come.
+const RESTS: f32 = 0.001;
+
 /// What is built is put where it will rest to so much at least, m.
 const PLACED: f32 = 0.005;
 
@@ -57,7 +60,7 @@ impl New {
                 let still = moves(&body) && stands && slower(body, PUT);
                 [
                     still && !footing.carries,
-                    still && unloaded(&(body, footing)),
+                    slower(body, RESTS) && still && unloaded(&(body, footing)),
                 ]
             })
             .collect();

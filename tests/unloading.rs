@@ -128,22 +128,8 @@ fn holds(what: &str, dt: f32, relief: Relief, most: f32) {
 fn what_is_unloaded_at_once_does_not_jump() {
     for scene in ["stack:10", "wall:10x10", "pyramid:10"] {
         stays(scene, 1.0 / 60.0, 1.0);
-        stays(scene, 0.1, 10.0);
-    }
-    stays("stack:30", 1.0 / 60.0, 3.0);
-}
-
-#[test]
-#[ignore = "missed: a wall jumps by 9.7 mm at a tenth of a second, wanted 1 mm"]
-fn what_is_unloaded_at_once_does_not_jump_at_large_steps_either() {
-    for scene in ["stack:10", "wall:10x10", "pyramid:10"] {
         stays(scene, 0.1, 1.0);
     }
-}
-
-#[test]
-#[ignore = "missed: 2.1 mm at 60 Hz, wanted 1 mm"]
-fn a_stack_of_thirty_does_not_jump() {
     stays("stack:30", 1.0 / 60.0, 1.0);
 }
 
@@ -154,7 +140,6 @@ fn an_arch_whose_load_is_taken_away_does_not_jump() {
 }
 
 #[test]
-#[ignore = "missed: moves 42 mm and gains energy for 9.5 mm, wanted 1 mm"]
 fn an_arch_whose_load_is_taken_away_does_not_jump_at_large_steps() {
     holds("arch:15", 0.1, Loaded::arch(0.1).relieve(true), 1.0);
 }
@@ -172,20 +157,17 @@ fn what_is_thrown_off_leaves_no_push_behind() {
 }
 
 #[test]
-#[ignore = "missed: nine cubes that lose a tenth rise by 6.6 mm, wanted 1 mm"]
 fn what_is_thrown_off_leaves_no_push_behind_at_large_steps() {
     nothing_pushes("stack:10", 0.1);
 }
 
 /// A hundred times as heavy as each of the five cubes that have carried it.
 #[test]
-#[ignore = "missed: five cubes jump by 31 mm, wanted 1 mm"]
 fn a_great_weight_that_is_thrown_off_leaves_no_push_behind() {
     nothing_pushes("massratio:100", 1.0 / 60.0);
 }
 
 #[test]
-#[ignore = "missed: five cubes jump by 1.1 m, wanted 1 mm"]
 fn a_great_weight_that_is_thrown_off_leaves_no_push_behind_at_large_steps() {
     nothing_pushes("massratio:100", 0.1);
 }

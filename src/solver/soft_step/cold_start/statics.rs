@@ -70,8 +70,7 @@ pub fn settle(problem: &mut Problem, closed: f32, most: usize) {
         island.sweep::<false>(&pass);
         island.sweep_back(&pass);
         let mut step = Impulses::of(&island);
-        step.zip(&before)
-            .for_each(|(now, before)| *now = *now - before);
+        step.zip(&before).for_each(|(now, before)| *now -= before);
         let energy = step.energy(&island);
         if energy <= STILL * STILL * free {
             break;

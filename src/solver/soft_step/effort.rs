@@ -14,8 +14,8 @@ pub const SUBSTEPS_PER_RIGID_SWEEP: usize = 3;
 /// Sweeps of so many substeps with their rigid one.
 const ROUND: usize = SUBSTEPS_PER_RIGID_SWEEP + 1;
 
-/// The frequency of springs, Hz, is at least so many times courses · √(load / (mass · size)), SI units. Measured: a column of 100
-/// cubes under a noise of ±2 mm stands with it, and with three quarters of it falls.
+/// The frequency of springs, Hz, is at least so many times courses · √(load / (mass · size)), SI units. A column of 100
+/// cubes under a noise of ±2 mm stands with it; with half of it it fell, as long as it did not start in equilibrium.
 const STABLE: f32 = 0.04;
 
 /// Fewer courses count as so many: a cube under a thousand of its weight needs as much as a tower.
@@ -47,8 +47,9 @@ impl Effort {
     pub fn new(settings: &SoftStep, problem: &Problem) -> Self {
         let usual = ROUND as f32 / (SUBSTEPS_PER_RIGID_SWEEP as f32 * settings.longest_substep);
         let most = MOST * usual;
-        let usual = usual * (1.0 + UNSETTLED * (unsettled(problem) / NEW).min(1.0));
-        let rate = (settings.sweeps_per_period * stable(problem)).clamp(usual, most);
+        let Carried { unsettled, pressed } = Carried::by(problem);
+        let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
+        let rate = (settings.sweeps_per_period * stable(problem, pressed)).clamp(usual, most);
         let sweeps = |seconds: f32| {
             let rounds = (rate * seconds / ROUND as f32 - A_LITTLE).ceil() as usize;
             (rounds * ROUND)
@@ -70,45 +71,46 @@ fn substeps(sweeps: usize) -> usize {
     (sweeps / ROUND * SUBSTEPS_PER_RIGID_SWEEP + rest.saturating_sub(1)).max(1)
 }
 
-/// The share of what contacts carry that is not what they have carried for long, 0..1.
-fn unsettled(problem: &Problem) -> f32 {
-    let (mut new, mut all) = (0.0, 0.0);
-    for patch in problem.patches.iter() {
-        let points = &problem.points[patch.range()];
-        let load: f32 = points.iter().map(|point| point.load).sum();
-        let impulse: f32 = points.iter().map(|point| point.impulse).sum();
-        new += (impulse - load).abs();
-        all += impulse.max(load);
-    }
-    if all > 0.0 { new / all } else { 1.0 }
+/// What the contacts of a problem carry.
+struct Carried {
+    /// The share of it that they have not carried for long, 0..1.
+    unsettled: f32,
+    /// The most that something has carried for long by its mass and size, 1/s².
+    pressed: f32,
 }
 
-/// The frequency that the springs of a structure must have, Hz.
-fn stable(problem: &Problem) -> f32 {
+impl Carried {
+    fn by(problem: &Problem) -> Self {
+        let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
+        for patch in problem.patches.iter() {
+            let points = &problem.points[patch.range()];
+            let load: f32 = points.iter().map(|point| point.load).sum();
+            let impulse: f32 = points.iter().map(|point| point.impulse).sum();
+            new += (impulse - load).abs();
+            all += impulse.max(load);
+            let [a, b] = patch
+                .bodies
+                .map(|body| yielding(&problem.bodies[body as usize]));
+            pressed = pressed.max(load * a.max(b));
+        }
+        Self {
+            unsettled: if all > 0.0 { new / all } else { 1.0 },
+            pressed: pressed / problem.dt,
+        }
+    }
+}
+
+/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`Carried::pressed`]).
+fn stable(problem: &Problem, pressed: f32) -> f32 {
     let courses = courses(problem);
     let mut above = 0.0;
-    let mut most = pressed(problem);
+    let mut most = pressed;
     for course in courses.iter().rev() {
         above += course.mass;
         let load = problem.gravity.length() * above / course.bodies.max(1) as f32;
         most = most.max(load * course.yielding);
     }
     STABLE * FEW.max(courses.len() as f32) * most.sqrt()
-}
-
-/// The most that something has carried for long by its mass and size, 1/s².
-fn pressed(problem: &Problem) -> f32 {
-    let each = problem.patches.iter().map(|patch| {
-        let load: f32 = problem.points[patch.range()]
-            .iter()
-            .map(|point| point.load)
-            .sum();
-        let [a, b] = patch
-            .bodies
-            .map(|body| yielding(&problem.bodies[body as usize]));
-        load * a.max(b)
-    });
-    each.fold(0.0, f32::max) / problem.dt
 }
 
 /// The bodies of one level of support.

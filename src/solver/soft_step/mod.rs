@@ -16,11 +16,12 @@
 //! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry their load at rest by
 //!   themselves, and springs rest where surfaces meet and where friction took hold: integral action. The mean of a patch is followed
 //!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
-//!   more slowly, or bodies would
-//!   rock. Where load is taken off, a row holds on to most of it, which makes it the stiffer on that side; towers stand by that.
+//!   more slowly, or bodies would rock. Where load is taken off, a row holds on to most of it, which makes it the stiffer on that
+//!   side; towers stand by that.
 //! - **The longest of recent steps** sets the stiffness ([`Problem::longest`]): springs that became stiffer with every short step
 //!   would throw what a long one has let sink.
-//! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still.
+//! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
+//!   is gone is relieved of it.
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
@@ -58,7 +59,7 @@ pub struct SoftStep {
     pub preload_sweeps: f32,
     /// Longest substep, s. A step takes as many as it needs to stay below; structures that are tall or carry much take more.
     pub longest_substep: f32,
-    /// Sweeps of a short step, at least.
+    /// Sweeps of a short step, at least. At most it takes [`Problem::iterations`].
     pub least_sweeps: usize,
 }
 

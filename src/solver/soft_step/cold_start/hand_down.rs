@@ -191,7 +191,7 @@ fn unbalanced(problem: &Problem) -> Vec<[Vec3; 2]> {
     motions
 }
 
-/// Hands down the weights of bodies that are new. What is below keeps what it carries where that is enough. Through how many bodies the
+/// Hands down what is not balanced of bodies that are new, or have lost what lay on them. What is below keeps what it carries where that is enough. Through how many bodies the
 /// longest way led.
 pub fn hand_down(problem: &mut Problem, closed: f32, new: &[bool]) -> usize {
     let down = -up(problem);

@@ -3,7 +3,7 @@
 //! Without impulses to start from, sweeps need a number that grows with the height squared to find the load at the foot of a
 //! tower, and where joints carry moments with a higher power of it; until then it sinks and leans. So loads are [handed
 //! down](hand_down), and what was built as a whole is then [brought to rest](statics): impulses that keep it still are what it carries
-//! at rest, and so they are held.
+//! at rest, and so they are held. What lies on something and vanishes is handed down in the same way, or what bore it would be thrown.
 
 mod hand_down;
 mod statics;

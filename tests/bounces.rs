@@ -70,7 +70,6 @@ fn bounces(lab: impl Fn(f32) -> Lab, what: &str, noise: f32) {
 }
 
 #[test]
-#[ignore = "open in issue 9, held with 24 sweeps a step: a box that lands flat from 0.3 m begins to turn in some builds and loses its height; balls and higher falls hold"]
 fn what_bounces_on_the_ground_loses_less_than_a_hundredth_a_bounce() {
     bounces(Lab::shipped, "soft step", 1e-4);
     // Semi-implicit Euler swings about the true energy by gΔt v/2, and apexes are seen at up to gΔt.

@@ -131,7 +131,6 @@ fn a_tumbling_brick_turns_over_when_it_should() {
 
 /// What touches, or may, is turned by its solver.
 #[test]
-#[ignore = "open in issue 9, held with 24 sweeps a step: 2547 to 2559 J at 30 rad/s and a tenth of a second"]
 fn what_spins_into_the_ground_or_another_gains_nothing() {
     let mut rng = fastrand::Rng::with_seed(3);
     let mut random = move || {

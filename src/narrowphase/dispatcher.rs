@@ -1,7 +1,8 @@
 //! Parry takes apart what is composite (meshes, height fields, compounds) and finds which parts may touch; the contact of two
-//! convex parts that are polyhedra, cylinders or cones is ours ([`polyhedra`](super::polyhedra), [`round`](super::round)), all other
-//! contact is parry's.
+//! convex parts that are polyhedra, cylinders or cones, or both capsules, is ours ([`polyhedra`](super::polyhedra),
+//! [`round`](super::round), [`capsules`]), all other contact is parry's.
 
+use super::capsules;
 use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{Axis, Contact, Placement, Search, Solid, separate, touch, touch_along};
 use super::round::{self, Found, Part};
@@ -93,6 +94,10 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         reach: f32,
         manifold: &mut ParryManifold,
     ) -> Result<(), Unsupported> {
+        if let [Some(a), Some(b)] = [a.as_capsule(), b.as_capsule()] {
+            capsules::touch(place, a, b, reach, manifold);
+            return Ok(());
+        }
         let [body_a, body_b] = self.bodies;
         let forms = ours(
             Form::of_part(body_a, a, manifold.subshape1),

@@ -5,6 +5,7 @@
 //! is kept while the two bodies hardly move against each other, which costs a tenth of finding it anew. Pairs at rest (asleep, or
 //! static) keep theirs untouched.
 
+mod capsules;
 mod detect;
 mod dispatcher;
 mod forms;

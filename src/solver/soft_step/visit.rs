@@ -20,9 +20,9 @@ const UNLOADED: f32 = 3.0;
 /// less; without it walls that settle drift half as far again.
 const PLAY: f32 = 1e-3;
 
-/// Friction may exceed the cone of normals that were relaxed after it by this factor: where it may not, what slides and trembles loses
-/// some of its friction in every visit.
-const STALE: f32 = 1.05;
+/// Friction may exceed the cone of normals that were relaxed after it by this factor. Where it may by 1.05 only, what slides and
+/// trembles loses some of its friction in every visit, and boxes that bounce begin to turn.
+const STALE: f32 = 2.0;
 
 /// A visit on its way.
 struct Visit {
@@ -32,8 +32,15 @@ struct Visit {
     wrench: Screw,
     /// Σ W Δλ² of the normals, J.
     change: Lane,
-    /// Σλ_n when the patch was come to, N·s.
-    carried: Lane,
+}
+
+/// What the normals of a patch carry.
+#[derive(Clone, Copy)]
+struct Carried {
+    /// Σλ_n, N·s.
+    all: Lane,
+    /// The same times the distances from the centre, N·m·s.
+    lever: Lane,
 }
 
 /// How friction is held: as a spring about its anchor, or rigidly.
@@ -64,7 +71,6 @@ impl Block {
             velocity: self.relative(&frame, a, b),
             wrench: Screw::default(),
             change: Lane::ZERO,
-            carried: Lane::ZERO,
         };
         if SOFT {
             if !pass.first {
@@ -73,21 +79,23 @@ impl Block {
             let moved_a = gather(motions, &self.bodies[0]);
             let moved_b = gather(motions, &self.bodies[1]);
             let moved = self.relative(&frame, moved_a, moved_b);
-            self.drag(points, &moved);
-            self.relax_friction(points, &mut visit, &self.spring(&moved));
+            let carried = Carried::by(points);
+            self.drag(&carried, &moved);
+            self.relax_friction(&carried, &mut visit, &self.spring(&moved));
             visit.follow_friction(self);
             if self.rolls {
-                self.relax_rolling(points, &mut visit);
+                self.relax_rolling(&carried, &mut visit);
             }
-            self.relax_normals_softly(points, &mut visit, &on_normals_local(&moved), pass);
-            self.confine(points, &mut visit);
+            let moved = on_normals_local(&moved);
+            self.relax_normals_softly(points, &carried, &mut visit, &moved, pass);
+            self.confine(&Carried::by(points), &mut visit);
         } else {
             if self.rolls {
-                self.relax_rolling(points, &mut visit);
+                self.relax_rolling(&Carried::by(points), &mut visit);
             }
             self.relax_normals_rigidly(points, &mut visit, pass);
             visit.follow_normals(self);
-            self.relax_friction(points, &mut visit, &Hold::RIGID);
+            self.relax_friction(&Carried::by(points), &mut visit, &Hold::RIGID);
         }
         self.push(&frame, visit.wrench, a, b, velocities);
         visit.change
@@ -110,11 +118,17 @@ impl Block {
         }
     }
 
+    /// The most moment about the normal that friction gives, N·m·s.
+    #[inline(always)]
+    fn most_twist(&self, carried: &Carried) -> Lane {
+        self.friction * carried.lever + self.rolling_lever * carried.all
+    }
+
     /// What slides takes its anchor along. The springs of friction, or their place where none is set yet, stretch no farther than the
     /// patch can hold them with what it carries. Else what slides and stops inside one step, and so counts as sticking, would be
     /// drawn back by all that it slid.
     #[inline(always)]
-    fn drag(&mut self, points: &[Points], moved: &Screw) {
+    fn drag(&mut self, carried: &Carried, moved: &Screw) {
         let pull = [
             self.compliance * self.held[0] - self.slip[0] - moved.linear.y,
             self.compliance * self.held[1] - self.slip[1] - moved.linear.z,
@@ -127,18 +141,13 @@ impl Block {
         if !length.any_above(play) && !(angle * self.radius).any_above(play) {
             return;
         }
-        let (mut carried, mut lever) = (Lane::ZERO, Lane::ZERO);
-        for point in points {
-            carried += point.impulse;
-            lever += point.impulse * point.radius;
-        }
-        let limit = self.friction * lever + self.rolling_lever * carried;
+        let limit = self.most_twist(carried);
         let reach = self.compliance_twist * limit + play * self.radius.inverse();
         let cut = (reach * angle.inverse()).min(Lane::ONE) - Lane::ONE;
         self.slip_twist -= cut * pull_twist;
         self.dragged_twist += cut * pull_twist;
 
-        let reach = self.compliance * self.friction * carried + play;
+        let reach = self.compliance * self.friction * carried.all + play;
         let cut = (reach * length.inverse()).min(Lane::ONE) - Lane::ONE;
         for (i, pull) in pull.into_iter().enumerate() {
             self.slip[i] -= cut * pull;
@@ -148,16 +157,10 @@ impl Block {
 
     /// Twist, then both tangents, within what the normals carry now.
     #[inline(always)]
-    fn relax_friction(&mut self, points: &[Points], visit: &mut Visit, hold: &Hold) {
-        let (mut carried, mut lever) = (Lane::ZERO, Lane::ZERO);
-        for point in points {
-            carried += point.impulse;
-            lever += point.impulse * point.radius;
-        }
-        visit.carried = carried;
+    fn relax_friction(&mut self, carried: &Carried, visit: &mut Visit, hold: &Hold) {
         let keep = Lane::ONE - hold.impulse_scale;
 
-        let limit = self.friction * lever + self.rolling_lever * carried;
+        let limit = self.most_twist(carried);
         let excess = visit.velocity.angular.x + hold.back_twist;
         let found = self.twist * keep + hold.impulse_scale * self.held_twist
             - self.twist_mass * hold.mass_scale * excess;
@@ -165,7 +168,7 @@ impl Block {
         let twist = found - self.twist;
         self.twist = found;
 
-        let limit = self.friction * carried;
+        let limit = self.friction * carried.all;
         let excess = [
             visit.velocity.linear.y + self.twist_to_tangents[0] * twist + hold.back[0],
             visit.velocity.linear.z + self.twist_to_tangents[1] * twist + hold.back[1],
@@ -206,12 +209,8 @@ impl Block {
     /// Soft friction was found for what normals carried before them. Where they have let go since, as after a blow, friction of the
     /// blow would be given twice.
     #[inline(always)]
-    fn confine(&mut self, points: &[Points], visit: &mut Visit) {
-        let mut carried = Lane::ZERO;
-        for point in points {
-            carried += point.impulse;
-        }
-        let limit = Lane::splat(STALE) * self.friction * carried;
+    fn confine(&mut self, carried: &Carried, visit: &mut Visit) {
+        let limit = Lane::splat(STALE) * self.friction * carried.all;
         let [x, y] = self.tangential;
         let square = x * x + y * y;
         if !square.any_above(limit * limit) {
@@ -225,18 +224,14 @@ impl Block {
     }
 
     /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.
-    fn relax_rolling(&mut self, points: &[Points], visit: &mut Visit) {
-        let mut carried = Lane::ZERO;
-        for point in points {
-            carried += point.impulse;
-        }
+    fn relax_rolling(&mut self, carried: &Carried, visit: &mut Visit) {
         let spin = [visit.velocity.angular.y, visit.velocity.angular.z];
         let slip = [visit.velocity.linear.y, visit.velocity.linear.z];
         let rolling = self.rolling_radius * self.rolling_radius;
         let square = rolling * (spin[0] * spin[0] + spin[1] * spin[1])
             + (slip[0] * slip[0] + slip[1] * slip[1]);
         let fast = Lane::ONE + square * Lane::splat(1.0 / (CREEP * CREEP));
-        let limit = self.rolling_lever * carried * (fast * fast).inverse();
+        let limit = self.rolling_lever * carried.all * (fast * fast).inverse();
         let [xx, yy, xy] = self.rolling_mass;
         let exact = [
             self.rolling[0] - (xx * spin[0] + xy * spin[1]),
@@ -264,12 +259,13 @@ impl Block {
     fn relax_normals_softly(
         &mut self,
         points: &mut [Points],
+        carried: &Carried,
         visit: &mut Visit,
         moved: &Wide,
         pass: &Pass,
     ) {
         let soft = &self.softness;
-        let mean = visit.carried * self.share;
+        let mean = carried.all * self.share;
         // The share of its load that the patch still carries, and what of it is held at most.
         let left = mean * self.load.inverse();
         let most = (left * Lane::splat(UNLOADED)).min(Lane::ONE);
@@ -386,6 +382,18 @@ impl Points {
         wrench.angular.y += self.y * given;
         wrench.angular.z -= self.x * given;
         given
+    }
+}
+
+impl Carried {
+    #[inline(always)]
+    fn by(points: &[Points]) -> Self {
+        let (mut all, mut lever) = (Lane::ZERO, Lane::ZERO);
+        for point in points {
+            all += point.impulse;
+            lever += point.impulse * point.radius;
+        }
+        Self { all, lever }
     }
 }
 

@@ -80,7 +80,7 @@ impl New {
 struct Footing {
     /// Something has pushed on it before.
     carries: bool,
-    /// What has long pushed on it upwards and downwards, N·s.
+    /// What has long pushed on it upwards, and downwards, or does so now, N·s: what is round holds no load, and yet weighs.
     up: f32,
     down: f32,
 }
@@ -90,17 +90,20 @@ impl Footing {
         let up = -problem.gravity.normalize_or_zero();
         let mut all = vec![Self::default(); problem.bodies.len()];
         for patch in problem.patches.iter() {
-            let (mut old, mut load) = (false, 0.0);
+            let (mut load, mut impulse) = (0.0, 0.0);
             for point in &problem.points[patch.range()] {
-                old |= point.impulse > 0.0 || point.load > 0.0;
                 load += point.load;
+                impulse += point.impulse;
             }
-            let push = up.dot(patch.normal * load + patch.load_tangential);
-            for (body, push) in patch.bodies.into_iter().zip([push, -push]) {
+            let carries = load.max(impulse) > 0.0;
+            let long = up.dot(patch.normal * load + patch.load_tangential);
+            let now = up.dot(patch.normal * impulse + patch.tangential);
+            for (body, sign) in patch.bodies.into_iter().zip([1.0, -1.0]) {
+                let (long, now) = (sign * long, sign * now);
                 let footing = &mut all[body as usize];
-                footing.carries |= old;
-                footing.up += push.max(0.0);
-                footing.down -= push.min(0.0);
+                footing.carries |= carries;
+                footing.up += long.max(0.0);
+                footing.down -= long.min(now).min(0.0);
             }
         }
         all

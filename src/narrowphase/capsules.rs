@@ -1,0 +1,67 @@
+//! Two capsules: where they are nearest, and the ends of the line along which they lie side by side.
+//!
+//! Parry's manifold has the nearest point alone. Between two that are all but parallel it jumps from one end to the other when they
+//! tilt by a hair, and what lies on another would drop each time.
+
+use super::dispatcher::ParryManifold;
+use glam::Vec3;
+use parry3d::math::Pose;
+use parry3d::query::TrackedContact;
+use parry3d::query::details::closest_points_segment_segment_with_locations;
+use parry3d::shape::{Capsule, PackedFeatureId, Segment};
+
+/// They lie side by side where the way from one to the other leans from the normal by so much at most, as a sine.
+const ASIDE: f32 = 0.02;
+
+/// Fills the manifold with what is no further apart than `reach`, m.
+pub(super) fn touch(
+    place: &Pose,
+    a: &Capsule,
+    b: &Capsule,
+    reach: f32,
+    manifold: &mut ParryManifold,
+) {
+    let of_a = a.segment;
+    let of_b = b.segment.transformed(place);
+    let (at_a, at_b) =
+        closest_points_segment_segment_with_locations(place, &a.segment, &b.segment);
+    let (nearest_a, nearest_b) = (of_a.point_at(&at_a), of_b.point_at(&at_b));
+    let between = nearest_b - nearest_a;
+    let normal = between.try_normalize().unwrap_or(Vec3::Y);
+    manifold.points.clear();
+    manifold.local_n1 = normal;
+    manifold.local_n2 = place.rotation.inverse() * -normal;
+    let mut add = |on_a: Vec3, on_b: Vec3| {
+        let distance = (on_b - on_a).dot(normal) - a.radius - b.radius;
+        if distance <= reach {
+            manifold.points.push(TrackedContact::new(
+                on_a + normal * a.radius,
+                place.inverse_transform_point(on_b - normal * b.radius),
+                PackedFeatureId::face(0),
+                PackedFeatureId::face(0),
+                distance,
+            ));
+        }
+    };
+    add(nearest_a, nearest_b);
+    let mut add_end = |on_a: Vec3, on_b: Vec3| {
+        let between = on_b - on_a;
+        let aside = between - normal * between.dot(normal);
+        if aside.length_squared() <= ASIDE * ASIDE * between.length_squared() {
+            add(on_a, on_b);
+        }
+    };
+    for end in [of_a.a, of_a.b] {
+        add_end(end, nearest(&of_b, end));
+    }
+    for end in [of_b.a, of_b.b] {
+        add_end(nearest(&of_a, end), end);
+    }
+}
+
+/// The point of a segment nearest to another.
+fn nearest(segment: &Segment, point: Vec3) -> Vec3 {
+    let along = segment.b - segment.a;
+    let share = (point - segment.a).dot(along) / along.length_squared();
+    segment.a + along * if share > 0.0 { share.min(1.0) } else { 0.0 }
+}

@@ -215,3 +215,47 @@ fn a_cylinder_on_its_end_slides_over_seams_as_over_one_slab() {
         assert!(bump < 1e-3, "{bump} m");
     }
 }
+
+/// Two that lie side by side meet along a line, by its ends: one point would jump from end to end.
+#[test]
+fn a_capsule_lies_between_two_others() {
+    let mut lab = Lab::new();
+    lab.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    let lying = Quat::from_rotation_x(FRAC_PI_2);
+    let [r, high] = [0.2, 3f32.sqrt() * 0.2];
+    for x in [-r, r] {
+        // They would roll apart.
+        lab.spawn((
+            RigidBody::Static,
+            Collider::capsule(r, 0.8),
+            Transform::from_xyz(x, r, 0.0).with_rotation(lying),
+        ));
+    }
+    // Shifted along them, turned by a hair.
+    let start = Vec3::new(0.0, r + high, 0.1);
+    let turn = lying * Quat::from_rotation_z(0.001) * Quat::from_rotation_x(0.001);
+    let body = lab.spawn((
+        RigidBody::Dynamic,
+        Collider::capsule(r, 0.8),
+        Transform::from_translation(start).with_rotation(turn),
+    ));
+    let (mut fastest, mut points) = (0.0f32, Vec::new());
+    for step in 0..300 {
+        lab.step();
+        if step >= 60 {
+            fastest = fastest.max(lab.velocity(body).linear.length());
+        }
+        if step == 60 {
+            let mut manifolds = lab.world.query::<&Manifold>();
+            points = manifolds.iter(&lab.world).map(|m| m.points.len()).collect();
+        }
+    }
+    println!("{points:?} points, {fastest} m/s after a second");
+    assert_eq!(
+        points.iter().filter(|&&count| count == 2).count(),
+        2,
+        "{points:?}"
+    );
+    assert!(fastest < 1e-4, "{fastest} m/s");
+    assert!(lab.position(body).distance(start) < 1e-3);
+}

@@ -578,7 +578,12 @@ proptest! {
         for patch in &solved.patches {
             let points = &solved.points[patch.range()];
             let carried: f32 = points.iter().map(|p| p.impulse).sum();
-            let lever: f32 = points.iter().map(|p| p.impulse * p.offset.length()).sum();
+            let [a, b] = [0, 1].map(|i| &solved.bodies[patch.bodies[i] as usize]);
+            let along = a.response(patch.normal, patch.arms[0]) + b.response(patch.normal, patch.arms[1]);
+            let about = patch.normal.dot((a.inverse_inertia + b.inverse_inertia) * patch.normal);
+            // A point is a spot of 0.003 of the radius of gyration.
+            let spot = 0.003 * (along / about).sqrt();
+            let lever: f32 = points.iter().map(|p| p.impulse * p.offset.length().max(spot)).sum();
             let (force, limit) = (patch.tangential.length(), patch.friction * carried);
             prop_assert!(force <= limit * (1.0 + 1e-4) + 1e-4, "{force} of {limit} N s");
             let limit = patch.friction * lever;

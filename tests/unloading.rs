@@ -171,3 +171,28 @@ fn a_great_weight_that_is_thrown_off_leaves_no_push_behind() {
 fn a_great_weight_that_is_thrown_off_leaves_no_push_behind_at_large_steps() {
     nothing_pushes("massratio:100", 0.1);
 }
+
+/// What is round holds no load, and yet what it weighs on carries it: no step takes that for a load that is gone.
+#[test]
+fn what_a_ball_lies_on_stays_still() {
+    for dt in [1.0 / 60.0, 0.1] {
+        let mut lab = Lab::shipped(dt);
+        lab.ground();
+        let cube = lab.cube(Vec3::Y * 0.5);
+        let ball = lab.spawn((
+            RigidBody::Dynamic,
+            Collider::ball(0.5),
+            Density(20_000.0),
+            Transform::from_xyz(0.0, 1.5, 0.0),
+        ));
+        lab.run(2.0);
+        let from = lab.position(cube);
+        for _ in 0..(2.0 / dt) as usize {
+            lab.step();
+            let speed = lab.velocity(cube).linear.length();
+            assert!(speed < 1e-5, "at {dt}: {speed} m/s");
+        }
+        assert!(lab.position(cube).distance(from) < 1e-6);
+        assert!(lab.position(ball).y > 1.49);
+    }
+}

@@ -23,8 +23,7 @@ pub(super) fn touch(
 ) {
     let of_a = a.segment;
     let of_b = b.segment.transformed(place);
-    let (at_a, at_b) =
-        closest_points_segment_segment_with_locations(place, &a.segment, &b.segment);
+    let (at_a, at_b) = closest_points_segment_segment_with_locations(place, &a.segment, &b.segment);
     let (nearest_a, nearest_b) = (of_a.point_at(&at_a), of_b.point_at(&at_b));
     let between = nearest_b - nearest_a;
     let normal = between.try_normalize().unwrap_or(Vec3::Y);

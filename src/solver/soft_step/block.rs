@@ -16,6 +16,10 @@ const FRICTION: f32 = 0.3;
 /// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
 const ASIDE: f32 = 0.03;
 
+/// The radius of a point, as a share of the radius of gyration about its normal: what is pinched between two points turns about them,
+/// and without any friction there it would never come to rest.
+const SPOT: f32 = 0.003;
+
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
@@ -134,7 +138,7 @@ pub struct Block {
 pub struct Points {
     pub(super) x: Lane,
     pub(super) y: Lane,
-    /// √(x² + y²), m.
+    /// Distance from the centre, and that of a point of some size at least, m.
     pub(super) radius: Lane,
     /// Distance beyond the ideal when detected, m.
     pub(super) separation: Lane,
@@ -344,10 +348,12 @@ impl Block {
         let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
         self.compliance = self.anchored * gives * self.isotropic_mass.inverse();
         self.compliance_twist = self.anchored * gives * self.twist_mass.inverse();
+        let spot = Lane::splat(SPOT) * (self.twist_mass * self.normals.xx).sqrt();
         for point in points {
             let along = point.direction();
             point.radius = (point.x * point.x + point.y * point.y).sqrt();
             self.radius += self.share * point.radius;
+            point.radius = point.radius.max(spot);
             point.effect = self.normals.apply(along);
             point.mass = point.mass * along.dot(point.effect).inverse();
             point.compliance = gives * point.mass.inverse();

@@ -244,3 +244,20 @@ fn what_falls_or_hangs_in_the_air_hands_nothing_down() {
         assert!(masonry.points[4..].iter().all(|point| point.load == 0.0));
     }
 }
+
+/// What is round holds no load, and yet it weighs: what bears it has lost nothing, although its impulses of the moment, which shake,
+/// come short of it.
+#[test]
+fn what_bears_something_round_is_not_relieved() {
+    let mut masonry = Masonry::stack(4, 0.0);
+    masonry.start();
+    for point in &mut masonry.points[4..] {
+        point.load = 0.0;
+        point.impulse *= 0.9;
+    }
+    let before = masonry.points.clone();
+    masonry.start();
+    for (point, before) in masonry.points.iter().zip(before) {
+        assert_eq!((point.load, point.impulse), (before.load, before.impulse));
+    }
+}

@@ -123,8 +123,8 @@ pub struct Block {
     pub(super) held_twist: Lane,
     /// 1/n with n points.
     pub(super) share: Lane,
-    /// The mean of what its points carry at rest, N·s.
-    pub(super) load: Lane,
+    /// The inverse of the mean of what its points carry at rest, 1/(N·s); 0 where that is nothing.
+    pub(super) inverse_load: Lane,
     pub(super) stiffness: Lane,
     /// Fastest correction, m/s.
     pub(super) max_speed: Lane,
@@ -237,7 +237,9 @@ impl Block {
         let mine = &problem.points[patch.range()];
         self.share[lane] = 1.0 / mine.len() as f32;
         let mean = mine.iter().map(|p| p.load).sum::<f32>() / mine.len() as f32;
-        self.load[lane] = mean * share;
+        if mean > 0.0 {
+            self.inverse_load[lane] = 1.0 / (mean * share);
+        }
         for (to, point) in points.iter_mut().zip(mine) {
             to.load[lane] = point.load * share;
             to.x[lane] = t1.dot(point.offset);

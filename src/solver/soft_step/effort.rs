@@ -15,8 +15,8 @@ pub const SUBSTEPS_PER_RIGID_SWEEP: usize = 3;
 const ROUND: usize = SUBSTEPS_PER_RIGID_SWEEP + 1;
 
 /// The frequency of springs, Hz, is at least so many times courses · √(load / (mass · size)), SI units. A column of 100
-/// cubes under a noise of ±2 mm stands with it; with half of it it fell, as long as it did not start in equilibrium.
-const STABLE: f32 = 0.04;
+/// cubes under a noise of ±2 mm stands with it and with half of it, now that it starts in equilibrium; before, it needed twice as much.
+const STABLE: f32 = 0.02;
 
 /// Fewer courses count as so many: a cube under a thousand of its weight needs as much as a tower.
 const FEW: f32 = 24.0;
@@ -24,8 +24,9 @@ const FEW: f32 = 24.0;
 /// Where things are not as they were, sweeps come more often than usual by this share.
 const UNSETTLED: f32 = 0.5;
 
-/// They are not where so much of what contacts carry is new. Piles of round things are always so: nothing is held for them.
-const NEW: f32 = 0.25;
+/// They are as they were where less than the first share of what contacts carry is new, and not at all where the second is. Piles of
+/// round things never are: nothing is held for them.
+const NEW: [f32; 2] = [0.1, 0.35];
 
 /// What is too much for sweeps that come so many times as often as usual is too much.
 const MOST: f32 = 4.0;
@@ -48,7 +49,8 @@ impl Effort {
         let usual = ROUND as f32 / (SUBSTEPS_PER_RIGID_SWEEP as f32 * settings.longest_substep);
         let most = MOST * usual;
         let Carried { unsettled, pressed } = Carried::by(problem);
-        let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
+        let new = (unsettled - NEW[0]) / (NEW[1] - NEW[0]);
+        let usual = usual * (1.0 + UNSETTLED * new.clamp(0.0, 1.0));
         let rate = (settings.sweeps_per_period * stable(problem, pressed)).clamp(usual, most);
         let sweeps = |seconds: f32| {
             let rounds = (rate * seconds / ROUND as f32 - A_LITTLE).ceil() as usize;

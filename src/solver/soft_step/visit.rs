@@ -135,12 +135,13 @@ impl Block {
         ];
         let pull_twist =
             self.compliance_twist * self.held_twist - self.slip_twist - moved.angular.x;
-        let length = (pull[0] * pull[0] + pull[1] * pull[1]).sqrt();
+        let square = pull[0] * pull[0] + pull[1] * pull[1];
         let angle = pull_twist.max(-pull_twist);
         let play = Lane::splat(PLAY);
-        if !length.any_above(play) && !(angle * self.radius).any_above(play) {
+        if !square.any_above(play * play) && !(angle * self.radius).any_above(play) {
             return;
         }
+        let length = square.sqrt();
         let limit = self.most_twist(carried);
         let reach = self.compliance_twist * limit + play * self.radius.inverse();
         let cut = (reach * angle.inverse()).min(Lane::ONE) - Lane::ONE;
@@ -267,7 +268,7 @@ impl Block {
         let soft = &self.softness;
         let mean = carried.all * self.share;
         // The share of its load that the patch still carries, and what of it is held at most.
-        let left = mean * self.load.inverse();
+        let left = mean * self.inverse_load;
         let most = (left * Lane::splat(UNLOADED)).min(Lane::ONE);
         let left = left.min(Lane::ONE);
         let mut normals = on_normals_local(&visit.velocity);

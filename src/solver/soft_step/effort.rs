@@ -26,7 +26,7 @@ const UNSETTLED: f32 = 0.5;
 
 /// They are as they were where less than the first share of what contacts carry is new, and not at all where the second is. Piles of
 /// round things never are: nothing is held for them.
-const NEW: [f32; 2] = [0.1, 0.35];
+const NEW: [f32; 2] = [0.1, 0.2];
 
 /// What is too much for sweeps that come so many times as often as usual is too much.
 const MOST: f32 = 4.0;

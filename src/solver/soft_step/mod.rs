@@ -11,8 +11,8 @@
 //! - **Impulses carry over whole** from substep to substep. With arms frozen they do again what they did, so that forces and
 //!   warm start are an extrapolation of the velocities and cost no pass over the contacts.
 //! - **Every third substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
-//!   course in walls and pyramids of 40 courses. After every second, at equal sweeps, arches tremble and small pyramids drift
-//!   twice as far; those of 50 courses come to rest sooner.
+//!   course in walls and pyramids of 40 courses; those get one after every second, with which, at equal sweeps, arches tremble and
+//!   small pyramids drift twice as far.
 //! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry their load at rest by
 //!   themselves, and springs rest where surfaces meet and where friction took hold: integral action. The mean of a patch is followed
 //!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
@@ -37,7 +37,7 @@ mod visit;
 use super::{Body, ContactSolver, Patch, Problem, Rows, SolveReport};
 use batches::Batches;
 use block::{Block, Pass, Points, Spring};
-use effort::{Effort, SUBSTEPS_PER_RIGID_SWEEP};
+use effort::Effort;
 use glam::Vec4;
 use lanes::{Lane, State};
 use std::f32::consts::TAU;
@@ -105,14 +105,13 @@ impl ContactSolver for SoftStep {
         let bounces = bounce::find(problem);
         cold_start::cold_start(problem);
         let effort = Effort::new(self, problem);
-        let substeps = effort.substeps;
-        let mut island = Island::new(problem, substeps);
-        let report = island.advance(self, effort.rate, problem);
+        let mut island = Island::new(problem, effort.substeps);
+        let report = island.advance(self, effort, problem);
         island.store(
             problem,
             (report.sweeps as f32 / self.preload_sweeps).min(1.0),
         );
-        bounce::bounce(problem, bounces, substeps);
+        bounce::bounce(problem, bounces, effort.substeps);
         report
     }
 }
@@ -180,10 +179,15 @@ impl Island {
         }
     }
 
-    fn advance(&mut self, settings: &SoftStep, rate: f32, problem: &mut Problem) -> SolveReport {
+    fn advance(
+        &mut self,
+        settings: &SoftStep,
+        effort: Effort,
+        problem: &mut Problem,
+    ) -> SolveReport {
         let h = problem.dt / self.substeps as f32;
         let spring = Spring {
-            omega: TAU * rate / settings.sweeps_per_period,
+            omega: TAU * effort.rate / settings.sweeps_per_period,
             damping_ratio: settings.damping_ratio,
             h,
         };
@@ -202,7 +206,7 @@ impl Island {
             let change = self.sweep::<true>(&pass);
             report.record(change, problem);
             self.drift(h);
-            if substep % SUBSTEPS_PER_RIGID_SWEEP == 0 || substep == self.substeps {
+            if substep % effort.substeps_per_rigid_sweep == 0 || substep == self.substeps {
                 let change = self.sweep::<false>(&pass);
                 report.record(change, problem);
             }

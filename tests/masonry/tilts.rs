@@ -141,6 +141,7 @@ fn stacks() -> Vec<Structure> {
     [3, 5, 8].map(Structure::stack).into()
 }
 
+/// The last is that of 10 along.
 fn walls() -> Vec<Structure> {
     let both = |courses| {
         [
@@ -157,13 +158,11 @@ fn stacks_built_on_a_slope_fall_at_their_limits_at_60_hz() {
 }
 
 #[test]
-#[ignore = "missed: of 5 falls at 96.7 % of its limit, of 8 at 92 %, wanted 97 %"]
 fn stacks_built_on_a_slope_fall_at_their_limits_at_30_hz() {
     fresh_met(&stacks(), STEPS[1]);
 }
 
 #[test]
-#[ignore = "missed: of 5 falls at 87 % of its limit, of 8 at 43 %, wanted 95 %"]
 fn stacks_built_on_a_slope_fall_at_their_limits_at_a_tenth_of_a_second() {
     fresh_met(&stacks(), STEPS[2]);
 }
@@ -179,61 +178,58 @@ fn stacks_tipped_slowly_fall_at_their_limits_at_30_hz() {
 }
 
 #[test]
-#[ignore = "missed: of 8 falls at 60 % of its limit, wanted 95 %"]
 fn stacks_tipped_slowly_fall_at_their_limits_at_a_tenth_of_a_second() {
     settled_met(&stacks(), STEPS[2]);
 }
 
 #[test]
-#[ignore = "missed: of 10 falls across at 91 % of its limit, along at 95 %, wanted 97 %"]
 fn walls_built_on_a_slope_fall_at_their_limits_at_60_hz() {
     fresh_met(&walls(), STEPS[0]);
 }
 
 #[test]
-#[ignore = "missed: of 10 falls across at 79 % of its limit, along at 88 %, wanted 97 %"]
 fn walls_built_on_a_slope_fall_at_their_limits_at_30_hz() {
     fresh_met(&walls(), STEPS[1]);
 }
 
 #[test]
-#[ignore = "missed: of 10 falls across at 5 % of its limit, along at 50 %, wanted 95 %"]
 fn walls_built_on_a_slope_fall_at_their_limits_at_a_tenth_of_a_second() {
     fresh_met(&walls(), STEPS[2]);
 }
 
 #[test]
-#[ignore = "open in issue 9, held with 24 sweeps a step: the wall of 10 along falls at 96.5 %, the others hold"]
 fn walls_tipped_slowly_fall_at_their_limits_at_60_hz() {
-    settled_met(&walls(), STEPS[0]);
+    settled_met(&walls()[..3], STEPS[0]);
 }
 
 #[test]
-#[ignore = "missed: of 10 falls across at 94 % of its limit, along at 94 %, wanted 97 %"]
 fn walls_tipped_slowly_fall_at_their_limits_at_30_hz() {
-    settled_met(&walls(), STEPS[1]);
+    settled_met(&walls()[..3], STEPS[1]);
 }
 
 #[test]
-#[ignore = "missed: of 10 falls across at 10 % of its limit, along at 68 %, wanted 95 %"]
+#[ignore = "missed: falls at 96.5 % of its limit, wanted 97 %; built on the slope at 99.3 %"]
+fn a_wall_of_10_along_tipped_slowly_falls_at_its_limit() {
+    settled_met(&walls()[3..], STEPS[0]);
+    settled_met(&walls()[3..], STEPS[1]);
+}
+
+#[test]
 fn walls_tipped_slowly_fall_at_their_limits_at_a_tenth_of_a_second() {
     settled_met(&walls(), STEPS[2]);
 }
 
 #[test]
-#[ignore = "missed: falls at 96.7 % of its limit, wanted 97 %"]
 fn an_arch_built_on_a_slope_falls_at_its_limit_at_60_hz() {
     fresh_met(&[Structure::arch()], STEPS[0]);
 }
 
 #[test]
-#[ignore = "missed: falls at 92 % of its limit, wanted 97 %"]
 fn an_arch_built_on_a_slope_falls_at_its_limit_at_30_hz() {
     fresh_met(&[Structure::arch()], STEPS[1]);
 }
 
 #[test]
-#[ignore = "missed: falls at 71 % of its limit, wanted 95 %"]
 fn an_arch_built_on_a_slope_falls_at_its_limit_at_a_tenth_of_a_second() {
     fresh_met(&[Structure::arch()], STEPS[2]);
 }
@@ -249,7 +245,6 @@ fn an_arch_tipped_slowly_falls_at_its_limit_at_30_hz() {
 }
 
 #[test]
-#[ignore = "missed: falls at 83 % of its limit, wanted 95 %"]
 fn an_arch_tipped_slowly_falls_at_its_limit_at_a_tenth_of_a_second() {
     settled_met(&[Structure::arch()], STEPS[2]);
 }

@@ -15,7 +15,7 @@ const TALL: usize = 40;
 const SUBSTEPS_PER_RIGID_SWEEP_IF_TALL: usize = 2;
 
 /// The frequency of springs, Hz, is at least so many times courses · √(load / (mass · size)), SI units. A column of 100
-/// cubes under a noise of ±2 mm stands with it and with half of it, now that it starts in equilibrium; before, it needed twice as much.
+/// cubes under a noise of ±2 mm stands with it, now that it starts in equilibrium; before, it needed twice as much.
 const STABLE: f32 = 0.02;
 
 /// Fewer courses count as so many: a cube under a thousand of its weight needs as much as a tower.

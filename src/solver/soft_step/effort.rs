@@ -56,7 +56,7 @@ impl Effort {
         let round = soft + 1;
         let usual = round as f32 / (soft as f32 * settings.longest_substep);
         let most = MOST * usual;
-        let Carried { unsettled, pressed } = Carried::by(problem);
+        let Loads { unsettled, pressed } = Loads::of(problem);
         let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
         let rate =
             (settings.sweeps_per_period * stable(problem, &courses, pressed)).clamp(usual, most);
@@ -84,15 +84,15 @@ fn substeps(sweeps: usize, per_rigid_sweep: usize) -> usize {
 }
 
 /// What the contacts of a problem carry.
-struct Carried {
+struct Loads {
     /// The share of it that they have not carried for long, 0..1.
     unsettled: f32,
     /// The most that something has carried for long by its mass and size, 1/s².
     pressed: f32,
 }
 
-impl Carried {
-    fn by(problem: &Problem) -> Self {
+impl Loads {
+    fn of(problem: &Problem) -> Self {
         let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
         for patch in problem.patches.iter() {
             let points = &problem.points[patch.range()];
@@ -112,7 +112,7 @@ impl Carried {
     }
 }
 
-/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`Carried::pressed`]).
+/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`Loads::pressed`]).
 fn stable(problem: &Problem, courses: &[Course], pressed: f32) -> f32 {
     let mut above = 0.0;
     let mut most = pressed;

@@ -6,9 +6,9 @@
 use super::dispatcher::ParryManifold;
 use glam::Vec3;
 use parry3d::math::Pose;
-use parry3d::query::TrackedContact;
 use parry3d::query::details::closest_points_segment_segment_with_locations;
-use parry3d::shape::{Capsule, PackedFeatureId, Segment};
+use parry3d::query::{PointQuery, TrackedContact};
+use parry3d::shape::{Capsule, PackedFeatureId};
 
 /// They lie side by side where the way from one to the other leans from the normal by so much at most, as a sine.
 const ASIDE: f32 = 0.02;
@@ -51,16 +51,9 @@ pub(super) fn touch(
         }
     };
     for end in [of_a.a, of_a.b] {
-        add_end(end, nearest(&of_b, end));
+        add_end(end, of_b.project_local_point(end, true).point);
     }
     for end in [of_b.a, of_b.b] {
-        add_end(nearest(&of_a, end), end);
+        add_end(of_a.project_local_point(end, true).point, end);
     }
-}
-
-/// The point of a segment nearest to another.
-fn nearest(segment: &Segment, point: Vec3) -> Vec3 {
-    let along = segment.b - segment.a;
-    let share = (point - segment.a).dot(along) / along.length_squared();
-    segment.a + along * if share > 0.0 { share.min(1.0) } else { 0.0 }
 }

@@ -100,7 +100,7 @@ pub fn questions() -> Vec<Question> {
         },
         Question {
             title: "Which classifier? Soft Step",
-            note: "Drift in mm after 20 s at 60 Hz and after 60 s at Δt 0.1: 24 sweeps, pair-pose anchors.",
+            note: "Drift in mm after 20 s at 60 Hz and after 60 s at Δt 0.1, pair-pose anchors.",
             rules: CLASSIFIERS,
             columns: soft_step(),
         },
@@ -119,7 +119,7 @@ pub fn questions() -> Vec<Question> {
         Question {
             title: "Is rolling told from sliding?",
             note: "A sphere that rolls at 1 m/s: its speed after 5 s. A slab that slides at 3 m/s: its way; v²/(2 μ g) is 0.917 m, in steps of 0.1 s \
-                v Δt/2 less: 0.767 m. NNCG 75, Soft Step 24.",
+                v Δt/2 less: 0.767 m. NNCG 75, Soft Step.",
             rules: ANCHORS,
             columns: moving.into_iter().flatten().collect(),
         },

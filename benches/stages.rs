@@ -14,8 +14,8 @@ use drystone::schedule::step;
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone::solver::merit::free_merit;
 use drystone::solver::{
-    Body, Contact, ContactInput, ContactSolver, FrictionCone, Nncg, Patch, PatchPoint, Pgs,
-    Problem, SoftStep,
+    Body, FrictionCone, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
+    PointConstraint, PointInput, PointProblem, PointSolver, SoftStep,
 };
 use glam::{Mat3, Vec3};
 use std::hint::black_box;
@@ -62,7 +62,7 @@ fn systems(criterion: &mut Criterion) {
 }
 
 /// The contacts of a wall, four points each, as the solver sees them: each brick on two below.
-fn wall_problem(width: u32, courses: u32) -> (Vec<Body>, Vec<Contact>) {
+fn wall_problem(width: u32, courses: u32) -> (Vec<Body>, Vec<PointConstraint>) {
     let ground = Body {
         inverse_inertia: Mat3::ZERO,
         ..Default::default()
@@ -89,14 +89,14 @@ fn wall_problem(width: u32, courses: u32) -> (Vec<Body>, Vec<Contact>) {
                 for (x, z) in [(0.0, -0.25), (0.5, 0.25), (0.5, -0.25), (0.0, 0.25)] {
                     let arm = Vec3::new(side * x, -0.25, z);
                     let from_below = Vec3::new(side * (x - 0.5), 0.25, z);
-                    let input = ContactInput {
+                    let input = PointInput {
                         bodies: [body, below],
                         normal: Vec3::Y,
                         arms: [arm, from_below],
                         friction: 0.5,
                         ..Default::default()
                     };
-                    contacts.push(Contact::prepare(&input, &bodies));
+                    contacts.push(PointConstraint::prepare(&input, &bodies));
                 }
             }
         }
@@ -111,26 +111,28 @@ fn solvers(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("solver, per contact point and sweep");
     group.sample_size(20);
     group.throughput(Throughput::Elements((contacts.len() * SWEEPS) as u64));
-    let solvers: [&dyn ContactSolver; 2] = [&Pgs, &Nncg];
-    for solver in solvers {
-        for cone in [FrictionCone::Circular, FrictionCone::Box] {
+    for cone in [FrictionCone::Circular, FrictionCone::Box] {
+        let pgs = Pgs {
+            iterations: SWEEPS,
+            cone,
+            ..Default::default()
+        };
+        let nncg = Nncg {
+            iterations: SWEEPS,
+            cone,
+            ..Default::default()
+        };
+        let solvers: [&dyn PointSolver; 2] = [&pgs, &nncg];
+        for solver in solvers {
             let id = BenchmarkId::new(solver.name(), format!("{cone:?}"));
             group.bench_function(id, |bencher| {
                 bencher.iter_batched_ref(
                     || (bodies.clone(), contacts.clone()),
-                    |(bodies, contacts)| {
-                        let mut problem = Problem {
+                    |(bodies, constraints)| {
+                        let mut problem = PointProblem {
                             bodies,
-                            contacts,
-                            patches: &mut [],
-                            points: &mut [],
+                            constraints,
                             dt: DT,
-                            longest: DT,
-                            gravity: Vec3::NEG_Y * 9.81,
-                            max_correction_speed: 2.0,
-                            cone,
-                            iterations: SWEEPS,
-                            tolerance: 0.0,
                             free_merit,
                             record_history: false,
                         };
@@ -145,9 +147,9 @@ fn solvers(criterion: &mut Criterion) {
 }
 
 /// The same contacts as patches of four points.
-fn patches(contacts: &[Contact]) -> (Vec<Patch>, Vec<PatchPoint>) {
+fn patches(contacts: &[PointConstraint]) -> (Vec<PatchConstraint>, Vec<PatchPoint>) {
     let mut points = Vec::new();
-    let patch = |contacts: &[Contact]| {
+    let patch = |contacts: &[PointConstraint]| {
         let first = points.len() as u32;
         let mean = |side: usize| {
             let arms = contacts.iter().map(|c| c.arms[side]);
@@ -158,7 +160,7 @@ fn patches(contacts: &[Contact]) -> (Vec<Patch>, Vec<PatchPoint>) {
             offset: c.arms[0] - arms[0],
             ..Default::default()
         }));
-        Patch {
+        PatchConstraint {
             bodies: contacts[0].bodies,
             normal: contacts[0].normal,
             arms,
@@ -178,6 +180,11 @@ fn patches(contacts: &[Contact]) -> (Vec<Patch>, Vec<PatchPoint>) {
 /// Soft Step, preparation and all, for each contact point and sweep.
 fn soft_step(criterion: &mut Criterion) {
     const SWEEPS: usize = 24;
+    let soft_step = SoftStep {
+        most_sweeps: SWEEPS,
+        longest_substep: DT / SWEEPS as f32,
+        ..Default::default()
+    };
     let (bodies, contacts) = wall_problem(40, 25);
     let (patches, points) = patches(&contacts);
     let mut group = criterion.benchmark_group("solver, per contact point and sweep");
@@ -187,19 +194,14 @@ fn soft_step(criterion: &mut Criterion) {
         bencher.iter_batched_ref(
             || (bodies.clone(), patches.clone(), points.clone()),
             |(bodies, patches, points)| {
-                black_box(SoftStep::default().solve(&mut Problem {
+                black_box(soft_step.solve(&mut PatchProblem {
                     bodies,
-                    contacts: &mut [],
                     patches,
                     points,
                     dt: DT,
                     longest: DT,
                     gravity: Vec3::NEG_Y * 9.81,
                     max_correction_speed: 2.0,
-                    cone: FrictionCone::Circular,
-                    iterations: SWEEPS,
-                    tolerance: 0.0,
-                    free_merit: 0.0,
                     record_history: false,
                 }))
             },

@@ -12,7 +12,6 @@ use crate::contact::{
     NarrowphaseCache,
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
-use crate::gather::SolverSlot;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
@@ -236,12 +235,11 @@ type Broken = (
                 Without<ContactImpulses>,
                 Without<ContactAnchors>,
                 Without<NarrowphaseCache>,
-                Without<SolverSlot>,
                 With<Disabled>,
             )>,
         ),
         // By what nobody but drystone has: a manifold may be a user's own copy.
-        (Without<ContactPair>, With<SolverSlot>),
+        (Without<ContactPair>, With<NarrowphaseCache>),
     )>,
     Allow<Disabled>,
 );

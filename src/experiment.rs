@@ -8,7 +8,8 @@ use crate::profile::Profile;
 use crate::scenes::{Built, Hand, Phase, Scene, SceneOptions};
 use crate::schedule::step;
 use crate::settings::{
-    PhysicsThreads, Preset, SleepSettings, SolverSettings, StabilizationSettings,
+    NarrowphaseSettings, PhysicsThreads, Preset, SleepSettings, SolverSettings,
+    StabilizationSettings,
 };
 use crate::solve::SolveReports;
 use bevy_app::App;
@@ -27,6 +28,8 @@ pub struct Experiment {
     pub dt: f32,
     /// Stabilization.
     pub stabilization: StabilizationSettings,
+    /// What becomes of manifolds.
+    pub narrowphase: NarrowphaseSettings,
     /// Solver.
     pub solver: SolverSettings,
     /// Sleeping.
@@ -49,6 +52,7 @@ impl Experiment {
             options,
             dt: preset.dt(),
             stabilization: preset.stabilization(),
+            narrowphase: preset.narrowphase(),
             solver: preset.solver(),
             sleeping: preset.sleeping(),
             threads: PhysicsThreads::default(),
@@ -67,6 +71,7 @@ impl Experiment {
         app.add_plugins(DrystonePlugins::default());
         let mut world = std::mem::take(app.world_mut());
         world.insert_resource(self.stabilization);
+        world.insert_resource(self.narrowphase);
         world.insert_resource(self.solver.clone());
         world.insert_resource(self.sleeping);
         world.insert_resource(self.threads.clone());

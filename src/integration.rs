@@ -1,7 +1,7 @@
 //! The stage **integration**: x ← x + Δt v with the velocities just solved (semi-implicit Euler), rotation with its gyroscopic
 //! term, and poses out to `Transform`.
 //!
-//! What flies freely under [`Rows::Patches`] goes on a parabola, x ← x + Δt (v + v')/2 as far as gravity has changed v: by the
+//! What flies freely under a solver of patches goes on a parabola ([`Motion::Flight`]), x ← x + Δt (v + v')/2 as far as gravity has changed v: by the
 //! other rule a body comes down with less energy than it went up with, gΔt v of it, and a ball that bounces at 60 Hz would lose
 //! 4 to 10 % each time. (Under the paper's solvers a bounce gives that back.)
 //!
@@ -14,12 +14,10 @@
 //! momentum, which keeps both at any speed, though not the way in which it tumbles.
 
 use crate::body::{
-    BodyIndex, BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity, local_pose,
+    BodyIndex, BodyTable, MassProperties, Motion, Pose, Quarantined, RigidBody, Velocity,
+    local_pose,
 };
-use crate::gather::Problems;
-use crate::islands::Islands;
-use crate::settings::{Gravity, SolverSettings, StepTime};
-use crate::solver::Rows;
+use crate::settings::StepTime;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
 use bevy_transform::components::Transform;
@@ -28,13 +26,13 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 /// First half of the stage: moves the bodies, and writes the `Transform` of those without a parent.
 pub fn integration(
     time: Res<StepTime>,
-    (gravity, solver): (Res<Gravity>, Res<SolverSettings>),
-    (table, islands, problems): (Res<BodyTable>, Res<Islands>, Res<Problems>),
+    table: Res<BodyTable>,
     mut bodies: Query<
         (
             Entity,
             &BodyIndex,
             &MassProperties,
+            &Motion,
             &mut Velocity,
             &mut Pose,
             &mut Transform,
@@ -44,9 +42,7 @@ pub fn integration(
     >,
 ) {
     let dt = time.dt;
-    let fall = gravity.0.length() * dt;
-    let parabolas = solver.solver.rows() == Rows::Patches;
-    for (entity, index, mass, mut velocity, mut pose, mut transform, child) in &mut bodies {
+    for (entity, index, mass, motion, mut velocity, mut pose, mut transform, child) in &mut bodies {
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
@@ -54,22 +50,17 @@ pub fn integration(
         if still && !pose.is_changed() && !transform.is_changed() {
             continue;
         }
-        // Corrections move bodies that have no velocity of their own.
-        let motion = problems.motion(&islands, index.0);
-        let Velocity { linear, angular } = motion.unwrap_or(*velocity);
+        let mean = motion.mean(&velocity);
+        let Velocity { linear, angular } = mean.unwrap_or(*velocity);
         let moves = [linear, angular, velocity.linear, velocity.angular];
         if let Some(target) = body.target.filter(|_| time.is_last()) {
             *pose = target;
         } else if !still && moves != [Vec3::ZERO; 4] {
             let (velocity, pose) = (velocity.bypass_change_detection(), &mut *pose);
-            let mut way = dt * linear;
-            if parabolas && body.kind == RigidBody::Dynamic && motion.is_none() {
-                let gained = velocity.linear - body.velocity.linear;
-                way -= 0.5 * dt * gained.clamp_length_max(fall);
-            }
+            let way = dt * linear - dt * motion.lag();
             let center = pose.transform_point(mass.local_center) + way;
             let before = pose.rotation;
-            (pose.rotation, velocity.angular) = match (body.kind, motion) {
+            (pose.rotation, velocity.angular) = match (body.kind, mean) {
                 (RigidBody::Dynamic, None) => rotate(mass, before, velocity.angular, dt),
                 (RigidBody::Dynamic, Some(_)) => {
                     carried(mass, before, angular, velocity.angular, dt)

@@ -43,9 +43,7 @@
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
-//! | gather | [`gather`] | | pairs, velocities | solver scratch |
-//! | warm start | [`warm_start`] | | last impulses | solver scratch |
-//! | solve | [`solve`], [`solver`] | (1), (4) | solver scratch | `Velocity`, [`ContactImpulses`](contact::ContactImpulses) |
+//! | solve | [`solve`], [`solver`] | (1), (4) | pairs, velocities, last impulses | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
 //! | sleeping | [`sleeping`] | | `Velocity` | [`Sleeping`](sleeping::Sleeping) |
@@ -69,7 +67,6 @@ pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
 pub mod diagnostics;
 pub mod experiment;
-pub mod gather;
 pub mod grab;
 pub mod integration;
 pub mod islands;
@@ -84,7 +81,6 @@ pub mod sleeping;
 pub mod solve;
 pub mod solver;
 pub mod stabilization;
-pub mod warm_start;
 
 pub use plugin::*;
 pub use schedule::{advance, step};
@@ -93,7 +89,7 @@ pub use schedule::{advance, step};
 pub mod prelude {
     pub use crate::body::{
         Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-        GravityScale, Mass, Pose, Quarantined, RigidBody, Teleport, Velocity,
+        GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Teleport, Velocity,
     };
     pub use crate::collider::{
         Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
@@ -104,7 +100,8 @@ pub mod prelude {
     pub use crate::profile::Profile;
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{
-        Gravity, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+        ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
+        StabilizationSettings,
     };
     pub use crate::sleeping::Sleeping;
     pub use crate::{DrystonePlugins, step};

@@ -4,17 +4,16 @@ use crate::body::{self, BodyTable};
 use crate::broadphase::{self, Broadphase};
 use crate::contact::{self, ContactEnded, ContactStarted, EndedPairs, Untriggered};
 use crate::diagnosis::{BodyError, StepError, Suspects};
-use crate::gather::{self, Problems};
 use crate::islands::Islands;
 use crate::profile::{Profile, timed};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, advance, physics_schedule};
 use crate::settings::{
-    Gravity, InForce, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
-    StabilizationSettings, StepTime,
+    Gravity, InForce, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings,
+    SpeedLimits, StabilizationSettings, StepTime, solves_points,
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
-use crate::{integration, islands, narrowphase, sleeping, solve, warm_start};
+use crate::{integration, islands, narrowphase, sleeping, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
@@ -79,6 +78,7 @@ impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Gravity>()
             .init_resource::<StabilizationSettings>()
+            .init_resource::<NarrowphaseSettings>()
             .init_resource::<SolverSettings>()
             .init_resource::<SleepSettings>()
             .init_resource::<SpeedLimits>()
@@ -90,7 +90,6 @@ impl Plugin for StepPlugin {
             .init_resource::<BodyTable>()
             .init_resource::<Broadphase>()
             .init_resource::<Islands>()
-            .init_resource::<Problems>()
             .init_resource::<SolveReports>()
             .init_resource::<EndedPairs>()
             .init_resource::<Untriggered>()
@@ -192,11 +191,18 @@ pub struct NormalStabilizationPlugin;
 
 impl Plugin for NormalStabilizationPlugin {
     fn build(&self, app: &mut App) {
-        stages!(app, NormalCorrection: "normal_correction" normal::normal_correction);
+        let profile = app.world().resource::<Profile>().clone();
+        // Solvers of patches correct distances themselves, anew in each of their substeps.
+        app.add_systems(
+            PhysicsSchedule,
+            timed(&profile, "normal_correction", normal::normal_correction)
+                .run_if(solves_points)
+                .in_set(PhysicsSystems::NormalCorrection),
+        );
     }
 }
 
-/// Islands, gather, warm start, solve.
+/// Islands, solve.
 pub struct SolverPlugin;
 
 impl Plugin for SolverPlugin {
@@ -204,8 +210,6 @@ impl Plugin for SolverPlugin {
         stages!(
             app,
             Islands: "islands" islands::islands,
-            Gather: "gather" gather::gather,
-            WarmStart: "warm_start" warm_start::warm_start,
             Solve: "solve" solve::solve,
         );
     }

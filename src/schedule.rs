@@ -35,11 +35,7 @@ pub enum PhysicsSystems {
     NormalCorrection,
     /// v += Δt M⁻¹ f.
     Forces,
-    /// Gathers the solver's problems.
-    Gather,
-    /// λ from the last step.
-    WarmStart,
-    /// λ and v.
+    /// λ and v, island by island, from the λ of the last step.
     Solve,
     /// Equation (10) with the λ just found; writes or deletes anchors.
     Anchors,
@@ -53,7 +49,7 @@ pub enum PhysicsSystems {
 
 impl PhysicsSystems {
     /// All of them, in the order in which they run.
-    pub const ORDER: [Self; 14] = [
+    pub const ORDER: [Self; 12] = [
         Self::Prepare,
         Self::Broadphase,
         Self::Narrowphase,
@@ -61,8 +57,6 @@ impl PhysicsSystems {
         Self::FrictionError,
         Self::NormalCorrection,
         Self::Forces,
-        Self::Gather,
-        Self::WarmStart,
         Self::Solve,
         Self::Anchors,
         Self::Integration,

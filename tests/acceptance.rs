@@ -7,27 +7,29 @@ use drystone::body::Velocity;
 use drystone::experiment::{Experiment, Outcome};
 use drystone::metrics;
 use drystone::scenes::Scene;
-use drystone::settings::{AnchorRule, NormalStabilization, PhysicsThreads, Preset, SolverSettings};
-use drystone::solver::{ContactSolver, Direction, Grouping, Problem, SolveReport};
+use drystone::settings::{AnchorRule, ContactSolver, NormalStabilization, PhysicsThreads, Preset};
+use drystone::solver::{
+    Direction, FrictionCone, Grouping, Nncg, Pgs, PointProblem, PointSolver, SolveReport,
+};
 use std::sync::Arc;
 
 const SEEDS: [u64; 3] = [1, 2, 3];
 const MINUTE: f32 = 60.0;
 
 /// A scene under the paper's settings on one thread: rows of this list run side by side.
-fn paper(scene: Scene, solver: impl Fn(SolverSettings) -> SolverSettings) -> Experiment {
+fn paper(scene: Scene, solver: impl Into<ContactSolver>) -> Experiment {
     let mut experiment = Experiment::new(scene, Preset::Paper);
     experiment.threads = PhysicsThreads::new(1).expect("one thread can be had");
-    experiment.solver = solver(experiment.solver);
+    experiment.solver.solver = solver.into();
     experiment
 }
 
 fn pgs_12(scene: Scene) -> Experiment {
-    paper(scene, |s| s.with_pgs(12))
+    paper(scene, Pgs::default())
 }
 
 fn nncg_75(scene: Scene) -> Experiment {
-    paper(scene, |s| s.with_nncg(75))
+    paper(scene, Nncg::default())
 }
 
 fn off(experiment: &Experiment) -> Experiment {
@@ -157,7 +159,16 @@ fn tall_wall(mut experiment: Experiment, substeps: usize) {
 
 #[test]
 fn row_08_wall_20x15_in_4_substeps_of_nncg_20() {
-    tall_wall(paper(Scene::Wall(20, 15), |s| s.with_nncg(20)), 4);
+    tall_wall(
+        paper(
+            Scene::Wall(20, 15),
+            Nncg {
+                iterations: 20,
+                ..Default::default()
+            },
+        ),
+        4,
+    );
 }
 
 #[test]
@@ -203,19 +214,20 @@ fn travel(experiment: &Experiment, seconds: f32) -> f32 {
     run.poses()[0].position.distance(start)
 }
 
-/// Gauss–Seidel as plainly as it can be: contact after contact, always the same way.
+/// Gauss–Seidel as plainly as it can be: contact after contact, always the same way, twelve times.
 struct PlainPgs;
 
-impl ContactSolver for PlainPgs {
+impl PointSolver for PlainPgs {
     fn name(&self) -> &str {
         "plain-pgs"
     }
 
-    fn solve(&self, problem: &mut Problem) -> SolveReport {
-        let mut report = SolveReport::default();
-        for _ in 0..problem.iterations {
-            let merit = problem.sweep(Direction::Forwards, Grouping::Point).sqrt();
-            report.record(merit, problem);
+    fn solve(&self, problem: &mut PointProblem) -> SolveReport {
+        let mut report = problem.report();
+        for _ in 0..12 {
+            let change =
+                problem.sweep(Direction::Forwards, Grouping::Point, FrictionCone::Circular);
+            report.record(change.sqrt());
         }
         report
     }
@@ -228,7 +240,7 @@ impl ContactSolver for PlainPgs {
 fn row_11_slab_just_below_the_critical_slope() {
     let ours = pgs_12(Scene::Incline(26.4));
     let mut plain = ours.clone();
-    plain.solver.solver = Arc::new(PlainPgs);
+    plain.solver.solver = ContactSolver::Points(Arc::new(PlainPgs));
     let slips = |e: &Experiment| [travel(e, MINUTE), travel(&off(e), MINUTE)];
     let (ours, plain) = (slips(&ours), slips(&plain));
     println!("with and without: ours {ours:?}, plain {plain:?}");

@@ -14,9 +14,9 @@ use drystone::contact::ContactPair;
 use drystone::diagnosis::{BodyProblem, StepError};
 use drystone::grab::Grab;
 use drystone::settings::{
-    Gravity, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+    ContactSolver, Gravity, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
 };
-use drystone::solver::{ContactSolver, Problem, SoftStep, SolveReport};
+use drystone::solver::{Nncg, PatchProblem, PatchSolver, Pgs, SoftStep, SolveReport};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 use support::*;
@@ -231,16 +231,12 @@ fn speed_is_capped() {
 /// Wrong in one island only.
 struct Wrong;
 
-impl ContactSolver for Wrong {
+impl PatchSolver for Wrong {
     fn name(&self) -> &str {
         "wrong"
     }
 
-    fn rows(&self) -> drystone::solver::Rows {
-        drystone::solver::Rows::Patches
-    }
-
-    fn solve(&self, problem: &mut Problem) -> SolveReport {
+    fn solve(&self, problem: &mut PatchProblem) -> SolveReport {
         let report = SoftStep::default().solve(problem);
         if problem.bodies.len() > 10 {
             problem.bodies[3].linear.x = f32::NAN;
@@ -257,7 +253,7 @@ fn an_island_whose_solve_goes_wrong_keeps_its_poses_and_recovers() {
     let before = site.poses(&site.bricks);
     let sound = site.lab.world.resource::<SolverSettings>().clone();
     let wrong = SolverSettings {
-        solver: Arc::new(Wrong),
+        solver: ContactSolver::Patches(Arc::new(Wrong)),
         ..sound.clone()
     };
     site.lab.world.insert_resource(wrong);
@@ -314,20 +310,36 @@ fn settings_that_cannot_be() {
         });
     }
     refuse("SolverSettings", |world| {
-        world.resource_mut::<SolverSettings>().iterations = 0;
+        world.resource_mut::<SolverSettings>().solver = Pgs {
+            iterations: 0,
+            ..Default::default()
+        }
+        .into();
+    });
+    refuse("SolverSettings", |world| {
+        world.resource_mut::<SolverSettings>().solver = SoftStep {
+            most_sweeps: 0,
+            ..Default::default()
+        }
+        .into();
     });
     refuse("SolverSettings", |world| {
         world.resource_mut::<SolverSettings>().substeps = 0;
     });
     refuse("SolverSettings", |world| {
-        world.resource_mut::<SolverSettings>().warm_start = f32::NAN;
+        world.resource_mut::<SolverSettings>().solver = Nncg {
+            warm_start: f32::NAN,
+            ..Default::default()
+        }
+        .into();
     });
     for bad in [f32::NAN, -1.0, f32::INFINITY] {
         refuse("SolverSettings", |world| {
-            world.resource_mut::<SolverSettings>().solver = Arc::new(SoftStep {
+            world.resource_mut::<SolverSettings>().solver = SoftStep {
                 damping_ratio: bad,
                 ..Default::default()
-            });
+            }
+            .into();
         });
     }
     refuse("StabilizationSettings", |world| {

@@ -14,9 +14,9 @@ use drystone::contact::{
 };
 use drystone::profile::Profile;
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
-use drystone::settings::{SleepSettings, SolverSettings, StabilizationSettings};
+use drystone::settings::{ContactSolver, SleepSettings, SolverSettings, StabilizationSettings};
 use drystone::solve::SolveReports;
-use drystone::solver::{ContactSolver, Pgs, Problem, SolveReport};
+use drystone::solver::{Pgs, PointProblem, PointSolver, SolveReport};
 use drystone::{DrystonePlugins, FrictionStabilizationPlugin};
 use glam::Vec3;
 use std::sync::Arc;
@@ -91,7 +91,7 @@ fn a_users_system_runs_between_the_sets_it_names() {
     app.add_systems(
         PhysicsSchedule,
         hold.after(PhysicsSystems::Forces)
-            .before(PhysicsSystems::Gather),
+            .before(PhysicsSystems::Solve),
     );
     let falling = cube(&mut app, Vec3::Y * 10.0);
     let held = cube(&mut app, Vec3::new(5.0, 10.0, 0.0));
@@ -164,14 +164,23 @@ fn a_plugin_may_be_taken_out() {
 
 struct Counting(Arc<AtomicUsize>);
 
-impl ContactSolver for Counting {
+impl PointSolver for Counting {
     fn name(&self) -> &str {
         "counting"
     }
 
-    fn solve(&self, problem: &mut Problem) -> SolveReport {
-        self.0.fetch_add(problem.contacts.len(), Ordering::Relaxed);
-        Pgs.solve(problem)
+    fn warm_start(&self) -> f32 {
+        0.3
+    }
+
+    fn solve(&self, problem: &mut PointProblem) -> SolveReport {
+        self.0
+            .fetch_add(problem.constraints.len(), Ordering::Relaxed);
+        let pgs = Pgs {
+            iterations: 192,
+            ..Default::default()
+        };
+        pgs.solve(problem)
     }
 }
 
@@ -180,7 +189,7 @@ fn a_users_own_solver_solves() {
     let mut app = app(DrystonePlugins::default());
     let count = Arc::new(AtomicUsize::new(0));
     let mut settings = app.world_mut().resource_mut::<SolverSettings>();
-    settings.solver = Arc::new(Counting(count.clone()));
+    settings.solver = ContactSolver::Points(Arc::new(Counting(count.clone())));
     settings.substeps = 1;
     ground(&mut app);
     let resting = cube(&mut app, Vec3::Y * 0.5);
@@ -210,8 +219,6 @@ fn every_stage_has_its_time() {
         "friction_error",
         "normal_correction",
         "forces",
-        "gather",
-        "warm_start",
         "solve",
         "anchors",
         "integration",
@@ -253,6 +260,7 @@ fn history_is_kept_on_request() {
             sweeps,
             residual,
             history,
+            ..
         } = &report.report;
         assert_eq!(history.len(), *sweeps);
         assert_eq!(history.last(), Some(residual));

@@ -3,8 +3,8 @@
 
 use drystone::solver::merit::free_merit;
 use drystone::solver::{
-    Body, Contact, ContactInput, ContactSolver, FrictionCone, Nncg, Patch, PatchPoint, Pgs,
-    Problem, Slip, SoftStep, SolveReport,
+    Body, FrictionCone, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
+    PointConstraint, PointInput, PointProblem, PointSolver, Slip, SoftStep, SolveReport,
 };
 use glam::{Mat3, Quat, Vec3};
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 struct Graph {
     positions: Vec<Vec3>,
     bodies: Vec<Body>,
-    contacts: Vec<ContactInput>,
+    contacts: Vec<PointInput>,
 }
 
 fn vector(size: f32) -> impl Strategy<Value = Vec3> {
@@ -79,7 +79,7 @@ fn graph(fixed: bool) -> impl Strategy<Value = Graph> {
                 let middle = 0.5 * (positions[a] + positions[b]);
                 for (offset, slip, target, impulse) in points {
                     let point = middle + 0.5 * offset;
-                    contacts.push(ContactInput {
+                    contacts.push(PointInput {
                         bodies: [a as u32, b as u32],
                         normal,
                         arms: [point - positions[a], point - positions[b]],
@@ -93,7 +93,7 @@ fn graph(fixed: bool) -> impl Strategy<Value = Graph> {
             }
             // Velocities hold the effect of the impulses that a solve starts from.
             for contact in &contacts {
-                let first = Contact::prepare(contact, &bodies);
+                let first = PointConstraint::prepare(contact, &bodies);
                 first.push(&mut bodies, first.world(first.impulse));
             }
             Graph {
@@ -106,43 +106,23 @@ fn graph(fixed: bool) -> impl Strategy<Value = Graph> {
 
 struct Solved {
     bodies: Vec<Body>,
-    contacts: Vec<Contact>,
+    contacts: Vec<PointConstraint>,
     report: SolveReport,
 }
 
-fn solve(
-    graph: &Graph,
-    solver: &dyn ContactSolver,
-    cone: FrictionCone,
-    iterations: usize,
-) -> Solved {
-    solve_until(graph, solver, cone, iterations, 0.0, true)
+fn solve(graph: &Graph, solver: &dyn PointSolver) -> Solved {
+    solve_recording(graph, solver, true)
 }
 
-fn solve_until(
-    graph: &Graph,
-    solver: &dyn ContactSolver,
-    cone: FrictionCone,
-    iterations: usize,
-    tolerance: f32,
-    record_history: bool,
-) -> Solved {
+fn solve_recording(graph: &Graph, solver: &dyn PointSolver, record_history: bool) -> Solved {
     let mut bodies = graph.bodies.clone();
-    let prepare = |input| Contact::prepare(input, &bodies);
+    let prepare = |input| PointConstraint::prepare(input, &bodies);
     let mut contacts: Vec<_> = graph.contacts.iter().map(prepare).collect();
     let free_merit = free_merit(&bodies, &contacts);
-    let report = solver.solve(&mut Problem {
+    let report = solver.solve(&mut PointProblem {
         bodies: &mut bodies,
-        contacts: &mut contacts,
-        patches: &mut [],
-        points: &mut [],
+        constraints: &mut contacts,
         dt: 1.0 / 60.0,
-        longest: 1.0 / 60.0,
-        gravity: Vec3::ZERO,
-        max_correction_speed: 0.0,
-        cone,
-        iterations,
-        tolerance,
         free_merit,
         record_history,
     });
@@ -153,13 +133,27 @@ fn solve_until(
     }
 }
 
-fn all() -> [(Box<dyn ContactSolver>, FrictionCone); 4] {
-    [
-        (Box::new(Pgs), FrictionCone::Circular),
-        (Box::new(Pgs), FrictionCone::Box),
-        (Box::new(Nncg), FrictionCone::Circular),
-        (Box::new(Nncg), FrictionCone::Box),
-    ]
+/// PGS and NNCG.
+fn both(iterations: usize, cone: FrictionCone, tolerance: f32) -> [Box<dyn PointSolver>; 2] {
+    let pgs = Pgs {
+        iterations,
+        cone,
+        tolerance,
+        ..Default::default()
+    };
+    let nncg = Nncg {
+        iterations,
+        cone,
+        tolerance,
+        ..Default::default()
+    };
+    [Box::new(pgs), Box::new(nncg)]
+}
+
+fn all(iterations: usize) -> Vec<(Box<dyn PointSolver>, FrictionCone)> {
+    let cones = [FrictionCone::Circular, FrictionCone::Box];
+    let each = |cone| both(iterations, cone, 0.0).map(|solver| (solver, cone));
+    cones.into_iter().flat_map(each).collect()
 }
 
 /// Linear momentum, angular momentum about the origin, and the size of both.
@@ -180,8 +174,8 @@ proptest! {
 
     #[test]
     fn impulses_push_and_stay_inside_the_cone(graph in graph(true), iterations in 1usize..40) {
-        for (solver, cone) in all() {
-            let solved = solve(&graph, &*solver, cone, iterations);
+        for (solver, cone) in all(iterations) {
+            let solved = solve(&graph, &*solver);
             for contact in &solved.contacts {
                 let [normal, t1, t2] = contact.impulse.to_array();
                 prop_assert!(contact.impulse.is_finite() && normal >= 0.0, "{} {}", solver.name(), contact.impulse);
@@ -202,8 +196,8 @@ proptest! {
     /// To rounding: of each impulse added, f32 keeps seven digits.
     #[test]
     fn momentum_of_a_closed_group_stays(graph in graph(false)) {
-        for (solver, cone) in all() {
-            let solved = solve(&graph, &*solver, cone, 30);
+        for (solver, _) in all(30) {
+            let solved = solve(&graph, &*solver);
             let (linear, angular, size) = momentum(&graph, &graph.bodies);
             let (linear_after, angular_after, size_after) = momentum(&graph, &solved.bodies);
             let slack = 1e-4 * (size + size_after);
@@ -214,11 +208,11 @@ proptest! {
 
     #[test]
     fn velocities_are_the_first_ones_and_what_the_impulses_make(graph in graph(true)) {
-        for (solver, cone) in all() {
-            let solved = solve(&graph, &*solver, cone, 30);
+        for (solver, _) in all(30) {
+            let solved = solve(&graph, &*solver);
             let mut expected = graph.bodies.clone();
             for (input, contact) in graph.contacts.iter().zip(&solved.contacts) {
-                let first = Contact::prepare(input, &graph.bodies);
+                let first = PointConstraint::prepare(input, &graph.bodies);
                 contact.push(&mut expected, contact.world(contact.impulse - first.impulse));
             }
             // Rounding is relative to the largest changes that met in a body.
@@ -255,7 +249,7 @@ fn tower(n: usize) -> Graph {
         graph.bodies.push(cube);
         for (x, z) in [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)] {
             let point = Vec3::new(x, i as f32 - 1.0, z);
-            graph.contacts.push(ContactInput {
+            graph.contacts.push(PointInput {
                 bodies: [i as u32, i as u32 - 1],
                 normal: Vec3::Y,
                 arms: [point - graph.positions[i], point - graph.positions[i - 1]],
@@ -270,8 +264,8 @@ fn tower(n: usize) -> Graph {
 #[test]
 fn the_residual_falls_until_the_tower_rests() {
     let graph = tower(3);
-    for (solver, cone) in all() {
-        let solved = solve(&graph, &*solver, cone, 2000);
+    for (solver, cone) in all(2000) {
+        let solved = solve(&graph, &*solver);
         let (first, last) = (solved.report.history[0], solved.report.residual);
         println!("{} {cone:?}: {first} to {last}", solver.name());
         assert_eq!(solved.report.history.len(), solved.report.sweeps);
@@ -291,8 +285,8 @@ fn the_residual_falls_until_the_tower_rests() {
 fn conjugate_gradients_get_further_than_gauss_seidel_on_a_tall_tower() {
     let graph = tower(20);
     for sweeps in [50, 100, 200] {
-        let [pgs, nncg] = [&Pgs as &dyn ContactSolver, &Nncg]
-            .map(|solver| solve(&graph, solver, FrictionCone::Circular, sweeps).report);
+        let [pgs, nncg] =
+            both(sweeps, FrictionCone::Circular, 0.0).map(|solver| solve(&graph, &*solver).report);
         println!(
             "{sweeps} sweeps: pgs {}, nncg {}",
             pgs.residual, nncg.residual
@@ -305,9 +299,8 @@ fn conjugate_gradients_get_further_than_gauss_seidel_on_a_tall_tower() {
 #[test]
 fn a_solve_ends_early_when_it_is_good_enough() {
     let graph = tower(3);
-    for solver in [&Pgs as &dyn ContactSolver, &Nncg] {
-        let cone = FrictionCone::Circular;
-        let report = solve_until(&graph, solver, cone, 1000, 1e-2, false).report;
+    for solver in both(1000, FrictionCone::Circular, 1e-2) {
+        let report = solve_recording(&graph, &*solver, false).report;
         assert!(
             report.sweeps < 1000 && report.residual <= 1e-2,
             "{report:?}"
@@ -321,7 +314,7 @@ fn a_solve_ends_early_when_it_is_good_enough() {
 struct Patches {
     positions: Vec<Vec3>,
     bodies: Vec<Body>,
-    patches: Vec<Patch>,
+    patches: Vec<PatchConstraint>,
     points: Vec<PatchPoint>,
     gravity: Vec3,
 }
@@ -346,8 +339,14 @@ impl Patches {
     }
 
     /// A patch of A and B around a place, with its points.
-    fn touch(&mut self, [a, b]: [usize; 2], centre: Vec3, patch: Patch, points: &[PatchPoint]) {
-        self.patches.push(Patch {
+    fn touch(
+        &mut self,
+        [a, b]: [usize; 2],
+        centre: Vec3,
+        patch: PatchConstraint,
+        points: &[PatchPoint],
+    ) {
+        self.patches.push(PatchConstraint {
             bodies: [a as u32, b as u32],
             arms: [centre - self.positions[a], centre - self.positions[b]],
             first: self.points.len() as u32,
@@ -359,19 +358,14 @@ impl Patches {
 
     fn solved(&self, iterations: usize) -> Self {
         let mut solved = self.clone();
-        every_sweep().solve(&mut Problem {
+        every_sweep(iterations).solve(&mut PatchProblem {
             bodies: &mut solved.bodies,
-            contacts: &mut [],
             patches: &mut solved.patches,
             points: &mut solved.points,
             dt: DT,
             longest: DT,
             gravity: self.gravity,
             max_correction_speed: 2.0,
-            cone: FrictionCone::Circular,
-            iterations,
-            tolerance: 0.0,
-            free_merit: 0.0,
             record_history: false,
         });
         solved
@@ -409,7 +403,7 @@ impl Patches {
 const DT: f32 = 1.0 / 60.0;
 
 /// What [`patches`] are made of: which bodies, where, the patch, its points.
-type Touch = (u16, u16, Vec3, Patch, Vec<PatchPoint>);
+type Touch = (u16, u16, Vec3, PatchConstraint, Vec<PatchPoint>);
 
 /// One to four points in the plane of a patch, near or touching, some of them loaded; half of the patches are held by an anchor,
 /// a third bounce.
@@ -426,7 +420,7 @@ fn touch() -> impl Strategy<Value = Touch> {
     )
         .prop_map(|((a, b), centre, normal, surface, slip, start, points)| {
             let flat = |v: Vec3| v - normal * normal.dot(v);
-            let patch = Patch {
+            let patch = PatchConstraint {
                 normal,
                 friction: surface.0,
                 restitution: surface.1,
@@ -519,7 +513,7 @@ fn together(groups: &[Patches]) -> (Patches, Vec<(usize, Vec<usize>)>) {
             };
             mine.push(whole.patches.len());
             let shifted = |body: u32| if body == 0 { 0 } else { body + *shift as u32 };
-            whole.patches.push(Patch {
+            whole.patches.push(PatchConstraint {
                 bodies: patch.bodies.map(shifted),
                 first: whole.points.len() as u32,
                 ..*patch
@@ -614,9 +608,10 @@ proptest! {
 }
 
 /// It takes all the sweeps that it may, whatever is to be solved.
-fn every_sweep() -> SoftStep {
+fn every_sweep(sweeps: usize) -> SoftStep {
     SoftStep {
         longest_substep: 1e-5,
+        most_sweeps: sweeps,
         ..Default::default()
     }
 }
@@ -638,7 +633,7 @@ fn falling(height: f32, speed: f32, restitution: f32) -> Patches {
         separation: height,
         ..Default::default()
     });
-    let patch = Patch {
+    let patch = PatchConstraint {
         normal: Vec3::Y,
         friction: 0.5,
         restitution,

@@ -11,23 +11,33 @@ use drystone::diagnosis::BodyError;
 use drystone::grab::Grab;
 use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::{SleepSettings, SolverSettings};
+use drystone::solver::{Nncg, Pgs};
 use glam::Vec3;
 use support::*;
 
-type Choice = fn(SolverSettings) -> SolverSettings;
-
 /// The three solvers at settings that hold the scenes here with even steps.
-fn solvers() -> [(&'static str, Choice); 3] {
+fn solvers() -> [SolverSettings; 3] {
+    let pgs = Pgs {
+        iterations: 400,
+        warm_start: 0.3,
+        ..Default::default()
+    };
+    let nncg = Nncg {
+        iterations: 300,
+        warm_start: 0.3,
+        ..Default::default()
+    };
     [
-        ("soft-step", |settings| settings),
-        ("pgs", |settings| settings.with_pgs(400)),
-        ("nncg", |settings| settings.with_nncg(300)),
+        SolverSettings::default(),
+        SolverSettings::new(pgs),
+        SolverSettings::new(nncg),
     ]
 }
 
 /// Steps a scene by lengths, and asserts that nothing drifts, jumps or hurries on the way.
 #[track_caller]
-fn holds(solver: &str, settings: SolverSettings, scene: &str, lengths: impl Iterator<Item = f32>) {
+fn holds(settings: SolverSettings, scene: &str, lengths: impl Iterator<Item = f32>) {
+    let solver = settings.solver.name().to_owned();
     let mut lab = Lab::new();
     lab.world.resource_mut::<SleepSettings>().enabled = false;
     lab.world.insert_resource(settings);
@@ -58,37 +68,33 @@ fn alternating(a: f32, b: f32) -> impl Iterator<Item = f32> {
 
 #[test]
 fn a_stack_stands_long_and_short_steps_in_turn() {
-    for (name, solver) in solvers() {
+    for settings in solvers() {
         for short in [1e-3, 1e-4] {
-            let settings = solver(SolverSettings::default());
-            holds(name, settings, "stack:5", alternating(1.0 / 60.0, short));
+            holds(settings.clone(), "stack:5", alternating(1.0 / 60.0, short));
         }
     }
 }
 
 #[test]
 fn a_stack_stands_a_long_step_after_many_short_ones() {
-    for (name, solver) in solvers() {
-        let settings = solver(SolverSettings::default());
+    for settings in solvers() {
         let lengths = (0..612).map(|i| if i % 51 == 50 { 0.1 } else { 1e-3 });
-        holds(name, settings, "stack:5", lengths);
+        holds(settings, "stack:5", lengths);
     }
 }
 
 #[test]
 fn a_wall_stands_a_hitch() {
-    for (name, solver) in solvers() {
-        let settings = solver(SolverSettings::default());
+    for settings in solvers() {
         let lengths = (0..400).map(|i| if i % 100 == 60 { 0.25 } else { 0.016 });
-        holds(name, settings, "wall:8x6", lengths);
+        holds(settings, "wall:8x6", lengths);
     }
 }
 
 #[test]
 fn a_wall_stands_uneven_frames() {
-    for (name, solver) in solvers() {
-        let settings = solver(SolverSettings::default());
-        holds(name, settings, "wall:8x6", alternating(0.002, 0.033));
+    for settings in solvers() {
+        holds(settings, "wall:8x6", alternating(0.002, 0.033));
     }
 }
 
@@ -96,13 +102,15 @@ fn a_wall_stands_uneven_frames() {
 
 #[test]
 fn impulses_are_the_whole_steps_whatever_the_substeps() {
-    for (name, solver) in solvers() {
+    for solver in solvers() {
+        let name = solver.solver.name();
         for substeps in [1, 2, 4] {
             let mut lab = Lab::new();
             lab.world.resource_mut::<SleepSettings>().enabled = false;
-            let mut settings = solver(SolverSettings::default());
-            settings.substeps = substeps;
-            lab.world.insert_resource(settings);
+            lab.world.insert_resource(SolverSettings {
+                substeps,
+                ..solver.clone()
+            });
             let ground = lab.ground();
             let cube = lab.cube(Vec3::Y * 0.5);
             lab.run(1.0);

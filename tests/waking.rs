@@ -8,7 +8,10 @@ use drystone::body::{ExternalForce, Velocity};
 use drystone::collider::Collider;
 use drystone::grab::Grab;
 use drystone::scenes::{Scene, SceneOptions};
-use drystone::settings::{Gravity, SleepSettings, SolverSettings, StabilizationSettings};
+use drystone::settings::{
+    ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings,
+    StabilizationSettings,
+};
 use drystone::sleeping::Sleeping;
 use glam::Vec3;
 use support::*;
@@ -155,7 +158,21 @@ fn by_a_settings_change() {
     );
     wake(
         "solver",
-        |lab, _, _| lab.world.resource_mut::<SolverSettings>().tolerance = 1e-9,
+        |lab, _, _| {
+            let mut settings = lab.world.resource_mut::<SolverSettings>();
+            let ContactSolver::SoftStep(soft_step) = &mut settings.solver else {
+                panic!("it is the default");
+            };
+            soft_step.damping_ratio = 11.0;
+        },
+        |_| true,
+    );
+    wake(
+        "narrowphase",
+        |lab, _, _| {
+            let mut settings = lab.world.resource_mut::<NarrowphaseSettings>();
+            settings.match_radius = 0.03;
+        },
         |_| true,
     );
 }

@@ -3,6 +3,7 @@
 use drystone::experiment::Experiment;
 use drystone::scenes::Scene;
 use drystone::settings::{NormalStabilization, Preset};
+use drystone::solver::{Nncg, Pgs};
 
 /// Settings under which every scene is run.
 pub struct Row {
@@ -107,9 +108,9 @@ impl Row {
         let mut experiment = Experiment::new(scene, Preset::Paper);
         experiment.stabilization.normal = self.normal;
         experiment.stabilization.friction.enabled = self.friction;
-        experiment.solver = match self.solver {
-            Solver::Nncg75 => experiment.solver.with_nncg(75),
-            Solver::Pgs12 => experiment.solver.with_pgs(12),
+        experiment.solver.solver = match self.solver {
+            Solver::Nncg75 => Nncg::default().into(),
+            Solver::Pgs12 => Pgs::default().into(),
         };
         experiment
     }

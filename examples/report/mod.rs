@@ -1,7 +1,7 @@
 //! One JSON object a run, the same from every example: the fields and names are stable, other tools read them.
 
 use drystone::experiment::{Experiment, Outcome, Spread};
-use drystone::settings::{AnchorRule, Classifier, NormalStabilization, Preset};
+use drystone::settings::{AnchorRule, Classifier, ContactSolver, NormalStabilization, Preset};
 use drystone::solver::FrictionCone;
 use serde_json::{Map, Value, json};
 use std::time::Duration;
@@ -59,6 +59,12 @@ fn spread(spread: &Spread) -> Value {
 fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
     let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
     let friction = &stabilization.friction;
+    let (iterations, tolerance, warm_start, cone) = match &solver.solver {
+        ContactSolver::SoftStep(s) => (s.most_sweeps, 0.0, 1.0, FrictionCone::Circular),
+        ContactSolver::Pgs(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
+        ContactSolver::Nncg(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
+        ContactSolver::Patches(_) | ContactSolver::Points(_) => unreachable!("it is one of ours"),
+    };
     let (normal, normal_gain) = match stabilization.normal {
         NormalStabilization::None => ("none", None),
         NormalStabilization::Baumgarte { gain } => ("baumgarte", Some(gain)),
@@ -73,11 +79,11 @@ fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
         "dt": experiment.dt,
         "steps": steps,
         "solver": solver.solver.name(),
-        "iterations": solver.iterations,
+        "iterations": iterations,
         "substeps": solver.substeps,
-        "tolerance": solver.tolerance,
-        "warm_start": solver.warm_start,
-        "friction": match solver.cone {
+        "tolerance": tolerance,
+        "warm_start": warm_start,
+        "friction": match cone {
             FrictionCone::Circular => "cone",
             FrictionCone::Box => "box",
         },

@@ -5,11 +5,12 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Parser, ValueEnum};
 use drystone::experiment::Experiment;
 use drystone::scenes::{KNOWN, Scene};
-use drystone::settings::{AnchorRule, Classifier, NormalStabilization, PhysicsThreads, Preset};
+use drystone::settings::{
+    AnchorRule, Classifier, ContactSolver, NormalStabilization, PhysicsThreads, Preset,
+};
 use drystone::solver::{FrictionCone, Nncg, Pgs, SoftStep};
 use std::f32::consts::PI;
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 /// Sweeps of a solver of points where nothing else is said.
 const BY_POINTS: usize = 24;
@@ -145,30 +146,61 @@ impl Arguments {
         }
     }
 
+    fn contact_solver(&self) -> ContactSolver {
+        let (sweeps, warm_start) = match self.preset {
+            PresetName::Default => (BY_POINTS, 0.3),
+            PresetName::Paper => (Nncg::default().iterations, 0.0),
+        };
+        let iterations = self.iterations.unwrap_or(sweeps);
+        let warm_start = self.warm_start.unwrap_or(warm_start);
+        let cone = match self.friction {
+            Some(ConeName::Box) => FrictionCone::Box,
+            Some(ConeName::Cone) | None => FrictionCone::Circular,
+        };
+        let tolerance = 0.0;
+        let own = match self.preset {
+            PresetName::Default => SolverName::SoftStep,
+            PresetName::Paper => SolverName::Nncg,
+        };
+        match self.solver.unwrap_or(own) {
+            SolverName::SoftStep => {
+                let default = SoftStep::default();
+                let most_sweeps = self.iterations.unwrap_or(default.most_sweeps);
+                let soft_step = SoftStep {
+                    most_sweeps,
+                    ..default
+                };
+                soft_step.into()
+            }
+            SolverName::Pgs => {
+                let pgs = Pgs {
+                    iterations,
+                    cone,
+                    warm_start,
+                    tolerance,
+                };
+                pgs.into()
+            }
+            SolverName::Nncg => {
+                let nncg = Nncg {
+                    iterations,
+                    cone,
+                    warm_start,
+                    tolerance,
+                };
+                nncg.into()
+            }
+        }
+    }
+
     /// # Errors
     /// Where the operating system gives no threads.
     pub fn experiment(&self) -> Result<Experiment, String> {
         let mut experiment = Experiment::new(self.scene, self.preset());
         experiment.dt = self.dt.unwrap_or(experiment.dt);
         let solver = &mut experiment.solver;
-        let by_points = matches!(self.solver, Some(SolverName::Pgs | SolverName::Nncg));
-        if by_points && self.preset == PresetName::Default {
-            solver.iterations = BY_POINTS;
-        }
-        match self.solver {
-            Some(SolverName::SoftStep) => solver.solver = Arc::new(SoftStep::default()),
-            Some(SolverName::Pgs) => solver.solver = Arc::new(Pgs),
-            Some(SolverName::Nncg) => solver.solver = Arc::new(Nncg),
-            None => {}
-        }
-        solver.iterations = self.iterations.unwrap_or(solver.iterations);
+        solver.solver = self.contact_solver();
         solver.substeps = self.substeps.unwrap_or(solver.substeps);
-        solver.warm_start = self.warm_start.unwrap_or(solver.warm_start);
-        match self.friction {
-            Some(ConeName::Cone) => solver.cone = FrictionCone::Circular,
-            Some(ConeName::Box) => solver.cone = FrictionCone::Box,
-            None => {}
-        }
         let stabilization = &mut experiment.stabilization;
         let gain = BAUMGARTE_GAIN;
         match self.normal {
@@ -288,8 +320,10 @@ mod tests {
             "--warm-start=0.5",
         ];
         let experiment = parse(&options).unwrap().experiment().unwrap();
-        assert_eq!(experiment.solver.solver.name(), "soft-step");
-        assert_eq!(experiment.solver.iterations, 12);
+        let ContactSolver::SoftStep(soft_step) = experiment.solver.solver else {
+            panic!("{}", experiment.solver.solver.name());
+        };
+        assert_eq!(soft_step.most_sweeps, 12);
         assert_eq!(experiment.solver.substeps, 2);
         assert_eq!(experiment.options.noise_position, 0.002);
         assert_eq!(experiment.options.noise_angle, 0.01);

@@ -3,9 +3,8 @@
 use crate::cases::Case;
 use crate::drawing::Stroke;
 use drystone::experiment::Experiment;
-use drystone::settings::{AnchorRule, NormalStabilization, Preset};
-use drystone::solver::SoftStep;
-use std::sync::Arc;
+use drystone::settings::{AnchorRule, ContactSolver, NormalStabilization, Preset};
+use drystone::solver::{Nncg, Pgs, SoftStep};
 
 /// What Soft Step usually takes.
 const SWEEPS_PER_SECOND: f32 = 960.0;
@@ -76,8 +75,10 @@ pub static METHODS: [Method; 13] = [
         change: |e| {
             e.stabilization.normal = NormalStabilization::BaumgarteOneSided { gain: 0.2 };
             e.stabilization.friction.enabled = false;
-            e.solver.warm_start = 1.0;
             pgs(e);
+            if let ContactSolver::Pgs(pgs) = &mut e.solver.solver {
+                pgs.warm_start = 1.0;
+            }
             keep_four(e);
         },
         soft: |_| {},
@@ -100,14 +101,14 @@ pub static METHODS: [Method; 13] = [
     Method {
         label: "… without recycled manifolds",
         preset: Preset::Default,
-        change: |e| e.stabilization.recycle_share = 0.0,
+        change: |e| e.narrowphase.recycle_share = 0.0,
         soft: |_| {},
         color: (20, 170, 160),
     },
     Method {
         label: "… without reduction to four points",
         preset: Preset::Default,
-        change: |e| e.stabilization.reduce_manifolds = false,
+        change: |e| e.narrowphase.reduce_manifolds = false,
         soft: |_| {},
         color: (110, 150, 180),
     },
@@ -138,17 +139,22 @@ fn pair_pose(experiment: &mut Experiment) {
     experiment.stabilization.friction.anchors = AnchorRule::PairPose;
 }
 
+/// With as many sweeps as NNCG has.
 fn pgs(experiment: &mut Experiment) {
-    let solver = experiment.solver.clone();
-    let iterations = solver.iterations;
-    experiment.solver = solver.with_pgs(iterations);
+    if let ContactSolver::Nncg(nncg) = &experiment.solver.solver {
+        let pgs = Pgs {
+            iterations: nncg.iterations,
+            ..Default::default()
+        };
+        experiment.solver.solver = pgs.into();
+    }
 }
 
 /// Collision detection as the default has it.
 fn keep_four(experiment: &mut Experiment) {
-    let best = Preset::Default.stabilization();
-    experiment.stabilization.recycle_share = best.recycle_share;
-    experiment.stabilization.reduce_manifolds = best.reduce_manifolds;
+    let best = Preset::Default.narrowphase();
+    experiment.narrowphase.recycle_share = best.recycle_share;
+    experiment.narrowphase.reduce_manifolds = best.reduce_manifolds;
 }
 
 impl Method {
@@ -162,23 +168,29 @@ impl Method {
         if self.is_soft() {
             (SWEEPS_PER_SECOND * case.dt).round() as usize
         } else {
-            self.preset.solver().iterations
+            Nncg::default().iterations
         }
     }
 
     /// This way with so many iterations. Soft Step takes as many as it finds that it needs where they are its own.
     pub fn experiment(&self, case: &Case, iterations: usize) -> Experiment {
         let mut experiment = case.experiment(self.preset);
-        let mut soft = SoftStep::default();
-        if !self.is_soft() || iterations != self.own_iterations(case) {
-            experiment.solver.iterations = iterations;
-            // Short enough that it would always take more.
-            soft.longest_substep = case.dt / iterations as f32;
-        }
-        if self.is_soft() {
+        experiment.solver.solver = if self.is_soft() {
+            let mut soft = SoftStep::default();
+            if iterations != self.own_iterations(case) {
+                soft.most_sweeps = iterations;
+                // Short enough that it would always take more.
+                soft.longest_substep = case.dt / iterations as f32;
+            }
             (self.soft)(&mut soft);
-            experiment.solver.solver = Arc::new(soft);
-        }
+            soft.into()
+        } else {
+            let nncg = Nncg {
+                iterations,
+                ..Default::default()
+            };
+            nncg.into()
+        };
         (self.change)(&mut experiment);
         experiment
     }

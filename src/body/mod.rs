@@ -10,6 +10,7 @@ mod describe;
 mod forces;
 pub mod limits;
 mod mass;
+mod motion;
 mod placement;
 mod prepare;
 mod quarantine;
@@ -19,6 +20,7 @@ pub use age::Age;
 pub use complete::complete;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
+pub use motion::Motion;
 pub use placement::Teleport;
 pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
@@ -38,6 +40,7 @@ use glam::{Quat, Vec3};
 #[require(
     Pose,
     Velocity,
+    Motion,
     MassProperties,
     ExternalForce,
     ExternalImpulse,

@@ -14,7 +14,6 @@ pub use events::{
 pub use whole_step::whole_step;
 
 use crate::body::{Age, BodyState};
-use crate::gather::SolverSlot;
 use crate::narrowphase::ParryManifold;
 use crate::narrowphase::polyhedra::{Axis, FeatureId};
 use crate::solver::Slip;
@@ -31,8 +30,7 @@ use smallvec::SmallVec;
     ContactTargets,
     ContactImpulses,
     ContactAnchors,
-    NarrowphaseCache,
-    SolverSlot
+    NarrowphaseCache
 )]
 pub struct ContactPair {
     /// A and B.

@@ -1,12 +1,12 @@
 //! Detection: where two bodies touch, or may, found anew.
 
+use super::Rules;
 use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet, meet_plane};
 use super::round::{self, Part};
 use super::{parry, passing};
 use crate::body::BodyState;
 use crate::contact::{ContactPoint, Manifold, NarrowphaseCache, Patch};
-use crate::settings::{StabilizationSettings, StepTime};
 use glam::{Quat, Vec3};
 use smallvec::{SmallVec, smallvec};
 
@@ -80,8 +80,7 @@ pub(super) fn push(
 
 /// The points no further apart than `reach`, m. `old`: those of the last time.
 pub(super) fn detect(
-    settings: &StabilizationSettings,
-    time: &StepTime,
+    rules: &Rules,
     a: &BodyState,
     b: &BodyState,
     reach: f32,
@@ -103,7 +102,7 @@ pub(super) fn detect(
         [Some(form_a), Some(form_b)] => {
             let search = Search {
                 reach: reach as f64,
-                graze: settings.outer_distance() as f64,
+                graze: rules.stabilization.outer_distance() as f64,
             };
             if form_a.is_round() || form_b.is_round() {
                 let place = Placement::between(at(a), at(b));
@@ -112,7 +111,7 @@ pub(super) fn detect(
             } else {
                 let two = Two {
                     bodies: [a, b],
-                    dt: time.dt,
+                    dt: rules.time.dt,
                     search,
                     axis: &mut cache.axis,
                     contact: &mut contact,
@@ -131,15 +130,15 @@ pub(super) fn detect(
             b
         }
         _ => {
-            parry::detect(settings, a, b, reach, cache, &mut manifold);
+            parry::detect(rules, a, b, reach, cache, &mut manifold);
             return manifold;
         }
     };
     let known = |feature| old.points.iter().any(|point| point.feature == feature);
     let radius = a.rolling_radius().min(b.rolling_radius());
     match radius.is_finite() {
-        true => round::simplify(&mut contact, most(settings), radius, known),
-        false => contact.simplify(most(settings), known),
+        true => round::simplify(&mut contact, most(rules), radius, known),
+        false => contact.simplify(most(rules), known),
     }
     let (origin, turn) = at(frame);
     let (origin, turn) = (origin.as_dvec3(), turn.as_dquat().normalize());
@@ -156,8 +155,8 @@ pub(super) fn detect(
 }
 
 /// Most points of a patch.
-pub(super) fn most(settings: &StabilizationSettings) -> usize {
-    match settings.reduce_manifolds {
+pub(super) fn most(rules: &Rules) -> usize {
+    match rules.manifolds.reduce_manifolds {
         true => 4,
         false => usize::MAX,
     }

@@ -24,9 +24,10 @@ pub(crate) use matching::{Origins, inherit};
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache, Stand,
 };
-use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
+use crate::settings::{
+    Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
+};
 use bevy_ecs::prelude::*;
-use rayon::prelude::*;
 
 /// Of the way for which manifolds are kept, the share for which those of round bodies are: so little that nothing can roll.
 const CREPT: f32 = 0.02;
@@ -45,12 +46,17 @@ pub fn narrowphase(
     table: Res<BodyTable>,
     time: Res<StepTime>,
     gravity: Res<Gravity>,
-    settings: Res<StabilizationSettings>,
+    (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
     mut pairs: Query<PairColumns>,
 ) {
-    let (table, settings, time) = (&*table, &*settings, &*time);
-    let fall = gravity.0.length() * time.dt;
+    let table = &*table;
+    let rules = Rules {
+        stabilization: &stabilization,
+        manifolds: &manifolds,
+        time: &time,
+        fall: gravity.0.length() * time.dt,
+    };
     for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -63,18 +69,25 @@ pub fn narrowphase(
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
-        let grain = threads.grain(columns.0.len());
-        threads.run(columns.0.len(), || {
-            columns.into_par_iter().with_min_len(grain).for_each(
-                |(pair, cache, manifold, impulses, anchors, targets)| {
-                    if let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) {
-                        let kept = (manifold, impulses, anchors, targets);
-                        look(settings, time, fall, [a, b], pair, cache, kept);
-                    }
-                },
-            );
-        });
+        threads.each(
+            columns,
+            |(pair, cache, manifold, impulses, anchors, targets)| {
+                if let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) {
+                    let kept = (manifold, impulses, anchors, targets);
+                    look(&rules, [a, b], pair, cache, kept);
+                }
+            },
+        );
     }
+}
+
+/// What pairs are looked at by.
+struct Rules<'a> {
+    stabilization: &'a StabilizationSettings,
+    manifolds: &'a NarrowphaseSettings,
+    time: &'a StepTime,
+    /// What gravity adds to a speed in the step, m/s.
+    fall: f32,
 }
 
 /// What a pair keeps for each of its points and patches.
@@ -85,16 +98,16 @@ type Kept<'a> = (
     &'a mut ContactTargets,
 );
 
-/// Brings the contacts of one pair up to date. `fall`: what gravity adds to a speed in the step, m/s.
+/// Brings the contacts of one pair up to date.
 fn look(
-    settings: &StabilizationSettings,
-    time: &StepTime,
-    fall: f32,
+    rules: &Rules,
     [a, b]: [&BodyState; 2],
     pair: &mut ContactPair,
     cache: &mut NarrowphaseCache,
     (manifold, impulses, anchors, targets): Kept,
 ) {
+    let (time, fall) = (rules.time, rules.fall);
+    let outer = rules.stabilization.outer_distance();
     if a.renewed || b.renewed {
         pair.combine([a, b]);
         // Parry would keep the points of shapes that are no more.
@@ -111,10 +124,10 @@ fn look(
         anchors.points.fill(Default::default());
         anchors.patches.fill(Default::default());
     }
-    let reach = settings.outer_distance().max(0.0) + approach(a, b, time.dt) + fall * time.dt;
+    let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let curved = a.is_curved() || b.is_curved();
     // What rolls must be found where it is, or it would gain speed.
-    let little = settings.recycle_share * a.size().min(b.size());
+    let little = rules.manifolds.recycle_share * a.size().min(b.size());
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
     if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
@@ -122,7 +135,7 @@ fn look(
     } else {
         let reach = reach + limit;
         let old = std::mem::take(manifold);
-        *manifold = detect::detect(settings, time, a, b, reach, cache, &old);
+        *manifold = detect::detect(rules, a, b, reach, cache, &old);
         let lost = match manifold.points.is_empty() {
             true => stand.and_then(|stand| stand.lost(&old, cache, a, b, little)),
             false => None,
@@ -130,7 +143,7 @@ fn look(
         if let Some(lost) = lost {
             *manifold = lost;
         } else {
-            let near = settings.outer_distance() + fall * time.dt;
+            let near = outer + fall * time.dt;
             let passing = passing::pass(a, b, manifold, near, time.dt);
             if passing {
                 *manifold = Manifold::default();
@@ -139,7 +152,7 @@ fn look(
             // A point that rolls is the same wherever it has rolled to.
             let radius = match curved {
                 true => f32::INFINITY,
-                false => settings.envelope,
+                false => rules.manifolds.match_radius,
             };
             let origins = matching::match_points(&old, manifold, radius);
             impulses.reorder(&origins);
@@ -156,7 +169,6 @@ fn look(
             cache.stand = keep.then(|| Stand::of(a, b, reach));
         }
     }
-    let outer = settings.outer_distance();
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
     pair.parted = touched && !pair.touching;

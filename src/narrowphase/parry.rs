@@ -1,12 +1,12 @@
 //! All other contact, by parry: of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
 
+use super::Rules;
 use super::detect::{Candidate, Candidates, most, push};
 use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::reduction;
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache};
-use crate::settings::StabilizationSettings;
 use glam::Vec3;
 use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
 use parry3d::shape::PackedFeatureId;
@@ -16,7 +16,7 @@ const MERGE: f32 = 0.05;
 
 /// Fills the manifold with the points no further apart than `reach`, m.
 pub(super) fn detect(
-    settings: &StabilizationSettings,
+    rules: &Rules,
     a: &BodyState,
     b: &BodyState,
     reach: f32,
@@ -40,8 +40,8 @@ pub(super) fn detect(
     }
     let dispatcher = Dispatcher {
         bodies: [a, b],
-        graze: settings.outer_distance(),
-        most: most(settings),
+        graze: rules.stabilization.outer_distance(),
+        most: most(rules),
     };
     let found =
         dispatcher.contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace);
@@ -86,7 +86,7 @@ pub(super) fn detect(
         if rolls {
             reduction::keep_ends(&mut candidates);
         }
-        if candidates.len() > most(settings) {
+        if candidates.len() > most(rules) {
             reduction::reduce(&mut candidates, normal);
         }
         push(manifold, [a, b], normal, rolls, candidates);

@@ -1,18 +1,19 @@
 //! Settings are checked before every step. What cannot be is set back to what it was, and said.
 
 use super::{
-    Gravity, NormalStabilization, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+    Gravity, NarrowphaseSettings, NormalStabilization, SleepSettings, SolverSettings, SpeedLimits,
+    StabilizationSettings,
 };
 use crate::body::limits;
 use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
-use std::sync::Arc;
 
 /// The settings of the last step.
 #[derive(Resource, Clone, Default)]
 pub struct InForce {
     gravity: Gravity,
     stabilization: StabilizationSettings,
+    narrowphase: NarrowphaseSettings,
     solver: SolverSettings,
     sleeping: SleepSettings,
     speeds: SpeedLimits,
@@ -37,6 +38,7 @@ pub(crate) fn check(world: &mut World) {
     let changed = [
         take_over(world, &mut last.gravity),
         take_over(world, &mut last.stabilization),
+        take_over(world, &mut last.narrowphase),
         take_over(world, &mut last.solver),
         take_over(world, &mut last.sleeping),
         take_over(world, &mut last.speeds),
@@ -90,8 +92,7 @@ const TINY: f32 = 1e-9;
 /// Strongest gravity, m/s².
 const GRAVITY: f32 = 1e5;
 
-/// Most sweeps and most substeps.
-const SWEEPS: usize = 1_000_000;
+/// Most substeps.
 const SUBSTEPS: usize = 10_000;
 
 impl Checked for Gravity {
@@ -126,7 +127,6 @@ impl Checked for StabilizationSettings {
                 self.max_correction_speed,
                 0.0..=limits::SPEED,
             ),
-            ("recycle_share", self.recycle_share, 0.0..=1.0),
             ("friction.gain", friction.gain, 0.0..=2.0),
             ("friction.tolerance", friction.tolerance, 0.0..=LENGTH),
             (
@@ -152,30 +152,32 @@ impl Checked for SolverSettings {
     const NAME: &'static str = "SolverSettings";
 
     fn problem(&self) -> Option<String> {
-        if !(1..=SWEEPS).contains(&self.iterations) {
-            let n = self.iterations;
-            return Some(format!(
-                "iterations is {n}, and must be between 1 and {SWEEPS}"
-            ));
-        }
         if !(1..=SUBSTEPS).contains(&self.substeps) {
             let n = self.substeps;
             return Some(format!(
                 "substeps is {n}, and must be between 1 and {SUBSTEPS}"
             ));
         }
-        out_of_bounds(&[
-            ("warm_start", self.warm_start, 0.0..=1.0),
-            ("tolerance", self.tolerance, 0.0..=f32::INFINITY),
-        ])
-        .or_else(|| self.solver.problem())
+        self.solver.problem()
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.solver, &other.solver)
-            && (self.iterations, self.substeps) == (other.iterations, other.substeps)
-            && self.cone == other.cone
-            && (self.warm_start, self.tolerance) == (other.warm_start, other.tolerance)
+        self.solver.is_same(&other.solver) && self.substeps == other.substeps
+    }
+}
+
+impl Checked for NarrowphaseSettings {
+    const NAME: &'static str = "NarrowphaseSettings";
+
+    fn problem(&self) -> Option<String> {
+        out_of_bounds(&[
+            ("recycle_share", self.recycle_share, 0.0..=1.0),
+            ("match_radius", self.match_radius, 0.0..=LENGTH),
+        ])
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
     }
 }
 

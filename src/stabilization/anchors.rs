@@ -13,7 +13,6 @@ use crate::settings::{
 use crate::solver::Slip;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
-use rayon::prelude::*;
 
 /// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
 ///
@@ -79,23 +78,18 @@ pub fn anchors(
             impulses.bypass_change_detection(),
             anchors.bypass_change_detection(),
         );
-        let grain = threads.grain(columns.0.len());
-        threads.run(columns.0.len(), || {
-            columns.into_par_iter().with_min_len(grain).for_each(
-                |(pair, manifold, impulses, anchors)| {
-                    let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
-                        return;
-                    };
-                    if friction.anchors == AnchorRule::PairPose {
-                        let bodies = [a, b];
-                        hold_patches(
-                            &friction, pair, manifold, impulses, bodies, anchors, time.dt,
-                        );
-                    } else {
-                        hold_points(&friction, pair, manifold, impulses, [a, b], anchors);
-                    }
-                },
-            );
+        threads.each(columns, |(pair, manifold, impulses, anchors)| {
+            let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
+                return;
+            };
+            let bodies = [a, b];
+            if friction.anchors == AnchorRule::PairPose {
+                hold_patches(
+                    &friction, pair, manifold, impulses, bodies, anchors, time.dt,
+                );
+            } else {
+                hold_points(&friction, pair, manifold, impulses, bodies, anchors);
+            }
         });
     }
 }

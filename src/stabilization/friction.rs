@@ -11,11 +11,10 @@ use crate::contact::{
 use crate::settings::{
     AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
 };
-use crate::solver::{Rows, Slip};
+use crate::solver::Slip;
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
 use glam::Vec3;
-use rayon::prelude::*;
 use smallvec::SmallVec;
 
 /// The projection P_n onto the contact plane, after equation (12).
@@ -77,9 +76,8 @@ pub fn slip(
     let turned = [(a, anchor.normal[0]), (b, anchor.normal[1])]
         .iter()
         .any(|(body, local)| normal.dot(body.pose.rotation * *local) < straight);
-    let holds = error.length() <= friction.max_error
-        && parted <= friction.max_separation * settings.envelope
-        && !turned;
+    let holds =
+        error.length() <= friction.max_error && parted <= friction.max_separation && !turned;
     holds.then_some(error)
 }
 
@@ -102,7 +100,7 @@ pub fn pose_slip(
     let shift = anchor_error(normal, center, held);
     let parted = normal.dot(center - held).abs();
     let holds = shift.length() <= friction.max_error
-        && parted <= friction.max_separation * settings.envelope
+        && parted <= friction.max_separation
         && turned.length() <= friction.max_turn;
     holds.then_some(PlanarSlip {
         center,
@@ -236,7 +234,7 @@ pub fn friction_error(
     )>,
 ) {
     let (table, settings, last) = (&*table, &*settings, time.last);
-    let rows = solver.solver.rows();
+    let by_points = solver.solver.is_by_points();
     for (pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -247,26 +245,21 @@ pub fn friction_error(
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
-        let grain = threads.grain(columns.0.len());
-        threads.run(columns.0.len(), || {
-            columns.into_par_iter().with_min_len(grain).for_each(
-                |(pair, manifold, anchors, targets)| {
-                    let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
-                        return;
-                    };
-                    for (i, patch) in manifold.patches.iter().enumerate() {
-                        let points = &manifold.points[patch.range()];
-                        let held = &mut anchors.points[patch.range()];
-                        let anchor = &mut anchors.patches[i];
-                        let slip = measure(settings, patch, [a, b], points, anchor, held, last);
-                        targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
-                        if rows == Rows::Points {
-                            let targets = &mut targets.points[patch.range()];
-                            demand(settings, slip, points, held, targets, time.longest);
-                        }
-                    }
-                },
-            );
+        threads.each(columns, |(pair, manifold, anchors, targets)| {
+            let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
+                return;
+            };
+            for (i, patch) in manifold.patches.iter().enumerate() {
+                let points = &manifold.points[patch.range()];
+                let held = &mut anchors.points[patch.range()];
+                let anchor = &mut anchors.patches[i];
+                let slip = measure(settings, patch, [a, b], points, anchor, held, last);
+                targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
+                if by_points {
+                    let targets = &mut targets.points[patch.range()];
+                    demand(settings, slip, points, held, targets, time.longest);
+                }
+            }
         });
     }
 }

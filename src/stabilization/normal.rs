@@ -7,12 +7,8 @@
 
 use crate::body::BodyTable;
 use crate::contact::{ContactPair, ContactTargets, Manifold};
-use crate::settings::{
-    NormalStabilization, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
-};
-use crate::solver::Rows;
+use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
-use rayon::prelude::*;
 
 /// Equation (2b): the normal velocity after a collision, m/s, from that before it (and before this step's forces, so that
 /// resting bodies do not bounce). Never negative.
@@ -94,14 +90,9 @@ pub fn normal_correction(
     table: Res<BodyTable>,
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
-    solver: Res<SolverSettings>,
     threads: Res<PhysicsThreads>,
     mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets)>,
 ) {
-    if solver.solver.rows() == Rows::Patches {
-        // It corrects distances itself, anew in each of its substeps.
-        return;
-    }
     let (table, settings, dt) = (&*table, &*settings, time.dt);
     let (rest, share) = (settings.rest_distance(), dt / time.longest);
     for (pairs, manifolds, mut targets) in pairs
@@ -109,27 +100,21 @@ pub fn normal_correction(
         .expect("pair components are stored in tables")
     {
         let columns = (pairs, manifolds, targets.bypass_change_detection());
-        let grain = threads.grain(columns.0.len());
-        threads.run(columns.0.len(), || {
-            columns
-                .into_par_iter()
-                .with_min_len(grain)
-                .for_each(|(pair, manifold, targets)| {
-                    let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
-                        return;
-                    };
-                    for patch in &manifold.patches {
-                        let points = &manifold.points[patch.range()];
-                        let targets = &mut targets.points[patch.range()];
-                        for (point, target) in points.iter().zip(targets) {
-                            let u = a.velocity_at(point.position) - b.velocity_at(point.position);
-                            let u_n = u.dot(patch.normal);
-                            // The share of the overlap that is taken back in this step.
-                            let d = point.distance.max(rest + share * (point.distance - rest));
-                            target.normal = normal_target(settings, pair.restitution, d, u_n, dt);
-                        }
-                    }
-                });
+        threads.each(columns, |(pair, manifold, targets)| {
+            let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
+                return;
+            };
+            for patch in &manifold.patches {
+                let points = &manifold.points[patch.range()];
+                let targets = &mut targets.points[patch.range()];
+                for (point, target) in points.iter().zip(targets) {
+                    let u = a.velocity_at(point.position) - b.velocity_at(point.position);
+                    let u_n = u.dot(patch.normal);
+                    // The share of the overlap that is taken back in this step.
+                    let d = point.distance.max(rest + share * (point.distance - rest));
+                    target.normal = normal_target(settings, pair.restitution, d, u_n, dt);
+                }
+            }
         });
     }
 }

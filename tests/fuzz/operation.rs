@@ -5,12 +5,11 @@ use crate::part::{KINDS, Part};
 use crate::shape::Shape;
 use drystone::body::RigidBody;
 use drystone::settings::{
-    AnchorRule, Classifier, FrictionStabilization, NormalStabilization, Preset, SleepSettings,
-    SolverSettings, SpeedLimits, StabilizationSettings,
+    AnchorRule, Classifier, ContactSolver, FrictionStabilization, NarrowphaseSettings,
+    NormalStabilization, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
 };
-use drystone::solver::{FrictionCone, SoftStep};
+use drystone::solver::{FrictionCone, Nncg, Pgs, SoftStep};
 use glam::{Quat, Vec3};
-use std::sync::Arc;
 
 /// An operation, and whether one of its numbers is bad.
 #[derive(Clone, Debug)]
@@ -48,6 +47,7 @@ pub enum Operation {
     Gravity(Vec3),
     Solver(Solver),
     Stabilization(Box<StabilizationSettings>),
+    Narrowphase(NarrowphaseSettings),
     Sleep(SleepSettings),
     Speeds(SpeedLimits),
     /// Takes one of the settings away.
@@ -84,22 +84,33 @@ enum Method {
 
 impl Solver {
     pub fn settings(&self) -> SolverSettings {
-        let settings = Preset::Default.solver();
-        let settings = match &self.method {
-            Method::SoftStep(method) => SolverSettings {
-                solver: Arc::new(*method),
-                iterations: self.iterations,
-                ..settings
-            },
-            Method::Pgs => settings.with_pgs(self.iterations),
-            Method::Nncg => settings.with_nncg(self.iterations),
-        };
         SolverSettings {
             substeps: self.substeps,
-            warm_start: self.warm_start,
-            tolerance: self.tolerance,
-            cone: self.cone,
-            ..settings
+            ..SolverSettings::new(self.solver())
+        }
+    }
+
+    fn solver(&self) -> ContactSolver {
+        match &self.method {
+            Method::SoftStep(method) => SoftStep {
+                most_sweeps: self.iterations,
+                ..*method
+            }
+            .into(),
+            Method::Pgs => Pgs {
+                iterations: self.iterations,
+                cone: self.cone,
+                warm_start: self.warm_start,
+                tolerance: self.tolerance,
+            }
+            .into(),
+            Method::Nncg => Nncg {
+                iterations: self.iterations,
+                cone: self.cone,
+                warm_start: self.warm_start,
+                tolerance: self.tolerance,
+            }
+            .into(),
         }
     }
 }
@@ -132,10 +143,11 @@ impl Operation {
                 false => Self::Spawn(Spawn::roll(dice)),
             },
             16 => Self::Gravity(Vec3::NEG_Y * dice.number(0.0, 15.0) + 0.3 * dice.vector(1.0)),
-            17 => match dice.index(4) {
+            17 => match dice.index(5) {
                 0 => Self::Solver(Solver::roll(dice)),
                 1 => Self::Stabilization(Box::new(stabilization(dice))),
-                2 => Self::Speeds(SpeedLimits {
+                2 => Self::Narrowphase(narrowphase(dice)),
+                3 => Self::Speeds(SpeedLimits {
                     linear: dice.number(20.0, 1000.0),
                     angular: dice.number(20.0, 1000.0),
                 }),
@@ -193,6 +205,7 @@ impl Solver {
                 preload_sweeps: dice.number(1600.0, 1e5),
                 longest_substep: dice.number(5e-4, 1e-2),
                 least_sweeps: dice.index(12),
+                ..Default::default()
             }),
             1 => Method::Pgs,
             _ => Method::Nncg,
@@ -244,10 +257,16 @@ fn stabilization(dice: &mut Dice) -> StabilizationSettings {
             gain: dice.number(0.4, 1.0),
             tolerance: dice.number(0.0, 1e-4),
             max_error: dice.number(0.05, 0.3),
-            max_separation: dice.number(1.0, 3.0),
+            max_separation: dice.number(0.02, 0.1),
             max_turn: dice.number(0.05, 0.2),
         },
+    }
+}
+
+fn narrowphase(dice: &mut Dice) -> NarrowphaseSettings {
+    NarrowphaseSettings {
         recycle_share: dice.number(0.0, 0.03),
         reduce_manifolds: dice.chance(0.5),
+        match_radius: dice.number(0.0, 0.06),
     }
 }

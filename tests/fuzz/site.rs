@@ -17,7 +17,8 @@ use drystone::collider::{Collider, CollisionLayers, Friction, Restitution, Rolli
 use drystone::contact::{ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold};
 use drystone::grab::Grab;
 use drystone::settings::{
-    Gravity, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+    Gravity, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
+    StabilizationSettings,
 };
 use glam::Vec3;
 use parry3d::shape::ShapeType;
@@ -113,11 +114,16 @@ impl Site {
                 self.plain = false;
                 self.set(|world| world.insert_resource(**settings));
             }
-            Operation::Forget(i) => self.set(|world| match i % 5 {
+            Operation::Narrowphase(settings) => {
+                self.plain = false;
+                self.set(|world| world.insert_resource(*settings));
+            }
+            Operation::Forget(i) => self.set(|world| match i % 6 {
                 0 => _ = world.remove_resource::<Gravity>(),
                 1 => _ = world.remove_resource::<SolverSettings>(),
                 2 => _ = world.remove_resource::<StabilizationSettings>(),
                 3 => _ = world.remove_resource::<SleepSettings>(),
+                4 => _ = world.remove_resource::<NarrowphaseSettings>(),
                 _ => _ = world.remove_resource::<SpeedLimits>(),
             }),
             Operation::Sleep(settings) => self.set(|world| world.insert_resource(*settings)),
@@ -126,6 +132,7 @@ impl Site {
                 world.insert_resource(Gravity::default());
                 world.insert_resource(SolverSettings::default());
                 world.insert_resource(StabilizationSettings::default());
+                world.insert_resource(NarrowphaseSettings::default());
                 world.insert_resource(SleepSettings::default());
                 world.insert_resource(SpeedLimits::default());
             }),

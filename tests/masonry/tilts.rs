@@ -8,6 +8,7 @@
 use crate::site::End;
 use crate::slope::{Slope, Structure};
 use drystone::settings::SolverSettings;
+use drystone::solver::SoftStep;
 
 /// Where something falls, as a share of its limit.
 struct Found {
@@ -130,7 +131,11 @@ fn with_many_sweeps_a_stack_falls_at_its_limit() {
     let ends = [0.98, 1.02].map(|tilt| {
         let mut slope = Slope::new(&structure, 1.0 / 60.0, tilt);
         let world = &mut slope.site.lab.world;
-        world.resource_mut::<SolverSettings>().iterations = 400;
+        let solver = SoftStep {
+            most_sweeps: 400,
+            ..Default::default()
+        };
+        world.insert_resource(SolverSettings::new(solver));
         slope.end()
     });
     println!("{ends:?}");

@@ -7,7 +7,7 @@ use drystone::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
 };
 use drystone::narrowphase::polyhedra::FeatureId;
-use drystone::settings::{Gravity, StabilizationSettings};
+use drystone::settings::{Gravity, NarrowphaseSettings};
 use glam::{DQuat, Vec3};
 
 impl Site {
@@ -17,7 +17,7 @@ impl Site {
         let lab = &mut self.lab;
         let (gravity, dt) = (lab.world.resource::<Gravity>().0, lab.dt);
         lab.world.resource_mut::<Gravity>().0 = Vec3::ZERO;
-        let mut settings = lab.world.resource_mut::<StabilizationSettings>();
+        let mut settings = lab.world.resource_mut::<NarrowphaseSettings>();
         settings.recycle_share = 1e3;
         lab.dt = 1e-6;
         lab.step();

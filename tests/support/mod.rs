@@ -13,6 +13,7 @@ use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::diagnosis::BodyError;
 use drystone::schedule::PhysicsSchedule;
 use drystone::settings::{Preset, SleepSettings, SolverSettings, StabilizationSettings};
+use drystone::solver::Nncg;
 use glam::{Quat, Vec3};
 
 pub const G: f32 = 9.81;
@@ -41,6 +42,7 @@ impl Lab {
             ..Default::default()
         });
         world.insert_resource(preset.stabilization());
+        world.insert_resource(preset.narrowphase());
         world.insert_resource(preset.solver());
         world.insert_resource(preset.sleeping());
         Self {
@@ -53,10 +55,13 @@ impl Lab {
     /// many sweeps a game can afford. No sleeping; one substep, so that impulses are those of a whole step.
     pub fn exact(dt: f32) -> Self {
         let mut lab = Self::shipped(dt);
-        let mut solver = lab.world.resource_mut::<SolverSettings>();
-        *solver = solver.clone().with_nncg(300);
-        solver.substeps = 1;
-        solver.tolerance = 1e-6;
+        let solver = Nncg {
+            iterations: 300,
+            warm_start: 0.3,
+            tolerance: 1e-6,
+            ..Default::default()
+        };
+        lab.world.insert_resource(SolverSettings::new(solver));
         lab
     }
 

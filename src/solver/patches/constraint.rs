@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// What a [patch solver](super::Rows::Patches) is given of a patch, and what it finds. World axes.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Patch {
+pub struct PatchConstraint {
     /// Indices of A and B among the problem's bodies.
     pub bodies: [u32; 2],
     /// Unit vector from B to A.
@@ -41,7 +41,7 @@ pub struct Patch {
     pub dragged: Slip,
 }
 
-impl Patch {
+impl PatchConstraint {
     /// The indices of its points.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize

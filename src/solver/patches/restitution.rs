@@ -5,7 +5,7 @@
 //! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn don't keep to that, so what would
 //! gain is weakened.
 
-use crate::solver::{Body, PatchPoint, Problem};
+use crate::solver::{Body, PatchPoint, PatchProblem};
 use glam::{DVec3, Vec3};
 
 /// Visits to all points that take part, at most.
@@ -37,7 +37,7 @@ struct Bouncing {
 ///
 /// They leave with a share e of the velocity with which they arrive, equation (2) of the paper: that before this step's forces,
 /// and what these add on the way to the surface. Without the second a ball would lose height in every bounce.
-pub fn find(problem: &Problem) -> Bounces {
+pub fn find(problem: &PatchProblem) -> Bounces {
     let mut points = Vec::new();
     let patches = problem.patches.iter().enumerate();
     for (number, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
@@ -111,7 +111,7 @@ impl Row {
 }
 
 /// Lets those leave that have been stopped; after so many substeps.
-pub fn bounce(problem: &mut Problem, bounces: Bounces, substeps: usize) {
+pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     let mut bouncing = bounces.points;
     let at_once = problem.dt / substeps as f32;
     for patch in bouncing.chunk_by_mut(|a, b| a.patch == b.patch) {
@@ -212,7 +212,7 @@ fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: 
     }
 }
 
-fn rows(problem: &Problem, bouncing: &[Bouncing], substeps: usize) -> Vec<Row> {
+fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<Row> {
     let mut rows = Vec::new();
     let mut next = bouncing.iter().peekable();
     for (number, patch) in problem.patches.iter().enumerate() {

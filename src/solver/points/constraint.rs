@@ -4,73 +4,12 @@
 //! M⁻¹ Jᵀ λ + free motion throughout.
 
 use super::FrictionCone;
-use glam::{Mat3, Vec2, Vec3};
-
-/// A body as the solver sees it. Zero inverse mass and inertia: nothing moves it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
-    /// Velocity of the centre of mass, m/s.
-    pub linear: Vec3,
-    /// 1/kg
-    pub inverse_mass: f32,
-    /// Angular velocity, world axes, rad/s.
-    pub angular: Vec3,
-    /// World axes, 1/(kg·m²).
-    pub inverse_inertia: Mat3,
-    /// Linear and angular velocity before this step's forces, m/s, rad/s.
-    pub start: [Vec3; 2],
-    /// The mean linear and angular velocity over the step, where a solver took substeps.
-    pub motion: Option<[Vec3; 2]>,
-    /// Bodies between it and what stands still, itself included; 0 where nothing carries it.
-    pub level: u32,
-}
-
-impl Default for Body {
-    /// At rest, and nothing moves it. (A default `Mat3` would be the identity.)
-    fn default() -> Self {
-        Self {
-            linear: Vec3::ZERO,
-            inverse_mass: 0.0,
-            angular: Vec3::ZERO,
-            inverse_inertia: Mat3::ZERO,
-            start: [Vec3::ZERO; 2],
-            motion: None,
-            level: 0,
-        }
-    }
-}
-
-impl Body {
-    /// What this step's forces have changed of the linear and angular velocity, m/s, rad/s. As long as nothing else has.
-    pub fn push(&self) -> [Vec3; 2] {
-        [self.linear - self.start[0], self.angular - self.start[1]]
-    }
-
-    /// What an impulse at an arm from the centre of mass (N·s, m) does to the linear and angular velocity, m/s, rad/s.
-    pub fn answer(&self, impulse: Vec3, arm: Vec3) -> [Vec3; 2] {
-        [
-            self.inverse_mass * impulse,
-            self.inverse_inertia * arm.cross(impulse),
-        ]
-    }
-
-    /// Adds an impulse at an arm from the centre of mass, N·s, m.
-    pub fn apply(&mut self, impulse: Vec3, arm: Vec3) {
-        let [linear, angular] = self.answer(impulse, arm);
-        self.linear += linear;
-        self.angular += angular;
-    }
-
-    /// Inverse effective mass along a unit direction at an arm from the centre of mass, 1/kg.
-    pub fn response(&self, direction: Vec3, arm: Vec3) -> f32 {
-        let turn = arm.cross(direction);
-        self.inverse_mass + turn.dot(self.inverse_inertia * turn)
-    }
-}
+use crate::solver::Body;
+use glam::{Vec2, Vec3};
 
 /// What is given of a contact point, in world axes.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ContactInput {
+pub struct PointInput {
     /// Indices of A and B among the problem's bodies.
     pub bodies: [u32; 2],
     /// Unit vector from B to A.
@@ -89,9 +28,9 @@ pub struct ContactInput {
     pub impulse_tangential: Vec3,
 }
 
-/// One contact point, ready to be solved: given by a [`ContactInput`], in its own frame (n, t1, t2).
+/// One contact point, ready to be solved: given by a [`PointInput`], in its own frame (n, t1, t2).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Contact {
+pub struct PointConstraint {
     /// Indices of A and B among the problem's bodies.
     pub bodies: [u32; 2],
     /// Unit vector from B to A.
@@ -125,9 +64,9 @@ pub fn tangents(normal: Vec3) -> [Vec3; 2] {
     [t, b]
 }
 
-impl Contact {
+impl PointConstraint {
     /// Computes tangents and effective masses.
-    pub fn prepare(input: &ContactInput, bodies: &[Body]) -> Self {
+    pub fn prepare(input: &PointInput, bodies: &[Body]) -> Self {
         let [a, b] = input.bodies.map(|i| &bodies[i as usize]);
         let [t1, t2] = tangents(input.normal);
         let framed = |n: f32, t: Vec3| Vec3::new(n, t1.dot(t), t2.dot(t));
@@ -264,23 +203,24 @@ fn inverse(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Mat3;
 
     /// A flat body of 1000 kg on the ground, touching at one point below: far easier to turn about z than about x.
-    fn touching(arm: Vec3) -> (Vec<Body>, Contact) {
+    fn touching(arm: Vec3) -> (Vec<Body>, PointConstraint) {
         let body = Body {
             inverse_mass: 1e-3,
             inverse_inertia: Mat3::from_diagonal(Vec3::new(1e-3, 2e-3, 3e-2)),
             ..Default::default()
         };
         let bodies = vec![body, Body::default()];
-        let input = ContactInput {
+        let input = PointInput {
             bodies: [0, 1],
             normal: Vec3::Y,
             arms: [arm, Vec3::ZERO],
             friction: 0.5,
             ..Default::default()
         };
-        let contact = Contact::prepare(&input, &bodies);
+        let contact = PointConstraint::prepare(&input, &bodies);
         (bodies, contact)
     }
 

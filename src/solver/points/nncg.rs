@@ -10,48 +10,80 @@
 //! diagonal of W, since λ mixes contacts of all masses. And the last sweep is a plain one, or λ could leave the cone or turn
 //! negative by what β p added.
 
-use super::{ContactSolver, Direction, Grouping, Problem, SolveReport};
+use super::{Direction, FrictionCone, Grouping, PointProblem, PointSolver};
+use crate::solver::SolveReport;
 use glam::Vec3;
 
 /// After this many restarts in a row directions don't help, and plain sweeps do the rest.
 const GIVE_UP: usize = 8;
 
 /// See the module's text.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Nncg;
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nncg {
+    /// Sweeps over all contacts, at most.
+    pub iterations: usize,
+    /// The shape of the friction cone.
+    pub cone: FrictionCone,
+    /// Share of last step's impulses that a solve starts from, 0..1; as [`Pgs::warm_start`](super::Pgs::warm_start).
+    pub warm_start: f32,
+    /// A solve ends early when its residual (see [`merit`](super::merit)) falls below this. 0, the default: never.
+    pub tolerance: f32,
+}
 
-impl ContactSolver for Nncg {
+impl Default for Nncg {
+    /// The paper's.
+    fn default() -> Self {
+        Self {
+            iterations: 75,
+            cone: FrictionCone::Circular,
+            warm_start: 0.0,
+            tolerance: 0.0,
+        }
+    }
+}
+
+impl PointSolver for Nncg {
     fn name(&self) -> &str {
         "nncg"
     }
 
-    fn solve(&self, problem: &mut Problem) -> SolveReport {
-        let mut report = SolveReport::default();
-        let mut directions = vec![Vec3::ZERO; problem.contacts.len()];
-        let mut before = vec![Vec3::ZERO; problem.contacts.len()];
+    fn problem(&self) -> Option<String> {
+        super::problem(self.iterations, self.warm_start, self.tolerance)
+    }
+
+    fn warm_start(&self) -> f32 {
+        self.warm_start
+    }
+
+    fn solve(&self, problem: &mut PointProblem) -> SolveReport {
+        let mut report = problem.report();
+        let mut directions = vec![Vec3::ZERO; problem.constraints.len()];
+        let mut before = vec![Vec3::ZERO; problem.constraints.len()];
         let mut last = f32::INFINITY;
         let mut restarts = 0;
-        for k in 1..=problem.iterations {
-            for (before, contact) in before.iter_mut().zip(problem.contacts.iter()) {
+        for k in 1..=self.iterations {
+            for (before, contact) in before.iter_mut().zip(&*problem.constraints) {
                 *before = contact.impulse;
             }
-            let sweep = Direction::of_sweep(k - 1, problem.iterations);
-            let gradient = problem.sweep(sweep, Grouping::Point);
-            if report.record(gradient.sqrt(), problem) || k == problem.iterations {
+            let sweep = Direction::of_sweep(k - 1, self.iterations);
+            let gradient = problem.sweep(sweep, Grouping::Point, self.cone);
+            if report.record(gradient.sqrt()) <= self.tolerance || k == self.iterations {
                 break;
             }
             let beta = gradient / last;
             last = gradient;
             restarts = if beta > 1.0 { restarts + 1 } else { 0 };
             if restarts >= GIVE_UP {
-                return finish(problem, report, k);
+                return self.finish(problem, report, k);
             }
             // On the first sweep β is 0, and on a restart it is made so.
             let beta = if beta > 1.0 { 0.0 } else { beta };
-            let Problem {
-                bodies, contacts, ..
+            let PointProblem {
+                bodies,
+                constraints,
+                ..
             } = problem;
-            for ((contact, before), p) in contacts.iter_mut().zip(&before).zip(&mut directions) {
+            for ((contact, before), p) in constraints.iter_mut().zip(&before).zip(&mut directions) {
                 let r = contact.impulse - *before;
                 let step = beta * *p;
                 if beta > 0.0 {
@@ -64,14 +96,21 @@ impl ContactSolver for Nncg {
     }
 }
 
-/// The remaining sweeps without directions.
-fn finish(problem: &mut Problem, mut report: SolveReport, done: usize) -> SolveReport {
-    for k in done..problem.iterations {
-        let sweep = Direction::of_sweep(k, problem.iterations);
-        let merit = problem.sweep(sweep, Grouping::Point).sqrt();
-        if report.record(merit, problem) {
-            break;
+impl Nncg {
+    /// The remaining sweeps without directions.
+    fn finish(
+        &self,
+        problem: &mut PointProblem,
+        mut report: SolveReport,
+        done: usize,
+    ) -> SolveReport {
+        for k in done..self.iterations {
+            let sweep = Direction::of_sweep(k, self.iterations);
+            let change = problem.sweep(sweep, Grouping::Point, self.cone);
+            if report.record(change.sqrt()) <= self.tolerance {
+                break;
+            }
         }
+        report
     }
-    report
 }

@@ -1,22 +1,53 @@
 //! Projected Gauss–Seidel: sweep until it is good enough, back and forth.
 
-use super::{ContactSolver, Direction, Grouping, Problem, SolveReport};
+use super::{Direction, FrictionCone, Grouping, PointProblem, PointSolver};
+use crate::solver::SolveReport;
 
 /// Projected Gauss–Seidel (Erleben 2007), one pair of bodies after the other.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Pgs;
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pgs {
+    /// Sweeps over all contacts, at most.
+    pub iterations: usize,
+    /// The shape of the friction cone.
+    pub cone: FrictionCone,
+    /// Share of last step's impulses that a solve starts from, 0..1. With position feedback in the same velocities it is unstable when
+    /// under-converged, so the paper's setting, and the default, is 0.
+    pub warm_start: f32,
+    /// A solve ends early when its residual (see [`merit`](super::merit)) falls below this. 0, the default: never.
+    pub tolerance: f32,
+}
 
-impl ContactSolver for Pgs {
+impl Default for Pgs {
+    /// The paper's.
+    fn default() -> Self {
+        Self {
+            iterations: 12,
+            cone: FrictionCone::Circular,
+            warm_start: 0.0,
+            tolerance: 0.0,
+        }
+    }
+}
+
+impl PointSolver for Pgs {
     fn name(&self) -> &str {
         "pgs"
     }
 
-    fn solve(&self, problem: &mut Problem) -> SolveReport {
-        let mut report = SolveReport::default();
-        for k in 0..problem.iterations {
-            let direction = Direction::of_sweep(k, problem.iterations);
-            let merit = problem.sweep(direction, Grouping::Pair).sqrt();
-            if report.record(merit, problem) {
+    fn problem(&self) -> Option<String> {
+        super::problem(self.iterations, self.warm_start, self.tolerance)
+    }
+
+    fn warm_start(&self) -> f32 {
+        self.warm_start
+    }
+
+    fn solve(&self, problem: &mut PointProblem) -> SolveReport {
+        let mut report = problem.report();
+        for k in 0..self.iterations {
+            let direction = Direction::of_sweep(k, self.iterations);
+            let change = problem.sweep(direction, Grouping::Pair, self.cone);
+            if report.record(change.sqrt()) <= self.tolerance {
                 break;
             }
         }

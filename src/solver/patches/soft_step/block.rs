@@ -8,7 +8,7 @@
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
 use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
-use crate::solver::{Patch, PatchPoint, Problem, Slip};
+use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
 
 /// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
 const FRICTION: f32 = 0.3;
@@ -191,8 +191,8 @@ impl Block {
         &mut self,
         points: &mut [Points],
         lane: usize,
-        patch: &Patch,
-        problem: &Problem,
+        patch: &PatchConstraint,
+        problem: &PatchProblem,
         substeps: usize,
         stiffness: f32,
     ) {
@@ -262,7 +262,7 @@ impl Block {
         &self,
         points: &[Points],
         lane: usize,
-        patch: &mut Patch,
+        patch: &mut PatchConstraint,
         patch_points: &mut [PatchPoint],
         substeps: usize,
         rate: f32,

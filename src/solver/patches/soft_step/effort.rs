@@ -6,7 +6,7 @@
 //! carried for long; one that followed impulses of the moment would excite what they shake.
 
 use super::SoftStep;
-use crate::solver::{Body, Problem};
+use crate::solver::{Body, PatchProblem};
 
 /// Substeps to one rigid sweep: most, and where so many courses stand on each other. Soft sweeps let disturbances grow from course
 /// to course: a pyramid of 100 trembles by 50 mm/s with three, and one of 50 by 2; of 20 it is steadier with three.
@@ -47,7 +47,7 @@ pub struct Effort {
 
 impl Effort {
     /// What a problem needs whose impulses are those it starts from.
-    pub fn new(settings: &SoftStep, problem: &Problem) -> Self {
+    pub fn new(settings: &SoftStep, problem: &PatchProblem) -> Self {
         let courses = courses(problem);
         let soft = match courses.len() {
             TALL.. => SUBSTEPS_PER_RIGID_SWEEP_IF_TALL,
@@ -64,7 +64,7 @@ impl Effort {
             let rounds = (rate * seconds / round as f32 - A_LITTLE).ceil() as usize;
             (rounds * round)
                 .max(settings.least_sweeps)
-                .min(problem.iterations)
+                .min(settings.most_sweeps)
         };
         // Not all of what whole rounds come to, or stiffness would jump with their number.
         let rate = rate.max(settings.least_sweeps as f32 / problem.longest);
@@ -92,7 +92,7 @@ struct Loads {
 }
 
 impl Loads {
-    fn of(problem: &Problem) -> Self {
+    fn of(problem: &PatchProblem) -> Self {
         let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
         for patch in problem.patches.iter() {
             let points = &problem.points[patch.range()];
@@ -113,7 +113,7 @@ impl Loads {
 }
 
 /// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`Loads::pressed`]).
-fn stable(problem: &Problem, courses: &[Course], pressed: f32) -> f32 {
+fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
     let mut above = 0.0;
     let mut most = pressed;
     for course in courses.iter().rev() {
@@ -135,7 +135,7 @@ struct Course {
 }
 
 /// From the ground up.
-fn courses(problem: &Problem) -> Vec<Course> {
+fn courses(problem: &PatchProblem) -> Vec<Course> {
     let mut courses: Vec<Course> = Vec::new();
     let moves = |body: &&Body| body.inverse_mass > 0.0;
     for body in problem.bodies.iter().filter(moves) {

@@ -18,7 +18,7 @@
 //!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
 //!   more slowly, or bodies would rock. Where load is taken off, a row holds on to most of it, which makes it the stiffer on that
 //!   side; towers stand by that.
-//! - **The longest of recent steps** sets the stiffness ([`Problem::longest`]): springs that became stiffer with every short step
+//! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer with every short step
 //!   would throw what a long one has let sink.
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
@@ -28,13 +28,13 @@
 
 mod batches;
 mod block;
-mod bounce;
 mod cold_start;
 mod effort;
 mod lanes;
 mod visit;
 
-use super::{Body, ContactSolver, Patch, Problem, Rows, SolveReport};
+use super::{PatchConstraint, PatchProblem, PatchSolver, restitution};
+use crate::solver::{Body, SolveReport};
 use batches::Batches;
 use block::{Block, Pass, Points, Spring};
 use effort::Effort;
@@ -45,7 +45,10 @@ use std::f32::consts::TAU;
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
 const CROWD: f32 = 6.0;
 
-/// See the module's text. [`Problem::iterations`] counts sweeps, rigid ones included.
+/// Most sweeps that a step may be asked for.
+const SWEEPS: usize = 1_000_000;
+
+/// See the module's text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftStep {
     /// Damping ratio ζ of soft rows. 5 to 20 work.
@@ -59,8 +62,11 @@ pub struct SoftStep {
     pub preload_sweeps: f32,
     /// Longest substep, s. A step takes as many as it needs to stay below; structures that are tall or carry much take more.
     pub longest_substep: f32,
-    /// Sweeps of a short step, at least. At most it takes [`Problem::iterations`].
+    /// Sweeps of a short step, at least; soft and rigid ones together.
     pub least_sweeps: usize,
+    /// Sweeps of a step, at most. Springs are as stiff as sweeps come often, so where this is fewer than the step's length and the
+    /// structure call for, they are softer.
+    pub most_sweeps: usize,
 }
 
 impl Default for SoftStep {
@@ -72,20 +78,23 @@ impl Default for SoftStep {
             preload_sweeps: 1600.0,
             longest_substep: 1.0 / 720.0,
             least_sweeps: 4,
+            most_sweeps: 192,
         }
     }
 }
 
-impl ContactSolver for SoftStep {
+impl PatchSolver for SoftStep {
     fn name(&self) -> &str {
         "soft-step"
     }
 
-    fn rows(&self) -> Rows {
-        Rows::Patches
-    }
-
     fn problem(&self) -> Option<String> {
+        let (least, most) = (self.least_sweeps, self.most_sweeps);
+        if least > SWEEPS || !(1..=SWEEPS).contains(&most) {
+            return Some(format!(
+                "least_sweeps and most_sweeps of Soft Step are {least} and {most}, and may be {SWEEPS}, the second at least 1"
+            ));
+        }
         let bounds = [
             ("damping_ratio", self.damping_ratio, 0.0, 1e3),
             ("sweeps_per_period", self.sweeps_per_period, 1.0, 1e6),
@@ -101,8 +110,8 @@ impl ContactSolver for SoftStep {
             })
     }
 
-    fn solve(&self, problem: &mut Problem) -> SolveReport {
-        let bounces = bounce::find(problem);
+    fn solve(&self, problem: &mut PatchProblem) -> SolveReport {
+        let bounces = restitution::find(problem);
         cold_start::cold_start(problem);
         let effort = Effort::new(self, problem);
         let mut island = Island::new(problem, effort.substeps);
@@ -111,7 +120,7 @@ impl ContactSolver for SoftStep {
             problem,
             (report.sweeps as f32 / self.preload_sweeps).min(1.0),
         );
-        bounce::bounce(problem, bounces, effort.substeps);
+        restitution::bounce(problem, bounces, effort.substeps);
         report
     }
 }
@@ -131,7 +140,7 @@ struct Island {
 }
 
 impl Island {
-    fn new(problem: &Problem, substeps: usize) -> Self {
+    fn new(problem: &PatchProblem, substeps: usize) -> Self {
         let bodies = &*problem.bodies;
         let nobody = bodies.len() as u32;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
@@ -151,13 +160,13 @@ impl Island {
         let count = blocks.iter_mut().fold(0, |first, block| block.place(first));
         let mut points = vec![Points::default(); count as usize];
         // A body between two others is held by two springs, and counts as the rule.
-        let shared = |patch: &Patch| {
+        let shared = |patch: &PatchConstraint| {
             let most = patch.bodies.into_iter().filter(|&body| moves(body));
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
         // What lies inside many others would be thrown out by the sum of their corrections.
-        let hurry = |patch: &Patch| (CROWD * 0.5 * shared(patch)).min(1.0);
+        let hurry = |patch: &PatchConstraint| (CROWD * 0.5 * shared(patch)).min(1.0);
         for (patch, &(block, lane)) in problem.patches.iter().zip(&batches.places) {
             let block = &mut blocks[block as usize];
             let points = &mut points[block.range()];
@@ -183,7 +192,7 @@ impl Island {
         &mut self,
         settings: &SoftStep,
         effort: Effort,
-        problem: &mut Problem,
+        problem: &mut PatchProblem,
     ) -> SolveReport {
         let h = problem.dt / self.substeps as f32;
         let spring = Spring {
@@ -196,26 +205,26 @@ impl Island {
             rate: Lane::splat(1.0 / h),
             preload: Lane::splat(settings.preload),
         };
-        let mut report = SolveReport::default();
-        problem.free_merit = self.begin(problem, &spring, &pass);
+        let free_merit = self.begin(problem, &spring, &pass);
+        let mut report = SolveReport::new(free_merit, problem.record_history);
         for substep in 1..=self.substeps {
             if substep > 1 {
                 self.extrapolate();
                 pass.first = false;
             }
             let change = self.sweep::<true>(&pass);
-            report.record(change, problem);
+            report.record(change);
             self.drift(h);
             if substep % effort.substeps_per_rigid_sweep == 0 || substep == self.substeps {
                 let change = self.sweep::<false>(&pass);
-                report.record(change, problem);
+                report.record(change);
             }
         }
         report
     }
 
     /// Effective masses; forces and last step's impulses for the first substep. The merit of the free motion, √J.
-    fn begin(&mut self, problem: &Problem, spring: &Spring, pass: &Pass) -> f32 {
+    fn begin(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass) -> f32 {
         let share = 1.0 / self.substeps as f32;
         for (state, body) in self.velocities.iter_mut().zip(&*problem.bodies) {
             for (velocity, push) in state.iter_mut().zip(body.push()) {
@@ -262,7 +271,7 @@ impl Island {
         }
     }
 
-    fn store(self, problem: &mut Problem, rate: f32) {
+    fn store(self, problem: &mut PatchProblem, rate: f32) {
         for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
             let block = &self.blocks[block as usize];
             let points = &mut problem.points[patch.range()];

@@ -1,7 +1,7 @@
 //! Loads go down: from the top, each body hands its own weight and what it has been given to what it lies on, as if that could not
 //! give way. One pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
 
-use crate::solver::{Body, Patch, PatchPoint, Problem};
+use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem};
 use glam::Vec3;
 
 /// Normals flatter than this, as a cosine to the vertical, carry no load.
@@ -22,18 +22,18 @@ struct Supports {
 }
 
 /// On which side of a patch what it carries is; none where it is too steep to carry.
-fn upper(patch: &Patch, up: Vec3) -> Option<usize> {
+fn upper(patch: &PatchConstraint, up: Vec3) -> Option<usize> {
     let slope = patch.normal.dot(up);
     (slope.abs() >= FLAT).then_some(if slope > 0.0 { 0 } else { 1 })
 }
 
-fn up(problem: &Problem) -> Vec3 {
+fn up(problem: &PatchProblem) -> Vec3 {
     -problem.gravity.normalize_or_zero()
 }
 
 /// Whether a way down to what nothing moves leads from each body through closed patches. They come in the order of their level, so
 /// that one pass finds all.
-pub fn standing(problem: &Problem, closed: f32) -> Vec<bool> {
+pub fn standing(problem: &PatchProblem, closed: f32) -> Vec<bool> {
     let up = up(problem);
     let fixed = |body: &Body| body.inverse_mass == 0.0;
     let mut stands: Vec<bool> = problem.bodies.iter().map(fixed).collect();
@@ -50,7 +50,7 @@ pub fn standing(problem: &Problem, closed: f32) -> Vec<bool> {
 }
 
 impl Supports {
-    fn new(problem: &Problem) -> Self {
+    fn new(problem: &PatchProblem) -> Self {
         let up = up(problem);
         let mut supports = Self {
             of: vec![Vec::new(); problem.bodies.len()],
@@ -122,7 +122,7 @@ struct Foot {
 
 impl Foot {
     /// Where any of its points is closed.
-    fn new(problem: &Problem, (index, side): (usize, usize), closed: f32) -> Option<Self> {
+    fn new(problem: &PatchProblem, (index, side): (usize, usize), closed: f32) -> Option<Self> {
         let patch = &problem.patches[index];
         let body = &problem.bodies[patch.bodies[side] as usize];
         let sign = if side == 0 { 1.0 } else { -1.0 };
@@ -175,7 +175,7 @@ impl Foot {
 }
 
 /// What each body would do in this step under its forces and what its contacts start with.
-fn unbalanced(problem: &Problem) -> Vec<[Vec3; 2]> {
+fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
     let mut motions: Vec<[Vec3; 2]> = problem.bodies.iter().map(Body::push).collect();
     for patch in problem.patches.iter() {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
@@ -193,7 +193,7 @@ fn unbalanced(problem: &Problem) -> Vec<[Vec3; 2]> {
 
 /// Hands down what is not balanced of bodies that are new, or have lost what lay on them. What is below keeps what it carries where that is enough. Through how many bodies the
 /// longest way led.
-pub fn hand_down(problem: &mut Problem, closed: f32, new: &[bool]) -> usize {
+pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize {
     let down = -up(problem);
     let mut supports = Supports::new(problem);
     let mut motions = unbalanced(problem);
@@ -226,7 +226,13 @@ pub fn hand_down(problem: &mut Problem, closed: f32, new: &[bool]) -> usize {
 }
 
 /// Shares what has come to a body among its feet.
-fn share(problem: &Problem, index: usize, feet: &mut [Foot], motion: &mut [Vec3; 2], down: Vec3) {
+fn share(
+    problem: &PatchProblem,
+    index: usize,
+    feet: &mut [Foot],
+    motion: &mut [Vec3; 2],
+    down: Vec3,
+) {
     let body = &problem.bodies[index];
     let pressed = motion[0].dot(down) / body.inverse_mass;
     // Equal shares of what comes, and of what goes the same share of each first: visits alone would let the foot visited first carry
@@ -261,12 +267,12 @@ fn share(problem: &Problem, index: usize, feet: &mut [Foot], motion: &mut [Vec3;
 }
 
 impl Foot {
-    fn below(&self, problem: &Problem) -> usize {
+    fn below(&self, problem: &PatchProblem) -> usize {
         problem.patches[self.patch].bodies[1 - self.side] as usize
     }
 
     /// To the problem, and to what is below.
-    fn hand_on(self, problem: &mut Problem, motions: &mut [[Vec3; 2]]) {
+    fn hand_on(self, problem: &mut PatchProblem, motions: &mut [[Vec3; 2]]) {
         let patch = &mut problem.patches[self.patch];
         let (sign, other) = if self.side == 0 { (1.0, 1) } else { (-1.0, 0) };
         let below = patch.bodies[other] as usize;

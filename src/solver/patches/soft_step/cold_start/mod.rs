@@ -8,7 +8,7 @@
 mod hand_down;
 mod statics;
 
-use crate::solver::{Body, Problem};
+use crate::solver::{Body, PatchProblem};
 
 /// What is faster than this has not been put there, but thrown, m/s.
 const PUT: f32 = 0.01;
@@ -37,7 +37,7 @@ struct New {
 
 impl New {
     /// None in most steps, which one pass over the points finds.
-    fn find(problem: &Problem, closed: f32) -> Option<Self> {
+    fn find(problem: &PatchProblem, closed: f32) -> Option<Self> {
         let footing = Footing::of_all(problem);
         let fall = problem.gravity.length() * problem.dt;
         let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
@@ -86,7 +86,7 @@ struct Footing {
 }
 
 impl Footing {
-    fn of_all(problem: &Problem) -> Vec<Self> {
+    fn of_all(problem: &PatchProblem) -> Vec<Self> {
         let up = -problem.gravity.normalize_or_zero();
         let mut all = vec![Self::default(); problem.bodies.len()];
         for patch in problem.patches.iter() {
@@ -110,14 +110,14 @@ impl Footing {
     }
 
     /// What lay on it is gone, and what bore that would throw it.
-    fn is_unloaded(&self, body: &Body, problem: &Problem) -> bool {
+    fn is_unloaded(&self, body: &Body, problem: &PatchProblem) -> bool {
         let weight = problem.gravity.length() * problem.dt / body.inverse_mass;
         self.up > UNLOADED * (self.down + weight)
     }
 }
 
 /// Gives contacts that carry nothing yet the load they will carry, as impulses and as what they carry at rest.
-pub fn cold_start(problem: &mut Problem) {
+pub fn cold_start(problem: &mut PatchProblem) {
     // What falls from rest gets so far in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     let closed = fallen.max(PLACED);

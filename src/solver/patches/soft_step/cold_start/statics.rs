@@ -8,7 +8,7 @@
 use super::super::Island;
 use super::super::block::{Block, Pass, Spring};
 use super::super::lanes::Lane;
-use crate::solver::Problem;
+use crate::solver::PatchProblem;
 
 /// It ends when a sweep makes less than this share of the difference that gravity makes.
 const STILL: f32 = 3e-4;
@@ -60,7 +60,7 @@ impl Impulses {
 
 /// Changes impulses by what is missing to keep all still, in so many sweeps to and fro at most, and makes them the loads at rest. Points
 /// farther apart than `closed` m stay without.
-pub fn settle(problem: &mut Problem, closed: f32, most: usize) {
+pub fn settle(problem: &mut PatchProblem, closed: f32, most: usize) {
     let (mut island, free) = Island::at_rest(problem, closed);
     let pass = Pass::whole(problem.dt);
     let mut direction: Option<Impulses> = None;
@@ -103,7 +103,7 @@ impl Pass {
 
 impl Island {
     /// As if everything stood still and touched where it is not open; and what the forces do unopposed, J.
-    fn at_rest(problem: &Problem, closed: f32) -> (Self, f32) {
+    fn at_rest(problem: &PatchProblem, closed: f32) -> (Self, f32) {
         let mut island = Self::new(problem, 1);
         for (velocity, body) in island.velocities.iter_mut().zip(&*problem.bodies) {
             *velocity = body.push().map(|push| push.extend(0.0));
@@ -148,7 +148,7 @@ impl Island {
         }
     }
 
-    fn keep(&self, problem: &mut Problem) {
+    fn keep(&self, problem: &mut PatchProblem) {
         for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
             let (block, lane) = (&self.blocks[block as usize], lane as usize);
             let t1 = block.tangent.get(lane);

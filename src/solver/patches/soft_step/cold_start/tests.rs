@@ -1,5 +1,5 @@
 use super::*;
-use crate::solver::{FrictionCone, Patch, PatchPoint};
+use crate::solver::{PatchConstraint, PatchPoint};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::PI;
 
@@ -10,7 +10,7 @@ const G: f32 = 9.81;
 struct Masonry {
     bodies: Vec<Body>,
     centers: Vec<Vec3>,
-    patches: Vec<Patch>,
+    patches: Vec<PatchConstraint>,
     points: Vec<PatchPoint>,
     gravity: Vec3,
 }
@@ -45,7 +45,7 @@ impl Masonry {
 
     /// Two faces that meet there in a rectangle with these two half sides.
     fn joint(&mut self, [a, b]: [usize; 2], center: Vec3, normal: Vec3, half: [Vec3; 2]) {
-        self.patches.push(Patch {
+        self.patches.push(PatchConstraint {
             bodies: [a as u32, b as u32],
             normal,
             arms: [center - self.centers[a], center - self.centers[b]],
@@ -126,19 +126,14 @@ impl Masonry {
     }
 
     fn start(&mut self) {
-        cold_start(&mut Problem {
+        cold_start(&mut PatchProblem {
             bodies: &mut self.bodies,
-            contacts: &mut [],
             patches: &mut self.patches,
             points: &mut self.points,
             dt: DT,
             longest: DT,
             gravity: self.gravity,
             max_correction_speed: 2.0,
-            cone: FrictionCone::Circular,
-            iterations: 24,
-            tolerance: 0.0,
-            free_merit: 0.0,
             record_history: false,
         });
     }

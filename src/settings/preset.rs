@@ -1,0 +1,100 @@
+//! Complete settings with a name.
+
+use super::{
+    AnchorRule, Classifier, FrictionStabilization, NarrowphaseSettings, NormalStabilization,
+    SleepSettings, SolverSettings, StabilizationSettings,
+};
+use crate::solver::{Nncg, SoftStep};
+
+/// Complete settings with a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// What a Bevy user gets: 60 Hz, surfaces touch.
+    Default,
+    /// Table 1, row 2 with friction stabilization: Δt 0.1, envelope 0.0625, NNCG 75, no warm start, no sleeping.
+    Paper,
+}
+
+impl Preset {
+    /// The step this preset is meant for, s.
+    pub fn dt(self) -> f32 {
+        match self {
+            Preset::Default => 1.0 / 60.0,
+            Preset::Paper => 0.1,
+        }
+    }
+
+    /// Its stabilization.
+    pub fn stabilization(self) -> StabilizationSettings {
+        let friction = FrictionStabilization {
+            enabled: true,
+            anchors: AnchorRule::Persistent,
+            classifier: Classifier::Sum,
+            gain: 0.8,
+            tolerance: 1e-5,
+            max_error: 0.25,
+            max_separation: 3.0 * 0.02,
+            max_turn: 0.1,
+        };
+        match self {
+            Preset::Default => StabilizationSettings {
+                envelope: 0.02,
+                ideal_distance: 0.0,
+                normal: NormalStabilization::Envelope,
+                max_correction_speed: 2.0,
+                friction: FrictionStabilization {
+                    anchors: AnchorRule::PairPose,
+                    ..friction
+                },
+            },
+            Preset::Paper => StabilizationSettings {
+                envelope: 0.0625,
+                ideal_distance: 0.0625 / 2.0,
+                normal: NormalStabilization::Envelope,
+                max_correction_speed: 2.0,
+                friction: FrictionStabilization {
+                    max_separation: 3.0 * 0.0625,
+                    ..friction
+                },
+            },
+        }
+    }
+
+    /// How it treats manifolds.
+    pub fn narrowphase(self) -> NarrowphaseSettings {
+        match self {
+            Preset::Default => NarrowphaseSettings {
+                recycle_share: 0.016,
+                reduce_manifolds: true,
+                match_radius: 0.02,
+            },
+            Preset::Paper => NarrowphaseSettings {
+                recycle_share: 0.0,
+                reduce_manifolds: false,
+                match_radius: 0.0625,
+            },
+        }
+    }
+
+    /// Its solver.
+    pub fn solver(self) -> SolverSettings {
+        SolverSettings {
+            solver: match self {
+                Preset::Default => SoftStep::default().into(),
+                Preset::Paper => Nncg::default().into(),
+            },
+            substeps: 1,
+            record_history: false,
+        }
+    }
+
+    /// Whether its bodies sleep.
+    pub fn sleeping(self) -> SleepSettings {
+        SleepSettings {
+            enabled: self == Preset::Default,
+            linear_speed: 0.01,
+            angular_speed: 0.02,
+            delay: 0.5,
+        }
+    }
+}

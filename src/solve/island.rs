@@ -1,0 +1,148 @@
+//! One island on its way through the stage: bodies, and what acts between them.
+
+use super::touch::Touch;
+use super::{Given, IslandReport, Places};
+use crate::body::{BodyState, Velocity, limits};
+use crate::contact::{ContactImpulses, Impulse, PatchImpulse};
+use crate::solver::{Body, SolveReport};
+use bevy_ecs::prelude::*;
+use bevy_platform::collections::HashMap;
+use glam::Vec3;
+
+/// What a kind of solver works on: points or patches.
+pub(super) trait Rows: Default + Send + Sync {
+    type Solver: ?Sized + Sync;
+
+    /// Its solvers take substeps of their own.
+    const SUBSTEPS: bool;
+
+    fn clear(&mut self);
+
+    /// Contact points.
+    fn points(&self) -> usize;
+
+    /// Takes the contacts of an island, between bodies at `ends`.
+    fn gather(&mut self, touches: &[Touch], ends: &[[u32; 2]], bodies: &[Body], given: &Given);
+
+    fn solve(&mut self, solver: &Self::Solver, bodies: &mut [Body], given: &Given) -> SolveReport;
+
+    /// Gives the impulses back to the pairs they were gathered from.
+    fn store(&self, touches: &mut [Touch], given: &Given);
+}
+
+/// Scratch for one island.
+#[derive(Default)]
+pub(super) struct Island<R> {
+    /// Those that sleep are not among them.
+    pub bodies: Vec<Body>,
+    rows: R,
+    report: SolveReport,
+    /// The solve went wrong, and was taken back.
+    pub diverged: bool,
+    /// Whose the first of the bodies is.
+    pub first: Option<Entity>,
+}
+
+impl<R: Rows> Island<R> {
+    pub fn points(&self) -> usize {
+        self.rows.points()
+    }
+
+    pub fn report(&self) -> IslandReport {
+        IslandReport {
+            bodies: self.bodies.len(),
+            contacts: self.points(),
+            report: self.report.clone(),
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.bodies.clear();
+        self.rows.clear();
+        self.diverged = false;
+        self.first = None;
+    }
+
+    /// Adds a dynamic body; where it stands.
+    pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32) -> u32 {
+        self.first.get_or_insert(body.entity);
+        self.bodies.push(Body {
+            linear: velocity.linear,
+            inverse_mass: body.mass.inverse_mass,
+            angular: velocity.angular,
+            inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
+            start: [body.velocity.linear, body.velocity.angular],
+            motion: None,
+            level,
+        });
+        self.bodies.len() as u32 - 1
+    }
+
+    /// From components to impulses and back.
+    pub fn solve(
+        &mut self,
+        solver: &R::Solver,
+        touches: &mut [Touch],
+        places: &Places,
+        given: &Given,
+    ) {
+        let ends = self.ends(touches, places);
+        self.rows.gather(touches, &ends, &self.bodies, given);
+        self.report = self.rows.solve(solver, &mut self.bodies, given);
+        self.diverged = !self.bodies.iter().all(is_sound);
+        if self.diverged {
+            for body in &mut self.bodies {
+                [body.linear, body.angular] = body.start;
+                body.motion = Some([Vec3::ZERO; 2]);
+            }
+            touches.iter_mut().for_each(|touch| touch.impulses.forget());
+        } else {
+            self.rows.store(touches, given);
+        }
+    }
+
+    /// Where the bodies of each pair stand. Copies of static and kinematic ones, which no impulse can change, are put behind the
+    /// dynamic ones.
+    fn ends(&mut self, touches: &[Touch], places: &Places) -> Vec<[u32; 2]> {
+        let mut copies: HashMap<u32, u32> = HashMap::default();
+        let mut end = |slot: u32| {
+            let local = places.local[slot as usize];
+            if local != u32::MAX {
+                return local;
+            }
+            *copies.entry(slot).or_insert_with(|| {
+                let velocity = places.velocities[slot as usize];
+                self.bodies.push(Body {
+                    linear: velocity.linear,
+                    angular: velocity.angular,
+                    start: [velocity.linear, velocity.angular],
+                    ..Default::default()
+                });
+                self.bodies.len() as u32 - 1
+            })
+        };
+        touches
+            .iter()
+            .map(|touch| touch.pair.slots.map(&mut end))
+            .collect()
+    }
+}
+
+/// What a solve may leave a body with. Well above the cap on speeds: what lands hard may be fast for a moment.
+fn is_sound(body: &Body) -> bool {
+    let [linear, angular] = body.motion.unwrap_or_default();
+    [body.linear, linear]
+        .into_iter()
+        .all(|v| limits::within(v, limits::SPEED))
+        && [body.angular, angular]
+            .into_iter()
+            .all(|v| limits::within(v, limits::SPIN))
+}
+
+impl ContactImpulses {
+    /// As if nothing had ever pushed.
+    fn forget(&mut self) {
+        self.points.fill(Impulse::default());
+        self.patches.fill(PatchImpulse::default());
+    }
+}

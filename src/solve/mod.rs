@@ -1,0 +1,271 @@
+//! The stage **solve**: every island that is awake by the chosen [`ContactSolver`](crate::settings::ContactSolver), side by side.
+//!
+//! A dense problem is gathered for each, of points or of patches as its solver wants ([`points`], [`patches`]); what is found goes back
+//! to the components. Bodies and contacts stand in the order of their level of support and their age ([`Islands`]), so the result does
+//! not depend on threads or on where the ECS keeps things.
+//!
+//! Where a solve goes wrong all the same, with input that was checked, its island keeps the velocities and poses from before, and
+//! forgets its impulses; nobody else notices.
+
+mod island;
+mod patches;
+mod points;
+mod touch;
+
+use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Velocity};
+use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
+use crate::diagnosis::{BodyProblem, Suspects};
+use crate::islands::Islands;
+use crate::settings::{
+    Gravity, Method, PhysicsThreads, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
+};
+use crate::solver::SolveReport;
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use island::{Island, Rows};
+use patches::PatchRows;
+use points::PointRows;
+use rayon::prelude::*;
+use touch::Touch;
+
+/// How the last step's solves went, one entry for each island that had contacts.
+#[derive(Resource, Default, Clone, Debug)]
+pub struct SolveReports(pub Vec<IslandReport>);
+
+/// One island's solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IslandReport {
+    /// Its bodies, copies of static ones included.
+    pub bodies: usize,
+    /// Its contact points.
+    pub contacts: usize,
+    /// What the solver said.
+    pub report: SolveReport,
+}
+
+/// Where things stand in the problems of this step.
+#[derive(Default)]
+pub struct Places {
+    /// By slot: where the body stands in its island's problem; `u32::MAX` where it is in none.
+    local: Vec<u32>,
+    /// By slot.
+    velocities: Vec<Velocity>,
+}
+
+/// The problems of the last step, whose memory is used again.
+#[derive(Default)]
+pub struct Scratch {
+    places: Places,
+    by_points: Vec<Island<PointRows>>,
+    by_patches: Vec<Island<PatchRows>>,
+}
+
+/// What a problem is told besides its bodies and contacts.
+#[derive(SystemParam)]
+pub struct Given<'w> {
+    stabilization: Res<'w, StabilizationSettings>,
+    solver: Res<'w, SolverSettings>,
+    gravity: Res<'w, Gravity>,
+    speeds: Res<'w, SpeedLimits>,
+    time: Res<'w, StepTime>,
+    threads: Res<'w, PhysicsThreads>,
+}
+
+/// What is said of a step's solves.
+#[derive(SystemParam)]
+pub struct Said<'w, 's> {
+    reports: ResMut<'w, SolveReports>,
+    suspects: ResMut<'w, Suspects>,
+    /// Whose solve went wrong in the last step.
+    told: Local<'s, Vec<Entity>>,
+}
+
+type Pairs<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static ContactPair,
+        &'static Manifold,
+        &'static ContactTargets,
+        &'static mut ContactImpulses,
+    ),
+>;
+
+type Bodies<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static BodyIndex,
+        &'static mut Velocity,
+        &'static mut Motion,
+    ),
+    Without<Quarantined>,
+>;
+
+/// See the module's text.
+pub fn solve(
+    (table, islands, given): (Res<BodyTable>, Res<Islands>, Given),
+    (mut scratch, mut said): (Local<Scratch>, Said),
+    mut pairs: Pairs,
+    mut bodies: Bodies,
+) {
+    let Scratch {
+        places,
+        by_points,
+        by_patches,
+    } = &mut *scratch;
+    let mut step = Step {
+        table: &table,
+        islands: &islands,
+        given: &given,
+        places,
+    };
+    match given.solver.solver.method() {
+        Method::Points(solver) => step.take(solver, by_points, &mut pairs, &mut bodies, &mut said),
+        Method::Patches(solver) => {
+            step.take(solver, by_patches, &mut pairs, &mut bodies, &mut said);
+        }
+    }
+}
+
+/// The stage at work.
+struct Step<'a> {
+    table: &'a BodyTable,
+    islands: &'a Islands,
+    given: &'a Given<'a>,
+    places: &'a mut Places,
+}
+
+impl Step<'_> {
+    fn take<R: Rows>(
+        &mut self,
+        solver: &R::Solver,
+        islands: &mut Vec<Island<R>>,
+        pairs: &mut Pairs,
+        bodies: &mut Bodies,
+        said: &mut Said,
+    ) {
+        self.gather_bodies(islands, bodies);
+        let mut touches = touch::touches(self.table, self.islands, &self.places.local, pairs);
+        self.solve_each(solver, islands, &mut touches);
+        self.store_bodies(islands, bodies);
+        said.report(islands);
+    }
+
+    /// The dynamic bodies of each island that is awake.
+    fn gather_bodies<R: Rows>(&mut self, islands: &mut Vec<Island<R>>, bodies: &Bodies) {
+        let (table, graph) = (self.table, self.islands);
+        let Places { local, velocities } = &mut *self.places;
+        velocities.resize(table.slots(), Velocity::default());
+        for (entity, index, velocity, _) in bodies {
+            if table.holds(entity, *index) {
+                velocities[index.0 as usize] = *velocity;
+            }
+        }
+        islands.resize_with(graph.count(), Island::default);
+        islands.iter_mut().for_each(Island::clear);
+        local.clear();
+        local.resize(table.slots(), u32::MAX);
+        let awake = table
+            .iter()
+            .filter(|(_, body)| body.is_dynamic() && !body.asleep);
+        let mut awake: Vec<_> = awake
+            .filter_map(|(slot, body)| Some((graph.of(slot)?, graph.rank(slot, body), slot, body)))
+            .collect();
+        awake.sort_unstable_by_key(|&(island, rank, ..)| (island, rank));
+        for (island, _, slot, body) in awake {
+            let level = graph.level(slot).unwrap_or(0);
+            local[slot as usize] = islands[island].add(body, &velocities[slot as usize], level);
+        }
+    }
+
+    /// Gathers, solves and stores every island that has contacts, side by side where there is enough to do.
+    fn solve_each<R: Rows>(
+        &self,
+        solver: &R::Solver,
+        islands: &mut [Island<R>],
+        touches: &mut [Touch],
+    ) {
+        let points = touches
+            .iter()
+            .map(|touch| touch.manifold.points.len())
+            .sum();
+        let mut work = Vec::new();
+        let mut rest = touches;
+        let mut islands = islands.iter_mut().enumerate();
+        while let Some(first) = rest.first() {
+            let number = first.island;
+            let end = rest.partition_point(|touch| touch.island == number);
+            let (mine, others) = rest.split_at_mut(end);
+            rest = others;
+            let (_, island) = islands
+                .find(|(i, _)| *i == number as usize)
+                .expect("touches stand in the order of their islands");
+            work.push((island, mine));
+        }
+        let (places, given) = (&*self.places, self.given);
+        let solve = |(island, touches): (&mut Island<R>, &mut [Touch])| {
+            island.solve(solver, touches, places, given);
+        };
+        let threads = &given.threads;
+        if work.len() > 1 && threads.share(points) {
+            threads.run(points, || {
+                work.into_par_iter().with_max_len(1).for_each(solve);
+            });
+        } else {
+            work.into_iter().for_each(solve);
+        }
+    }
+
+    /// Velocities and motions of what is awake.
+    fn store_bodies<R: Rows>(&self, islands: &[Island<R>], bodies: &mut Bodies) {
+        let fall = self.given.gravity.0.length() * self.given.time.dt;
+        for (entity, index, mut velocity, mut motion) in bodies {
+            let Some(body) = self.table.get(index.0).filter(|body| body.entity == entity) else {
+                continue;
+            };
+            // Bodies that sleep are not gathered.
+            let local = self.places.local[index.0 as usize];
+            let island = self.islands.of(index.0).and_then(|i| islands.get(i));
+            let Some(solved) = island.and_then(|island| island.bodies.get(local as usize)) else {
+                continue;
+            };
+            let mut end = Velocity {
+                linear: solved.linear,
+                angular: solved.angular,
+            };
+            self.given.speeds.cap(&mut end);
+            *velocity.bypass_change_detection() = end;
+            *motion.bypass_change_detection() = match solved.motion {
+                Some([linear, angular]) => Motion::Mean {
+                    mean: Velocity { linear, angular },
+                    end,
+                },
+                None if R::SUBSTEPS => {
+                    let gained = end.linear - body.velocity.linear;
+                    Motion::Flight {
+                        gained: gained.clamp_length_max(fall),
+                    }
+                }
+                None => Motion::Steady,
+            };
+        }
+    }
+}
+
+impl Said<'_, '_> {
+    /// Of the first body of an island that goes wrong, when it begins to.
+    fn report<R: Rows>(&mut self, islands: &[Island<R>]) {
+        let touching = islands.iter().filter(|island| island.points() > 0);
+        self.reports.0.clear();
+        self.reports.0.extend(touching.map(Island::report));
+        let wrong = islands.iter().filter(|island| island.diverged);
+        let wrong: Vec<Entity> = wrong.filter_map(|island| island.first).collect();
+        let new = wrong.iter().filter(|entity| !self.told.contains(entity));
+        self.suspects
+            .0
+            .extend(new.map(|&entity| (entity, BodyProblem::Diverged)));
+        *self.told = wrong;
+    }
+}

@@ -1,0 +1,153 @@
+//! A problem of patches: from manifolds, slips and last step's impulses, and back.
+
+use super::Given;
+use super::island::Rows;
+use super::touch::Touch;
+use crate::contact::{Impulse, Patch, PatchImpulse};
+use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport};
+use glam::Vec3;
+
+#[derive(Default)]
+pub(super) struct PatchRows {
+    patches: Vec<PatchConstraint>,
+    points: Vec<PatchPoint>,
+}
+
+impl Rows for PatchRows {
+    type Solver = dyn PatchSolver;
+    const SUBSTEPS: bool = true;
+
+    fn clear(&mut self) {
+        self.patches.clear();
+        self.points.clear();
+    }
+
+    fn points(&self) -> usize {
+        self.points.len()
+    }
+
+    fn gather(&mut self, touches: &[Touch], ends: &[[u32; 2]], _: &[Body], given: &Given) {
+        for (touch, ends) in touches.iter().zip(ends) {
+            for (i, patch) in touch.manifold.patches.iter().enumerate() {
+                let (constraint, points) = touch.patch(i, patch, given);
+                let first = self.points.len() as u32;
+                self.points.extend(points);
+                self.patches.push(PatchConstraint {
+                    bodies: *ends,
+                    first,
+                    ..constraint
+                });
+            }
+        }
+    }
+
+    fn solve(
+        &mut self,
+        solver: &dyn PatchSolver,
+        bodies: &mut [Body],
+        given: &Given,
+    ) -> SolveReport {
+        solver.solve(&mut PatchProblem {
+            bodies,
+            patches: &mut self.patches,
+            points: &mut self.points,
+            dt: given.time.dt,
+            longest: given.time.longest,
+            gravity: given.gravity.0,
+            max_correction_speed: given.stabilization.max_correction_speed,
+            record_history: given.solver.record_history,
+        })
+    }
+
+    fn store(&self, touches: &mut [Touch], given: &Given) {
+        let mut solved = self.patches.iter();
+        for touch in touches {
+            let impulses = &mut *touch.impulses;
+            let patches = touch.manifold.patches.iter().zip(&mut impulses.patches);
+            for ((patch, kept), found) in patches.zip(&mut solved) {
+                let points = &self.points[found.range()];
+                let to = &mut impulses.points[patch.range()];
+                store(found, points, kept, to, given.time.dt);
+            }
+        }
+    }
+}
+
+impl Touch<'_> {
+    /// One of the pair's patches, and its points.
+    fn patch(
+        &self,
+        i: usize,
+        patch: &Patch,
+        given: &Given,
+    ) -> (PatchConstraint, impl Iterator<Item = PatchPoint>) {
+        let time = &*given.time;
+        let ideal = given.stabilization.rest_distance();
+        let points = &self.manifold.points[patch.range()];
+        let center = Patch::center(points);
+        let impulse = self.impulses.patches[i];
+        let slip = self.targets.patches[i];
+        // What friction holds on to is given up with its anchor.
+        let held = if slip.is_some() { time.dt } else { 0.0 };
+        let constraint = PatchConstraint {
+            normal: patch.normal,
+            arms: [center, points[0].arms[1] + center - points[0].arms[0]],
+            friction: self.pair.friction,
+            restitution: self.pair.restitution,
+            slip,
+            count: patch.count,
+            tangential: impulse.warm_tangential * time.carried(),
+            twist: impulse.warm_twist * time.carried(),
+            rolling_friction: match patch.curved {
+                true => self.pair.rolling_friction,
+                false => 0.0,
+            },
+            rolling_radius: self.pair.rolling_radius,
+            rolling: impulse.warm_rolling * time.carried(),
+            load_tangential: impulse.load_tangential * held,
+            load_twist: impulse.load_twist * held,
+            ..Default::default()
+        };
+        // What is round carries its load elsewhere in the next moment, and would be pushed on by the mean of where it was.
+        let kept = if patch.curved { 0.0 } else { time.dt };
+        let solved = &self.impulses.points[patch.range()];
+        let points = points.iter().zip(solved);
+        let points = points.map(move |(point, impulse)| PatchPoint {
+            offset: point.arms[0] - center,
+            separation: point.distance - ideal,
+            impulse: impulse.normal_to_start_from(time),
+            given: 0.0,
+            load: impulse.load * kept,
+        });
+        (constraint, points)
+    }
+}
+
+/// Each point is told the share of its patch's friction that it has in the load.
+fn store(
+    found: &PatchConstraint,
+    points: &[PatchPoint],
+    kept: &mut PatchImpulse,
+    impulses: &mut [Impulse],
+    dt: f32,
+) {
+    *kept = PatchImpulse {
+        warm_tangential: found.tangential / dt,
+        warm_twist: found.twist / dt,
+        warm_rolling: found.rolling / dt,
+        load_tangential: found.load_tangential / dt,
+        load_twist: found.load_twist / dt,
+        dragged: found.dragged,
+    };
+    let sum: f32 = points.iter().map(|point| point.given).sum();
+    let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+    for (impulse, point) in impulses.iter_mut().zip(points) {
+        *impulse = Impulse {
+            normal: point.given,
+            tangential: found.given * (point.given * share),
+            warm_normal: point.impulse / dt,
+            warm_tangential: Vec3::ZERO,
+            load: point.load / dt,
+        };
+    }
+}

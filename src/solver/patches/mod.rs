@@ -1,0 +1,49 @@
+//! Solvers of patches: every contact point has a normal impulse of its own, but one friction force and one twist serve all points of
+//! a patch.
+//!
+//! Such a solver takes substeps of its own: it begins at [`Body::start`], and says in [`Body::motion`] how bodies moved.
+//! [`SoftStep`] is drystone's default.
+
+mod constraint;
+mod restitution;
+mod soft_step;
+
+use super::{Body, SolveReport};
+pub use constraint::{PatchConstraint, PatchPoint, Slip};
+use glam::Vec3;
+pub use soft_step::SoftStep;
+
+/// A method that finds the impulses of patches. Must be deterministic; islands are solved side by side.
+pub trait PatchSolver: Send + Sync {
+    /// A short name for reports.
+    fn name(&self) -> &str;
+
+    /// What is wrong with its own settings, as a sentence; it is not asked to solve then.
+    fn problem(&self) -> Option<String> {
+        None
+    }
+
+    /// Finds impulses, velocities and motions.
+    fn solve(&self, problem: &mut PatchProblem) -> SolveReport;
+}
+
+/// One island, ready to be solved.
+pub struct PatchProblem<'a> {
+    /// All bodies of the island, and copies of the static and kinematic ones it touches. Velocities hold this step's forces.
+    pub bodies: &'a mut [Body],
+    /// All patches, in the order in which they are swept.
+    pub patches: &'a mut [PatchConstraint],
+    /// The points of all patches.
+    pub points: &'a mut [PatchPoint],
+    /// Length of the step, s.
+    pub dt: f32,
+    /// The longest of recent steps, s; not shorter than this one. What is as stiff as the step allows must not become stiffer for one
+    /// that is short by chance.
+    pub longest: f32,
+    /// Acceleration of free fall, m/s².
+    pub gravity: Vec3,
+    /// Fastest correction of an error of position, m/s.
+    pub max_correction_speed: f32,
+    /// Keep [`SolveReport::history`].
+    pub record_history: bool,
+}

@@ -1,0 +1,188 @@
+//! Solvers of points, the paper's way: every contact point has a normal and two friction impulses of its own.
+//!
+//! A [`PointProblem`] is one island: bodies with velocities that hold this step's forces, and contact points, each with a bound on its
+//! normal velocity and a demand on its tangential one. A [`PointSolver`] finds impulses λ so that
+//!
+//! - w_n ≥ b_n, λ_n ≥ 0, λ_n (w_n − b_n) = 0 for each normal, and
+//! - λ_t is the vector inside the friction cone ‖λ_t‖ ≤ μ λ_n that brings w_t nearest to b_t,
+//!
+//! and changes the velocities by them. Bodies then move with the velocities found. [`Pgs`] and [`Nncg`] are the paper's two, and users
+//! may bring others:
+//!
+//! ```
+//! use drystone::settings::{ContactSolver, SolverSettings};
+//! use drystone::solver::{Direction, FrictionCone, Grouping, PointProblem, PointSolver, SolveReport};
+//! use std::sync::Arc;
+//!
+//! /// Plain Gauss–Seidel, three sweeps.
+//! struct ThreeSweeps;
+//!
+//! impl PointSolver for ThreeSweeps {
+//!     fn name(&self) -> &str {
+//!         "three-sweeps"
+//!     }
+//!
+//!     fn solve(&self, problem: &mut PointProblem) -> SolveReport {
+//!         let mut report = problem.report();
+//!         for _ in 0..3 {
+//!             let change = problem.sweep(Direction::Forwards, Grouping::Pair, FrictionCone::Circular);
+//!             report.record(change.sqrt());
+//!         }
+//!         report
+//!     }
+//! }
+//!
+//! let solver = ContactSolver::Points(Arc::new(ThreeSweeps));
+//! let settings = SolverSettings { solver, ..Default::default() };
+//! assert_eq!(settings.solver.name(), "three-sweeps");
+//! ```
+
+mod constraint;
+pub mod merit;
+mod nncg;
+mod pgs;
+
+use super::{Body, SolveReport};
+pub use constraint::{PointConstraint, PointInput, tangents};
+pub use nncg::Nncg;
+pub use pgs::Pgs;
+
+/// A method that finds the impulses of points. Must be deterministic; islands are solved side by side.
+pub trait PointSolver: Send + Sync {
+    /// A short name for reports.
+    fn name(&self) -> &str;
+
+    /// What is wrong with its own settings, as a sentence; it is not asked to solve then.
+    fn problem(&self) -> Option<String> {
+        None
+    }
+
+    /// Share of last step's impulses that a solve starts from, 0..1.
+    fn warm_start(&self) -> f32 {
+        0.0
+    }
+
+    /// Changes impulses and velocities of `problem` towards a solution.
+    fn solve(&self, problem: &mut PointProblem) -> SolveReport;
+}
+
+/// The set that the friction impulses of one point are projected to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionCone {
+    /// ‖λ_t‖ ≤ μ λ_n
+    #[default]
+    Circular,
+    /// |λ_t1|, |λ_t2| ≤ μ λ_n on two fixed tangents: cheaper to reason about, up to √2 too strong along the diagonal.
+    Box,
+}
+
+/// Most sweeps of a solve.
+const SWEEPS: usize = 1_000_000;
+
+/// What is wrong with settings that [`Pgs`] and [`Nncg`] share.
+fn problem(iterations: usize, warm_start: f32, tolerance: f32) -> Option<String> {
+    if !(1..=SWEEPS).contains(&iterations) {
+        return Some(format!(
+            "iterations is {iterations}, and must be between 1 and {SWEEPS}"
+        ));
+    }
+    if !(0.0..=1.0).contains(&warm_start) {
+        return Some(format!(
+            "warm_start is {warm_start}, and must be between 0.0 and 1.0"
+        ));
+    }
+    (!(0.0..=f32::INFINITY).contains(&tolerance))
+        .then(|| format!("tolerance is {tolerance}, and must be between 0.0 and inf"))
+}
+
+/// One island, ready to be solved. Constraints have been prepared ([`PointConstraint::prepare`]), and velocities hold the effect of the
+/// impulses they start with.
+pub struct PointProblem<'a> {
+    /// All bodies of the island, and copies of the static and kinematic ones it touches.
+    pub bodies: &'a mut [Body],
+    /// All contact points, in the order in which they are swept.
+    pub constraints: &'a mut [PointConstraint],
+    /// Length of the step, s.
+    pub dt: f32,
+    /// The merit of the free motion, √J; what residuals are relative to. See [`merit`].
+    pub free_merit: f32,
+    /// Keep [`SolveReport::history`].
+    pub record_history: bool,
+}
+
+impl PointProblem<'_> {
+    /// Takes over a share of the impulses that the constraints come with, and gives it to the bodies; measures the free motion before.
+    pub fn warm_start(&mut self, share: f32) {
+        self.free_merit = merit::free_merit(self.bodies, self.constraints);
+        for constraint in &mut *self.constraints {
+            constraint.impulse *= share;
+            if share != 0.0 {
+                constraint.push(self.bodies, constraint.world(constraint.impulse));
+            }
+        }
+    }
+
+    /// A report to record sweeps in.
+    pub fn report(&self) -> SolveReport {
+        SolveReport::new(self.free_merit, self.record_history)
+    }
+
+    /// One projected Gauss–Seidel sweep over all contacts, pair after pair: Σ Wᵢᵢ Δλᵢ², J.
+    pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
+        let bodies = &mut *self.bodies;
+        let mut change = 0.0;
+        for pair in self.constraints.chunk_by_mut(|a, b| a.bodies == b.bodies) {
+            match grouping {
+                Grouping::Pair => {
+                    direction.visit(pair, |c| change += c.relax_normal(bodies));
+                    direction.visit(pair, |c| change += c.relax_friction(bodies, cone));
+                }
+                Grouping::Point => direction.visit(pair, |c| {
+                    change += c.relax_normal(bodies);
+                    change += c.relax_friction(bodies, cone);
+                }),
+            }
+        }
+        change
+    }
+}
+
+/// The way through the points of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// In the order in which they stand: deepest first.
+    Forwards,
+    /// In the reverse.
+    Backwards,
+}
+
+impl Direction {
+    /// That of sweep `k` of `n`, counted from 0: back and forth, the last one forwards.
+    ///
+    /// Always the same way, and the first points of each manifold keep more than their share of the load, which makes stacks rock
+    /// and the directions of conjugate gradients go stale.
+    pub fn of_sweep(k: usize, n: usize) -> Self {
+        if (n - k) % 2 == 1 {
+            Self::Forwards
+        } else {
+            Self::Backwards
+        }
+    }
+
+    fn visit(self, pair: &mut [PointConstraint], relax: impl FnMut(&mut PointConstraint)) {
+        match self {
+            Self::Forwards => pair.iter_mut().for_each(relax),
+            Self::Backwards => pair.iter_mut().rev().for_each(relax),
+        }
+    }
+}
+
+/// When the friction of a pair is relaxed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grouping {
+    /// After the normals of all its points. Friction is bounded by what the points carry, and the first ones would be bounded by
+    /// a load that they are about to hand on: better for few plain sweeps.
+    Pair,
+    /// After the normal of each point: smoother, better under conjugate gradients.
+    Point,
+}

@@ -4,11 +4,11 @@
 //! little room, or the list's.
 
 use drystone::body::Velocity;
-use drystone::experiment::{Experiment, Outcome};
-use drystone::metrics;
-use drystone::scenes::Scene;
 use drystone::settings::{AnchorRule, NormalStabilization, PhysicsThreads, Preset, SolverSettings};
 use drystone::solver::{ContactSolver, Direction, Grouping, Problem, SolveReport};
+use drystone_lab::experiment::{Experiment, Outcome};
+use drystone_lab::metrics;
+use drystone_lab::scenes::Scene;
 use std::sync::Arc;
 
 const SEEDS: [u64; 3] = [1, 2, 3];

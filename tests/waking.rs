@@ -7,9 +7,9 @@ use bevy_transform::components::Transform;
 use drystone::body::{ExternalForce, Velocity};
 use drystone::collider::Collider;
 use drystone::grab::Grab;
-use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::{Gravity, SleepSettings, SolverSettings, StabilizationSettings};
 use drystone::sleeping::Sleeping;
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 

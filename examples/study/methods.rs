@@ -1,10 +1,10 @@
 //! What is compared: the way from the paper to the default, and the default with one part taken out.
 
 use crate::cases::Case;
-use crate::drawing::Stroke;
-use drystone::experiment::Experiment;
 use drystone::settings::{AnchorRule, NormalStabilization, Preset};
 use drystone::solver::SoftStep;
+use drystone_lab::experiment::Experiment;
+use drystone_lab::plots::Stroke;
 use std::sync::Arc;
 
 /// What Soft Step usually takes.

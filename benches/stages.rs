@@ -7,9 +7,7 @@
 //! A system is timed inside whole steps, by drystone's own [`Profile`]: alone it would meet warm caches that it never sees.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use drystone::experiment::{Experiment, Run};
 use drystone::profile::Profile;
-use drystone::scenes::Scene;
 use drystone::schedule::step;
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone::solver::merit::free_merit;
@@ -17,6 +15,8 @@ use drystone::solver::{
     Body, FrictionCone, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
     PointConstraint, PointInput, PointProblem, PointSolver, SoftStep,
 };
+use drystone_lab::experiment::{Experiment, Run};
+use drystone_lab::scenes::Scene;
 use glam::{Mat3, Vec3};
 use std::hint::black_box;
 use std::time::Duration;

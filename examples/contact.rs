@@ -4,15 +4,11 @@
 //! cargo run --release --example contact
 //! ```
 
-// Of what all pictures have in common these need the letters.
-#[allow(dead_code)]
-mod drawing;
-
-use drawing::Picture;
 use drystone::collider::Polyhedron;
 use drystone::narrowphase::polyhedra::{
     Axis, Contact, Cuboid, FeatureId, Placement, Search, Solid, Triangle, facing, meet, outline,
 };
+use drystone_lab::plots::{Canvas, bring_font};
 use glam::{DQuat, DVec3, Vec3};
 use plotters::prelude::*;
 use std::error::Error;
@@ -125,7 +121,7 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
         let y = 0.5 * (SIZE.1 as f64 + HEAD) - scale * (y - 0.5 * (low + high));
         (x.round() as i32, y.round() as i32)
     };
-    let area = Picture::new(path, SIZE).into_drawing_area();
+    let area = Canvas::new(path, SIZE).into_drawing_area();
     area.fill(&WHITE)?;
     for view in views {
         let polygon: Vec<_> = view.polygon.iter().map(pixel).collect();
@@ -241,7 +237,7 @@ fn voussoir(degrees: f64) -> Polyhedron {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    drawing::bring_font()?;
+    bring_font()?;
     let out = Path::new("target/pictures/contact");
     std::fs::create_dir_all(out)?;
     let cube = Cuboid::new(Vec3::splat(0.5));

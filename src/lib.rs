@@ -49,8 +49,8 @@
 //! | sleeping | [`sleeping`] | | `Velocity` | [`Sleeping`](sleeping::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
-//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`], [`grab`],
-//! [`metrics`], [`scenes`] and [`experiment`].
+//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`] and [`grab`].
+//! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.
 
 #![warn(missing_docs)]
 #![deny(unsafe_code)]
@@ -66,15 +66,12 @@ pub mod contact;
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
 pub mod diagnostics;
-pub mod experiment;
 pub mod grab;
 pub mod integration;
 pub mod islands;
-pub mod metrics;
 pub mod narrowphase;
 mod plugin;
 pub mod profile;
-pub mod scenes;
 pub mod schedule;
 pub mod settings;
 pub mod sleeping;

@@ -4,13 +4,13 @@
 //! little room, or the list's.
 
 use drystone::body::Velocity;
-use drystone::experiment::{Experiment, Outcome};
-use drystone::metrics;
-use drystone::scenes::Scene;
 use drystone::settings::{AnchorRule, ContactSolver, NormalStabilization, PhysicsThreads, Preset};
 use drystone::solver::{
     Direction, FrictionCone, Grouping, Nncg, Pgs, PointProblem, PointSolver, SolveReport,
 };
+use drystone_lab::experiment::{Experiment, Outcome};
+use drystone_lab::metrics;
+use drystone_lab::scenes::Scene;
 use std::sync::Arc;
 
 const SEEDS: [u64; 3] = [1, 2, 3];

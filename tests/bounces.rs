@@ -7,8 +7,8 @@ use bevy_transform::components::Transform;
 use drystone::body::{Density, RigidBody, Velocity};
 use drystone::collider::{Collider, Friction, Restitution};
 use drystone::contact::{ContactImpulses, ContactPair};
-use drystone::metrics;
 use drystone::settings::Gravity;
+use drystone_lab::metrics;
 use glam::{Quat, Vec3};
 use support::*;
 

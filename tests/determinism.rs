@@ -4,8 +4,8 @@ mod support;
 
 use bevy_ecs::prelude::*;
 use drystone::body::BodyTable;
-use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::{PhysicsThreads, SleepSettings};
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 

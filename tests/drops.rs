@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::RigidBody;
 use drystone::collider::{Collider, Restitution};
-use drystone::scenes::{Scene, SceneOptions};
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 

@@ -233,7 +233,7 @@ fn a_resting_cube_stays_where_it_was_moved_to() {
 
 /// A wall of 6 × 6 at rest, with its bricks in the order in which they were laid.
 fn wall() -> (Lab, Vec<Entity>) {
-    use drystone::scenes::{Scene, SceneOptions};
+    use drystone_lab::scenes::{Scene, SceneOptions};
     let mut lab = Lab::new();
     let built = Scene::Wall(6, 6).build(&mut lab.world, &SceneOptions::default());
     lab.run(2.0);

@@ -5,9 +5,9 @@ mod support;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{Pose, Quarantined, Velocity};
-use drystone::experiment::{Experiment, Outcome, Run};
-use drystone::metrics::{self, Displacement};
 use drystone::settings::Preset;
+use drystone_lab::experiment::{Experiment, Outcome, Run};
+use drystone_lab::metrics::{self, Displacement};
 use glam::{Quat, Vec3};
 use support::*;
 

@@ -7,9 +7,9 @@ use bevy_transform::components::Transform;
 use drystone::body::{Age, BodyIndex, Pose, RigidBody};
 use drystone::collider::Collider;
 use drystone::islands::Islands;
-use drystone::metrics::Displacement;
-use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::SleepSettings;
+use drystone_lab::metrics::Displacement;
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 

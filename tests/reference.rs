@@ -529,10 +529,10 @@ fn row_20_collisions_keep_the_momentum_of_a_closed_group(settings: Settings) {
     };
     lab.step();
     let (linear, angular, size) = momentum(&lab);
-    let energy = drystone::metrics::kinetic_energy(&mut lab.world);
+    let energy = drystone_lab::metrics::kinetic_energy(&mut lab.world);
     lab.run(3.0);
     let (linear_after, angular_after, _) = momentum(&lab);
-    let spent = 1.0 - drystone::metrics::kinetic_energy(&mut lab.world) / energy;
+    let spent = 1.0 - drystone_lab::metrics::kinetic_energy(&mut lab.world) / energy;
     let off = (linear_after - linear).length() / size;
     let turned = (angular_after - angular).length() / size;
     println!("linear off by {off}, angular by {turned}, of {size}; energy spent {spent}");

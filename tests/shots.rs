@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{RigidBody, Velocity};
 use drystone::collider::{Collider, Friction};
-use drystone::scenes::{Scene, SceneOptions};
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use std::f32::consts::PI;
 use support::*;

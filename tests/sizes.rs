@@ -5,8 +5,8 @@ mod support;
 use bevy_ecs::prelude::*;
 use drystone::body::Pose;
 use drystone::collider::Collider;
-use drystone::metrics::Displacement;
 use drystone::settings::{Gravity, StabilizationSettings};
+use drystone_lab::metrics::Displacement;
 use glam::Vec3;
 use support::*;
 

@@ -5,8 +5,8 @@ mod support;
 use bevy_ecs::prelude::*;
 use drystone::body::limits;
 use drystone::collider::Collider;
-use drystone::metrics;
 use drystone::settings::{Gravity, SpeedLimits};
+use drystone_lab::metrics;
 use glam::{Quat, Vec3};
 use support::*;
 

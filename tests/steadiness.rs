@@ -6,10 +6,10 @@
 mod support;
 
 use drystone::contact::{ContactImpulses, ContactPair};
-use drystone::experiment::{Experiment, Outcome};
-use drystone::metrics::{self, Displacement};
-use drystone::scenes::Scene;
 use drystone::settings::{PhysicsThreads, Preset};
+use drystone_lab::experiment::{Experiment, Outcome};
+use drystone_lab::metrics::{self, Displacement};
+use drystone_lab::scenes::Scene;
 use glam::Vec3;
 use support::Lab;
 

@@ -9,9 +9,9 @@ use drystone::collider::Collider;
 use drystone::contact::{ContactEnded, ContactPair, ContactStarted};
 use drystone::diagnosis::BodyError;
 use drystone::grab::Grab;
-use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::{SleepSettings, SolverSettings};
 use drystone::solver::{Nncg, Pgs};
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{Density, RigidBody};
 use drystone::collider::Collider;
-use drystone::scenes::{Scene, SceneOptions};
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 

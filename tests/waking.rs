@@ -7,12 +7,12 @@ use bevy_transform::components::Transform;
 use drystone::body::{ExternalForce, Velocity};
 use drystone::collider::Collider;
 use drystone::grab::Grab;
-use drystone::scenes::{Scene, SceneOptions};
 use drystone::settings::{
     ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings,
     StabilizationSettings,
 };
 use drystone::sleeping::Sleeping;
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 

@@ -1,10 +1,10 @@
 //! The paper's Figures 1, 3 and 4: frames of one or more runs, side by side.
 
-use crate::drawing::Picture;
-use crate::render::{Camera, SIZE, frame};
 use crate::rows::Row;
 use crate::runs::{Moment, Record};
-use drystone::scenes::{Phase, Scene};
+use drystone_lab::pictures::{Camera, SIZE, frame};
+use drystone_lab::plots::Canvas;
+use drystone_lab::scenes::{Phase, Scene};
 use glam::Vec3;
 use plotters::prelude::*;
 use rayon::prelude::*;
@@ -101,7 +101,7 @@ impl Figure {
         let strip_height = HEADING + SIZE.1 + CAPTION;
         let height = TITLE + self.strips.len() as u32 * strip_height + SPACE;
         let path = out.join(format!("{}.png", self.name));
-        let area = Picture::new(&path, (width, height)).into_drawing_area();
+        let area = Canvas::new(&path, (width, height)).into_drawing_area();
         area.fill(&WHITE)?;
         let write = |text: &str, x: u32, y: u32, size: u32| {
             let font = ("sans-serif", size).into_font();
@@ -125,7 +125,10 @@ impl Figure {
             let moments: Vec<&Moment> = strip.times.iter().map(|&t| record.at(t)).collect();
             let frames: Vec<Vec<u8>> = moments
                 .par_iter()
-                .map(|moment| frame(record, moment, &strip.camera))
+                .map(|moment| {
+                    let bodies = record.colliders.iter().zip(&moment.poses);
+                    frame(bodies, moment.hand, &strip.camera)
+                })
                 .collect();
             for (k, (pixels, moment)) in frames.iter().zip(moments).enumerate() {
                 let left = SPACE + k as u32 * (SIZE.0 + SPACE);
@@ -137,7 +140,7 @@ impl Figure {
                 write(&caption(moment), left, top + HEADING + SIZE.1 + 5, 17)?;
                 let file = format!("{}{}-{}.png", self.name, char::from(b'a' + i as u8), k + 1);
                 let file = out.join("frames").join(file);
-                let alone = Picture::new(&file, SIZE).into_drawing_area();
+                let alone = Canvas::new(&file, SIZE).into_drawing_area();
                 alone.draw(&picture((0, 0))?)?;
                 alone.present()?;
             }

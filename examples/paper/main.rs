@@ -7,21 +7,16 @@
 //!
 //! Writes `runs.jsonl`, plots and pictures to `target/paper`, and prints a table.
 
-#[path = "../drawing/mod.rs"]
-mod drawing;
 mod figures;
-#[path = "../output/mod.rs"]
-mod output;
 mod plots;
-mod render;
-#[path = "../report/mod.rs"]
-mod report;
 mod rows;
 mod runs;
 mod table;
 
 use clap::Parser;
-use drystone::scenes::Scene;
+use drystone_lab::output;
+use drystone_lab::plots::bring_font;
+use drystone_lab::scenes::Scene;
 use rows::ROWS;
 use runs::Job;
 use std::error::Error;
@@ -56,7 +51,7 @@ fn main() -> ExitCode {
 
 fn rerun(Arguments { quick, out }: Arguments) -> Result<(), Box<dyn Error>> {
     let mut lines = output::begin(&out)?;
-    drawing::bring_font()?;
+    bring_font()?;
 
     let (scenes, seconds) = if quick {
         println!("quick: fewer scenes, 12 s simulated instead of 60 s");

@@ -1,10 +1,10 @@
 //! Quantities over time: one picture a quantity and group of scenes, a panel a scene, a line a row.
 
-use crate::drawing::{self, Area, Picture, Stroke};
 use crate::rows::{ROWS, Row};
 use crate::runs::Record;
-use drystone::experiment::Sample;
-use drystone::scenes::Scene;
+use drystone_lab::experiment::Sample;
+use drystone_lab::plots::{Area, Canvas, Stroke, legend};
+use drystone_lab::scenes::Scene;
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;
@@ -69,13 +69,13 @@ pub fn draw(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
             // The legend wants the width of two panels.
             let width = PANEL.0 * scenes.len().max(2) as u32;
             let path = out.join(format!("{}-{group}.png", quantity.file));
-            let area = Picture::new(&path, (width, PANEL.1 + LEGEND)).into_drawing_area();
+            let area = Canvas::new(&path, (width, PANEL.1 + LEGEND)).into_drawing_area();
             area.fill(&WHITE)?;
             let (plots, below) = area.split_vertically(PANEL.1);
             for (panel, scene) in plots.split_evenly((1, scenes.len())).iter().zip(&scenes) {
                 quantity.panel(panel, scene)?;
             }
-            legend(&below)?;
+            label_rows(&below)?;
             area.present()?;
         }
     }
@@ -180,8 +180,8 @@ fn style(row: &Row) -> ShapeStyle {
     stroke(row).style()
 }
 
-fn legend(area: &Area) -> Result<(), Box<dyn Error>> {
+fn label_rows(area: &Area) -> Result<(), Box<dyn Error>> {
     let rows = ROWS.iter();
     let entries = rows.map(|row| (Some(stroke(row)), format!("{}: {}", row.id, row.label)));
-    drawing::legend(area, 4, entries.chain([(None, "× falls".to_owned())]))
+    legend(area, 4, entries.chain([(None, "× falls".to_owned())]))
 }

@@ -1,9 +1,9 @@
 //! The rows of the paper's Table 1, and the rows needed to tell their two ideas apart.
 
-use drystone::experiment::Experiment;
-use drystone::scenes::Scene;
 use drystone::settings::{NormalStabilization, Preset};
 use drystone::solver::{Nncg, Pgs};
+use drystone_lab::experiment::Experiment;
+use drystone_lab::scenes::Scene;
 
 /// Settings under which every scene is run.
 pub struct Row {

@@ -1,13 +1,13 @@
 //! Runs scenes under rows, several at a time, and keeps every moment for plots and pictures.
 
-use crate::report::report;
 use crate::rows::Row;
 use drystone::body::Pose;
 use drystone::collider::Collider;
-use drystone::experiment::{Experiment, Outcome, Run, Sample};
 use drystone::grab::Grab;
-use drystone::scenes::{Phase, Scene};
 use drystone::settings::{PhysicsThreads, Preset};
+use drystone_lab::experiment::{Experiment, Outcome, Run, Sample};
+use drystone_lab::report::report;
+use drystone_lab::scenes::{Phase, Scene};
 use glam::Vec3;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;

@@ -2,7 +2,7 @@
 
 use crate::rows::ROWS;
 use crate::runs::Record;
-use drystone::metrics::FALLEN;
+use drystone_lab::metrics::FALLEN;
 
 /// Prints what the rows are, and a line a run.
 pub fn print(records: &[Record]) {

@@ -3,12 +3,12 @@
 
 use clap::builder::RangedU64ValueParser;
 use clap::{Parser, ValueEnum};
-use drystone::experiment::Experiment;
-use drystone::scenes::{KNOWN, Scene};
 use drystone::settings::{
     AnchorRule, Classifier, ContactSolver, NormalStabilization, PhysicsThreads, Preset,
 };
 use drystone::solver::{FrictionCone, Nncg, Pgs, SoftStep};
+use drystone_lab::experiment::Experiment;
+use drystone_lab::scenes::{KNOWN, Scene};
 use std::f32::consts::PI;
 use std::ops::RangeInclusive;
 

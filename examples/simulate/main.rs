@@ -5,11 +5,10 @@
 //! ```
 
 mod arguments;
-#[path = "../report/mod.rs"]
-mod report;
 
 use arguments::Arguments;
 use clap::Parser;
+use drystone_lab::report::report;
 use serde_json::{Map, Value};
 use std::io::Write;
 use std::process::ExitCode;
@@ -47,7 +46,7 @@ fn main() -> ExitCode {
     for &seed in &arguments.seeds {
         let experiment = experiment.clone().with_seed(seed);
         let outcome = experiment.run(arguments.steps);
-        let fields = report::report(arguments.preset(), &experiment, arguments.steps, &outcome);
+        let fields = report(arguments.preset(), &experiment, arguments.steps, &outcome);
         let written = if arguments.json {
             writeln!(out, "{}", Value::Object(fields))
         } else {

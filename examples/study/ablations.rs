@@ -2,10 +2,10 @@
 
 use crate::cases::{Case, Scope, TIMES, time_step};
 use crate::methods::{DEFAULT, METHODS, Method};
-use crate::report::report;
 use crate::runs::Finding;
 use crate::tables::{Table, mm};
 use drystone::settings::Preset;
+use drystone_lab::report::report;
 use indicatif::ProgressBar;
 use serde_json::Value;
 

@@ -1,9 +1,9 @@
 //! On what methods are compared, with how many iterations, and how many times.
 
 use crate::methods::Method;
-use drystone::experiment::Experiment;
-use drystone::scenes::Scene;
 use drystone::settings::Preset;
+use drystone_lab::experiment::Experiment;
+use drystone_lab::scenes::Scene;
 
 /// A scene at a time step.
 #[derive(Clone, Copy, PartialEq)]

@@ -8,20 +8,16 @@
 
 mod ablations;
 mod cases;
-#[path = "../drawing/mod.rs"]
-mod drawing;
 mod methods;
-#[path = "../output/mod.rs"]
-mod output;
 mod plots;
 mod questions;
-#[path = "../report/mod.rs"]
-mod report;
 mod runs;
 mod tables;
 
 use cases::Scope;
 use clap::Parser;
+use drystone_lab::output;
+use drystone_lab::plots::bring_font;
 use indicatif::{ProgressBar, ProgressStyle};
 use questions::Question;
 use serde_json::Value;
@@ -55,7 +51,7 @@ fn main() -> ExitCode {
 
 fn measure(Arguments { quick, out }: Arguments) -> Result<(), Box<dyn Error>> {
     let lines = output::begin(&out)?;
-    drawing::bring_font()?;
+    bring_font()?;
     // All of it on one thread of rayon's, so that no step is handed over to another.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let study = pool.install(|| study(Scope { quick }));

@@ -1,10 +1,10 @@
 //! What is compared: the way from the paper to the default, and the default with one part taken out.
 
 use crate::cases::Case;
-use crate::drawing::Stroke;
-use drystone::experiment::Experiment;
 use drystone::settings::{AnchorRule, ContactSolver, NormalStabilization, Preset};
 use drystone::solver::{Nncg, Pgs, SoftStep};
+use drystone_lab::experiment::Experiment;
+use drystone_lab::plots::Stroke;
 
 /// What Soft Step usually takes.
 const SWEEPS_PER_SECOND: f32 = 960.0;

@@ -1,9 +1,9 @@
 //! Drift and sag against the time of a step: one picture a case, a line a method.
 
 use crate::ablations::{Record, by_case, of_method};
-use crate::drawing::{Area, Picture, legend};
 use crate::methods::METHODS;
 use crate::runs::Finding;
+use drystone_lab::plots::{Area, Canvas, legend};
 use plotters::coord::combinators::BindKeyPoints;
 use plotters::prelude::*;
 use std::error::Error;
@@ -42,7 +42,7 @@ pub fn draw(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
     for records in by_case(records) {
         let path = out.join(format!("{}.png", records[0].trial.case.name()));
         let width = PANEL.0 * QUANTITIES.len() as u32;
-        let area = Picture::new(&path, (width, PANEL.1 + LEGEND)).into_drawing_area();
+        let area = Canvas::new(&path, (width, PANEL.1 + LEGEND)).into_drawing_area();
         area.fill(&WHITE)?;
         let (plots, below) = area.split_vertically(PANEL.1);
         let panels = plots.split_evenly((1, QUANTITIES.len()));

@@ -3,8 +3,8 @@
 use crate::cases::{Case, Scope, time_step};
 use crate::runs::Finding;
 use crate::tables::{Table, mm};
-use drystone::scenes::Scene;
 use drystone::settings::{AnchorRule, Classifier, FrictionStabilization, Preset};
+use drystone_lab::scenes::Scene;
 use indicatif::ProgressBar;
 
 /// A rule for each row, a scene for each column.

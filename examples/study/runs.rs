@@ -1,8 +1,8 @@
 //! Runs an experiment under several seeds and keeps the worst of each figure.
 
 use drystone::body::Velocity;
-use drystone::experiment::{Experiment, Outcome};
-use drystone::scenes::Scene;
+use drystone_lab::experiment::{Experiment, Outcome};
+use drystone_lab::scenes::Scene;
 
 /// What became of an experiment, the worst of all seeds.
 #[derive(Clone, Debug)]

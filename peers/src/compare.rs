@@ -5,8 +5,8 @@ use crate::own::Drystone;
 use crate::rapier::{self, Rapier};
 use crate::scene::{self, Conditions};
 use drystone::prelude::RigidBody;
-use drystone::scenes::Scene;
 use drystone::settings::Gravity;
+use drystone_lab::scenes::Scene;
 
 /// What became of a scene in each engine.
 pub struct Comparison {

@@ -14,7 +14,7 @@ mod report;
 mod scene;
 
 use clap::Parser;
-use drystone::scenes::{KNOWN, Scene};
+use drystone_lab::scenes::{KNOWN, Scene};
 use std::io::Write;
 use std::process::ExitCode;
 

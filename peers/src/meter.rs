@@ -3,9 +3,9 @@
 use crate::engine::Engine;
 use crate::overlap;
 use crate::scene::Body;
-use drystone::experiment::Spread;
-use drystone::metrics::Displacement;
 use drystone::prelude::{Pose, Vec3};
+use drystone_lab::experiment::Spread;
+use drystone_lab::metrics::Displacement;
 use std::time::{Duration, Instant};
 
 /// An engine under way, and what was gathered of it.

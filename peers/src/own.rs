@@ -4,8 +4,8 @@ use crate::engine::Engine;
 use crate::scene::Body;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
-use drystone::metrics;
 use drystone::prelude::{Pose, RigidBody, Vec3};
+use drystone_lab::metrics;
 
 /// The world in which the scene was built. Stepped by [`drystone::step`] itself: an experiment's own step measures too, and that
 /// would be timed.

@@ -5,8 +5,8 @@
 
 use crate::engine::Engine;
 use crate::scene::{Body, Conditions};
-use drystone::metrics;
 use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
+use drystone_lab::metrics;
 use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
     RigidBodyType, SharedShape,

@@ -5,10 +5,10 @@
 
 use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
-use drystone::experiment::{Experiment, Run};
 use drystone::prelude::{Collider, Density, Friction, Pose, Restitution, RigidBody, Velocity};
-use drystone::scenes::Scene;
 use drystone::settings::{PhysicsThreads, Preset};
+use drystone_lab::experiment::{Experiment, Run};
+use drystone_lab::scenes::Scene;
 
 /// A body before the first step.
 pub struct Body {

@@ -16,11 +16,7 @@ const COINCIDENT: f32 = 1e-6;
 /// Between bodies in one place no way apart is better than another: each has a place of its own to go to, or many would be thrown
 /// out along one line.
 fn part(a: &BodyState, b: &BodyState) -> Manifold {
-    let place = |body: &BodyState| {
-        let mut rng = fastrand::Rng::with_seed(body.age.0);
-        Vec3::from_array(std::array::from_fn(|_| rng.f32()))
-    };
-    let normal = (place(a) - place(b)).normalize_or(Vec3::Y);
+    let normal = (scattered(a.age.0) - scattered(b.age.0)).normalize_or(Vec3::Y);
     let distance = -a.radius.min(b.radius);
     let mut manifold = Manifold::default();
     let middle = Candidate {
@@ -30,6 +26,20 @@ fn part(a: &BodyState, b: &BodyState) -> Manifold {
     };
     push(&mut manifold, [a, b], normal, false, smallvec![middle]);
     manifold
+}
+
+/// A point of the unit cube that a number has to itself, by wyhash: <https://github.com/wangyi-fudan/wyhash>. Written out, as what it
+/// gives is part of the simulation's bits, which no other crate's release may change.
+fn scattered(number: u64) -> Vec3 {
+    const STRIDE: u64 = 0x2d35_8dcc_aa6c_78a5;
+    const MIX: u64 = 0x8bb8_4b93_962e_acc9;
+    let coordinate = |i: usize| {
+        let state = number.wrapping_add(STRIDE.wrapping_mul(i as u64 + 1));
+        let product = u128::from(state) * u128::from(state ^ MIX);
+        let bits = product as u64 ^ (product >> 64) as u64;
+        (bits >> 1) as f32 / (1u64 << 63) as f32
+    };
+    Vec3::from_array(std::array::from_fn(coordinate))
 }
 
 /// A contact point on its way into the manifold.

@@ -1,12 +1,12 @@
-//! The meters that examples, tests and users share: penetration, drift, sag, tilt, jitter, energy.
+//! The meters that examples, tests and the comparison with other engines share: penetration, drift, sag, tilt, jitter, energy.
 //!
 //! All of them read components only and change nothing. None of them overlooks a body: what is quarantined, despawned or not finite is
 //! infinitely far off, fast and energetic.
 
-use crate::body::{GravityScale, MassProperties, Pose, Quarantined, RigidBody, Velocity};
-use crate::contact::{ContactImpulses, Manifold};
-use crate::settings::{Gravity, StabilizationSettings};
 use bevy_ecs::prelude::*;
+use drystone::body::{GravityScale, MassProperties, Pose, Quarantined, RigidBody, Velocity};
+use drystone::contact::{ContactImpulses, Manifold};
+use drystone::settings::{Gravity, StabilizationSettings};
 use glam::{Quat, Vec3};
 
 /// Where a body is that is watched, and how it moves there. What is despawned or quarantined is nowhere: NaN, which [`Displacement`]

@@ -13,9 +13,9 @@ use std::path::Path;
 pub const FONT: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 
 /// A bitmap whose letters we draw ourselves.
-pub struct Picture<'a>(BitMapBackend<'a>);
+pub struct Canvas<'a>(BitMapBackend<'a>);
 
-impl<'a> Picture<'a> {
+impl<'a> Canvas<'a> {
     /// A file of so many pixels; written when presented.
     pub fn new(path: &'a Path, size: (u32, u32)) -> Self {
         Self(BitMapBackend::new(path, size))
@@ -24,7 +24,7 @@ impl<'a> Picture<'a> {
 
 type Drawn<'a> = Result<(), DrawingErrorKind<<BitMapBackend<'a> as DrawingBackend>::ErrorType>>;
 
-impl<'a> DrawingBackend for Picture<'a> {
+impl<'a> DrawingBackend for Canvas<'a> {
     type ErrorType = <BitMapBackend<'a> as DrawingBackend>::ErrorType;
 
     fn get_size(&self) -> (u32, u32) {
@@ -136,7 +136,7 @@ mod tests {
         super::super::bring_font().unwrap();
         let (width, height) = (8 * size, 2 * size);
         let mut pixels = vec![0; (width * height * 3) as usize];
-        let picture = Picture(BitMapBackend::with_buffer(&mut pixels, (width, height)));
+        let picture = Canvas(BitMapBackend::with_buffer(&mut pixels, (width, height)));
         let area = picture.into_drawing_area();
         area.fill(&WHITE).unwrap();
         let font = ("sans-serif", size).into_font();

@@ -1,19 +1,19 @@
 //! A scene under given settings, stepped without an app around it, and measured: what `simulate`, `paper`, the benches and the
 //! acceptance tests all run.
 
-use crate::DrystonePlugins;
-use crate::body::Pose;
 use crate::metrics::{self, Displacement, Gaps};
-use crate::profile::Profile;
 use crate::scenes::{Built, Hand, Phase, Scene, SceneOptions};
-use crate::schedule::step;
-use crate::settings::{
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use drystone::DrystonePlugins;
+use drystone::body::Pose;
+use drystone::profile::Profile;
+use drystone::schedule::step;
+use drystone::settings::{
     NarrowphaseSettings, PhysicsThreads, Preset, SleepSettings, SolverSettings,
     StabilizationSettings,
 };
-use crate::solve::SolveReports;
-use bevy_app::App;
-use bevy_ecs::prelude::*;
+use drystone::solve::SolveReports;
 use std::collections::BTreeMap;
 use std::time::Duration;
 

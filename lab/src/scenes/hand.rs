@@ -2,10 +2,10 @@
 //! top, tip it, let go.
 
 use super::Site;
-use crate::body::Pose;
-use crate::collider::Collider;
-use crate::grab::Grab;
 use bevy_ecs::prelude::*;
+use drystone::body::Pose;
+use drystone::collider::Collider;
+use drystone::grab::Grab;
 use glam::{Quat, Vec3};
 
 /// How long the hand takes to carry a block above its place, to lower it, and to wait after letting go, s.

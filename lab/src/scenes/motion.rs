@@ -1,8 +1,8 @@
 //! What moves: heaps, slopes, rolling, sliding, dropped and overlapping bodies.
 
 use super::{Hand, Site};
-use crate::body::{Density, Pose, Velocity};
-use crate::collider::Collider;
+use drystone::body::{Density, Pose, Velocity};
+use drystone::collider::Collider;
 use glam::{Quat, Vec3};
 
 impl Site<'_> {

@@ -2,7 +2,7 @@
 
 mod letters;
 
-pub use letters::Picture;
+pub use letters::Canvas;
 
 use letters::FONT;
 use plotters::coord::Shift;
@@ -12,7 +12,7 @@ use plotters::style::{FontStyle, register_font};
 use std::error::Error;
 
 /// Part of a picture.
-pub type Area<'a> = DrawingArea<Picture<'a>, Shift>;
+pub type Area<'a> = DrawingArea<Canvas<'a>, Shift>;
 
 /// How a line is drawn.
 #[derive(Clone, Copy)]

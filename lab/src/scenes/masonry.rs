@@ -1,10 +1,10 @@
 //! What stands: walls, stacks, pyramids, arches, houses of cards.
 
 use super::{Hand, Site};
-use crate::body::{Density, Pose, RigidBody, Velocity};
-use crate::collider::Collider;
 use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
+use drystone::body::{Density, Pose, RigidBody, Velocity};
+use drystone::collider::Collider;
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 

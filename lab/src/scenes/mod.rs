@@ -10,10 +10,10 @@ mod name;
 pub use hand::{Hand, Phase};
 pub use name::{KNOWN, MAX_BODIES, SceneError};
 
-use crate::body::{Density, Pose, RigidBody, Velocity};
-use crate::collider::{Collider, Friction};
 use bevy_ecs::{name::Name, prelude::*};
 use bevy_transform::components::Transform;
+use drystone::body::{Density, Pose, RigidBody, Velocity};
+use drystone::collider::{Collider, Friction};
 use glam::{Quat, Vec3};
 
 /// What stands or moves.

@@ -1,6 +1,6 @@
 //! One JSON object a run, the same from every example: the fields and names are stable, other tools read them.
 
-use drystone::experiment::{Experiment, Outcome, Spread};
+use crate::experiment::{Experiment, Outcome, Spread};
 use drystone::settings::{AnchorRule, Classifier, ContactSolver, NormalStabilization, Preset};
 use drystone::solver::FrictionCone;
 use serde_json::{Map, Value, json};

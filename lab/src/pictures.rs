@@ -1,6 +1,5 @@
 //! Pictures of a scene on the CPU: `euc` fills triangles against a depth buffer, the ground is cast ray by ray.
 
-use crate::runs::{Moment, Record};
 use drystone::body::Pose;
 use drystone::collider::Collider;
 use euc::buffer::Buffer2d;
@@ -83,18 +82,22 @@ impl Pipeline for Faces {
     }
 }
 
-/// A frame as 8-bit RGB, row by row.
-pub fn frame(record: &Record, moment: &Moment, camera: &Camera) -> Vec<u8> {
+/// A frame of bodies that stand on the ground as 8-bit RGB, row by row; and the hand, where one holds a point, m.
+pub fn frame<'a>(
+    standing: impl IntoIterator<Item = (&'a Collider, &'a Pose)>,
+    hand: Option<Vec3>,
+    camera: &Camera,
+) -> Vec<u8> {
     let size = [SIZE.0 as usize * SAMPLES, SIZE.1 as usize * SAMPLES];
     let mut color = Buffer2d::new(size, SKY);
     let mut depth = Buffer2d::new(size, 1.0);
     ground(camera, &mut color, &mut depth);
 
     let mut bodies = Vec::new();
-    for (i, (collider, pose)) in record.colliders.iter().zip(&moment.poses).enumerate() {
+    for (i, (collider, pose)) in standing.into_iter().enumerate() {
         faces(collider, pose, brick_color(i), &mut bodies);
     }
-    if let Some(hand) = moment.hand {
+    if let Some(hand) = hand {
         // A rod that ends where it holds, so that it shows above a block held in its middle.
         let pose = Pose {
             position: hand + Vec3::Y * (0.5 * HAND_LENGTH),

@@ -1,0 +1,36 @@
+//! Drystone's laboratory: what its examples, tests and benches, and the comparison with other engines, set up and measure with. It uses
+//! drystone as any user does, by its public items.
+//!
+//! ```
+//! use drystone::settings::Preset;
+//! use drystone_lab::experiment::Experiment;
+//!
+//! let scene = "wall:4x3".parse().unwrap();
+//! let outcome = Experiment::new(scene, Preset::Default).run_seconds(1.0);
+//! assert!(outcome.stands && outcome.displacement.drift < 1e-3);
+//! ```
+//!
+//! | module | what is in it |
+//! |---|---|
+//! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
+//! | [`experiment`] | a scene under given settings, stepped and measured |
+//! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
+//! | [`report`] | what became of an experiment as JSON |
+//! | [`output`] | where an example writes |
+//! | `plots` | a canvas with a font, and legends |
+//! | `pictures` | frames of a scene |
+//!
+//! The last two come with the feature `plots`, which is on by default.
+
+#![warn(missing_docs)]
+#![deny(unsafe_code)]
+
+pub mod experiment;
+pub mod metrics;
+pub mod output;
+#[cfg(feature = "plots")]
+pub mod pictures;
+#[cfg(feature = "plots")]
+pub mod plots;
+pub mod report;
+pub mod scenes;

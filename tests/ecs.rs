@@ -204,7 +204,7 @@ fn a_users_own_solver_solves() {
 
 #[test]
 fn every_stage_has_its_time() {
-    let mut lab = Lab::new();
+    let mut lab = Lab::exact(1.0 / 60.0);
     lab.ground();
     for i in 0..20 {
         lab.cube(Vec3::Y * (0.5 + i as f32));

@@ -187,6 +187,11 @@ impl BodyTable {
             .filter_map(|(slot, body)| Some((slot as u32, body.as_ref()?)))
     }
 
+    /// What is in each slot, from the first.
+    pub(crate) fn slot_bodies(&self) -> impl Iterator<Item = Option<&BodyState>> {
+        self.slots.iter().map(Option::as_ref)
+    }
+
     pub(crate) fn get_mut(&mut self, slot: u32) -> Option<&mut BodyState> {
         self.slots.get_mut(slot as usize)?.as_mut()
     }

@@ -53,6 +53,8 @@ pub struct ContactPair {
     pub(crate) parted: bool,
     /// Contacts have been looked for.
     pub(crate) detected: bool,
+    /// They have been looked for in this step, and not taken over from the last one.
+    pub(crate) fresh: bool,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
 }
@@ -71,6 +73,7 @@ impl ContactPair {
             touching: false,
             parted: false,
             detected: false,
+            fresh: false,
             announced: false,
         };
         pair.combine([a, b]);

@@ -18,7 +18,47 @@ use order::Levels;
 pub struct Islands {
     graph: Graph,
     levels: Levels,
-    links: Vec<[u32; 2]>,
+    links: Vec<Link>,
+    members: Vec<Option<Member>>,
+    version: u64,
+}
+
+/// A pair that touches: its bodies' slots, and which of all pairs it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Link {
+    slots: [u32; 2],
+    pair: u32,
+}
+
+/// Who is in a slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Member {
+    entity: Entity,
+    age: Age,
+    dynamic: bool,
+    asleep: bool,
+}
+
+impl Member {
+    fn of(body: &BodyState) -> Self {
+        Self {
+            entity: body.entity,
+            age: body.age,
+            dynamic: body.is_dynamic(),
+            asleep: body.asleep,
+        }
+    }
+
+    /// The same body of the same kind, be it awake or asleep.
+    fn is_same(before: &Option<Self>, now: &Option<Self>) -> bool {
+        match (before, now) {
+            (Some(before), Some(now)) => {
+                (before.entity, before.age, before.dynamic) == (now.entity, now.age, now.dynamic)
+            }
+            (None, None) => true,
+            _ => false,
+        }
+    }
 }
 
 impl Islands {
@@ -37,6 +77,25 @@ impl Islands {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
     }
 
+    /// Another whenever who touches whom, who is awake, or where pairs are kept is not as it was.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
+    }
+
+    fn regroup(&mut self, links: &[Link], members: &[Option<Member>]) {
+        let moves = |slot: u32| members[slot as usize].is_some_and(|member| member.dynamic);
+        let slots = 0..members.len() as u32;
+        let links: Vec<[u32; 2]> = links.iter().map(|link| link.slots).collect();
+        let both_move = |slots: &&[u32; 2]| slots.iter().all(|&slot| moves(slot));
+        self.graph.regroup(
+            members.len(),
+            slots.filter(|&slot| moves(slot)),
+            links.iter().filter(both_move).copied(),
+        );
+        let stands_still = |slot: u32| members[slot as usize].is_some_and(|member| !member.dynamic);
+        self.levels.find(members.len(), &links, stands_still);
+    }
+
     /// What bodies and contacts are solved in the order of.
     pub(crate) fn rank(&self, slot: u32, body: &BodyState) -> (u32, Age) {
         (self.levels.of(slot), body.age)
@@ -50,53 +109,54 @@ pub fn islands(
     pairs: Query<(&ContactPair, &Manifold)>,
     mut sleepers: Query<&mut Sleeping>,
 ) {
-    let Islands {
-        graph,
-        levels,
-        links,
-    } = &mut *islands;
-    links.clear();
-    let touching = pairs
-        .iter()
-        .filter(|(_, manifold)| !manifold.points.is_empty());
-    links.extend(touching.map(|(pair, _)| pair.slots));
-    let dynamic = |slot: u32| table.get(slot).is_some_and(BodyState::is_dynamic);
-    let members = table.iter().filter(|(_, body)| body.is_dynamic());
-    graph.regroup(
-        table.slots(),
-        members.map(|(slot, _)| slot),
-        links
-            .iter()
-            .copied()
-            .filter(|slots| slots.iter().all(|&slot| dynamic(slot))),
-    );
-    let stands_still = |slot| table.get(slot).is_some_and(|body| !body.is_dynamic());
-    levels.find(table.slots(), links, stands_still);
+    let touching = pairs.iter().zip(0..);
+    let touching = touching.filter(|((_, manifold), _)| !manifold.points.is_empty());
+    let links: Vec<Link> = touching
+        .map(|((pair, _), number)| Link {
+            slots: pair.slots,
+            pair: number,
+        })
+        .collect();
+    let members = table.slot_bodies().map(|body| body.map(Member::of));
+    let mut now: Vec<Option<Member>> = members.collect();
+    let before = &islands.members;
+    let same_graph = links == islands.links
+        && now.len() == before.len()
+        && before.iter().zip(&now).all(|(a, b)| Member::is_same(a, b));
+    if !same_graph {
+        islands.regroup(&links, &now);
+    }
+    islands.links = links;
 
-    let parted = pairs.iter().filter(|(pair, _)| pair.parted);
-    let parted = parted.flat_map(|(pair, _)| pair.slots);
-    wake(&mut table, graph, links, parted, &mut sleepers);
+    if now.iter().flatten().any(|member| member.asleep) {
+        let parted = pairs.iter().filter(|(pair, _)| pair.parted);
+        let parted = parted.flat_map(|(pair, _)| pair.slots);
+        wake(&mut table, &islands, parted, &mut sleepers);
+        now.clear();
+        now.extend(table.slot_bodies().map(|body| body.map(Member::of)));
+    }
+    if !same_graph || now != islands.members {
+        islands.version += 1;
+    }
+    islands.members = now;
 }
 
 /// Islands sleep and wake as a whole. What is awake, was roused by the user, or is carried by something that moves wakes the rest;
 /// and so does what has parted: what a body lay on, or what held it down, has gone away.
 fn wake(
     table: &mut BodyTable,
-    graph: &Graph,
-    links: &[[u32; 2]],
+    islands: &Islands,
     parted: impl Iterator<Item = u32>,
     sleepers: &mut Query<&mut Sleeping>,
 ) {
-    if !table.iter().any(|(_, body)| body.asleep) {
-        return;
-    }
+    let Islands { graph, links, .. } = islands;
     let mut awake = vec![false; graph.count];
     for (slot, body) in table.iter() {
         if let Some(island) = graph.of(slot) {
             awake[island] |= !body.asleep || body.roused;
         }
     }
-    for [a, b] in links {
+    for Link { slots: [a, b], .. } in links {
         for (carrier, carried) in [(a, b), (b, a)] {
             let (Some(below), Some(above)) = (table.get(*carrier), table.get(*carried)) else {
                 continue;

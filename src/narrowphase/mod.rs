@@ -114,6 +114,7 @@ fn look(
         cache.forget();
     }
     pair.parted = false;
+    pair.fresh = false;
     if pair.detected && is_idle(a) && is_idle(b) {
         return;
     }
@@ -133,6 +134,7 @@ fn look(
     if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
         recycling::refresh(manifold, a, b);
     } else {
+        pair.fresh = true;
         let reach = reach + limit;
         let old = std::mem::take(manifold);
         *manifold = detect::detect(rules, a, b, reach, cache, &old);

@@ -1,7 +1,7 @@
 //! One island on its way through the stage: bodies, and what acts between them.
 
 use super::touch::Touch;
-use super::{Given, IslandReport, Places};
+use super::{Given, IslandReport};
 use crate::body::{BodyState, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse};
 use crate::solver::{Body, SolveReport};
@@ -21,7 +21,8 @@ pub(super) trait Rows: Default + Send + Sync {
     /// Contact points.
     fn points(&self) -> usize;
 
-    /// Takes the contacts of an island, between bodies at `ends`.
+    /// Takes the contacts of an island, between bodies at `ends`. Where it still has those of the last step, which were of the same
+    /// touches between the same bodies, it may keep of them what has not changed.
     fn gather(&mut self, touches: &[Touch], ends: &[[u32; 2]], bodies: &[Body], given: &Given);
 
     fn solve(&mut self, solver: &Self::Solver, bodies: &mut [Body], given: &Given) -> SolveReport;
@@ -35,6 +36,10 @@ pub(super) trait Rows: Default + Send + Sync {
 pub(super) struct Island<R> {
     /// Those that sleep are not among them.
     pub bodies: Vec<Body>,
+    /// Where the bodies of each touch stand.
+    ends: Vec<[u32; 2]>,
+    /// The slots of static and kinematic bodies, whose copies stand behind the dynamic ones; no impulse can change them.
+    copies: Vec<u32>,
     rows: R,
     report: SolveReport,
     /// The solve went wrong, and was taken back.
@@ -56,15 +61,20 @@ impl<R: Rows> Island<R> {
         }
     }
 
-    pub fn clear(&mut self) {
+    /// Empties it, but for what is kept from the last step where who touches whom is as it was.
+    pub fn begin(&mut self, kept: bool) {
         self.bodies.clear();
-        self.rows.clear();
         self.diverged = false;
         self.first = None;
+        if !kept {
+            self.ends.clear();
+            self.copies.clear();
+            self.rows.clear();
+        }
     }
 
-    /// Adds a dynamic body; where it stands.
-    pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32) -> u32 {
+    /// Adds a dynamic body.
+    pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32) {
         self.first.get_or_insert(body.entity);
         self.bodies.push(Body {
             linear: velocity.linear,
@@ -75,7 +85,6 @@ impl<R: Rows> Island<R> {
             motion: None,
             level,
         });
-        self.bodies.len() as u32 - 1
     }
 
     /// From components to impulses and back.
@@ -83,11 +92,15 @@ impl<R: Rows> Island<R> {
         &mut self,
         solver: &R::Solver,
         touches: &mut [Touch],
-        places: &Places,
+        local: &[u32],
+        velocities: &[Velocity],
         given: &Given,
     ) {
-        let ends = self.ends(touches, places);
-        self.rows.gather(touches, &ends, &self.bodies, given);
+        if self.ends.is_empty() {
+            self.find_ends(touches, local);
+        }
+        self.add_copies(velocities);
+        self.rows.gather(touches, &self.ends, &self.bodies, given);
         self.report = self.rows.solve(solver, &mut self.bodies, given);
         self.diverged = !self.bodies.iter().all(is_sound);
         if self.diverged {
@@ -95,36 +108,39 @@ impl<R: Rows> Island<R> {
                 [body.linear, body.angular] = body.start;
                 body.motion = Some([Vec3::ZERO; 2]);
             }
+            self.rows.clear();
             touches.iter_mut().for_each(|touch| touch.impulses.forget());
         } else {
             self.rows.store(touches, given);
         }
     }
 
-    /// Where the bodies of each pair stand. Copies of static and kinematic ones, which no impulse can change, are put behind the
-    /// dynamic ones.
-    fn ends(&mut self, touches: &[Touch], places: &Places) -> Vec<[u32; 2]> {
-        let mut copies: HashMap<u32, u32> = HashMap::default();
-        let mut end = |slot: u32| {
-            let local = places.local[slot as usize];
-            if local != u32::MAX {
-                return local;
-            }
-            *copies.entry(slot).or_insert_with(|| {
-                let velocity = places.velocities[slot as usize];
-                self.bodies.push(Body {
-                    linear: velocity.linear,
-                    angular: velocity.angular,
-                    start: [velocity.linear, velocity.angular],
-                    ..Default::default()
-                });
-                self.bodies.len() as u32 - 1
-            })
+    fn find_ends(&mut self, touches: &[Touch], local: &[u32]) {
+        let mut known: HashMap<u32, u32> = HashMap::default();
+        let dynamic = self.bodies.len() as u32;
+        let copies = &mut self.copies;
+        let mut end = |slot: u32| match local[slot as usize] {
+            u32::MAX => *known.entry(slot).or_insert_with(|| {
+                copies.push(slot);
+                dynamic + copies.len() as u32 - 1
+            }),
+            local => local,
         };
-        touches
-            .iter()
-            .map(|touch| touch.pair.slots.map(&mut end))
-            .collect()
+        let ends = touches.iter().map(|touch| touch.pair.slots.map(&mut end));
+        self.ends.extend(ends);
+    }
+
+    fn add_copies(&mut self, velocities: &[Velocity]) {
+        let copies = self.copies.iter().map(|&slot| {
+            let Velocity { linear, angular } = velocities[slot as usize];
+            Body {
+                linear,
+                angular,
+                start: [linear, angular],
+                ..Default::default()
+            }
+        });
+        self.bodies.extend(copies);
     }
 }
 

@@ -8,6 +8,7 @@
 //! forgets its impulses; nobody else notices.
 
 mod island;
+mod order;
 mod patches;
 mod points;
 mod touch;
@@ -23,6 +24,7 @@ use crate::solver::SolveReport;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use island::{Island, Rows};
+use order::{Member, Order};
 use patches::PatchRows;
 use points::PointRows;
 use rayon::prelude::*;
@@ -43,21 +45,20 @@ pub struct IslandReport {
     pub report: SolveReport,
 }
 
-/// Where things stand in the problems of this step.
-#[derive(Default)]
-pub struct Places {
-    /// By slot: where the body stands in its island's problem; `u32::MAX` where it is in none.
-    local: Vec<u32>,
-    /// By slot.
-    velocities: Vec<Velocity>,
-}
-
-/// The problems of the last step, whose memory is used again.
+/// The problems of the last step, of both kinds.
 #[derive(Default)]
 pub struct Scratch {
-    places: Places,
-    by_points: Vec<Island<PointRows>>,
-    by_patches: Vec<Island<PatchRows>>,
+    by_points: Problems<PointRows>,
+    by_patches: Problems<PatchRows>,
+}
+
+/// Kept from step to step: their memory, and what has not changed.
+#[derive(Default)]
+struct Problems<R> {
+    order: Order,
+    islands: Vec<Island<R>>,
+    /// By slot.
+    velocities: Vec<Velocity>,
 }
 
 /// What a problem is told besides its bodies and contacts.
@@ -84,8 +85,8 @@ type Pairs<'w, 's> = Query<
     'w,
     's,
     (
-        &'static ContactPair,
-        &'static Manifold,
+        Ref<'static, ContactPair>,
+        Ref<'static, Manifold>,
         &'static ContactTargets,
         &'static mut ContactImpulses,
     ),
@@ -110,17 +111,15 @@ pub fn solve(
     mut pairs: Pairs,
     mut bodies: Bodies,
 ) {
-    let Scratch {
-        places,
-        by_points,
-        by_patches,
-    } = &mut *scratch;
-    let mut step = Step {
+    let step = Step {
         table: &table,
         islands: &islands,
         given: &given,
-        places,
     };
+    let Scratch {
+        by_points,
+        by_patches,
+    } = &mut *scratch;
     match given.solver.solver.method() {
         Method::Points(solver) => step.take(solver, by_points, &mut pairs, &mut bodies, &mut said),
         Method::Patches(solver) => {
@@ -134,49 +133,44 @@ struct Step<'a> {
     table: &'a BodyTable,
     islands: &'a Islands,
     given: &'a Given<'a>,
-    places: &'a mut Places,
 }
 
 impl Step<'_> {
     fn take<R: Rows>(
-        &mut self,
+        &self,
         solver: &R::Solver,
-        islands: &mut Vec<Island<R>>,
+        problems: &mut Problems<R>,
         pairs: &mut Pairs,
         bodies: &mut Bodies,
         said: &mut Said,
     ) {
-        self.gather_bodies(islands, bodies);
-        let mut touches = touch::touches(self.table, self.islands, &self.places.local, pairs);
-        self.solve_each(solver, islands, &mut touches);
-        self.store_bodies(islands, bodies);
-        said.report(islands);
+        let kept = problems.order.keep(self.table, self.islands, pairs);
+        self.gather_bodies(problems, bodies, kept);
+        let mut touches = problems.order.touches(pairs);
+        self.solve_each(solver, problems, &mut touches);
+        self.store_bodies(problems, bodies);
+        said.report(&problems.islands);
     }
 
     /// The dynamic bodies of each island that is awake.
-    fn gather_bodies<R: Rows>(&mut self, islands: &mut Vec<Island<R>>, bodies: &Bodies) {
-        let (table, graph) = (self.table, self.islands);
-        let Places { local, velocities } = &mut *self.places;
-        velocities.resize(table.slots(), Velocity::default());
+    fn gather_bodies<R: Rows>(&self, problems: &mut Problems<R>, bodies: &Bodies, kept: bool) {
+        let Problems {
+            order,
+            islands,
+            velocities,
+        } = problems;
+        velocities.resize(self.table.slots(), Velocity::default());
         for (entity, index, velocity, _) in bodies {
-            if table.holds(entity, *index) {
+            if self.table.holds(entity, *index) {
                 velocities[index.0 as usize] = *velocity;
             }
         }
-        islands.resize_with(graph.count(), Island::default);
-        islands.iter_mut().for_each(Island::clear);
-        local.clear();
-        local.resize(table.slots(), u32::MAX);
-        let awake = table
-            .iter()
-            .filter(|(_, body)| body.is_dynamic() && !body.asleep);
-        let mut awake: Vec<_> = awake
-            .filter_map(|(slot, body)| Some((graph.of(slot)?, graph.rank(slot, body), slot, body)))
-            .collect();
-        awake.sort_unstable_by_key(|&(island, rank, ..)| (island, rank));
-        for (island, _, slot, body) in awake {
-            let level = graph.level(slot).unwrap_or(0);
-            local[slot as usize] = islands[island].add(body, &velocities[slot as usize], level);
+        islands.resize_with(self.islands.count(), Island::default);
+        islands.iter_mut().for_each(|island| island.begin(kept));
+        for &Member { island, slot } in &order.bodies {
+            let body = self.table.get(slot).expect("a member is in the table");
+            let level = self.islands.level(slot).unwrap_or(0);
+            islands[island as usize].add(body, &velocities[slot as usize], level);
         }
     }
 
@@ -184,13 +178,16 @@ impl Step<'_> {
     fn solve_each<R: Rows>(
         &self,
         solver: &R::Solver,
-        islands: &mut [Island<R>],
+        problems: &mut Problems<R>,
         touches: &mut [Touch],
     ) {
-        let points = touches
-            .iter()
-            .map(|touch| touch.manifold.points.len())
-            .sum();
+        let Problems {
+            order,
+            islands,
+            velocities,
+        } = problems;
+        let points = touches.iter().map(|touch| touch.manifold.points.len());
+        let points = points.sum();
         let mut work = Vec::new();
         let mut rest = touches;
         let mut islands = islands.iter_mut().enumerate();
@@ -204,9 +201,9 @@ impl Step<'_> {
                 .expect("touches stand in the order of their islands");
             work.push((island, mine));
         }
-        let (places, given) = (&*self.places, self.given);
+        let (order, velocities, given) = (&*order, &*velocities, self.given);
         let solve = |(island, touches): (&mut Island<R>, &mut [Touch])| {
-            island.solve(solver, touches, places, given);
+            island.solve(solver, touches, &order.local, velocities, given);
         };
         let threads = &given.threads;
         if work.len() > 1 && threads.share(points) {
@@ -219,15 +216,16 @@ impl Step<'_> {
     }
 
     /// Velocities and motions of what is awake.
-    fn store_bodies<R: Rows>(&self, islands: &[Island<R>], bodies: &mut Bodies) {
+    fn store_bodies<R: Rows>(&self, problems: &Problems<R>, bodies: &mut Bodies) {
         let fall = self.given.gravity.0.length() * self.given.time.dt;
         for (entity, index, mut velocity, mut motion) in bodies {
             let Some(body) = self.table.get(index.0).filter(|body| body.entity == entity) else {
                 continue;
             };
-            // Bodies that sleep are not gathered.
-            let local = self.places.local[index.0 as usize];
-            let island = self.islands.of(index.0).and_then(|i| islands.get(i));
+            // Bodies that sleep are in no problem.
+            let local = problems.order.local[index.0 as usize];
+            let island = self.islands.of(index.0);
+            let island = island.and_then(|island| problems.islands.get(island));
             let Some(solved) = island.and_then(|island| island.bodies.get(local as usize)) else {
                 continue;
             };

@@ -2,7 +2,7 @@
 
 use super::Given;
 use super::island::Rows;
-use super::touch::Touch;
+use super::touch::{Touch, to_start_from};
 use crate::contact::{Impulse, Patch, PatchImpulse};
 use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport};
 use glam::Vec3;
@@ -11,6 +11,8 @@ use glam::Vec3;
 pub(super) struct PatchRows {
     patches: Vec<PatchConstraint>,
     points: Vec<PatchPoint>,
+    /// Length of the step in which they were solved, s.
+    dt: f32,
 }
 
 impl Rows for PatchRows {
@@ -27,18 +29,11 @@ impl Rows for PatchRows {
     }
 
     fn gather(&mut self, touches: &[Touch], ends: &[[u32; 2]], _: &[Body], given: &Given) {
-        for (touch, ends) in touches.iter().zip(ends) {
-            for (i, patch) in touch.manifold.patches.iter().enumerate() {
-                let (constraint, points) = touch.patch(i, patch, given);
-                let first = self.points.len() as u32;
-                self.points.extend(points);
-                self.patches.push(PatchConstraint {
-                    bodies: *ends,
-                    first,
-                    ..constraint
-                });
-            }
+        if !self.refresh(touches, given) {
+            self.clear();
+            self.rebuild(touches, ends, given);
         }
+        self.dt = given.time.dt;
     }
 
     fn solve(
@@ -73,7 +68,89 @@ impl Rows for PatchRows {
     }
 }
 
+impl PatchRows {
+    fn rebuild(&mut self, touches: &[Touch], ends: &[[u32; 2]], given: &Given) {
+        for (touch, ends) in touches.iter().zip(ends) {
+            for (i, patch) in touch.manifold.patches.iter().enumerate() {
+                let (constraint, points) = touch.patch(i, patch, given);
+                let first = self.points.len() as u32;
+                self.points.extend(points);
+                self.patches.push(PatchConstraint {
+                    bodies: *ends,
+                    first,
+                    ..constraint
+                });
+            }
+        }
+    }
+
+    /// Brings what is kept from the last step up to date: distances and slips, and all of what was detected anew. False where there is
+    /// nothing, or other patches than there were.
+    fn refresh(&mut self, touches: &[Touch], given: &Given) -> bool {
+        let mut at = 0;
+        for touch in touches {
+            let patches = &touch.manifold.patches;
+            let Some(kept) = self.patches.get_mut(at..at + patches.len()) else {
+                return false;
+            };
+            at += patches.len();
+            for (i, (patch, kept)) in patches.iter().zip(kept).enumerate() {
+                if patch.count != kept.count {
+                    return false;
+                }
+                let points = &mut self.points[kept.range()];
+                if touch.changed {
+                    let (constraint, found) = touch.patch(i, patch, given);
+                    *kept = PatchConstraint {
+                        bodies: kept.bodies,
+                        first: kept.first,
+                        ..constraint
+                    };
+                    points
+                        .iter_mut()
+                        .zip(found)
+                        .for_each(|(to, point)| *to = point);
+                } else {
+                    touch.refresh(i, patch, kept, points, self.dt, given);
+                }
+            }
+        }
+        at == self.patches.len()
+    }
+}
+
 impl Touch<'_> {
+    /// A patch that was solved in the last step, of `last` s. To the bit what [`Self::patch`] would make of it.
+    fn refresh(
+        &self,
+        i: usize,
+        patch: &Patch,
+        kept: &mut PatchConstraint,
+        points: &mut [PatchPoint],
+        last: f32,
+        given: &Given,
+    ) {
+        let time = &*given.time;
+        let ideal = given.stabilization.rest_distance();
+        kept.slip = self.targets.patches[i];
+        let held = if kept.slip.is_some() { time.dt } else { 0.0 };
+        kept.tangential = kept.tangential / last * time.carried();
+        kept.twist = kept.twist / last * time.carried();
+        kept.rolling = kept.rolling / last * time.carried();
+        kept.load_tangential = kept.load_tangential / last * held;
+        kept.load_twist = kept.load_twist / last * held;
+        kept.dragged = Default::default();
+        kept.given = Vec3::ZERO;
+        let held = if patch.curved { 0.0 } else { time.dt };
+        for (kept, point) in points.iter_mut().zip(&self.manifold.points[patch.range()]) {
+            let (warm, load) = (kept.impulse / last, kept.load / last);
+            kept.separation = point.distance - ideal;
+            kept.impulse = to_start_from(warm, load, time);
+            kept.given = 0.0;
+            kept.load = load * held;
+        }
+    }
+
     /// One of the pair's patches, and its points.
     fn patch(
         &self,

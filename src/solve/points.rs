@@ -27,6 +27,7 @@ impl Rows for PointRows {
 
     fn gather(&mut self, touches: &[Touch], ends: &[[u32; 2]], bodies: &[Body], given: &Given) {
         let (threads, time) = (&*given.threads, &*given.time);
+        self.constraints.clear();
         if threads.share(touches.len()) {
             let touches = touches.par_iter().zip(ends);
             let constraints =

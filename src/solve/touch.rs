@@ -1,57 +1,24 @@
-//! The pairs that are solved, in the order of their solve.
+//! A pair that is solved.
 
-use super::Pairs;
-use crate::body::{BodyState, BodyTable};
+use crate::body::BodyState;
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};
-use crate::islands::Islands;
 use crate::settings::StepTime;
 
 /// One pair with points in an island that is awake.
 pub(super) struct Touch<'a> {
     pub island: u32,
-    /// See [`place`].
-    place: u128,
     pub pair: &'a ContactPair,
     pub manifold: &'a Manifold,
     pub targets: &'a ContactTargets,
     pub impulses: &'a mut ContactImpulses,
-}
-
-/// All of them, island after island. `local` as in [`Places`](super::Places).
-pub(super) fn touches<'a>(
-    table: &BodyTable,
-    islands: &Islands,
-    local: &[u32],
-    pairs: &'a mut Pairs,
-) -> Vec<Touch<'a>> {
-    let mut touches: Vec<Touch> = Vec::with_capacity(pairs.iter().len());
-    for (pair, manifold, targets, impulses) in pairs {
-        let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
-            continue;
-        };
-        let awake = |slot: &&u32| local[**slot as usize] != u32::MAX;
-        if !manifold.points.is_empty()
-            && let Some(island) = pair.slots.iter().find(awake).and_then(|s| islands.of(*s))
-        {
-            let island = island as u32;
-            touches.push(Touch {
-                island,
-                place: place(island, [a, b], pair.slots.map(|slot| local[slot as usize])),
-                pair,
-                manifold,
-                targets,
-                impulses: impulses.into_inner(),
-            });
-        }
-    }
-    touches.sort_unstable_by_key(|touch| touch.place);
-    touches
+    /// Its contacts were found anew, or its impulses are not those that the last solve left.
+    pub changed: bool,
 }
 
 /// What a touch is sorted by: its island, then the body higher up, then the other, so that all supports of a brick are visited
 /// together. Bodies stand in their problem in the order of their ranks; what is not in it stands still, comes before them, and goes
 /// by age.
-fn place(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u128 {
+pub(super) fn place(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u128 {
     const MOVES: u64 = 1 << 63;
     let rank = |i: usize| match local[i] {
         u32::MAX => bodies[i].age.0 & !MOVES,
@@ -64,10 +31,15 @@ fn place(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u128 {
 }
 
 impl Impulse {
-    /// λ_n, N·s. What the point carries at rest is a force, and acts as long as the step; what is more or less than that stopped or
-    /// lost something, and would do so again and again in a step that is longer than the last.
+    /// λ_n, N·s.
     pub(super) fn normal_to_start_from(&self, time: &StepTime) -> f32 {
-        let passing = self.warm_normal - self.load;
-        (self.load * time.dt + passing * time.carried()).max(0.0)
+        to_start_from(self.warm_normal, self.load, time)
     }
+}
+
+/// An impulse, N·s, from the forces with which the last step ended and that act at rest, N. What a point carries at rest acts as long
+/// as the step; what is more or less than that stopped or lost something, and would do so again and again in a step that is longer
+/// than the last.
+pub(super) fn to_start_from(warm: f32, load: f32, time: &StepTime) -> f32 {
+    (load * time.dt + (warm - load) * time.carried()).max(0.0)
 }

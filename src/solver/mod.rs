@@ -48,7 +48,7 @@ pub use nncg::Nncg;
 pub use patch::{Patch, PatchPoint, Slip};
 pub use pgs::Pgs;
 pub use rows::{Body, Contact, ContactInput, tangents};
-pub use soft_step::SoftStep;
+pub use soft_step::{Lanes, SoftStep};
 
 /// A method that finds contact impulses. Must be deterministic; islands are solved side by side.
 pub trait ContactSolver: Send + Sync {

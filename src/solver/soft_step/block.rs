@@ -380,8 +380,8 @@ impl<L: F32xN> Block<L> {
         a: SpatialVec<L>,
         b: SpatialVec<L>,
     ) -> SpatialVec<L> {
-        let at_a = a.linear + a.angular.cross(self.arms[0]);
-        let at_b = b.linear + b.angular.cross(self.arms[1]);
+        let at_a = a.angular.cross_add(self.arms[0], a.linear);
+        let at_b = b.angular.cross_add(self.arms[1], b.linear);
         SpatialVec {
             linear: frame.local(at_a - at_b),
             angular: frame.local(a.angular - b.angular),
@@ -399,15 +399,15 @@ impl<L: F32xN> Block<L> {
         velocities: &mut [State],
     ) {
         let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
-        let turn_a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
-        let turn_b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
+        let at_a = self.arms[0].cross_add(force, torque);
+        let at_b = self.arms[1].cross_add(force, torque);
         let a = SpatialVec {
             linear: force.scale_add(self.inverse_mass[0], a.linear),
-            angular: a.angular + turn_a,
+            angular: self.inverse_inertia[0].apply_add(at_a, a.angular),
         };
         let b = SpatialVec {
             linear: force.scale_taken_from(self.inverse_mass[1], b.linear),
-            angular: b.angular - turn_b,
+            angular: self.inverse_inertia[1].apply_taken_from(at_b, b.angular),
         };
         L::scatter(velocities, &self.bodies[0], &a);
         L::scatter(velocities, &self.bodies[1], &b);

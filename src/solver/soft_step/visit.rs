@@ -171,19 +171,19 @@ impl<L: F32xN> Block<L> {
         let keep = L::ONE - hold.impulse_scale;
 
         let limit = self.most_twist(carried);
-        let excess = visit.velocity.angular.x + hold.back_twist;
+        let mass = self.twist_mass * hold.mass_scale;
         let start = self
             .twist
             .mul_add(keep, hold.impulse_scale * self.held_twist);
-        let found = (self.twist_mass * hold.mass_scale).taken_from(excess, start);
-        let found = found.min(limit).max(-limit);
-        let twist = found - self.twist;
-        self.twist = found;
+        let start = mass.taken_from(hold.back_twist, start) - self.twist;
+        let twist = mass.taken_from(visit.velocity.angular.x, start);
+        let twist = twist.min(limit - self.twist).max(-limit - self.twist);
+        self.twist += twist;
 
         let limit = self.friction * carried.all;
         let excess = [
-            self.twist_to_tangents[0].mul_add(twist, visit.velocity.linear.y) + hold.back[0],
-            self.twist_to_tangents[1].mul_add(twist, visit.velocity.linear.z) + hold.back[1],
+            self.twist_to_tangents[0].mul_add(twist, visit.velocity.linear.y + hold.back[0]),
+            self.twist_to_tangents[1].mul_add(twist, visit.velocity.linear.z + hold.back[1]),
         ];
         // The exact step where it stays inside the cone, else an isotropic one, projected (see `rows.rs`).
         let [xx, yy, xy] = self.tangent_mass;
@@ -191,11 +191,24 @@ impl<L: F32xN> Block<L> {
             self.tangential[0].mul_add(keep, hold.impulse_scale * self.held[0]),
             self.tangential[1].mul_add(keep, hold.impulse_scale * self.held[1]),
         ];
+        let [xx, yy, xy] = [
+            xx * hold.mass_scale,
+            yy * hold.mass_scale,
+            xy * hold.mass_scale,
+        ];
+        let mut change = [
+            xy.taken_from(
+                excess[1],
+                xx.taken_from(excess[0], start[0] - self.tangential[0]),
+            ),
+            yy.taken_from(
+                excess[1],
+                xy.taken_from(excess[0], start[1] - self.tangential[1]),
+            ),
+        ];
         let mut found = [
-            hold.mass_scale
-                .taken_from(xx.mul_add(excess[0], xy * excess[1]), start[0]),
-            hold.mass_scale
-                .taken_from(xy.mul_add(excess[0], yy * excess[1]), start[1]),
+            self.tangential[0] + change[0],
+            self.tangential[1] + change[1],
         ];
         let square = square_length(found);
         let limit_square = limit * limit;
@@ -211,8 +224,8 @@ impl<L: F32xN> Block<L> {
                 square.select_above(limit_square, slid[0] * shorten, found[0]),
                 square.select_above(limit_square, slid[1] * shorten, found[1]),
             ];
+            change = [found[0] - self.tangential[0], found[1] - self.tangential[1]];
         }
-        let change = [found[0] - self.tangential[0], found[1] - self.tangential[1]];
         self.tangential = found;
 
         visit.wrench.linear.y += change[0];
@@ -307,11 +320,14 @@ impl<L: F32xN> Block<L> {
                 let lost = point.load.mul_sub(left, point.impulse).max(L::ZERO);
                 let held = preload.taken_from(lost, load);
                 point.reach = load * point.compliance;
-                let closed = (soft.mass_scale * point.mass)
-                    .mul_add(approach - push, soft.impulse_scale * (point.impulse - held));
-                let apart = point.mass * s.mul_add(rate, approach);
-                let step = counts * s.select_above(point.reach, apart, closed);
-                let given = point.give(-step, &mut normals, &mut visit.wrench);
+                // What there is to give is `constant` − `mass` · approach: all but the last is known before the points
+                // that come first.
+                let soft_mass = soft.mass_scale * point.mass;
+                let closed = soft_mass.mul_sub(push, soft.impulse_scale * (point.impulse - held));
+                let constant = s.select_above(point.reach, -s * (point.mass * rate), closed);
+                let mass = s.select_above(point.reach, point.mass, soft_mass);
+                let change = (counts * mass).taken_from(approach, counts * constant);
+                let given = point.give(change, &mut normals, &mut visit.wrench);
                 visit.change = given.taken_from(approach, visit.change);
             }
             counts = speed.select_above(landing, L::ONE, L::ZERO);
@@ -359,8 +375,8 @@ impl<L: F32xN> Block<L> {
         for point in points.iter_mut() {
             let approach = point.approach(&normals);
             let gap = point.now.select_above(point.reach, point.now, L::ZERO);
-            let step = point.mass * gap.mul_add(rate, approach);
-            let given = point.give(-step, &mut normals, &mut visit.wrench);
+            let change = point.mass.taken_from(approach, -gap * (point.mass * rate));
+            let given = point.give(change, &mut normals, &mut visit.wrench);
             visit.change = given.taken_from(approach, visit.change);
         }
     }
@@ -383,13 +399,16 @@ impl<L: F32xN> Visit<L> {
     /// What normals see of what friction has found.
     #[inline(always)]
     fn follow_friction(&mut self, block: &Block<L>) {
-        let of_twist = block.twist_to_normals.scale(self.wrench.angular.x);
+        let before = on_normals_local(&self.velocity);
         let [first, second] = block.tangents_to_normals;
-        let of_two = first.scale_add(self.wrench.linear.y, of_twist);
-        let on_normals = second.scale_add(self.wrench.linear.z, of_two);
-        self.velocity.linear.x += on_normals.x;
-        self.velocity.angular.y += on_normals.y;
-        self.velocity.angular.z += on_normals.z;
+        let after_twist = block
+            .twist_to_normals
+            .scale_add(self.wrench.angular.x, before);
+        let after_two = first.scale_add(self.wrench.linear.y, after_twist);
+        let after = second.scale_add(self.wrench.linear.z, after_two);
+        self.velocity.linear.x = after.x;
+        self.velocity.angular.y = after.y;
+        self.velocity.angular.z = after.z;
     }
 }
 
@@ -397,9 +416,8 @@ impl<L: F32xN> Points<L> {
     /// Adds to λ_n, which stays ≥ 0; what of it was given.
     #[inline(always)]
     fn give(&mut self, change: L, normals: &mut Vec3xN<L>, wrench: &mut SpatialVec<L>) -> L {
-        let found = (self.impulse + change).max(L::ZERO);
-        let given = found - self.impulse;
-        self.impulse = found;
+        let given = change.max(-self.impulse);
+        self.impulse += given;
         *normals = self.effect.scale_add(given, *normals);
         self.push(given, wrench);
         given

@@ -39,6 +39,21 @@ impl<L: F32xN> Vec3xN<L> {
         }
     }
 
+    /// `self` × o + `addend`
+    #[inline(always)]
+    pub fn cross_add(self, o: Self, addend: Self) -> Self {
+        let half = Self {
+            x: self.y.mul_add(o.z, addend.x),
+            y: self.z.mul_add(o.x, addend.y),
+            z: self.x.mul_add(o.y, addend.z),
+        };
+        Self {
+            x: self.z.taken_from(o.y, half.x),
+            y: self.x.taken_from(o.z, half.y),
+            z: self.y.taken_from(o.x, half.z),
+        }
+    }
+
     #[inline(always)]
     pub fn scale(self, s: L) -> Self {
         Self {
@@ -122,8 +137,8 @@ impl<L: F32xN> Frame<L> {
 
     #[inline(always)]
     pub fn world(&self, v: Vec3xN<L>) -> Vec3xN<L> {
-        let along_two = self.t1.scale_add(v.y, self.n.scale(v.x));
-        self.t2.scale_add(v.z, along_two)
+        let on_plane = self.t2.scale_add(v.z, self.t1.scale(v.y));
+        self.n.scale_add(v.x, on_plane)
     }
 }
 
@@ -153,6 +168,42 @@ impl<L: F32xN> Symmetric<L> {
             x: xz.mul_add(v.z, xy.mul_add(v.y, xx * v.x)),
             y: yz.mul_add(v.z, yy.mul_add(v.y, xy * v.x)),
             z: zz.mul_add(v.z, yz.mul_add(v.y, xz * v.x)),
+        }
+    }
+
+    /// What it makes of `v`, and `addend`.
+    #[inline(always)]
+    pub fn apply_add(&self, v: Vec3xN<L>, addend: Vec3xN<L>) -> Vec3xN<L> {
+        let &Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = self;
+        Vec3xN {
+            x: xz.mul_add(v.z, xy.mul_add(v.y, xx.mul_add(v.x, addend.x))),
+            y: yz.mul_add(v.z, yy.mul_add(v.y, xy.mul_add(v.x, addend.y))),
+            z: zz.mul_add(v.z, yz.mul_add(v.y, xz.mul_add(v.x, addend.z))),
+        }
+    }
+
+    /// `from` less what it makes of `v`.
+    #[inline(always)]
+    pub fn apply_taken_from(&self, v: Vec3xN<L>, from: Vec3xN<L>) -> Vec3xN<L> {
+        let &Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = self;
+        Vec3xN {
+            x: xz.taken_from(v.z, xy.taken_from(v.y, xx.taken_from(v.x, from.x))),
+            y: yz.taken_from(v.z, yy.taken_from(v.y, xy.taken_from(v.x, from.y))),
+            z: zz.taken_from(v.z, yz.taken_from(v.y, xz.taken_from(v.x, from.z))),
         }
     }
 }

@@ -11,7 +11,7 @@ mod soft_step;
 use super::{Body, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
-pub use soft_step::SoftStep;
+pub use soft_step::{Lanes, SoftStep};
 
 /// A method that finds the impulses of patches. Must be deterministic; islands are solved side by side.
 pub trait PatchSolver: Send + Sync {

@@ -5,7 +5,7 @@
 //! bit: the order from the ground up, which decides how fast loads travel, costs nothing. A wall fills its blocks along a
 //! slanted front. (A colouring of the contact graph would fill them better and converge worse.)
 
-use super::lanes::LANES;
+use crate::solver::PatchProblem;
 
 /// For each patch its block and lane; and how many blocks there are.
 #[derive(Default)]
@@ -15,9 +15,18 @@ pub struct Batches {
 }
 
 impl Batches {
-    /// `bodies` of each patch in the order of the sweep; `moves` tells which bodies contacts can change, the only ones that must
+    /// Of the patches of a problem, into blocks of so many lanes.
+    pub fn of(lanes: usize, problem: &PatchProblem) -> Self {
+        let bodies = &*problem.bodies;
+        let patches = problem.patches.iter().map(|patch| patch.bodies);
+        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+        Self::new(lanes, patches, bodies.len(), moves)
+    }
+
+    /// Into blocks of so many lanes. Bodies of each patch in the order of the sweep; `moves` tells which bodies contacts can change, the only ones that must
     /// not be shared.
-    pub fn new(
+    fn new(
+        lanes: usize,
         patches: impl Iterator<Item = [u32; 2]>,
         bodies: usize,
         moves: impl Fn(u32) -> bool,
@@ -41,7 +50,7 @@ impl Batches {
             let fill = &mut filled[block as usize];
             places.push((block, *fill));
             *fill += 1;
-            if *fill as usize == LANES {
+            if *fill as usize == lanes {
                 next[block as usize] = block + 1;
             }
             for body in pair {
@@ -84,27 +93,29 @@ mod tests {
             })
             .filter(|[a, b]| a != b)
             .collect();
-        let batches = Batches::new(pairs.iter().copied(), 201, |_| true);
-        let mut fill = vec![0; batches.blocks];
-        for (i, one) in pairs.iter().enumerate() {
-            let (block, lane) = batches.places[i];
-            assert_eq!(lane, fill[block as usize]);
-            fill[block as usize] += 1;
-            for (j, other) in pairs[..i].iter().enumerate() {
-                if one.iter().any(|body| other.contains(body)) {
-                    assert!(batches.places[j].0 < block, "{other:?} before {one:?}");
+        for lanes in [4, 8] {
+            let batches = Batches::new(lanes, pairs.iter().copied(), 201, |_| true);
+            let mut fill = vec![0; batches.blocks];
+            for (i, one) in pairs.iter().enumerate() {
+                let (block, lane) = batches.places[i];
+                assert_eq!(lane, fill[block as usize]);
+                fill[block as usize] += 1;
+                for (j, other) in pairs[..i].iter().enumerate() {
+                    if one.iter().any(|body| other.contains(body)) {
+                        assert!(batches.places[j].0 < block, "{other:?} before {one:?}");
+                    }
                 }
             }
+            assert!(fill.iter().all(|&n| n as usize <= lanes));
         }
-        assert!(fill.iter().all(|&n| n as usize <= LANES));
     }
 
     #[test]
     fn what_nothing_moves_may_be_shared() {
-        let on_ground = (1..=16).map(|body| [0, body]);
-        assert_eq!(
-            Batches::new(on_ground, 17, |body| body != 0).blocks,
-            16 / LANES
-        );
+        for lanes in [4, 8] {
+            let on_ground = (1..=16).map(|body| [0, body]);
+            let batches = Batches::new(lanes, on_ground, 17, |body| body != 0);
+            assert_eq!(batches.blocks, 16 / lanes);
+        }
     }
 }

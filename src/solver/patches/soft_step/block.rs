@@ -1,4 +1,4 @@
-//! Four patches side by side, each solved in the six coordinates of its own contact.
+//! Several patches side by side, each solved in the six coordinates of its own contact.
 //!
 //! Two bodies meet in a patch with a relative motion u = (u_n, u_1, u_2, Ω_n, Ω_1, Ω_2): velocity at the patch's centre and
 //! relative spin, along the normal and two tangents. Every row of the patch is a combination of these: a point at (x, y) from
@@ -7,7 +7,7 @@
 //! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
-use super::lanes::{Frame, LANES, Lane, Screw, State, Symmetric, Wide, gather, scatter};
+use super::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
 
 /// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
@@ -26,20 +26,20 @@ pub struct Pass {
     /// The first substep of the step.
     pub first: bool,
     /// 1/s: of one substep.
-    pub rate: Lane,
+    pub rate: f32,
     /// Share by which a soft row holds on to what is being taken off it.
-    pub preload: Lane,
+    pub preload: f32,
 }
 
 /// How a row gives way: as a damped spring would, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Softness {
+pub(super) struct Softness<L> {
     /// Speed per distance at which errors are taken back, 1/s.
-    pub(super) bias_rate: Lane,
+    pub(super) bias_rate: L,
     /// Share of the rigid impulse that a row gives.
-    pub(super) mass_scale: Lane,
+    pub(super) mass_scale: L,
     /// Share of its impulse that a row gives back.
-    pub(super) impulse_scale: Lane,
+    pub(super) impulse_scale: L,
 }
 
 /// The spring that a soft row is where a body has two neighbours.
@@ -56,11 +56,12 @@ pub struct Spring {
 impl Spring {
     /// Of springs that are softer by a factor.
     #[inline(always)]
-    fn softness(&self, stiffness: Lane) -> Softness {
-        let omega = Lane::splat(self.omega) * stiffness.sqrt();
-        let a = Lane::splat(2.0 * self.damping_ratio) + omega * Lane::splat(self.h);
-        let b = omega * Lane::splat(self.h) * a;
-        let impulse_scale = (b + Lane::ONE).inverse();
+    fn softness<L: F32xN>(&self, stiffness: L) -> Softness<L> {
+        let omega = L::splat(self.omega) * stiffness.sqrt();
+        let turned = omega * L::splat(self.h);
+        let a = L::splat(2.0 * self.damping_ratio) + turned;
+        let b = turned * a;
+        let impulse_scale = (b + L::ONE).inverse();
         Softness {
             bias_rate: omega * a.inverse(),
             mass_scale: b * impulse_scale,
@@ -71,105 +72,106 @@ impl Spring {
 
 /// See the module's text.
 #[derive(Clone, Debug, Default)]
-pub struct Block {
-    pub(super) bodies: [[u32; LANES]; 2],
-    pub(super) normal: Wide,
-    pub(super) tangent: Wide,
-    pub(super) arms: [Wide; 2],
-    pub(super) inverse_inertia: [Symmetric; 2],
-    pub(super) inverse_mass: [Lane; 2],
-    pub(super) friction: Lane,
+pub struct Block<L: F32xN> {
+    pub(super) bodies: [L::Bodies; 2],
+    pub(super) normal: Vec3xN<L>,
+    pub(super) tangent: Vec3xN<L>,
+    pub(super) arms: [Vec3xN<L>; 2],
+    pub(super) inverse_inertia: [Symmetric<L>; 2],
+    pub(super) inverse_mass: [L; 2],
+    pub(super) friction: L,
     /// W over (F_n, T_1, T_2), the coordinates of normals.
-    pub(super) normals: Symmetric,
+    pub(super) normals: Symmetric<L>,
     /// 1/W of the twist.
-    pub(super) twist_mass: Lane,
+    pub(super) twist_mass: L,
     /// What a twist does to u_1 and u_2, and to (u_n, Ω_1, Ω_2).
-    pub(super) twist_to_tangents: [Lane; 2],
-    pub(super) twist_to_normals: Wide,
+    pub(super) twist_to_tangents: [L; 2],
+    pub(super) twist_to_normals: Vec3xN<L>,
     /// What the two tangents do to (u_n, Ω_1, Ω_2).
-    pub(super) tangents_to_normals: [Wide; 2],
+    pub(super) tangents_to_normals: [Vec3xN<L>; 2],
     /// The inverse of the tangential block: xx, yy, xy; and 1/λ_max of it.
-    pub(super) tangent_mass: [Lane; 3],
-    pub(super) isotropic_mass: Lane,
+    pub(super) tangent_mass: [L; 3],
+    pub(super) isotropic_mass: L,
     /// Some patch may roll.
     pub(super) rolls: bool,
     /// What λ_n is multiplied by to bound moments against rolling and spinning, m.
-    pub(super) rolling_lever: Lane,
+    pub(super) rolling_lever: L,
     /// Of what rolls, m.
-    pub(super) rolling_radius: Lane,
+    pub(super) rolling_radius: L,
     /// The inverse of W over (T_1, T_2): xx, yy, xy.
-    pub(super) rolling_mass: [Lane; 3],
+    pub(super) rolling_mass: [L; 3],
     /// Moments against rolling, N·m·s.
-    pub(super) rolling: [Lane; 2],
+    pub(super) rolling: [L; 2],
     /// 1 where friction is anchored.
-    pub(super) anchored: Lane,
+    pub(super) anchored: L,
     /// How far the patch has slipped since its anchor was set, when detected and less what the anchor was dragged since: m, rad.
-    pub(super) slip: [Lane; 2],
-    pub(super) slip_twist: Lane,
+    pub(super) slip: [L; 2],
+    pub(super) slip_twist: L,
     /// How far the anchor was dragged in this step, m, rad.
-    pub(super) dragged: [Lane; 2],
-    pub(super) dragged_twist: Lane,
+    pub(super) dragged: [L; 2],
+    pub(super) dragged_twist: L,
     /// Stretch of the springs of friction to an impulse, m/(N·s) and rad/(N·m·s).
-    pub(super) compliance: Lane,
-    pub(super) compliance_twist: Lane,
+    pub(super) compliance: L,
+    pub(super) compliance_twist: L,
     /// Mean distance of its points from its centre, m.
-    pub(super) radius: Lane,
-    pub(super) tangential: [Lane; 2],
-    pub(super) twist: Lane,
+    pub(super) radius: L,
+    pub(super) tangential: [L; 2],
+    pub(super) twist: L,
     /// What friction gave in the substeps before this one, N·s.
-    pub(super) given: [Lane; 2],
+    pub(super) given: [L; 2],
     /// What anchored friction and twist carry at rest, N·s and N·m·s.
-    pub(super) held: [Lane; 2],
-    pub(super) held_twist: Lane,
+    pub(super) held: [L; 2],
+    pub(super) held_twist: L,
     /// 1/n with n points.
-    pub(super) share: Lane,
+    pub(super) share: L,
     /// The inverse of the mean of what its points carry at rest, 1/(N·s); 0 where that is nothing.
-    pub(super) inverse_load: Lane,
-    pub(super) stiffness: Lane,
+    pub(super) inverse_load: L,
+    pub(super) stiffness: L,
     /// Fastest correction, m/s.
-    pub(super) max_speed: Lane,
-    pub(super) softness: Softness,
+    pub(super) max_speed: L,
+    pub(super) softness: Softness<L>,
     pub(super) first: u32,
     pub(super) count: u32,
 }
 
 /// The points of a block: the i-th of each of its patches.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Points {
-    pub(super) x: Lane,
-    pub(super) y: Lane,
+pub struct Points<L> {
+    pub(super) x: L,
+    pub(super) y: L,
     /// Distance from the centre, and that of a point of some size at least, m.
-    pub(super) radius: Lane,
+    pub(super) radius: L,
     /// Distance beyond the ideal when detected, m.
-    pub(super) separation: Lane,
+    pub(super) separation: L,
     /// The same in this substep.
-    pub(super) now: Lane,
+    pub(super) now: L,
     /// The distance at which its spring no longer pushes, m: the spring rests where the surfaces meet, with all of its load.
-    pub(super) reach: Lane,
+    pub(super) reach: L,
     /// Distance of its spring to an impulse, m/(N·s).
-    pub(super) compliance: Lane,
+    pub(super) compliance: L,
     /// λ_n, N·s.
-    pub(super) impulse: Lane,
+    pub(super) impulse: L,
     /// What it gave in the substeps before this one, N·s.
-    pub(super) given: Lane,
+    pub(super) given: L,
     /// What it carries at rest, N·s.
-    pub(super) load: Lane,
+    pub(super) load: L,
     /// 1/W, kg.
-    pub(super) mass: Lane,
+    pub(super) mass: L,
     /// What an impulse does to (u_n, Ω_1, Ω_2).
-    pub(super) effect: Wide,
+    pub(super) effect: Vec3xN<L>,
 }
 
-impl Block {
+impl<L: F32xN> Block<L> {
     /// An empty block whose lanes point at `nobody`, a body that nothing moves.
     pub fn new(nobody: u32) -> Self {
         Self {
-            bodies: [[nobody; LANES]; 2],
+            bodies: [L::bodies(nobody); 2],
             ..Default::default()
         }
     }
 
     /// The indices of its points.
+    #[inline(always)]
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
@@ -189,7 +191,7 @@ impl Block {
     /// share it.
     pub fn load(
         &mut self,
-        points: &mut [Points],
+        points: &mut [Points<L>],
         lane: usize,
         patch: &PatchConstraint,
         problem: &PatchProblem,
@@ -260,7 +262,7 @@ impl Block {
     /// Takes a patch's impulses out of a lane again.
     pub fn store(
         &self,
-        points: &[Points],
+        points: &[Points<L>],
         lane: usize,
         patch: &mut PatchConstraint,
         patch_points: &mut [PatchPoint],
@@ -298,24 +300,23 @@ impl Block {
 
     /// How the patch's relative motion answers to a wrench at its centre, world axes.
     #[inline(always)]
-    fn respond(&self, force: Wide, torque: Wide) -> Screw {
+    fn respond(&self, force: Vec3xN<L>, torque: Vec3xN<L>) -> SpatialVec<L> {
         let a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
         let b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
-        Screw {
-            linear: force.scale(self.inverse_mass[0] + self.inverse_mass[1])
-                + a.cross(self.arms[0])
-                + b.cross(self.arms[1]),
+        let mass = self.inverse_mass[0] + self.inverse_mass[1];
+        SpatialVec {
+            linear: force.scale_add(mass, a.cross(self.arms[0])) + b.cross(self.arms[1]),
             angular: a + b,
         }
     }
 
     /// Computes W and the effective masses.
     #[inline(always)]
-    pub fn prepare(&mut self, points: &mut [Points], spring: &Spring) {
+    pub fn prepare(&mut self, points: &mut [Points<L>], spring: &Spring) {
         self.softness = spring.softness(self.stiffness);
         let frame = self.frame();
         let Frame { n, t1, t2 } = frame;
-        let none = Wide::default();
+        let none = Vec3xN::default();
         let along_n = self.respond(n, none);
         let along_1 = self.respond(t1, none);
         let along_2 = self.respond(t2, none);
@@ -336,25 +337,25 @@ impl Block {
         self.tangents_to_normals = [on_normals(&frame, along_1), on_normals(&frame, along_2)];
         let (xx, yy) = (t1.dot(along_1.linear), t2.dot(along_2.linear));
         let xy = t1.dot(along_2.linear);
-        let determinant = (xx * yy - xy * xy).inverse();
+        let determinant = xx.mul_sub(yy, xy * xy).inverse();
         self.tangent_mass = [yy * determinant, xx * determinant, -xy * determinant];
-        let half = Lane::splat(0.5);
-        let spread = (half * half * (xx - yy) * (xx - yy) + xy * xy).sqrt();
+        let half = L::splat(0.5);
+        let spread = (half * half * (xx - yy)).mul_add(xx - yy, xy * xy).sqrt();
         self.isotropic_mass = (half * (xx + yy) + spread).inverse();
         if self.rolls {
             let Symmetric { yy, zz, yz, .. } = self.normals;
-            let determinant = (yy * zz - yz * yz).inverse();
+            let determinant = yy.mul_sub(zz, yz * yz).inverse();
             self.rolling_mass = [zz * determinant, yy * determinant, -yz * determinant];
         }
         let soft = &self.softness;
         let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
         self.compliance = self.anchored * gives * self.isotropic_mass.inverse();
         self.compliance_twist = self.anchored * gives * self.twist_mass.inverse();
-        let spot = Lane::splat(SPOT) * (self.twist_mass * self.normals.xx).sqrt();
+        let spot = L::splat(SPOT) * (self.twist_mass * self.normals.xx).sqrt();
         for point in points {
             let along = point.direction();
-            point.radius = (point.x * point.x + point.y * point.y).sqrt();
-            self.radius += self.share * point.radius;
+            point.radius = point.x.mul_add(point.x, point.y * point.y).sqrt();
+            self.radius = self.share.mul_add(point.radius, self.radius);
             point.radius = point.radius.max(spot);
             point.effect = self.normals.apply(along);
             point.mass = point.mass * along.dot(point.effect).inverse();
@@ -363,7 +364,7 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(super) fn frame(&self) -> Frame {
+    pub(super) fn frame(&self) -> Frame<L> {
         Frame {
             n: self.normal,
             t1: self.tangent,
@@ -373,10 +374,15 @@ impl Block {
 
     /// Relative motion at the centre in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
     #[inline(always)]
-    pub(super) fn relative(&self, frame: &Frame, a: Screw, b: Screw) -> Screw {
-        let at_a = a.linear + a.angular.cross(self.arms[0]);
-        let at_b = b.linear + b.angular.cross(self.arms[1]);
-        Screw {
+    pub(super) fn relative(
+        &self,
+        frame: &Frame<L>,
+        a: SpatialVec<L>,
+        b: SpatialVec<L>,
+    ) -> SpatialVec<L> {
+        let at_a = a.angular.cross_add(self.arms[0], a.linear);
+        let at_b = b.angular.cross_add(self.arms[1], b.linear);
+        SpatialVec {
             linear: frame.local(at_a - at_b),
             angular: frame.local(a.angular - b.angular),
         }
@@ -386,30 +392,30 @@ impl Block {
     #[inline(always)]
     pub(super) fn push(
         &self,
-        frame: &Frame,
-        wrench: Screw,
-        a: Screw,
-        b: Screw,
+        frame: &Frame<L>,
+        wrench: SpatialVec<L>,
+        a: SpatialVec<L>,
+        b: SpatialVec<L>,
         velocities: &mut [State],
     ) {
         let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
-        let turn_a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
-        let turn_b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
-        let a = Screw {
-            linear: a.linear + force.scale(self.inverse_mass[0]),
-            angular: a.angular + turn_a,
+        let at_a = self.arms[0].cross_add(force, torque);
+        let at_b = self.arms[1].cross_add(force, torque);
+        let a = SpatialVec {
+            linear: force.scale_add(self.inverse_mass[0], a.linear),
+            angular: self.inverse_inertia[0].apply_add(at_a, a.angular),
         };
-        let b = Screw {
-            linear: b.linear - force.scale(self.inverse_mass[1]),
-            angular: b.angular - turn_b,
+        let b = SpatialVec {
+            linear: force.scale_taken_from(self.inverse_mass[1], b.linear),
+            angular: self.inverse_inertia[1].apply_taken_from(at_b, b.angular),
         };
-        scatter(velocities, &self.bodies[0], &a);
-        scatter(velocities, &self.bodies[1], &b);
+        L::scatter(velocities, &self.bodies[0], &a);
+        L::scatter(velocities, &self.bodies[1], &b);
     }
 
     /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.
     #[inline(always)]
-    pub fn account(&mut self, points: &mut [Points]) {
+    pub fn account(&mut self, points: &mut [Points<L>]) {
         self.given[0] += self.tangential[0];
         self.given[1] += self.tangential[1];
         for point in points {
@@ -419,81 +425,81 @@ impl Block {
 
     /// What the free motion misses, J (see [`crate::solver::merit`]).
     #[inline(always)]
-    pub fn missing(&self, points: &[Points], velocities: &[State], pass: &Pass) -> Lane {
-        let a = gather(velocities, &self.bodies[0]);
-        let b = gather(velocities, &self.bodies[1]);
+    pub fn missing(&self, points: &[Points<L>], velocities: &[State], pass: &Pass) -> L {
+        let a = L::gather(velocities, &self.bodies[0]);
+        let b = L::gather(velocities, &self.bodies[1]);
         let normals = on_normals_local(&self.relative(&self.frame(), a, b));
-        let mut missing = Lane::ZERO;
+        let rate = L::splat(pass.rate);
+        let mut missing = L::ZERO;
         for point in points {
-            let bound = -point.separation.max(Lane::ZERO) * pass.rate;
-            let lack = (bound - point.direction().dot(normals)).max(Lane::ZERO);
-            missing += lack * lack * point.mass;
+            let bound = -point.separation.max(L::ZERO) * rate;
+            let lack = (bound - point.approach(&normals)).max(L::ZERO);
+            missing = (lack * lack).mul_add(point.mass, missing);
         }
         missing
     }
 
     /// Gives the bodies the impulses that the patches start with.
     #[inline(always)]
-    pub fn warm_start(&self, points: &[Points], velocities: &mut [State]) {
+    pub fn warm_start(&self, points: &[Points<L>], velocities: &mut [State]) {
         let friction = [self.tangential[0], self.tangential[1], self.twist];
-        let normal = points.iter().map(|point| (point, point.impulse));
-        self.give(friction, self.rolling, normal, velocities);
+        let mut wrench = wrench(friction, self.rolling);
+        for point in points {
+            point.push(point.impulse, &mut wrench);
+        }
+        self.give(wrench, velocities);
     }
 
     /// Adds to the impulses along both tangents and about the normal, and to those of the points.
+    #[inline(always)]
     pub fn add(
         &mut self,
-        points: &mut [Points],
-        friction: [Lane; 3],
-        normal: &[Lane],
+        points: &mut [Points<L>],
+        friction: [L; 3],
+        normal: &[L],
         velocities: &mut [State],
     ) {
         self.tangential[0] += friction[0];
         self.tangential[1] += friction[1];
         self.twist += friction[2];
+        let mut wrench = wrench(friction, [L::ZERO; 2]);
         for (point, &change) in points.iter_mut().zip(normal) {
             point.impulse += change;
+            point.push(change, &mut wrench);
         }
-        let normal = points.iter().zip(normal.iter().copied());
-        self.give(friction, [Lane::ZERO; 2], normal, velocities);
+        self.give(wrench, velocities);
     }
 
-    /// Changes velocities by impulses along both tangents and about the normal, against rolling, and of points.
+    /// Changes velocities by a wrench in the patch's frame.
     #[inline(always)]
-    fn give<'a>(
-        &self,
-        friction: [Lane; 3],
-        rolling: [Lane; 2],
-        normal: impl Iterator<Item = (&'a Points, Lane)>,
-        velocities: &mut [State],
-    ) {
-        let a = gather(velocities, &self.bodies[0]);
-        let b = gather(velocities, &self.bodies[1]);
-        let mut wrench = Screw {
-            linear: Wide {
-                x: Lane::ZERO,
-                y: friction[0],
-                z: friction[1],
-            },
-            angular: Wide {
-                x: friction[2],
-                y: rolling[0],
-                z: rolling[1],
-            },
-        };
-        for (point, impulse) in normal {
-            wrench.linear.x += impulse;
-            wrench.angular.y += point.y * impulse;
-            wrench.angular.z -= point.x * impulse;
-        }
+    fn give(&self, wrench: SpatialVec<L>, velocities: &mut [State]) {
+        let a = L::gather(velocities, &self.bodies[0]);
+        let b = L::gather(velocities, &self.bodies[1]);
         self.push(&self.frame(), wrench, a, b, velocities);
+    }
+}
+
+/// Of impulses along both tangents and about the normal, and against rolling.
+#[inline(always)]
+fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<L> {
+    SpatialVec {
+        linear: Vec3xN {
+            x: L::ZERO,
+            y: friction[0],
+            z: friction[1],
+        },
+        angular: Vec3xN {
+            x: friction[2],
+            y: rolling[0],
+            z: rolling[1],
+        },
     }
 }
 
 /// What normals see of a motion: (u_n, Ω_1, Ω_2).
 #[inline(always)]
-pub(super) fn on_normals_local(motion: &Screw) -> Wide {
-    Wide {
+pub(super) fn on_normals_local<L: F32xN>(motion: &SpatialVec<L>) -> Vec3xN<L> {
+    Vec3xN {
         x: motion.linear.x,
         y: motion.angular.y,
         z: motion.angular.z,
@@ -502,22 +508,37 @@ pub(super) fn on_normals_local(motion: &Screw) -> Wide {
 
 /// The same of a motion in world axes.
 #[inline(always)]
-fn on_normals(frame: &Frame, motion: Screw) -> Wide {
-    Wide {
+fn on_normals<L: F32xN>(frame: &Frame<L>, motion: SpatialVec<L>) -> Vec3xN<L> {
+    Vec3xN {
         x: frame.n.dot(motion.linear),
         y: frame.t1.dot(motion.angular),
         z: frame.t2.dot(motion.angular),
     }
 }
 
-impl Points {
+impl<L: F32xN> Points<L> {
     /// The row of this point over (u_n, Ω_1, Ω_2).
     #[inline(always)]
-    pub(super) fn direction(&self) -> Wide {
-        Wide {
-            x: Lane::splat(1.0),
+    pub(super) fn direction(&self) -> Vec3xN<L> {
+        Vec3xN {
+            x: L::ONE,
             y: self.y,
             z: -self.x,
         }
+    }
+
+    /// Velocity at this point along the normal, of (u_n, Ω_1, Ω_2).
+    #[inline(always)]
+    pub(super) fn approach(&self, normals: &Vec3xN<L>) -> L {
+        let tilted = self.y.mul_add(normals.y, normals.x);
+        self.x.taken_from(normals.z, tilted)
+    }
+
+    /// Adds its impulse to a wrench at the centre.
+    #[inline(always)]
+    pub(super) fn push(&self, impulse: L, wrench: &mut SpatialVec<L>) {
+        wrench.linear.x += impulse;
+        wrench.angular.y = self.y.mul_add(impulse, wrench.angular.y);
+        wrench.angular.z = self.x.taken_from(impulse, wrench.angular.z);
     }
 }

@@ -32,6 +32,7 @@ mod cold_start;
 mod effort;
 mod lanes;
 mod visit;
+mod width;
 
 use super::{PatchConstraint, PatchProblem, PatchSolver, restitution};
 use crate::solver::{Body, SolveReport};
@@ -39,8 +40,12 @@ use batches::Batches;
 use block::{Block, Pass, Points, Spring};
 use effort::Effort;
 use glam::Vec4;
-use lanes::{Lane, State};
+#[cfg(target_arch = "x86_64")]
+use lanes::F32x8;
+use lanes::{F32x4, F32xN, Kernel, State};
 use std::f32::consts::TAU;
+pub use width::Lanes;
+use width::Width;
 
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
 const CROWD: f32 = 6.0;
@@ -67,6 +72,8 @@ pub struct SoftStep {
     /// Sweeps of a step, at most. Springs are as stiff as sweeps come often, so where this is fewer than the step's length and the
     /// structure call for, they are softer.
     pub most_sweeps: usize,
+    /// How many patches are relaxed side by side.
+    pub lanes: Lanes,
 }
 
 impl Default for SoftStep {
@@ -79,6 +86,7 @@ impl Default for SoftStep {
             longest_substep: 1.0 / 720.0,
             least_sweeps: 4,
             most_sweeps: 192,
+            lanes: Lanes::Auto,
         }
     }
 }
@@ -108,13 +116,24 @@ impl PatchSolver for SoftStep {
             .map(|(name, x, least, most)| {
                 format!("{name} of Soft Step is {x}, and must be between {least} and {most}")
             })
+            .or_else(|| self.lanes.problem())
     }
 
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport {
+        match self.lanes.width(problem) {
+            Width::Four => self.solve_in::<F32x4>(problem),
+            #[cfg(target_arch = "x86_64")]
+            Width::Eight => self.solve_in::<F32x8>(problem),
+        }
+    }
+}
+
+impl SoftStep {
+    fn solve_in<L: F32xN>(&self, problem: &mut PatchProblem) -> SolveReport {
         let bounces = restitution::find(problem);
-        cold_start::cold_start(problem);
+        cold_start::cold_start::<L>(problem);
         let effort = Effort::new(self, problem);
-        let mut island = Island::new(problem, effort.substeps);
+        let mut island = Island::<L>::new(problem, effort.substeps);
         let report = island.advance(self, effort, problem);
         island.store(
             problem,
@@ -126,11 +145,11 @@ impl PatchSolver for SoftStep {
 }
 
 /// One island on its way through a step.
-struct Island {
+struct Island<L: F32xN> {
     substeps: usize,
     batches: Batches,
-    blocks: Vec<Block>,
-    points: Vec<Points>,
+    blocks: Vec<Block<L>>,
+    points: Vec<Points<L>>,
     /// By body; behind them one that nothing moves, for lanes without a patch.
     velocities: Vec<State>,
     /// The same when the substep began.
@@ -139,16 +158,12 @@ struct Island {
     motions: Vec<State>,
 }
 
-impl Island {
+impl<L: F32xN> Island<L> {
     fn new(problem: &PatchProblem, substeps: usize) -> Self {
         let bodies = &*problem.bodies;
         let nobody = bodies.len() as u32;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-        let batches = Batches::new(
-            problem.patches.iter().map(|patch| patch.bodies),
-            bodies.len(),
-            moves,
-        );
+        let batches = Batches::of(L::LANES, problem);
         let mut blocks = vec![Block::new(nobody); batches.blocks];
         let mut neighbours = vec![0u32; bodies.len()];
         for (patch, &(block, _)) in problem.patches.iter().zip(&batches.places) {
@@ -202,8 +217,8 @@ impl Island {
         };
         let mut pass = Pass {
             first: true,
-            rate: Lane::splat(1.0 / h),
-            preload: Lane::splat(settings.preload),
+            rate: 1.0 / h,
+            preload: settings.preload,
         };
         let free_merit = self.begin(problem, &spring, &pass);
         let mut report = SolveReport::new(free_merit, problem.record_history);
@@ -231,16 +246,12 @@ impl Island {
                 *velocity += (push * share).extend(0.0);
             }
         }
-        let mut missing = Lane::ZERO;
-        for block in &mut self.blocks {
-            let points = &mut self.points[block.range()];
-            block.prepare(points, spring);
-            missing += block.missing(points, &self.velocities, pass);
-        }
-        for block in &self.blocks {
-            block.warm_start(&self.points[block.range()], &mut self.velocities);
-        }
-        missing.sum().sqrt()
+        L::run(Begin {
+            island: self,
+            spring,
+            pass,
+        })
+        .sqrt()
     }
 
     /// Forces and warm start of a further substep.
@@ -256,12 +267,8 @@ impl Island {
     /// All blocks once, always from the first to the last: of the bodies that came into the world first, from the ground up. Back
     /// and forth shook stacks and pyramids. √(Σ Wᵢᵢ Δλᵢ²).
     fn sweep<const SOFT: bool>(&mut self, pass: &Pass) -> f32 {
-        let mut change = Lane::ZERO;
-        for block in &mut self.blocks {
-            let points = &mut self.points[block.range()];
-            change += block.relax::<SOFT>(points, &mut self.velocities, &self.motions, pass);
-        }
-        change.sum().max(0.0).sqrt()
+        let change = L::run(Sweep::<L, SOFT> { island: self, pass });
+        change.max(0.0).sqrt()
     }
 
     fn drift(&mut self, h: f32) {
@@ -283,5 +290,63 @@ impl Island {
             [body.linear, body.angular] = velocity.map(Vec4::truncate);
             body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
         }
+    }
+}
+
+/// Prepares all blocks, and lets bodies feel the impulses that contacts start with. What the free motion misses, J.
+struct Begin<'a, L: F32xN> {
+    island: &'a mut Island<L>,
+    spring: &'a Spring,
+    pass: &'a Pass,
+}
+
+impl<L: F32xN> Kernel for Begin<'_, L> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run(self) -> f32 {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            ..
+        } = self.island;
+        let mut missing = L::ZERO;
+        for block in blocks.iter_mut() {
+            let points = &mut points[block.range()];
+            block.prepare(points, self.spring);
+            missing += block.missing(points, velocities, self.pass);
+        }
+        for block in blocks.iter() {
+            block.warm_start(&points[block.range()], velocities);
+        }
+        missing.sum()
+    }
+}
+
+/// One sweep from the first block to the last. Σ Wᵢᵢ Δλᵢ², J.
+struct Sweep<'a, L: F32xN, const SOFT: bool> {
+    island: &'a mut Island<L>,
+    pass: &'a Pass,
+}
+
+impl<L: F32xN, const SOFT: bool> Kernel for Sweep<'_, L, SOFT> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run(self) -> f32 {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            motions,
+            ..
+        } = self.island;
+        let mut change = L::ZERO;
+        for block in blocks.iter_mut() {
+            let points = &mut points[block.range()];
+            change += block.relax::<SOFT>(points, velocities, motions, self.pass);
+        }
+        change.sum()
     }
 }

@@ -8,6 +8,7 @@
 mod hand_down;
 mod statics;
 
+use super::lanes::F32xN;
 use crate::solver::{Body, PatchProblem};
 
 /// What is faster than this has not been put there, but thrown, m/s.
@@ -117,7 +118,7 @@ impl Footing {
 }
 
 /// Gives contacts that carry nothing yet the load they will carry, as impulses and as what they carry at rest.
-pub fn cold_start(problem: &mut PatchProblem) {
+pub fn cold_start<L: F32xN>(problem: &mut PatchProblem) {
     // What falls from rest gets so far in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     let closed = fallen.max(PLACED);
@@ -127,7 +128,7 @@ pub fn cold_start(problem: &mut PatchProblem) {
     let courses = hand_down::hand_down(problem, closed, &new.bodies);
     if new.all {
         let most = PATCH_VISITS / problem.patches.len().max(1);
-        statics::settle(problem, closed, most.min(SWEEPS_PER_COURSE * courses));
+        statics::settle::<L>(problem, closed, most.min(SWEEPS_PER_COURSE * courses));
     }
 }
 

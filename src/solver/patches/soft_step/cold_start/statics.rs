@@ -5,54 +5,74 @@
 //! [`Nncg`](crate::solver::Nncg), which has the reasons: an arch of 15 needs a tenth of the sweeps. It begins with loads handed down, and
 //! any equilibrium is as good as another; so what stands without friction stays without.
 
-use super::super::Island;
-use super::super::block::{Block, Pass, Spring};
-use super::super::lanes::Lane;
+use super::super::block::{Pass, Spring};
+use super::super::lanes::{F32xN, Kernel};
+use super::super::{Begin, Island};
 use crate::solver::PatchProblem;
 
 /// It ends when a sweep makes less than this share of the difference that gravity makes.
 const STILL: f32 = 3e-4;
 
 /// Impulses, or changes of them, N·s and N·m·s.
-struct Impulses {
+struct Impulses<L> {
     /// Along both tangents and about the normal, by block.
-    friction: Vec<[Lane; 3]>,
-    normal: Vec<Lane>,
+    friction: Vec<[L; 3]>,
+    normal: Vec<L>,
 }
 
-impl Impulses {
-    fn of(island: &Island) -> Self {
-        let friction = |block: &Block| [block.tangential[0], block.tangential[1], block.twist];
-        Self {
-            friction: island.blocks.iter().map(friction).collect(),
-            normal: island.points.iter().map(|point| point.impulse).collect(),
+impl<L: F32xN> Impulses<L> {
+    #[inline(always)]
+    fn of(island: &Island<L>) -> Self {
+        let mut impulses = Self {
+            friction: Vec::with_capacity(island.blocks.len()),
+            normal: Vec::with_capacity(island.points.len()),
+        };
+        for block in &island.blocks {
+            let [x, y] = block.tangential;
+            impulses.friction.push([x, y, block.twist]);
         }
+        for point in &island.points {
+            impulses.normal.push(point.impulse);
+        }
+        impulses
     }
 
+    #[inline(always)]
     fn scale(&mut self, share: f32) {
-        let friction = self.friction.as_flattened_mut().iter_mut();
-        for x in friction.chain(&mut self.normal) {
-            *x = Lane::splat(share) * *x;
+        let share = L::splat(share);
+        for x in self.friction.as_flattened_mut() {
+            *x = share * *x;
+        }
+        for x in &mut self.normal {
+            *x = share * *x;
         }
     }
 
-    /// Each of them and its like among others.
-    fn zip<'a>(&'a mut self, others: &'a Self) -> impl Iterator<Item = (&'a mut Lane, Lane)> {
+    /// Adds others so many times.
+    #[inline(always)]
+    fn add(&mut self, times: f32, others: &Self) {
+        let times = L::splat(times);
         let friction = self.friction.as_flattened_mut().iter_mut();
-        let others_friction = others.friction.as_flattened().iter();
-        let friction = friction.zip(others_friction.copied());
-        friction.chain(self.normal.iter_mut().zip(others.normal.iter().copied()))
+        for (x, other) in friction.zip(others.friction.as_flattened()) {
+            *x = times.mul_add(*other, *x);
+        }
+        for (x, other) in self.normal.iter_mut().zip(&others.normal) {
+            *x = times.mul_add(*other, *x);
+        }
     }
 
     /// Σ W Δλ², J.
-    fn energy(&self, island: &Island) -> f32 {
-        let mut sum = Lane::ZERO;
-        for (block, [x, y, twist]) in island.blocks.iter().zip(&self.friction) {
-            sum += (*x * *x + *y * *y) * block.isotropic_mass.inverse();
-            sum += *twist * *twist * block.twist_mass.inverse();
+    #[inline(always)]
+    fn energy(&self, island: &Island<L>) -> f32 {
+        let mut sum = L::ZERO;
+        for (block, &[x, y, twist]) in island.blocks.iter().zip(&self.friction) {
+            sum = x
+                .mul_add(x, y * y)
+                .mul_add(block.isotropic_mass.inverse(), sum);
+            sum = (twist * twist).mul_add(block.twist_mass.inverse(), sum);
         }
-        for (point, change) in island.points.iter().zip(&self.normal) {
-            sum += *change * *change * point.mass.inverse();
+        for (point, &change) in island.points.iter().zip(&self.normal) {
+            sum = (change * change).mul_add(point.mass.inverse(), sum);
         }
         sum.sum()
     }
@@ -60,34 +80,89 @@ impl Impulses {
 
 /// Changes impulses by what is missing to keep all still, in so many sweeps to and fro at most, and makes them the loads at rest. Points
 /// farther apart than `closed` m stay without.
-pub fn settle(problem: &mut PatchProblem, closed: f32, most: usize) {
-    let (mut island, free) = Island::at_rest(problem, closed);
+pub fn settle<L: F32xN>(problem: &mut PatchProblem, closed: f32, most: usize) {
     let pass = Pass::whole(problem.dt);
-    let mut direction: Option<Impulses> = None;
-    let mut last = f32::INFINITY;
-    for _ in 0..most {
-        let before = Impulses::of(&island);
-        island.sweep::<false>(&pass);
-        island.sweep_back(&pass);
-        let mut step = Impulses::of(&island);
-        step.zip(&before).for_each(|(now, before)| *now -= before);
-        let energy = step.energy(&island);
-        if energy <= STILL * STILL * free {
-            break;
-        }
-        let beta = energy / last;
-        last = energy;
-        // Above 1 it has gone stale, and begins anew.
-        if let Some(mut along) = direction.take().filter(|_| beta <= 1.0) {
-            along.scale(beta);
-            island.add(&along);
-            step.zip(&along).for_each(|(x, along)| *x += along);
-        }
-        direction = Some(step);
-    }
-    // What was added may have left the cone.
-    island.sweep::<false>(&pass);
+    let (mut island, free) = Island::<L>::at_rest(problem, closed, &pass);
+    L::run(Settle {
+        island: &mut island,
+        free,
+        pass,
+        most,
+    });
     island.keep(problem);
+}
+
+/// The search for an equilibrium.
+struct Settle<'a, L: F32xN> {
+    island: &'a mut Island<L>,
+    /// What the forces do unopposed, J.
+    free: f32,
+    pass: Pass,
+    /// Sweeps to and fro.
+    most: usize,
+}
+
+impl<L: F32xN> Kernel for Settle<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { island, pass, .. } = self;
+        let mut direction: Option<Impulses<L>> = None;
+        let mut last = f32::INFINITY;
+        for _ in 0..self.most {
+            let before = Impulses::of(island);
+            island.sweep::<false>(&pass);
+            L::run(SweepBack {
+                island: &mut *island,
+                pass: &pass,
+            });
+            let mut step = Impulses::of(island);
+            step.add(-1.0, &before);
+            let energy = step.energy(island);
+            if energy <= STILL * STILL * self.free {
+                break;
+            }
+            let beta = energy / last;
+            last = energy;
+            // Above 1 it has gone stale, and begins anew.
+            if let Some(mut along) = direction.take()
+                && beta <= 1.0
+            {
+                along.scale(beta);
+                island.add(&along);
+                step.add(1.0, &along);
+            }
+            direction = Some(step);
+        }
+        // What was added may have left the cone.
+        island.sweep::<false>(&pass);
+    }
+}
+
+/// A rigid sweep from the last block to the first.
+struct SweepBack<'a, L: F32xN> {
+    island: &'a mut Island<L>,
+    pass: &'a Pass,
+}
+
+impl<L: F32xN> Kernel for SweepBack<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            motions,
+            ..
+        } = self.island;
+        for block in blocks.iter_mut().rev() {
+            let points = &mut points[block.range()];
+            block.relax::<false>(points, velocities, motions, self.pass);
+        }
+    }
 }
 
 impl Pass {
@@ -95,47 +170,37 @@ impl Pass {
     fn whole(dt: f32) -> Self {
         Self {
             first: true,
-            rate: Lane::splat(1.0 / dt),
-            preload: Lane::ZERO,
+            rate: 1.0 / dt,
+            preload: 0.0,
         }
     }
 }
 
-impl Island {
+impl<L: F32xN> Island<L> {
     /// As if everything stood still and touched where it is not open; and what the forces do unopposed, J.
-    fn at_rest(problem: &PatchProblem, closed: f32) -> (Self, f32) {
+    fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
         let mut island = Self::new(problem, 1);
         for (velocity, body) in island.velocities.iter_mut().zip(&*problem.bodies) {
             *velocity = body.push().map(|push| push.extend(0.0));
         }
-        let limit = Lane::splat(closed);
         for point in &mut island.points {
-            point.mass = point.separation.above(limit, Lane::ZERO, point.mass);
-            point.impulse = point.separation.above(limit, Lane::ZERO, point.impulse);
-            (point.separation, point.now) = (Lane::ZERO, Lane::ZERO);
+            for lane in 0..L::LANES {
+                if point.separation[lane] > closed {
+                    (point.mass[lane], point.impulse[lane]) = (0.0, 0.0);
+                }
+            }
+            (point.separation, point.now) = (L::ZERO, L::ZERO);
         }
-        let (pass, spring) = (Pass::whole(problem.dt), Spring::default());
-        let mut free = Lane::ZERO;
-        for block in &mut island.blocks {
-            let points = &mut island.points[block.range()];
-            block.prepare(points, &spring);
-            free += block.missing(points, &island.velocities, &pass);
-        }
-        for block in &island.blocks {
-            block.warm_start(&island.points[block.range()], &mut island.velocities);
-        }
-        (island, free.sum())
+        let free = L::run(Begin {
+            island: &mut island,
+            spring: &Spring::default(),
+            pass,
+        });
+        (island, free)
     }
 
-    /// From the last block to the first.
-    fn sweep_back(&mut self, pass: &Pass) {
-        for block in self.blocks.iter_mut().rev() {
-            let points = &mut self.points[block.range()];
-            block.relax::<false>(points, &mut self.velocities, &self.motions, pass);
-        }
-    }
-
-    fn add(&mut self, change: &Impulses) {
+    #[inline(always)]
+    fn add(&mut self, change: &Impulses<L>) {
         for (block, friction) in self.blocks.iter_mut().zip(&change.friction) {
             let range = block.range();
             let normal = &change.normal[range.clone()];

@@ -1,0 +1,336 @@
+//! Eight lanes in one AVX register, with fused multiply-add.
+//!
+//! # Safety
+//!
+//! Operations are safe functions although they need AVX2 and FMA: lanes are made and used in kernels only, and a kernel gets here
+//! through [`F32x8::run`], which asks the processor first.
+
+#![expect(
+    unsafe_code,
+    reason = "registers of a width that not every processor has"
+)]
+
+use super::{F32xN, Kernel, SpatialVec, State, Vec3xN};
+use std::arch::x86_64::*;
+use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
+
+/// See [`F32xN`].
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct F32x8(__m256);
+
+impl F32x8 {
+    /// Whether this processor has it.
+    pub fn is_available() -> bool {
+        is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+    }
+
+    const fn of(lanes: [f32; 8]) -> Self {
+        // SAFETY: both are 32 bytes of which any are valid.
+        Self(unsafe { std::mem::transmute::<[f32; 8], __m256>(lanes) })
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> &[f32; 8] {
+        // SAFETY: the same bytes, and the register is aligned the more strictly.
+        unsafe { &*(&raw const self.0).cast() }
+    }
+}
+
+/// All kernels are compiled into this.
+///
+/// # Safety
+///
+/// The processor must have AVX2 and FMA.
+#[target_feature(enable = "avx2,fma")]
+unsafe fn enter<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
+/// An operation on registers.
+macro_rules! registers {
+    ($operation:expr) => {
+        // SAFETY: only kernels come here, and the processor has what they need; see the module's text.
+        unsafe { $operation }
+    };
+}
+
+impl F32xN for F32x8 {
+    const LANES: usize = 8;
+    const ZERO: Self = Self::of([0.0; 8]);
+    const ONE: Self = Self::of([1.0; 8]);
+
+    type Bodies = [u32; 8];
+
+    fn bodies(body: u32) -> Self::Bodies {
+        [body; 8]
+    }
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self(registers!(_mm256_set1_ps(x)))
+    }
+
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        Self(registers!(_mm256_max_ps(self.0, o.0)))
+    }
+
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        Self(registers!(_mm256_min_ps(self.0, o.0)))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(registers!(_mm256_sqrt_ps(self.0)))
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        let zero = Self::ZERO.0;
+        Self(registers!({
+            let positive = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, zero);
+            _mm256_and_ps(positive, _mm256_div_ps(Self::ONE.0, self.0))
+        }))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        Self(registers!(_mm256_fmadd_ps(self.0, factor.0, addend.0)))
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, less: Self) -> Self {
+        Self(registers!(_mm256_fmsub_ps(self.0, factor.0, less.0)))
+    }
+
+    #[inline(always)]
+    fn taken_from(self, factor: Self, from: Self) -> Self {
+        Self(registers!(_mm256_fnmadd_ps(self.0, factor.0, from.0)))
+    }
+
+    #[inline(always)]
+    fn select_above(self, limit: Self, a: Self, b: Self) -> Self {
+        Self(registers!({
+            let above = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, limit.0);
+            _mm256_blendv_ps(b.0, a.0, above)
+        }))
+    }
+
+    #[inline(always)]
+    fn any_above(self, limit: Self) -> bool {
+        let signs = registers!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(
+            self.0, limit.0
+        )));
+        signs != 0
+    }
+
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        let [a, b, c, d, e, f, g, h] = *self.lanes();
+        ((a + b) + (c + d)) + ((e + f) + (g + h))
+    }
+
+    #[inline(always)]
+    fn gather(states: &[State], bodies: &[u32; 8]) -> SpatialVec<Self> {
+        check(bodies, states.len());
+        let states = states.as_ptr().cast();
+        // SAFETY: all bodies are among the states; see the module's text.
+        unsafe {
+            SpatialVec {
+                linear: load(states, bodies, 0),
+                angular: load(states, bodies, 1),
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn scatter(states: &mut [State], bodies: &[u32; 8], motion: &SpatialVec<Self>) {
+        check(bodies, states.len());
+        let states = states.as_mut_ptr().cast();
+        // SAFETY: all bodies are among the states; see the module's text.
+        unsafe {
+            store(states, bodies, 0, motion.linear);
+            store(states, bodies, 1, motion.angular);
+        }
+    }
+
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        assert!(Self::is_available(), "AVX2 and FMA are needed");
+        // SAFETY: it has both.
+        unsafe { enter(kernel) }
+    }
+}
+
+/// Panics unless all bodies are among so many.
+#[inline(always)]
+fn check(bodies: &[u32; 8], count: usize) {
+    let last = count.wrapping_sub(1).min(u32::MAX as usize) as u32;
+    let beyond = registers!({
+        let bodies = _mm256_loadu_si256(bodies.as_ptr().cast());
+        let least = _mm256_min_epu32(bodies, _mm256_set1_epi32(last as i32));
+        _mm256_movemask_epi8(_mm256_cmpeq_epi32(bodies, least)) != -1
+    });
+    if beyond || count == 0 {
+        no_such_body(bodies, count);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn no_such_body(bodies: &[u32; 8], count: usize) -> ! {
+    panic!("one of the bodies {bodies:?} is not among {count}")
+}
+
+/// The linear or angular (part 0 or 1) velocities of the lanes' bodies: four rows of two bodies each, four lanes apart, transposed.
+///
+/// # Safety
+///
+/// A state of every body is there, and the processor has AVX.
+#[inline(always)]
+unsafe fn load(states: *const __m128, bodies: &[u32; 8], part: usize) -> Vec3xN<F32x8> {
+    // SAFETY: as the caller says.
+    unsafe {
+        let a = row(states, bodies, part, 0);
+        let b = row(states, bodies, part, 1);
+        let c = row(states, bodies, part, 2);
+        let d = row(states, bodies, part, 3);
+        let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (ab_z, cd_z) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        Vec3xN {
+            x: F32x8(_mm256_shuffle_ps::<0b01_00_01_00>(ab, cd)),
+            y: F32x8(_mm256_shuffle_ps::<0b11_10_11_10>(ab, cd)),
+            z: F32x8(_mm256_shuffle_ps::<0b01_00_01_00>(ab_z, cd_z)),
+        }
+    }
+}
+
+/// That of a lane, and of the fourth after it.
+///
+/// # Safety
+///
+/// As [`load`].
+#[inline(always)]
+unsafe fn row(states: *const __m128, bodies: &[u32; 8], part: usize, lane: usize) -> __m256 {
+    let (low, high) = (bodies[lane] as usize, bodies[lane + 4] as usize);
+    // SAFETY: as the caller says; a state is two registers of four.
+    unsafe {
+        let low = _mm256_castps128_ps256(*states.add(2 * low + part));
+        _mm256_insertf128_ps::<1>(low, *states.add(2 * high + part))
+    }
+}
+
+/// The way back from [`load`].
+///
+/// # Safety
+///
+/// As [`load`].
+#[inline(always)]
+unsafe fn store(states: *mut __m128, bodies: &[u32; 8], part: usize, v: Vec3xN<F32x8>) {
+    let zero = F32x8::ZERO.0;
+    // SAFETY: as the caller says.
+    unsafe {
+        let (ab, cd) = (
+            _mm256_unpacklo_ps(v.x.0, v.y.0),
+            _mm256_unpackhi_ps(v.x.0, v.y.0),
+        );
+        let (ab_z, cd_z) = (
+            _mm256_unpacklo_ps(v.z.0, zero),
+            _mm256_unpackhi_ps(v.z.0, zero),
+        );
+        let rows = [
+            _mm256_shuffle_ps::<0b01_00_01_00>(ab, ab_z),
+            _mm256_shuffle_ps::<0b11_10_11_10>(ab, ab_z),
+            _mm256_shuffle_ps::<0b01_00_01_00>(cd, cd_z),
+            _mm256_shuffle_ps::<0b11_10_11_10>(cd, cd_z),
+        ];
+        for (lane, &row) in rows.iter().enumerate() {
+            let (low, high) = (bodies[lane] as usize, bodies[lane + 4] as usize);
+            *states.add(2 * low + part) = _mm256_castps256_ps128(row);
+            *states.add(2 * high + part) = _mm256_extractf128_ps::<1>(row);
+        }
+    }
+}
+
+impl Default for F32x8 {
+    #[inline(always)]
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
+impl PartialEq for F32x8 {
+    fn eq(&self, o: &Self) -> bool {
+        self.lanes() == o.lanes()
+    }
+}
+
+impl Index<usize> for F32x8 {
+    type Output = f32;
+
+    #[inline(always)]
+    fn index(&self, lane: usize) -> &f32 {
+        &self.lanes()[lane]
+    }
+}
+
+impl IndexMut<usize> for F32x8 {
+    #[inline(always)]
+    fn index_mut(&mut self, lane: usize) -> &mut f32 {
+        // SAFETY: as in `lanes`.
+        let lanes: &mut [f32; 8] = unsafe { &mut *(&raw mut self.0).cast() };
+        &mut lanes[lane]
+    }
+}
+
+impl Neg for F32x8 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        const NEGATIVE_ZERO: F32x8 = F32x8::of([-0.0; 8]);
+        NEGATIVE_ZERO - self
+    }
+}
+
+impl Add for F32x8 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Self(registers!(_mm256_add_ps(self.0, o.0)))
+    }
+}
+
+impl Sub for F32x8 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self(registers!(_mm256_sub_ps(self.0, o.0)))
+    }
+}
+
+impl Mul for F32x8 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        Self(registers!(_mm256_mul_ps(self.0, o.0)))
+    }
+}
+
+impl AddAssign for F32x8 {
+    #[inline(always)]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl SubAssign for F32x8 {
+    #[inline(always)]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}

@@ -1,0 +1,93 @@
+//! One number of each of several patches at once, and vectors of such.
+//!
+//! The mathematics of blocks is written once, over [`F32xN`]; a width is one register type that implements it: [`F32x4`] on glam's
+//! `Vec4` (SSE2, NEON or WebAssembly vectors, and plain numbers elsewhere), [`F32x8`] on an AVX register. Arrays of eight plain
+//! numbers don't do: the compiler spills them, and gathers them piecewise.
+
+#[cfg(target_arch = "x86_64")]
+mod eight;
+mod four;
+mod vectors;
+
+#[cfg(target_arch = "x86_64")]
+pub use eight::F32x8;
+pub use four::F32x4;
+pub use vectors::{Frame, SpatialVec, Symmetric, Vec3xN};
+
+use glam::Vec4;
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, IndexMut, Mul, Neg, Sub, SubAssign};
+
+/// Linear and angular part of a body's motion.
+pub type State = [Vec4; 2];
+
+/// One number of each of so many patches, in one register.
+///
+/// Arithmetic belongs into [`Kernel`]s, which run on the width's own instructions; what is stored may be read and written lane by
+/// lane anywhere.
+pub trait F32xN:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + AddAssign
+    + SubAssign
+    + IndexMut<usize, Output = f32>
+{
+    /// How many.
+    const LANES: usize;
+    const ZERO: Self;
+    const ONE: Self;
+
+    /// The index of a body in each lane.
+    type Bodies: Copy + Debug + Default + IndexMut<usize, Output = u32>;
+
+    /// The same body in all lanes.
+    fn bodies(body: u32) -> Self::Bodies;
+
+    fn splat(x: f32) -> Self;
+    fn max(self, o: Self) -> Self;
+    fn min(self, o: Self) -> Self;
+    fn sqrt(self) -> Self;
+
+    /// 1/x, and 0 for what is not positive.
+    fn inverse(self) -> Self;
+
+    /// `self` · `factor` + `addend`, rounded once where there is an instruction for it.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// `self` · `factor` − `less`, likewise.
+    fn mul_sub(self, factor: Self, less: Self) -> Self;
+
+    /// `from` − `self` · `factor`, likewise.
+    fn taken_from(self, factor: Self, from: Self) -> Self;
+
+    /// `a` where this is greater than `limit`, else `b`.
+    fn select_above(self, limit: Self, a: Self, b: Self) -> Self;
+
+    /// This is greater than `limit` in any lane.
+    fn any_above(self, limit: Self) -> bool;
+
+    fn sum(self) -> f32;
+
+    /// The motions of the lanes' bodies.
+    fn gather(states: &[State], bodies: &Self::Bodies) -> SpatialVec<Self>;
+
+    /// Writes the motions of the lanes' bodies back.
+    fn scatter(states: &mut [State], bodies: &Self::Bodies, motion: &SpatialVec<Self>);
+
+    /// Runs a kernel on this width's instructions.
+    fn run<K: Kernel>(kernel: K) -> K::Output;
+}
+
+/// A piece of work that is compiled for the instructions of a width: its `run` and all it calls with lanes must be
+/// `#[inline(always)]` and without closures, or the compiler makes every operation on a register a function call.
+pub trait Kernel {
+    type Output;
+
+    fn run(self) -> Self::Output;
+}

@@ -1,0 +1,209 @@
+//! Vectors and matrices of each of several patches.
+
+use super::F32xN;
+use glam::Vec3;
+use std::ops::{Add, Sub};
+
+/// One vector of each patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vec3xN<L> {
+    pub x: L,
+    pub y: L,
+    pub z: L,
+}
+
+impl<L: F32xN> Vec3xN<L> {
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, v: Vec3) {
+        self.x[lane] = v.x;
+        self.y[lane] = v.y;
+        self.z[lane] = v.z;
+    }
+
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+
+    #[inline(always)]
+    pub fn dot(self, o: Self) -> L {
+        self.z.mul_add(o.z, self.y.mul_add(o.y, self.x * o.x))
+    }
+
+    #[inline(always)]
+    pub fn cross(self, o: Self) -> Self {
+        Self {
+            x: self.y.mul_sub(o.z, self.z * o.y),
+            y: self.z.mul_sub(o.x, self.x * o.z),
+            z: self.x.mul_sub(o.y, self.y * o.x),
+        }
+    }
+
+    /// `self` × o + `addend`
+    #[inline(always)]
+    pub fn cross_add(self, o: Self, addend: Self) -> Self {
+        let half = Self {
+            x: self.y.mul_add(o.z, addend.x),
+            y: self.z.mul_add(o.x, addend.y),
+            z: self.x.mul_add(o.y, addend.z),
+        };
+        Self {
+            x: self.z.taken_from(o.y, half.x),
+            y: self.x.taken_from(o.z, half.y),
+            z: self.y.taken_from(o.x, half.z),
+        }
+    }
+
+    #[inline(always)]
+    pub fn scale(self, s: L) -> Self {
+        Self {
+            x: self.x * s,
+            y: self.y * s,
+            z: self.z * s,
+        }
+    }
+
+    /// `self` · s + `addend`
+    #[inline(always)]
+    pub fn scale_add(self, s: L, addend: Self) -> Self {
+        Self {
+            x: self.x.mul_add(s, addend.x),
+            y: self.y.mul_add(s, addend.y),
+            z: self.z.mul_add(s, addend.z),
+        }
+    }
+
+    /// `from` − `self` · s
+    #[inline(always)]
+    pub fn scale_taken_from(self, s: L, from: Self) -> Self {
+        Self {
+            x: self.x.taken_from(s, from.x),
+            y: self.y.taken_from(s, from.y),
+            z: self.z.taken_from(s, from.z),
+        }
+    }
+}
+
+impl<L: F32xN> Add for Vec3xN<L> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Self {
+            x: self.x + o.x,
+            y: self.y + o.y,
+            z: self.z + o.z,
+        }
+    }
+}
+
+impl<L: F32xN> Sub for Vec3xN<L> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self {
+            x: self.x - o.x,
+            y: self.y - o.y,
+            z: self.z - o.z,
+        }
+    }
+}
+
+/// A motion or a wrench of each patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpatialVec<L> {
+    pub linear: Vec3xN<L>,
+    pub angular: Vec3xN<L>,
+}
+
+/// The axes of a contact: normal and two tangents.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<L> {
+    pub n: Vec3xN<L>,
+    pub t1: Vec3xN<L>,
+    pub t2: Vec3xN<L>,
+}
+
+impl<L: F32xN> Frame<L> {
+    #[inline(always)]
+    pub fn local(&self, v: Vec3xN<L>) -> Vec3xN<L> {
+        Vec3xN {
+            x: self.n.dot(v),
+            y: self.t1.dot(v),
+            z: self.t2.dot(v),
+        }
+    }
+
+    #[inline(always)]
+    pub fn world(&self, v: Vec3xN<L>) -> Vec3xN<L> {
+        let on_plane = self.t2.scale_add(v.z, self.t1.scale(v.y));
+        self.n.scale_add(v.x, on_plane)
+    }
+}
+
+/// A symmetric 3 × 3 matrix of each patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Symmetric<L> {
+    pub xx: L,
+    pub yy: L,
+    pub zz: L,
+    pub xy: L,
+    pub xz: L,
+    pub yz: L,
+}
+
+impl<L: F32xN> Symmetric<L> {
+    #[inline(always)]
+    pub fn apply(&self, v: Vec3xN<L>) -> Vec3xN<L> {
+        let &Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = self;
+        Vec3xN {
+            x: xz.mul_add(v.z, xy.mul_add(v.y, xx * v.x)),
+            y: yz.mul_add(v.z, yy.mul_add(v.y, xy * v.x)),
+            z: zz.mul_add(v.z, yz.mul_add(v.y, xz * v.x)),
+        }
+    }
+
+    /// What it makes of `v`, and `addend`.
+    #[inline(always)]
+    pub fn apply_add(&self, v: Vec3xN<L>, addend: Vec3xN<L>) -> Vec3xN<L> {
+        let &Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = self;
+        Vec3xN {
+            x: xz.mul_add(v.z, xy.mul_add(v.y, xx.mul_add(v.x, addend.x))),
+            y: yz.mul_add(v.z, yy.mul_add(v.y, xy.mul_add(v.x, addend.y))),
+            z: zz.mul_add(v.z, yz.mul_add(v.y, xz.mul_add(v.x, addend.z))),
+        }
+    }
+
+    /// `from` less what it makes of `v`.
+    #[inline(always)]
+    pub fn apply_taken_from(&self, v: Vec3xN<L>, from: Vec3xN<L>) -> Vec3xN<L> {
+        let &Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = self;
+        Vec3xN {
+            x: xz.taken_from(v.z, xy.taken_from(v.y, xx.taken_from(v.x, from.x))),
+            y: yz.taken_from(v.z, yy.taken_from(v.y, xy.taken_from(v.x, from.y))),
+            z: zz.taken_from(v.z, yz.taken_from(v.y, xz.taken_from(v.x, from.z))),
+        }
+    }
+}

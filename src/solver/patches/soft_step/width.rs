@@ -1,0 +1,81 @@
+//! How many patches are relaxed side by side, chosen at run time.
+
+use super::batches::Batches;
+#[cfg(target_arch = "x86_64")]
+use super::lanes::F32x8;
+use super::lanes::F32xN;
+use crate::solver::PatchProblem;
+
+/// How many patches [`SoftStep`](super::SoftStep) relaxes side by side.
+///
+/// What it finds differs by rounding: eight lanes round a product and a sum as one. So the same scene gives the same bits on all
+/// machines only with [`Four`](Lanes::Four).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lanes {
+    /// Eight where the processor can and the patches fill them, else four: a question of the island alone, so that one machine
+    /// always gives the same bits.
+    #[default]
+    Auto,
+    /// Four, which every processor can.
+    Four,
+    /// Eight, with AVX2 and FMA.
+    Eight,
+}
+
+/// The widths that there are on this architecture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Width {
+    Four,
+    #[cfg(target_arch = "x86_64")]
+    Eight,
+}
+
+impl Lanes {
+    /// What this processor cannot, as a sentence.
+    pub(super) fn problem(self) -> Option<String> {
+        let cannot = self == Self::Eight && !eight_is_available();
+        cannot.then(|| {
+            "eight lanes of Soft Step need a processor with AVX2 and FMA; Lanes::Auto takes them where it has both".into()
+        })
+    }
+}
+
+impl Lanes {
+    /// The width for a problem.
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn width(self, problem: &PatchProblem) -> Width {
+        let eight = match self {
+            Self::Four => false,
+            Self::Eight => eight_is_available(),
+            Self::Auto => eight_is_available() && fills_eight(problem),
+        };
+        if eight { Width::Eight } else { Width::Four }
+    }
+
+    /// The width for a problem.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub(super) fn width(self, _: &PatchProblem) -> Width {
+        Width::Four
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn eight_is_available() -> bool {
+    F32x8::is_available()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn eight_is_available() -> bool {
+    false
+}
+
+/// Blocks of eight cost [`EIGHT`] times as much as blocks of four, and so must hold more patches.
+#[cfg(target_arch = "x86_64")]
+fn fills_eight(problem: &PatchProblem) -> bool {
+    let batches = Batches::of(F32x8::LANES, problem);
+    problem.patches.len() as f32 >= FULL_ENOUGH * batches.blocks as f32
+}
+
+/// Patches in a mean block of eight from which on it is faster than blocks of four are.
+#[cfg(target_arch = "x86_64")]
+const FULL_ENOUGH: f32 = 4.5;

@@ -150,8 +150,8 @@ pub struct ContactPoint {
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactTargets {
-    /// One for each point.
-    pub points: SmallVec<[Target; 4]>,
+    /// One for each point; none under a solver of patches.
+    pub points: Vec<Target>,
     /// One for each patch: how far it has slipped, where friction holds it.
     pub patches: SmallVec<[Option<Slip>; 1]>,
 }
@@ -225,6 +225,17 @@ pub struct PatchImpulse {
     pub dragged: Slip,
 }
 
+/// True where some of a column were written since the system at hand ran last, by somebody who did not bypass change detection, as
+/// drystone's stages do.
+macro_rules! is_edited {
+    ($column:expr) => {{
+        let (last, this) = ($column.last_run_tick(), $column.this_run_tick());
+        let mut ticks = $column.changed_ticks_slice().iter();
+        ticks.any(|tick| tick.is_newer_than(last, this))
+    }};
+}
+pub(crate) use is_edited;
+
 /// What contact gave to A in part of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Given {
@@ -238,10 +249,12 @@ pub struct Given {
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactAnchors {
-    /// One for each point; unused with pair-pose anchors.
-    pub points: SmallVec<[Anchor; 4]>,
+    /// One for each point; none with pair-pose anchors.
+    pub points: Vec<Anchor>,
     /// One for each patch, with pair-pose anchors.
     pub patches: SmallVec<[PatchAnchor; 1]>,
+    /// They are as they were when slips were last measured from them.
+    pub(crate) measured: bool,
 }
 
 /// How the two bodies of a patch stood to each other when it began to stick.

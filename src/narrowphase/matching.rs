@@ -62,21 +62,13 @@ pub(crate) fn match_patches(old: &Manifold, new: &Manifold) -> Origins {
 }
 
 /// Reorders what is kept for each point; new points start from the default.
-pub(crate) fn inherit<T: Copy + Default, const N: usize>(
+pub(crate) fn inherit<T: Copy + Default, Kept: AsRef<[T]> + FromIterator<T>>(
     origins: &Origins,
-    kept: &mut SmallVec<[T; N]>,
-) where
-    [T; N]: smallvec::Array<Item = T>,
-{
-    let inherited = origins
-        .iter()
-        .map(|origin| {
-            origin
-                .and_then(|i| kept.get(i as usize).copied())
-                .unwrap_or_default()
-        })
-        .collect();
-    *kept = inherited;
+    kept: &mut Kept,
+) {
+    let before = |i: u16| kept.as_ref().get(i as usize).copied();
+    let inherited = origins.iter().map(|origin| origin.and_then(before));
+    *kept = inherited.map(Option::unwrap_or_default).collect();
 }
 
 #[cfg(test)]

@@ -22,7 +22,8 @@ pub(crate) use dispatcher::ParryManifold;
 pub(crate) use matching::{Origins, inherit};
 
 use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache, Stand,
+    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
+    Stand, is_edited,
 };
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
@@ -51,16 +52,17 @@ pub fn narrowphase(
     mut pairs: Query<PairColumns>,
 ) {
     let table = &*table;
-    let rules = Rules {
-        stabilization: &stabilization,
-        manifolds: &manifolds,
-        time: &time,
-        fall: gravity.0.length() * time.dt,
-    };
     for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
     {
+        let rules = Rules {
+            stabilization: &stabilization,
+            manifolds: &manifolds,
+            time: &time,
+            fall: gravity.0.length() * time.dt,
+            edited: is_edited!(manifold),
+        };
         let columns = (
             pair.bypass_change_detection(),
             cache.bypass_change_detection(),
@@ -88,6 +90,8 @@ struct Rules<'a> {
     time: &'a StepTime,
     /// What gravity adds to a speed in the step, m/s.
     fall: f32,
+    /// Somebody else has changed a manifold.
+    edited: bool,
 }
 
 /// What a pair keeps for each of its points and patches.
@@ -124,6 +128,7 @@ fn look(
         cache.stand = None;
         anchors.points.fill(Default::default());
         anchors.patches.fill(Default::default());
+        anchors.measured = false;
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let curved = a.is_curved() || b.is_curved();
@@ -132,7 +137,9 @@ fn look(
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
     if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
-        recycling::refresh(manifold, a, b);
+        if a.moved || b.moved || rules.edited {
+            recycling::refresh(manifold, a, b);
+        }
     } else {
         pair.fresh = true;
         let reach = reach + limit;
@@ -158,15 +165,16 @@ fn look(
             };
             let origins = matching::match_points(&old, manifold, radius);
             impulses.reorder(&origins);
-            matching::inherit(&origins, &mut anchors.points);
+            if !anchors.points.is_empty() {
+                matching::inherit(&origins, &mut anchors.points);
+            }
+            anchors.measured = false;
             let origins = matching::match_patches(&old, manifold);
             matching::inherit(&origins, &mut impulses.patches);
             matching::inherit(&origins, &mut anchors.patches);
-            let (points, patches) = (manifold.points.len(), manifold.patches.len());
             targets.points.clear();
-            targets.points.resize(points, Default::default());
             targets.patches.clear();
-            targets.patches.resize(patches, Default::default());
+            targets.patches.resize(manifold.patches.len(), None);
             let keep = limit > 0.0 && !passing;
             cache.stand = keep.then(|| Stand::of(a, b, reach));
         }

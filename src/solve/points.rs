@@ -90,7 +90,7 @@ impl Touch<'_> {
             .iter()
             .flat_map(|patch| patch.range().map(|i| (patch.normal, i)));
         points.map(move |(normal, i)| {
-            let target = self.targets.points[i];
+            let target = self.targets.points.get(i).copied().unwrap_or_default();
             let impulse = self.impulses.points[i];
             let input = PointInput {
                 bodies: ends,

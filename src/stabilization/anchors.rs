@@ -102,6 +102,9 @@ fn hold_points(
     bodies: [&BodyState; 2],
     anchors: &mut ContactAnchors,
 ) {
+    anchors
+        .points
+        .resize(manifold.points.len(), Anchor::default());
     for patch in &manifold.patches {
         let range = patch.range();
         let held = &mut anchors.points[range.clone()];
@@ -143,13 +146,16 @@ fn hold_patches(
             && sticks(friction.classifier, pair.friction, solved, was)
             && holds_twist(pair.friction, impulses.patches[i].warm_twist * dt, lever);
         if !anchor.sticking {
+            anchors.measured &= !anchor.set;
             *anchor = PatchAnchor::default();
             continue;
         }
         if !anchor.set {
+            anchors.measured = false;
             *anchor = write_pose(bodies);
         }
         if dragged != Slip::default() {
+            anchors.measured = false;
             let center = bodies[0].center + center;
             drag(bodies[1], anchor, patch.normal, center, dragged);
         }

@@ -6,10 +6,11 @@
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
-    PatchAnchor, Target,
+    PatchAnchor, Target, is_edited,
 };
 use crate::settings::{
-    AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings, StepTime,
+    AnchorRule, Classifier, InForce, PhysicsThreads, SolverSettings, StabilizationSettings,
+    StepTime,
 };
 use crate::solver::Slip;
 use bevy_ecs::prelude::*;
@@ -225,23 +226,26 @@ pub fn friction_error(
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     solver: Res<SolverSettings>,
-    threads: Res<PhysicsThreads>,
+    (threads, in_force): (Res<PhysicsThreads>, Res<InForce>),
     mut pairs: Query<(
         &ContactPair,
-        &Manifold,
+        Ref<Manifold>,
         &mut ContactAnchors,
         &mut ContactTargets,
     )>,
 ) {
     let (table, settings, last) = (&*table, &*settings, time.last);
     let by_points = solver.solver.is_by_points();
+    let by_pose = settings.friction.anchors == AnchorRule::PairPose;
     for (pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
     {
+        let edited = in_force.changed || is_edited!(manifolds) || is_edited!(anchors);
+        let always = edited || by_points || !by_pose;
         let columns = (
             pairs,
-            manifolds,
+            &*manifolds,
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
@@ -249,9 +253,23 @@ pub fn friction_error(
             let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                 return;
             };
+            if anchors.measured && !a.moved && !b.moved && !always {
+                return;
+            }
+            anchors.measured = true;
+            let count = if by_pose { 0 } else { manifold.points.len() };
+            anchors.points.resize(count, Anchor::default());
+            if by_points {
+                targets
+                    .points
+                    .resize(manifold.points.len(), Target::default());
+            }
             for (i, patch) in manifold.patches.iter().enumerate() {
                 let points = &manifold.points[patch.range()];
-                let held = &mut anchors.points[patch.range()];
+                let held = match by_pose {
+                    true => &mut [],
+                    false => &mut anchors.points[patch.range()],
+                };
                 let anchor = &mut anchors.patches[i];
                 let slip = measure(settings, patch, [a, b], points, anchor, held, last);
                 targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
@@ -282,10 +300,13 @@ fn demand(
     let friction = &settings.friction;
     let each =
         friction.classifier == Classifier::PerPoint && friction.anchors != AnchorRule::PairPose;
-    for ((point, anchor), target) in points.iter().zip(anchors).zip(targets) {
+    for (i, (point, target)) in points.iter().zip(targets).enumerate() {
         let error = slip.at(point.position);
-        anchor.slip = error;
-        let sticks = anchor.sticking || !each;
+        let mut sticks = !each;
+        if let Some(anchor) = anchors.get_mut(i) {
+            anchor.slip = error;
+            sticks |= anchor.sticking;
+        }
         let held = sticks && point.distance <= settings.outer_distance();
         target.tangential = if held {
             slip_correction(settings, error, dt)

@@ -104,6 +104,9 @@ pub fn normal_correction(
             let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                 return;
             };
+            targets
+                .points
+                .resize(manifold.points.len(), Default::default());
             for patch in &manifold.patches {
                 let points = &manifold.points[patch.range()];
                 let targets = &mut targets.points[patch.range()];

@@ -53,9 +53,9 @@ impl Site {
             // Nothing is carried yet, whatever was.
             impulses.points = vec![Default::default(); points].into();
             impulses.patches = vec![Default::default(); patches].into();
-            anchors.points = vec![Default::default(); points].into();
+            anchors.points = vec![Default::default(); points];
             anchors.patches = vec![Default::default(); patches].into();
-            targets.points = vec![Default::default(); points].into();
+            targets.points = vec![Default::default(); points];
             targets.patches = vec![Default::default(); patches].into();
         }
         assert_eq!(replaced, joints.len(), "each joint has a pair");

@@ -226,7 +226,13 @@ pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize
 }
 
 /// Shares what has come to a body among its feet.
-fn share(problem: &PatchProblem, index: usize, feet: &mut [Foot], motion: &mut [Vec3; 2], down: Vec3) {
+fn share(
+    problem: &PatchProblem,
+    index: usize,
+    feet: &mut [Foot],
+    motion: &mut [Vec3; 2],
+    down: Vec3,
+) {
     let body = &problem.bodies[index];
     let pressed = motion[0].dot(down) / body.inverse_mass;
     // Equal shares of what comes, and of what goes the same share of each first: visits alone would let the foot visited first carry

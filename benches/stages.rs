@@ -12,7 +12,7 @@ use drystone::schedule::step;
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone::solver::merit::free_merit;
 use drystone::solver::{
-    Body, FrictionCone, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
+    Body, FrictionCone, Memory, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
     PointConstraint, PointInput, PointProblem, PointSolver, SoftStep,
 };
 use drystone_lab::experiment::{Experiment, Run};
@@ -203,6 +203,7 @@ fn soft_step(criterion: &mut Criterion) {
                     gravity: Vec3::NEG_Y * 9.81,
                     max_correction_speed: 2.0,
                     record_history: false,
+                    memory: &mut Memory::default(),
                 }))
             },
             criterion::BatchSize::LargeInput,

@@ -3,7 +3,7 @@
 
 use drystone::solver::merit::free_merit;
 use drystone::solver::{
-    Body, FrictionCone, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
+    Body, FrictionCone, Memory, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
     PointConstraint, PointInput, PointProblem, PointSolver, Slip, SoftStep, SolveReport,
 };
 use glam::{Mat3, Quat, Vec3};
@@ -367,6 +367,7 @@ impl Patches {
             gravity: self.gravity,
             max_correction_speed: 2.0,
             record_history: false,
+            memory: &mut Memory::default(),
         });
         solved
     }

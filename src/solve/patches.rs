@@ -4,7 +4,9 @@ use super::Given;
 use super::island::Rows;
 use super::touch::{Touch, to_start_from};
 use crate::contact::{Impulse, Patch, PatchImpulse};
-use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport};
+use crate::solver::{
+    Body, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
+};
 use glam::Vec3;
 
 #[derive(Default)]
@@ -13,6 +15,7 @@ pub(super) struct PatchRows {
     points: Vec<PatchPoint>,
     /// Length of the step in which they were solved, s.
     dt: f32,
+    memory: Memory,
 }
 
 impl Rows for PatchRows {
@@ -22,6 +25,7 @@ impl Rows for PatchRows {
     fn clear(&mut self) {
         self.patches.clear();
         self.points.clear();
+        self.memory.forget();
     }
 
     fn points(&self) -> usize {
@@ -51,6 +55,7 @@ impl Rows for PatchRows {
             gravity: given.gravity.0,
             max_correction_speed: given.stabilization.max_correction_speed,
             record_history: given.solver.record_history,
+            memory: &mut self.memory,
         })
     }
 
@@ -87,12 +92,14 @@ impl PatchRows {
     /// Brings what is kept from the last step up to date: distances and slips, and all of what was detected anew. False where there is
     /// nothing, or other patches than there were.
     fn refresh(&mut self, touches: &[Touch], given: &Given) -> bool {
+        self.memory.expect_same();
         let mut at = 0;
         for touch in touches {
             let patches = &touch.manifold.patches;
             let Some(kept) = self.patches.get_mut(at..at + patches.len()) else {
                 return false;
             };
+            let first = at;
             at += patches.len();
             for (i, (patch, kept)) in patches.iter().zip(kept).enumerate() {
                 if patch.count != kept.count {
@@ -106,10 +113,10 @@ impl PatchRows {
                         first: kept.first,
                         ..constraint
                     };
-                    points
-                        .iter_mut()
-                        .zip(found)
-                        .for_each(|(to, point)| *to = point);
+                    for (to, point) in points.iter_mut().zip(found) {
+                        *to = point;
+                    }
+                    self.memory.push_changed((first + i) as u32);
                 } else {
                     touch.refresh(i, patch, kept, points, self.dt, given);
                 }

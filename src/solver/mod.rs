@@ -9,7 +9,9 @@ pub mod points;
 mod report;
 
 pub use body::Body;
-pub use patches::{Lanes, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep};
+pub use patches::{
+    Lanes, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
+};
 pub use points::{
     Direction, FrictionCone, Grouping, Nncg, Pgs, PointConstraint, PointInput, PointProblem,
     PointSolver, merit, tangents,

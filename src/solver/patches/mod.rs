@@ -5,12 +5,14 @@
 //! [`SoftStep`] is drystone's default.
 
 mod constraint;
+mod memory;
 mod restitution;
 mod soft_step;
 
 use super::{Body, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
+pub use memory::Memory;
 pub use soft_step::{Lanes, SoftStep};
 
 /// A method that finds the impulses of patches. Must be deterministic; islands are solved side by side.
@@ -46,4 +48,6 @@ pub struct PatchProblem<'a> {
     pub max_correction_speed: f32,
     /// Keep [`SolveReport::history`].
     pub record_history: bool,
+    /// What the solver keeps of this island.
+    pub memory: &'a mut Memory,
 }

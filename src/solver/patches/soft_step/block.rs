@@ -9,6 +9,7 @@
 
 use super::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
+use glam::Vec3;
 
 /// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
 const FRICTION: f32 = 0.3;
@@ -130,6 +131,8 @@ pub struct Block<L: F32xN> {
     /// Fastest correction, m/s.
     pub(super) max_speed: L,
     pub(super) softness: Softness<L>,
+    /// Effective masses are not those of its patches.
+    pub(super) stale: bool,
     pub(super) first: u32,
     pub(super) count: u32,
 }
@@ -187,18 +190,17 @@ impl<L: F32xN> Block<L> {
         first + self.count
     }
 
-    /// Puts a patch into a lane. Impulses are cut into so many substeps; `stiffness` is what is left of a spring's when its bodies
-    /// share it.
+    /// Puts a patch into a lane: what of it stays as long as it is not found anew. `stiffness` is what is left of a spring's when its
+    /// bodies share it.
     pub fn load(
         &mut self,
         points: &mut [Points<L>],
         lane: usize,
         patch: &PatchConstraint,
         problem: &PatchProblem,
-        substeps: usize,
         stiffness: f32,
     ) {
-        let share = 1.0 / substeps as f32;
+        self.stale = true;
         self.stiffness[lane] = stiffness;
         self.normal.set(lane, patch.normal);
         for side in 0..2 {
@@ -217,40 +219,74 @@ impl<L: F32xN> Block<L> {
         self.friction[lane] = patch.friction;
         let (t1, t2) = patch.normal.any_orthonormal_pair();
         self.tangent.set(lane, t1);
-        if let Some(slip) = patch.slip {
-            self.anchored[lane] = 1.0;
-            self.slip[0][lane] = t1.dot(slip.shift);
-            self.slip[1][lane] = t2.dot(slip.shift);
-            self.slip_twist[lane] = slip.twist;
-            self.held[0][lane] = t1.dot(patch.load_tangential) * share;
-            self.held[1][lane] = t2.dot(patch.load_tangential) * share;
-            self.held_twist[lane] = patch.load_twist * share;
+        self.rolls |= patch.rolling_friction > 0.0;
+        let rolls = patch.rolling_friction > 0.0;
+        let radius = if rolls { patch.rolling_radius } else { 0.0 };
+        self.rolling_radius[lane] = radius;
+        self.rolling_lever[lane] = patch.rolling_friction * radius;
+        let mine = &problem.points[patch.range()];
+        self.share[lane] = 1.0 / mine.len() as f32;
+        for (to, point) in points.iter_mut().zip(mine) {
+            to.x[lane] = t1.dot(point.offset);
+            to.y[lane] = t2.dot(point.offset);
+            // Marks the lane as used, until `prepare` puts the mass here.
+            to.mass[lane] = 1.0;
         }
+    }
+
+    /// Forgets what the last step gave.
+    pub fn begin(&mut self, points: &mut [Points<L>]) {
+        (self.given, self.dragged) = ([L::ZERO; 2], [L::ZERO; 2]);
+        self.dragged_twist = L::ZERO;
+        for point in points {
+            point.given = L::ZERO;
+        }
+    }
+
+    /// Takes over distances, slip, and impulses, which are cut into so many substeps.
+    pub fn refresh(
+        &mut self,
+        points: &mut [Points<L>],
+        lane: usize,
+        patch: &PatchConstraint,
+        patch_points: &[PatchPoint],
+        substeps: usize,
+    ) {
+        let share = 1.0 / substeps as f32;
+        let t1 = self.tangent.get(lane);
+        let t2 = patch.normal.cross(t1);
+        self.anchored[lane] = if patch.slip.is_some() { 1.0 } else { 0.0 };
+        let slip = patch.slip.unwrap_or_default();
+        self.slip[0][lane] = t1.dot(slip.shift);
+        self.slip[1][lane] = t2.dot(slip.shift);
+        self.slip_twist[lane] = slip.twist;
+        let held = if patch.slip.is_some() { share } else { 0.0 };
+        self.held[0][lane] = t1.dot(patch.load_tangential) * held;
+        self.held[1][lane] = t2.dot(patch.load_tangential) * held;
+        self.held_twist[lane] = patch.load_twist * held;
         self.tangential[0][lane] = t1.dot(patch.tangential) * share;
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
         self.twist[lane] = patch.twist * share;
-        if patch.rolling_friction > 0.0 {
-            self.rolls = true;
-            self.rolling_lever[lane] = patch.rolling_friction * patch.rolling_radius;
-            self.rolling_radius[lane] = patch.rolling_radius;
-            self.rolling[0][lane] = t1.dot(patch.rolling) * share;
-            self.rolling[1][lane] = t2.dot(patch.rolling) * share;
+        if self.rolls {
+            let rolling = if patch.rolling_friction > 0.0 {
+                patch.rolling
+            } else {
+                Vec3::ZERO
+            };
+            self.rolling[0][lane] = t1.dot(rolling) * share;
+            self.rolling[1][lane] = t2.dot(rolling) * share;
         }
-        let mine = &problem.points[patch.range()];
-        self.share[lane] = 1.0 / mine.len() as f32;
-        let mean = mine.iter().map(|p| p.load).sum::<f32>() / mine.len() as f32;
-        if mean > 0.0 {
-            self.inverse_load[lane] = 1.0 / (mean * share);
-        }
-        for (to, point) in points.iter_mut().zip(mine) {
+        let mean = patch_points.iter().map(|p| p.load).sum::<f32>() / patch_points.len() as f32;
+        self.inverse_load[lane] = if mean > 0.0 {
+            1.0 / (mean * share)
+        } else {
+            0.0
+        };
+        for (to, point) in points.iter_mut().zip(patch_points) {
             to.load[lane] = point.load * share;
-            to.x[lane] = t1.dot(point.offset);
-            to.y[lane] = t2.dot(point.offset);
             to.separation[lane] = point.separation;
             to.now[lane] = point.separation;
             to.impulse[lane] = point.impulse * share;
-            // Marks the lane as used, until `prepare` puts the mass here.
-            to.mass[lane] = 1.0;
         }
     }
 
@@ -310,10 +346,13 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Computes W and the effective masses.
+    /// Computes W and the effective masses, where a patch is not the one for which they were.
     #[inline(always)]
-    pub fn prepare(&mut self, points: &mut [Points<L>], spring: &Spring) {
-        self.softness = spring.softness(self.stiffness);
+    pub fn prepare(&mut self, points: &mut [Points<L>]) {
+        if !self.stale {
+            return;
+        }
+        self.stale = false;
         let frame = self.frame();
         let Frame { n, t1, t2 } = frame;
         let none = Vec3xN::default();
@@ -347,10 +386,7 @@ impl<L: F32xN> Block<L> {
             let determinant = yy.mul_sub(zz, yz * yz).inverse();
             self.rolling_mass = [zz * determinant, yy * determinant, -yz * determinant];
         }
-        let soft = &self.softness;
-        let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
-        self.compliance = self.anchored * gives * self.isotropic_mass.inverse();
-        self.compliance_twist = self.anchored * gives * self.twist_mass.inverse();
+        self.radius = L::ZERO;
         let spot = L::splat(SPOT) * (self.twist_mass * self.normals.xx).sqrt();
         for point in points {
             let along = point.direction();
@@ -358,7 +394,20 @@ impl<L: F32xN> Block<L> {
             self.radius = self.share.mul_add(point.radius, self.radius);
             point.radius = point.radius.max(spot);
             point.effect = self.normals.apply(along);
-            point.mass = point.mass * along.dot(point.effect).inverse();
+            let used = point.mass.select_above(L::ZERO, L::ONE, L::ZERO);
+            point.mass = used * along.dot(point.effect).inverse();
+        }
+    }
+
+    /// How its springs give way.
+    #[inline(always)]
+    pub fn soften(&mut self, points: &mut [Points<L>], spring: &Spring) {
+        self.softness = spring.softness(self.stiffness);
+        let soft = &self.softness;
+        let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
+        self.compliance = self.anchored * gives * self.isotropic_mass.inverse();
+        self.compliance_twist = self.anchored * gives * self.twist_mass.inverse();
+        for point in points {
             point.compliance = gives * point.mass.inverse();
         }
     }

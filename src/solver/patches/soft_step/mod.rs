@@ -133,12 +133,13 @@ impl SoftStep {
         let bounces = restitution::find(problem);
         cold_start::cold_start::<L>(problem);
         let effort = Effort::new(self, problem);
-        let mut island = Island::<L>::new(problem, effort.substeps);
+        let mut island = Island::<L>::of(problem, effort.substeps);
         let report = island.advance(self, effort, problem);
         island.store(
             problem,
             (report.sweeps as f32 / self.preload_sweeps).min(1.0),
         );
+        problem.memory.keep(island);
         restitution::bounce(problem, bounces, effort.substeps);
         report
     }
@@ -147,6 +148,10 @@ impl SoftStep {
 /// One island on its way through a step.
 struct Island<L: F32xN> {
     substeps: usize,
+    /// By patch: what is left of the stiffness of a spring, since its bodies share it with others.
+    shares: Vec<f32>,
+    /// Fastest correction, m/s.
+    fastest: f32,
     batches: Batches,
     blocks: Vec<Block<L>>,
     points: Vec<Points<L>>,
@@ -159,6 +164,17 @@ struct Island<L: F32xN> {
 }
 
 impl<L: F32xN> Island<L> {
+    /// That of the last step brought up to date, if it may be.
+    fn of(problem: &mut PatchProblem, substeps: usize) -> Box<Self> {
+        match problem.memory.take::<Self>() {
+            Some((mut island, changed)) if island.fastest == problem.max_correction_speed => {
+                island.begin(problem, &changed, substeps);
+                island
+            }
+            _ => Box::new(Self::new(problem, substeps)),
+        }
+    }
+
     fn new(problem: &PatchProblem, substeps: usize) -> Self {
         let bodies = &*problem.bodies;
         let nobody = bodies.len() as u32;
@@ -173,34 +189,58 @@ impl<L: F32xN> Island<L> {
             }
         }
         let count = blocks.iter_mut().fold(0, |first, block| block.place(first));
-        let mut points = vec![Points::default(); count as usize];
         // A body between two others is held by two springs, and counts as the rule.
         let shared = |patch: &PatchConstraint| {
             let most = patch.bodies.into_iter().filter(|&body| moves(body));
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
-        // What lies inside many others would be thrown out by the sum of their corrections.
-        let hurry = |patch: &PatchConstraint| (CROWD * 0.5 * shared(patch)).min(1.0);
-        for (patch, &(block, lane)) in problem.patches.iter().zip(&batches.places) {
-            let block = &mut blocks[block as usize];
-            let points = &mut points[block.range()];
-            let lane = lane as usize;
-            block.load(points, lane, patch, problem, substeps, shared(patch));
-            block.hasten(lane, problem.max_correction_speed * hurry(patch));
-        }
-        let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
-        let mut velocities: Vec<State> = bodies.iter().map(state).collect();
-        velocities.push(State::default());
-        Self {
+        let mut island = Self {
             substeps,
+            shares: problem.patches.iter().map(shared).collect(),
+            fastest: problem.max_correction_speed,
             batches,
             blocks,
-            points,
-            before: velocities.clone(),
-            motions: vec![State::default(); velocities.len()],
-            velocities,
+            points: vec![Points::default(); count as usize],
+            velocities: Vec::new(),
+            before: Vec::new(),
+            motions: Vec::new(),
+        };
+        let all: Vec<u32> = (0..problem.patches.len() as u32).collect();
+        island.begin(problem, &all, substeps);
+        island
+    }
+
+    /// Takes over a problem of which so many patches are new.
+    fn begin(&mut self, problem: &PatchProblem, changed: &[u32], substeps: usize) {
+        self.substeps = substeps;
+        for &patch in changed {
+            let number = patch as usize;
+            let (block, lane) = self.batches.places[number];
+            let block = &mut self.blocks[block as usize];
+            let points = &mut self.points[block.range()];
+            let (patch, share) = (&problem.patches[number], self.shares[number]);
+            block.load(points, lane as usize, patch, problem, share);
+            // What lies inside many others would be thrown out by the sum of their corrections.
+            let hurry = (CROWD * 0.5 * share).min(1.0);
+            block.hasten(lane as usize, self.fastest * hurry);
         }
+        for block in &mut self.blocks {
+            block.begin(&mut self.points[block.range()]);
+        }
+        for (patch, &(block, lane)) in problem.patches.iter().zip(&self.batches.places) {
+            let block = &mut self.blocks[block as usize];
+            let points = &mut self.points[block.range()];
+            let mine = &problem.points[patch.range()];
+            block.refresh(points, lane as usize, patch, mine, substeps);
+        }
+        let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
+        self.velocities.clear();
+        self.velocities.extend(problem.bodies.iter().map(state));
+        self.velocities.push(State::default());
+        self.before.clone_from(&self.velocities);
+        self.motions.clear();
+        self.motions.resize(self.velocities.len(), State::default());
     }
 
     fn advance(
@@ -220,7 +260,7 @@ impl<L: F32xN> Island<L> {
             rate: 1.0 / h,
             preload: settings.preload,
         };
-        let free_merit = self.begin(problem, &spring, &pass);
+        let free_merit = self.start(problem, &spring, &pass);
         let mut report = SolveReport::new(free_merit, problem.record_history);
         for substep in 1..=self.substeps {
             if substep > 1 {
@@ -239,14 +279,14 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Effective masses; forces and last step's impulses for the first substep. The merit of the free motion, √J.
-    fn begin(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass) -> f32 {
+    fn start(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass) -> f32 {
         let share = 1.0 / self.substeps as f32;
         for (state, body) in self.velocities.iter_mut().zip(&*problem.bodies) {
             for (velocity, push) in state.iter_mut().zip(body.push()) {
                 *velocity += (push * share).extend(0.0);
             }
         }
-        L::run(Begin {
+        L::run(Start {
             island: self,
             spring,
             pass,
@@ -278,7 +318,7 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    fn store(self, problem: &mut PatchProblem, rate: f32) {
+    fn store(&self, problem: &mut PatchProblem, rate: f32) {
         for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
             let block = &self.blocks[block as usize];
             let points = &mut problem.points[patch.range()];
@@ -294,13 +334,13 @@ impl<L: F32xN> Island<L> {
 }
 
 /// Prepares all blocks, and lets bodies feel the impulses that contacts start with. What the free motion misses, J.
-struct Begin<'a, L: F32xN> {
+struct Start<'a, L: F32xN> {
     island: &'a mut Island<L>,
     spring: &'a Spring,
     pass: &'a Pass,
 }
 
-impl<L: F32xN> Kernel for Begin<'_, L> {
+impl<L: F32xN> Kernel for Start<'_, L> {
     type Output = f32;
 
     #[inline(always)]
@@ -314,7 +354,8 @@ impl<L: F32xN> Kernel for Begin<'_, L> {
         let mut missing = L::ZERO;
         for block in blocks.iter_mut() {
             let points = &mut points[block.range()];
-            block.prepare(points, self.spring);
+            block.prepare(points);
+            block.soften(points, self.spring);
             missing += block.missing(points, velocities, self.pass);
         }
         for block in blocks.iter() {

@@ -1,9 +1,9 @@
 //! How many patches are relaxed side by side, chosen at run time.
 
+use super::Island;
 use super::batches::Batches;
 #[cfg(target_arch = "x86_64")]
-use super::lanes::F32x8;
-use super::lanes::F32xN;
+use super::lanes::{F32x4, F32x8, F32xN};
 use crate::solver::PatchProblem;
 
 /// How many patches [`SoftStep`](super::SoftStep) relaxes side by side.
@@ -47,6 +47,8 @@ impl Lanes {
         let eight = match self {
             Self::Four => false,
             Self::Eight => eight_is_available(),
+            Self::Auto if problem.memory.holds::<Island<F32x8>>() => true,
+            Self::Auto if problem.memory.holds::<Island<F32x4>>() => false,
             Self::Auto => eight_is_available() && fills_eight(problem),
         };
         if eight { Width::Eight } else { Width::Four }

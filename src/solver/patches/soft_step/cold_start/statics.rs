@@ -7,7 +7,7 @@
 
 use super::super::block::{Pass, Spring};
 use super::super::lanes::{F32xN, Kernel};
-use super::super::{Begin, Island};
+use super::super::{Island, Start};
 use crate::solver::PatchProblem;
 
 /// It ends when a sweep makes less than this share of the difference that gravity makes.
@@ -191,7 +191,7 @@ impl<L: F32xN> Island<L> {
             }
             (point.separation, point.now) = (L::ZERO, L::ZERO);
         }
-        let free = L::run(Begin {
+        let free = L::run(Start {
             island: &mut island,
             spring: &Spring::default(),
             pass,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::solver::{PatchConstraint, PatchPoint};
+use crate::solver::{Memory, PatchConstraint, PatchPoint};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::PI;
 
@@ -135,6 +135,7 @@ impl Masonry {
             gravity: self.gravity,
             max_correction_speed: 2.0,
             record_history: false,
+            memory: &mut Memory::default(),
         });
     }
 

@@ -37,6 +37,9 @@ pub trait F32xN:
     + AddAssign
     + SubAssign
     + IndexMut<usize, Output = f32>
+    + Send
+    + Sync
+    + 'static
 {
     /// How many.
     const LANES: usize;
@@ -44,7 +47,7 @@ pub trait F32xN:
     const ONE: Self;
 
     /// The index of a body in each lane.
-    type Bodies: Copy + Debug + Default + IndexMut<usize, Output = u32>;
+    type Bodies: Copy + Debug + Default + IndexMut<usize, Output = u32> + Send + Sync;
 
     /// The same body in all lanes.
     fn bodies(body: u32) -> Self::Bodies;

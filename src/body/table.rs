@@ -156,12 +156,18 @@ pub struct BodyTable {
     pub(crate) removed: Vec<u32>,
     ages: u64,
     visits: u64,
+    version: u64,
 }
 
 impl BodyTable {
     /// Number of slots, free ones included.
     pub fn slots(&self) -> usize {
         self.slots.len()
+    }
+
+    /// Another whenever a body has come or gone.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
     }
 
     /// Number of bodies.
@@ -214,6 +220,7 @@ impl BodyTable {
 
     pub(crate) fn insert(&mut self, body: BodyState) -> BodyIndex {
         self.count += 1;
+        self.version += 1;
         match self.free.pop() {
             Some(slot) => {
                 self.slots[slot as usize] = Some(body);
@@ -231,6 +238,7 @@ impl BodyTable {
         if self.holds(entity, index) {
             self.slots[index.0 as usize] = None;
             self.count -= 1;
+            self.version += 1;
             self.removed.push(index.0);
         }
     }

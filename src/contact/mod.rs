@@ -53,8 +53,8 @@ pub struct ContactPair {
     pub(crate) parted: bool,
     /// Contacts have been looked for.
     pub(crate) detected: bool,
-    /// They have been looked for in this step, and not taken over from the last one.
-    pub(crate) fresh: bool,
+    /// How often they have been looked for, and not taken over from the last step.
+    pub(crate) revision: u32,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
 }
@@ -73,7 +73,7 @@ impl ContactPair {
             touching: false,
             parted: false,
             detected: false,
-            fresh: false,
+            revision: 0,
             announced: false,
         };
         pair.combine([a, b]);

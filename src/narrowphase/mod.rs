@@ -118,7 +118,6 @@ fn look(
         cache.forget();
     }
     pair.parted = false;
-    pair.fresh = false;
     if pair.detected && is_idle(a) && is_idle(b) {
         return;
     }
@@ -141,7 +140,7 @@ fn look(
             recycling::refresh(manifold, a, b);
         }
     } else {
-        pair.fresh = true;
+        pair.revision = pair.revision.wrapping_add(1);
         let reach = reach + limit;
         let old = std::mem::take(manifold);
         *manifold = detect::detect(rules, a, b, reach, cache, &old);

@@ -121,8 +121,12 @@ pub fn solve(
         by_patches,
     } = &mut *scratch;
     match given.solver.solver.method() {
-        Method::Points(solver) => step.take(solver, by_points, &mut pairs, &mut bodies, &mut said),
+        Method::Points(solver) => {
+            by_patches.order.forget();
+            step.take(solver, by_points, &mut pairs, &mut bodies, &mut said);
+        }
         Method::Patches(solver) => {
+            by_points.order.forget();
             step.take(solver, by_patches, &mut pairs, &mut bodies, &mut said);
         }
     }

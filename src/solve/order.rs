@@ -9,14 +9,23 @@ use bevy_ecs::prelude::*;
 /// See the module's text.
 #[derive(Default)]
 pub(super) struct Order {
-    /// [`Islands::version`] for which it holds.
-    version: u64,
+    /// Of islands and of bodies, for which it holds.
+    versions: Option<[u64; 2]>,
     /// Dynamic bodies that are awake, by island and rank.
     pub bodies: Vec<Member>,
     /// By slot: where the body stands in its island's problem; `u32::MAX` where it is in none.
     pub local: Vec<u32>,
-    /// Of the touches as the query has them, those that are solved: their island, and which they are; in the order of the solve.
-    touches: Vec<(u32, u32)>,
+    touches: Vec<Place>,
+}
+
+/// A touch that is solved.
+#[derive(Clone, Copy)]
+struct Place {
+    island: u32,
+    /// Which of all pairs it is, as the query has them.
+    pair: u32,
+    /// Of its contacts when it was solved last.
+    revision: Option<u32>,
 }
 
 /// A body of an island.
@@ -29,13 +38,19 @@ pub(super) struct Member {
 impl Order {
     /// Finds it anew where it does not hold any more; true where it does.
     pub fn keep(&mut self, table: &BodyTable, islands: &Islands, pairs: &Pairs) -> bool {
-        if self.version == islands.version() {
+        let versions = Some([islands.version(), table.version()]);
+        if self.versions == versions {
             return true;
         }
-        self.version = islands.version();
+        self.versions = versions;
         self.order_bodies(table, islands);
         self.order_touches(table, islands, pairs);
         false
+    }
+
+    /// Something else has solved.
+    pub fn forget(&mut self) {
+        self.versions = None;
     }
 
     fn order_bodies(&mut self, table: &BodyTable, islands: &Islands) {
@@ -78,21 +93,23 @@ impl Order {
             .collect();
         touches.sort_unstable_by_key(|&(place, ..)| place);
         self.touches.clear();
-        let solved = touches.into_iter();
-        self.touches
-            .extend(solved.map(|(_, island, number)| (island, number)));
+        let places = touches.into_iter().map(|(_, island, pair)| Place {
+            island,
+            pair,
+            revision: None,
+        });
+        self.touches.extend(places);
     }
 
     /// The touches, in order.
-    pub fn touches<'a>(&self, pairs: &'a mut Pairs) -> Vec<Touch<'a>> {
+    pub fn touches<'a>(&mut self, pairs: &'a mut Pairs) -> Vec<Touch<'a>> {
         let mut all: Vec<Option<Touch>> = pairs
             .iter_mut()
             .map(|(pair, manifold, targets, impulses)| {
-                // By a user, that is: our own stages say so in `fresh`.
-                let edited = pair.is_changed() || manifold.is_changed() || impulses.is_changed();
                 Some(Touch {
                     island: 0,
-                    changed: pair.fresh || edited,
+                    // By a user, that is: our own stages bypass change detection, and count revisions.
+                    changed: pair.is_changed() || manifold.is_changed() || impulses.is_changed(),
                     pair: pair.into_inner(),
                     manifold: manifold.into_inner(),
                     targets,
@@ -100,11 +117,16 @@ impl Order {
                 })
             })
             .collect();
-        let take = |&(island, number): &(u32, u32)| {
-            let touch = all[number as usize].take();
+        let take = |place: &mut Place| {
+            let touch = all[place.pair as usize].take();
             let touch = touch.expect("each is solved once");
-            Touch { island, ..touch }
+            let revision = place.revision.replace(touch.pair.revision);
+            Touch {
+                island: place.island,
+                changed: touch.changed || revision != Some(touch.pair.revision),
+                ..touch
+            }
         };
-        self.touches.iter().map(take).collect()
+        self.touches.iter_mut().map(take).collect()
     }
 }

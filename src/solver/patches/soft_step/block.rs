@@ -9,7 +9,7 @@
 
 use super::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
 const FRICTION: f32 = 0.3;
@@ -200,7 +200,6 @@ impl<L: F32xN> Block<L> {
         problem: &PatchProblem,
         stiffness: f32,
     ) {
-        self.stale = true;
         self.stiffness[lane] = stiffness;
         self.normal.set(lane, patch.normal);
         for side in 0..2 {
@@ -208,13 +207,7 @@ impl<L: F32xN> Block<L> {
             self.bodies[side][lane] = patch.bodies[side];
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
-            let (i, to) = (&body.inverse_inertia, &mut self.inverse_inertia[side]);
-            to.xx[lane] = i.x_axis.x;
-            to.yy[lane] = i.y_axis.y;
-            to.zz[lane] = i.z_axis.z;
-            to.xy[lane] = i.x_axis.y;
-            to.xz[lane] = i.x_axis.z;
-            to.yz[lane] = i.y_axis.z;
+            self.turn(lane, side, &body.inverse_inertia);
         }
         self.friction[lane] = patch.friction;
         let (t1, t2) = patch.normal.any_orthonormal_pair();
@@ -232,6 +225,18 @@ impl<L: F32xN> Block<L> {
             // Marks the lane as used, until `prepare` puts the mass here.
             to.mass[lane] = 1.0;
         }
+    }
+
+    /// Takes over the inverse inertia of a body that has turned, 1/(kg·m²).
+    pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
+        let (i, to) = (inverse_inertia, &mut self.inverse_inertia[side]);
+        to.xx[lane] = i.x_axis.x;
+        to.yy[lane] = i.y_axis.y;
+        to.zz[lane] = i.z_axis.z;
+        to.xy[lane] = i.x_axis.y;
+        to.xz[lane] = i.x_axis.z;
+        to.yz[lane] = i.y_axis.z;
+        self.stale = true;
     }
 
     /// Forgets what the last step gave.

@@ -39,7 +39,7 @@ use crate::solver::{Body, SolveReport};
 use batches::Batches;
 use block::{Block, Pass, Points, Spring};
 use effort::Effort;
-use glam::Vec4;
+use glam::{Mat3, Vec4};
 #[cfg(target_arch = "x86_64")]
 use lanes::F32x8;
 use lanes::{F32x4, F32xN, Kernel, State};
@@ -152,6 +152,8 @@ struct Island<L: F32xN> {
     shares: Vec<f32>,
     /// Fastest correction, m/s.
     fastest: f32,
+    /// By body, 1/(kg·m²): with which blocks were prepared.
+    inertias: Vec<Mat3>,
     batches: Batches,
     blocks: Vec<Block<L>>,
     points: Vec<Points<L>>,
@@ -199,6 +201,7 @@ impl<L: F32xN> Island<L> {
             substeps,
             shares: problem.patches.iter().map(shared).collect(),
             fastest: problem.max_correction_speed,
+            inertias: Vec::new(),
             batches,
             blocks,
             points: vec![Points::default(); count as usize],
@@ -214,6 +217,19 @@ impl<L: F32xN> Island<L> {
     /// Takes over a problem of which so many patches are new.
     fn begin(&mut self, problem: &PatchProblem, changed: &[u32], substeps: usize) {
         self.substeps = substeps;
+        // To the bit what it would be if it were made anew: others must not be able to tell.
+        let turned = self.turned(problem.bodies);
+        if turned.contains(&true) {
+            for (patch, &(block, lane)) in problem.patches.iter().zip(&self.batches.places) {
+                let block = &mut self.blocks[block as usize];
+                for (side, body) in patch.bodies.into_iter().enumerate() {
+                    if turned[body as usize] {
+                        let body = &problem.bodies[body as usize];
+                        block.turn(lane as usize, side, &body.inverse_inertia);
+                    }
+                }
+            }
+        }
         for &patch in changed {
             let number = patch as usize;
             let (block, lane) = self.batches.places[number];
@@ -241,6 +257,18 @@ impl<L: F32xN> Island<L> {
         self.before.clone_from(&self.velocities);
         self.motions.clear();
         self.motions.resize(self.velocities.len(), State::default());
+    }
+
+    /// Whose inverse inertia is not that of the last step.
+    fn turned(&mut self, bodies: &[Body]) -> Vec<bool> {
+        self.inertias.resize(bodies.len(), Mat3::ZERO);
+        let both = self.inertias.iter_mut().zip(bodies);
+        both.map(|(before, body)| {
+            let turned = *before != body.inverse_inertia;
+            *before = body.inverse_inertia;
+            turned
+        })
+        .collect()
     }
 
     fn advance(

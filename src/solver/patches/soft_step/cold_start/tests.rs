@@ -1,4 +1,5 @@
 use super::*;
+use crate::solver::patches::soft_step::lanes::F32x4;
 use crate::solver::{Memory, PatchConstraint, PatchPoint};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::PI;
@@ -126,7 +127,7 @@ impl Masonry {
     }
 
     fn start(&mut self) {
-        cold_start(&mut PatchProblem {
+        cold_start::<F32x4>(&mut PatchProblem {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,

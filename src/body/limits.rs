@@ -38,12 +38,14 @@ pub const RESTITUTION: f32 = 1.0;
 pub const STIFFNESS: f32 = 1e15;
 
 /// Finite, and no component beyond a bound either way.
+#[inline]
 pub(crate) fn within(v: Vec3, bound: f32) -> bool {
     // A comparison with NaN is false.
     v.abs().max_element() <= bound && v.is_finite()
 }
 
 /// Finite, not negative, not beyond a bound.
+#[inline]
 pub(crate) fn share_of(x: f32, bound: f32) -> bool {
     (0.0..=bound).contains(&x)
 }

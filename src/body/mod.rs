@@ -99,11 +99,13 @@ impl Pose {
     }
 
     /// True where every number is finite.
+    #[inline]
     pub fn is_finite(&self) -> bool {
         self.position.is_finite() && self.rotation.is_finite()
     }
 
     /// This pose with a rotation of unit length.
+    #[inline]
     pub(crate) fn normalized(mut self) -> Self {
         if !self.rotation.is_normalized() {
             self.rotation = self.rotation.normalize();
@@ -144,6 +146,7 @@ impl Velocity {
     }
 
     /// Velocity of the body's material at `arm` from its centre of mass (world axes, m), in m/s.
+    #[inline]
     pub fn at(&self, arm: Vec3) -> Vec3 {
         self.linear + self.angular.cross(arm)
     }
@@ -154,6 +157,7 @@ impl Velocity {
     }
 
     /// True where every number is within [`limits`].
+    #[inline]
     pub fn is_within_limits(&self) -> bool {
         limits::within(self.linear, limits::SPEED) && limits::within(self.angular, limits::SPIN)
     }

@@ -30,6 +30,7 @@ pub enum Motion {
 
 impl Motion {
     /// The mean velocity over the step of a body that now has this one, if that is another.
+    #[inline]
     pub(crate) fn mean(&self, velocity: &Velocity) -> Option<Velocity> {
         match *self {
             Self::Steady | Self::Flight { .. } => None,
@@ -42,6 +43,7 @@ impl Motion {
     }
 
     /// How much slower than its velocity it moves on the whole, m/s.
+    #[inline]
     pub(crate) fn lag(&self) -> Vec3 {
         match *self {
             Self::Flight { gained } => 0.5 * gained,

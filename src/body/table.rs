@@ -93,16 +93,19 @@ pub struct BodyState {
 
 impl BodyState {
     /// Velocity of the body's material at a world point, m/s, before forces.
+    #[inline]
     pub fn velocity_at(&self, point: Vec3) -> Vec3 {
         self.velocity.at(point - self.center)
     }
 
     /// What is small against the body, m: its bounding radius, or less where it is thin.
+    #[inline]
     pub fn size(&self) -> f32 {
         self.radius.min(THICKNESS * self.half.min_element())
     }
 
     /// The same of its face towards a direction in the world: how thick the body is behind it does not count.
+    #[inline]
     pub fn face_size(&self, direction: Vec3) -> f32 {
         let towards = (self.pose.rotation.inverse() * direction).abs();
         let mut half = self.half;
@@ -138,6 +141,7 @@ impl BodyState {
     }
 
     /// True for a body that contacts can move.
+    #[inline]
     pub fn is_dynamic(&self) -> bool {
         self.kind == RigidBody::Dynamic
     }
@@ -176,11 +180,13 @@ impl BodyTable {
     }
 
     /// True where the slot holds this body. (A body that was disabled may remember one that is another's by now.)
+    #[inline]
     pub fn holds(&self, entity: Entity, index: BodyIndex) -> bool {
         self.get(index.0).is_some_and(|body| body.entity == entity)
     }
 
     /// The body in a slot, if there is one.
+    #[inline]
     pub fn get(&self, slot: u32) -> Option<&BodyState> {
         self.slots.get(slot as usize)?.as_ref()
     }
@@ -198,6 +204,7 @@ impl BodyTable {
         self.slots.iter().map(Option::as_ref)
     }
 
+    #[inline]
     pub(crate) fn get_mut(&mut self, slot: u32) -> Option<&mut BodyState> {
         self.slots.get_mut(slot as usize)?.as_mut()
     }

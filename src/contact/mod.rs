@@ -53,6 +53,8 @@ pub struct ContactPair {
     pub(crate) parted: bool,
     /// Contacts have been looked for.
     pub(crate) detected: bool,
+    /// Both bodies sleep or stand still: nothing about it can have changed. (Islands may wake them after that was found.)
+    pub(crate) idle: bool,
     /// How often they have been looked for, and not taken over from the last step.
     pub(crate) revision: u32,
     /// Touching, as last told to listeners.
@@ -73,6 +75,7 @@ impl ContactPair {
             touching: false,
             parted: false,
             detected: false,
+            idle: false,
             revision: 0,
             announced: false,
         };
@@ -119,11 +122,13 @@ pub struct Patch {
 
 impl Patch {
     /// The indices of its points.
+    #[inline]
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 
     /// The middle of its points, from the centre of mass of A when they were detected, world axes, m.
+    #[inline]
     pub fn center(points: &[ContactPoint]) -> Vec3 {
         points.iter().map(|point| point.arms[0]).sum::<Vec3>() / points.len() as f32
     }

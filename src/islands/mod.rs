@@ -21,6 +21,7 @@ pub struct Islands {
     links: Vec<Link>,
     members: Vec<Option<Member>>,
     version: u64,
+    woke: bool,
 }
 
 /// A pair that touches: its bodies' slots, and which of all pairs it is.
@@ -40,6 +41,7 @@ struct Member {
 }
 
 impl Member {
+    #[inline]
     fn of(body: &BodyState) -> Self {
         Self {
             entity: body.entity,
@@ -73,8 +75,14 @@ impl Islands {
     }
 
     /// How many contacts a body is away from what stands still; `None` where nothing carries it.
+    #[inline]
     pub fn level(&self, slot: u32) -> Option<u32> {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
+    }
+
+    /// Somebody was woken in this step.
+    pub(crate) fn woke(&self) -> bool {
+        self.woke
     }
 
     /// Another whenever who touches whom, who is awake, or where pairs are kept is not as it was.
@@ -128,10 +136,11 @@ pub fn islands(
     }
     islands.links = links;
 
+    islands.woke = false;
     if now.iter().flatten().any(|member| member.asleep) {
         let parted = pairs.iter().filter(|(pair, _)| pair.parted);
         let parted = parted.flat_map(|(pair, _)| pair.slots);
-        wake(&mut table, &islands, parted, &mut sleepers);
+        islands.woke = wake(&mut table, &islands, parted, &mut sleepers);
         now.clear();
         now.extend(table.slot_bodies().map(|body| body.map(Member::of)));
     }
@@ -148,7 +157,7 @@ fn wake(
     islands: &Islands,
     parted: impl Iterator<Item = u32>,
     sleepers: &mut Query<&mut Sleeping>,
-) {
+) -> bool {
     let Islands { graph, links, .. } = islands;
     let mut awake = vec![false; graph.count];
     for (slot, body) in table.iter() {
@@ -179,6 +188,7 @@ fn wake(
         .filter(|(slot, body)| body.asleep && graph.of(*slot).is_some_and(|i| awake[i]))
         .map(|(slot, _)| slot)
         .collect();
+    let woke = !rising.is_empty();
     for slot in rising {
         let body = table.get_mut(slot).expect("it was just seen");
         body.asleep = false;
@@ -186,4 +196,5 @@ fn wake(
             sleeping.wake();
         }
     }
+    woke
 }

@@ -118,7 +118,8 @@ fn look(
         cache.forget();
     }
     pair.parted = false;
-    if pair.detected && is_idle(a) && is_idle(b) {
+    pair.idle = pair.detected && is_idle(a) && is_idle(b);
+    if pair.idle {
         return;
     }
     pair.detected = true;

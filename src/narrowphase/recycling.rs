@@ -19,6 +19,7 @@ impl Stand {
     }
 
     /// Bound on how far two points of the surfaces have moved against each other, or turned away from where they looked, m.
+    #[inline]
     fn moved(&self, a: &BodyState, b: &BodyState) -> f32 {
         let turned = |body: &BodyState, was: Quat| {
             let now = body.pose.rotation;
@@ -57,6 +58,7 @@ impl Stand {
     }
 
     /// Nothing has moved by more than `limit`, and nothing that now counts lay beyond the reach of the search.
+    #[inline]
     pub(crate) fn holds(&self, a: &BodyState, b: &BodyState, limit: f32, reach: f32) -> bool {
         let moved = self.moved(a, b);
         moved <= limit && reach + moved <= self.reach
@@ -64,6 +66,7 @@ impl Stand {
 }
 
 /// Brings the distances of a kept manifold up to date.
+#[inline]
 pub(crate) fn refresh(manifold: &mut Manifold, a: &BodyState, b: &BodyState) {
     let Manifold { patches, points } = manifold;
     for patch in patches.iter() {

@@ -47,6 +47,7 @@ impl StepTime {
     }
 
     /// The time for which a force of the last step is taken to go on, s.
+    #[inline]
     pub(crate) fn carried(&self) -> f32 {
         self.dt.min(self.last)
     }
@@ -55,11 +56,13 @@ impl StepTime {
     const FADES: f32 = 0.5;
 
     /// Length of the whole step, s.
+    #[inline]
     pub fn whole(&self) -> f32 {
         self.dt * self.substeps as f32
     }
 
     /// True in the last substep.
+    #[inline]
     pub fn is_last(&self) -> bool {
         self.substep + 1 == self.substeps
     }

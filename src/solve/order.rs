@@ -16,14 +16,14 @@ pub(super) struct Order {
     /// By slot: where the body stands in its island's problem; `u32::MAX` where it is in none.
     pub local: Vec<u32>,
     touches: Vec<Place>,
+    /// The same as the query has them: which pair, and its place in the order.
+    pairs: Vec<(u32, u32)>,
 }
 
 /// A touch that is solved.
 #[derive(Clone, Copy)]
 struct Place {
     island: u32,
-    /// Which of all pairs it is, as the query has them.
-    pair: u32,
     /// Of its contacts when it was solved last.
     revision: Option<u32>,
 }
@@ -93,40 +93,43 @@ impl Order {
             .collect();
         touches.sort_unstable_by_key(|&(place, ..)| place);
         self.touches.clear();
-        let places = touches.into_iter().map(|(_, island, pair)| Place {
+        let places = touches.iter().map(|&(_, island, _)| Place {
             island,
-            pair,
             revision: None,
         });
         self.touches.extend(places);
+        self.pairs.clear();
+        let numbers = touches.iter().map(|&(_, _, pair)| pair);
+        self.pairs.extend(numbers.zip(0..));
+        self.pairs.sort_unstable();
     }
 
     /// The touches, in order.
     pub fn touches<'a>(&mut self, pairs: &'a mut Pairs) -> Vec<Touch<'a>> {
-        let mut all: Vec<Option<Touch>> = pairs
-            .iter_mut()
-            .map(|(pair, manifold, targets, impulses)| {
-                Some(Touch {
-                    island: 0,
-                    // By a user, that is: our own stages bypass change detection, and count revisions.
-                    changed: pair.is_changed() || manifold.is_changed() || impulses.is_changed(),
-                    pair: pair.into_inner(),
-                    manifold: manifold.into_inner(),
-                    targets,
-                    impulses: impulses.into_inner(),
-                })
-            })
-            .collect();
-        let take = |place: &mut Place| {
-            let touch = all[place.pair as usize].take();
-            let touch = touch.expect("each is solved once");
-            let revision = place.revision.replace(touch.pair.revision);
-            Touch {
-                island: place.island,
-                changed: touch.changed || revision != Some(touch.pair.revision),
-                ..touch
+        let mut touches: Vec<Option<Touch>> = Vec::new();
+        touches.resize_with(self.touches.len(), || None);
+        let mut wanted = self.pairs.iter().peekable();
+        for (number, (pair, manifold, targets, impulses)) in (0..).zip(pairs) {
+            let Some(&&(next, at)) = wanted.peek() else {
+                break;
+            };
+            if number != next {
+                continue;
             }
-        };
-        self.touches.iter_mut().map(take).collect()
+            wanted.next();
+            let place = &mut self.touches[at as usize];
+            let revision = place.revision.replace(pair.revision);
+            // By a user, that is: our own stages bypass change detection, and count revisions.
+            let edited = pair.is_changed() || manifold.is_changed() || impulses.is_changed();
+            touches[at as usize] = Some(Touch {
+                island: place.island,
+                changed: edited || revision != Some(pair.revision),
+                pair: pair.into_inner(),
+                manifold: manifold.into_inner(),
+                targets,
+                impulses: impulses.into_inner(),
+            });
+        }
+        touches.into_iter().flatten().collect()
     }
 }

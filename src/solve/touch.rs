@@ -32,6 +32,7 @@ pub(super) fn place(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u1
 
 impl Impulse {
     /// λ_n, N·s.
+    #[inline]
     pub(super) fn normal_to_start_from(&self, time: &StepTime) -> f32 {
         to_start_from(self.warm_normal, self.load, time)
     }
@@ -40,6 +41,7 @@ impl Impulse {
 /// An impulse, N·s, from the forces with which the last step ended and that act at rest, N. What a point carries at rest acts as long
 /// as the step; what is more or less than that stopped or lost something, and would do so again and again in a step that is longer
 /// than the last.
+#[inline]
 pub(super) fn to_start_from(warm: f32, load: f32, time: &StepTime) -> f32 {
     (load * time.dt + (warm - load) * time.carried()).max(0.0)
 }

@@ -38,11 +38,13 @@ impl Default for Body {
 
 impl Body {
     /// What this step's forces have changed of the linear and angular velocity, m/s, rad/s. As long as nothing else has.
+    #[inline]
     pub fn push(&self) -> [Vec3; 2] {
         [self.linear - self.start[0], self.angular - self.start[1]]
     }
 
     /// What an impulse at an arm from the centre of mass (N·s, m) does to the linear and angular velocity, m/s, rad/s.
+    #[inline]
     pub fn answer(&self, impulse: Vec3, arm: Vec3) -> [Vec3; 2] {
         [
             self.inverse_mass * impulse,
@@ -51,6 +53,7 @@ impl Body {
     }
 
     /// Adds an impulse at an arm from the centre of mass, N·s, m.
+    #[inline]
     pub fn apply(&mut self, impulse: Vec3, arm: Vec3) {
         let [linear, angular] = self.answer(impulse, arm);
         self.linear += linear;
@@ -58,6 +61,7 @@ impl Body {
     }
 
     /// Inverse effective mass along a unit direction at an arm from the centre of mass, 1/kg.
+    #[inline]
     pub fn response(&self, direction: Vec3, arm: Vec3) -> f32 {
         let turn = arm.cross(direction);
         self.inverse_mass + turn.dot(self.inverse_inertia * turn)

@@ -7,6 +7,7 @@ use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Impulse, Manifold, Patch,
     PatchAnchor,
 };
+use crate::islands::Islands;
 use crate::settings::{
     AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
 };
@@ -53,7 +54,7 @@ fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by:
 
 /// See the module's text.
 pub fn anchors(
-    table: Res<BodyTable>,
+    (table, islands): (Res<BodyTable>, Res<Islands>),
     (settings, time): (Res<StabilizationSettings>, Res<StepTime>),
     threads: Res<PhysicsThreads>,
     mut pairs: Query<(
@@ -67,7 +68,7 @@ pub fn anchors(
     if !friction.enabled {
         return;
     }
-    let table = &*table;
+    let (table, woke) = (&*table, islands.woke());
     for (pairs, manifolds, mut impulses, mut anchors) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -79,6 +80,10 @@ pub fn anchors(
             anchors.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, impulses, anchors)| {
+            // What is not solved sticks or slides as it did.
+            if pair.idle && !woke {
+                return;
+            }
             let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                 return;
             };

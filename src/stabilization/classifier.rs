@@ -28,6 +28,7 @@ pub fn classify(rule: Classifier, friction: f32, impulses: &[Impulse], anchors: 
 }
 
 /// Whether a manifold sticks as a whole; `was`: it did before. [`Classifier::PerPoint`] then means that any of its points does.
+#[inline]
 pub fn sticks(rule: Classifier, friction: f32, impulses: &[Impulse], was: bool) -> bool {
     let sum = Impulse {
         normal: impulses.iter().map(|i| i.normal).sum(),
@@ -46,12 +47,14 @@ pub fn sticks(rule: Classifier, friction: f32, impulses: &[Impulse], was: bool) 
 }
 
 /// Equation (10), against a share of the cone.
+#[inline]
 fn holds(friction: f32, impulse: &Impulse, share: f32) -> bool {
     impulse.normal > 0.0 && impulse.tangential.length() < share * friction * impulse.normal
 }
 
 /// Whether the moment of friction about the normal of a patch is inside what its points can hold, `lever` = Σ λ_n r with r
 /// their distance from its centre, N·m·s.
+#[inline]
 pub fn holds_twist(friction: f32, twist: f32, lever: f32) -> bool {
     twist == 0.0 || twist.abs() < AT_THE_CONE * friction * lever
 }

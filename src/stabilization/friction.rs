@@ -8,6 +8,7 @@ use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
     PatchAnchor, Target, is_edited,
 };
+use crate::islands::Islands;
 use crate::settings::{
     AnchorRule, Classifier, InForce, PhysicsThreads, SolverSettings, StabilizationSettings,
     StepTime,
@@ -19,12 +20,14 @@ use glam::Vec3;
 use smallvec::SmallVec;
 
 /// The projection P_n onto the contact plane, after equation (12).
+#[inline]
 pub fn project(normal: Vec3, v: Vec3) -> Vec3 {
     v - normal * normal.dot(v)
 }
 
 /// Equations (12)–(13): e = P_n (x_A − x_B), m, world axes, with the current normal; x_A and x_B are where the bodies have
 /// carried the anchor.
+#[inline]
 pub fn anchor_error(normal: Vec3, x_a: Vec3, x_b: Vec3) -> Vec3 {
     project(normal, x_a - x_b)
 }
@@ -85,6 +88,7 @@ pub fn slip(
 /// How far a patch has slipped on the whole, from the pose in which its bodies began to stick; `None` where that no longer holds.
 ///
 /// A point of A's material that is in the patch's middle now would have been carried elsewhere by B, had nothing slipped.
+#[inline]
 pub fn pose_slip(
     settings: &StabilizationSettings,
     anchor: &PatchAnchor,
@@ -149,6 +153,7 @@ impl PlanarSlip {
     }
 
     /// As a shift at a point and a turn about the normal.
+    #[inline]
     fn about(&self, normal: Vec3, point: Vec3) -> Slip {
         Slip {
             shift: self.at(point),
@@ -222,7 +227,7 @@ fn measure(
 
 /// See the module's text.
 pub fn friction_error(
-    table: Res<BodyTable>,
+    (table, islands): (Res<BodyTable>, Res<Islands>),
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     solver: Res<SolverSettings>,
@@ -242,6 +247,7 @@ pub fn friction_error(
         .expect("pair components are stored in tables")
     {
         let edited = in_force.changed || is_edited!(manifolds) || is_edited!(anchors);
+        let rouse = edited || islands.woke();
         let always = edited || by_points || !by_pose;
         let columns = (
             pairs,
@@ -250,6 +256,9 @@ pub fn friction_error(
             targets.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, anchors, targets)| {
+            if pair.idle && !rouse {
+                return;
+            }
             let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                 return;
             };

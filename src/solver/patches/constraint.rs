@@ -43,6 +43,7 @@ pub struct PatchConstraint {
 
 impl PatchConstraint {
     /// The indices of its points.
+    #[inline]
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }

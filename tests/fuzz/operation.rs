@@ -8,7 +8,7 @@ use drystone::settings::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, Preset, SleepSettings,
     SolverSettings, SpeedLimits, StabilizationSettings,
 };
-use drystone::solver::{FrictionCone, SoftStep};
+use drystone::solver::{FrictionCone, Lanes, SoftStep};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
@@ -193,6 +193,7 @@ impl Solver {
                 preload_sweeps: dice.number(1600.0, 1e5),
                 longest_substep: dice.number(5e-4, 1e-2),
                 least_sweeps: dice.index(12),
+                lanes: dice.pick(&[Lanes::Auto, Lanes::Four]),
             }),
             1 => Method::Pgs,
             _ => Method::Nncg,

@@ -74,6 +74,8 @@ impl Spring {
 #[derive(Clone, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
+    /// Where their velocities are written to: `nowhere` for bodies that nothing moves, or visits that share one would wait for each other.
+    pub(super) targets: [L::Bodies; 2],
     pub(super) normal: Vec3xN<L>,
     pub(super) tangent: Vec3xN<L>,
     pub(super) arms: [Vec3xN<L>; 2],
@@ -130,6 +132,8 @@ pub struct Block<L: F32xN> {
     /// Fastest correction, m/s.
     pub(super) max_speed: L,
     pub(super) softness: Softness<L>,
+    /// Distance of its springs to a velocity, s.
+    pub(super) gives: L,
     pub(super) first: u32,
     pub(super) count: u32,
 }
@@ -143,12 +147,8 @@ pub struct Points<L> {
     pub(super) radius: L,
     /// Distance beyond the ideal when detected, m.
     pub(super) separation: L,
-    /// The same in this substep.
-    pub(super) now: L,
-    /// The distance at which its spring no longer pushes, m: the spring rests where the surfaces meet, with all of its load.
-    pub(super) reach: L,
-    /// Distance of its spring to an impulse, m/(N·s).
-    pub(super) compliance: L,
+    /// The same in this substep where its spring no longer reaches, and 0 where it pushes.
+    pub(super) gap: L,
     /// λ_n, N·s.
     pub(super) impulse: L,
     /// What it gave in the substeps before this one, N·s.
@@ -162,10 +162,11 @@ pub struct Points<L> {
 }
 
 impl<L: F32xN> Block<L> {
-    /// An empty block whose lanes point at `nobody`, a body that nothing moves.
-    pub fn new(nobody: u32) -> Self {
+    /// An empty block whose lanes read a body that nothing moves, and write where nothing reads.
+    pub fn new(nobody: u32, nowhere: u32) -> Self {
         Self {
             bodies: [L::bodies(nobody); 2],
+            targets: [L::bodies(nowhere); 2],
             ..Default::default()
         }
     }
@@ -203,7 +204,10 @@ impl<L: F32xN> Block<L> {
         self.normal.set(lane, patch.normal);
         for side in 0..2 {
             let body = &problem.bodies[patch.bodies[side] as usize];
-            self.bodies[side][lane] = patch.bodies[side];
+            L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
+            if body.inverse_mass > 0.0 {
+                L::set_body(&mut self.targets[side], lane, patch.bodies[side]);
+            }
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
             let (i, to) = (&body.inverse_inertia, &mut self.inverse_inertia[side]);
@@ -247,7 +251,6 @@ impl<L: F32xN> Block<L> {
             to.x[lane] = t1.dot(point.offset);
             to.y[lane] = t2.dot(point.offset);
             to.separation[lane] = point.separation;
-            to.now[lane] = point.separation;
             to.impulse[lane] = point.impulse * share;
             // Marks the lane as used, until `prepare` puts the mass here.
             to.mass[lane] = 1.0;
@@ -349,6 +352,7 @@ impl<L: F32xN> Block<L> {
         }
         let soft = &self.softness;
         let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
+        self.gives = gives;
         self.compliance = self.anchored * gives * self.isotropic_mass.inverse();
         self.compliance_twist = self.anchored * gives * self.twist_mass.inverse();
         let spot = L::splat(SPOT) * (self.twist_mass * self.normals.xx).sqrt();
@@ -359,7 +363,6 @@ impl<L: F32xN> Block<L> {
             point.radius = point.radius.max(spot);
             point.effect = self.normals.apply(along);
             point.mass = point.mass * along.dot(point.effect).inverse();
-            point.compliance = gives * point.mass.inverse();
         }
     }
 
@@ -409,8 +412,8 @@ impl<L: F32xN> Block<L> {
             linear: force.scale_taken_from(self.inverse_mass[1], b.linear),
             angular: self.inverse_inertia[1].apply_taken_from(at_b, b.angular),
         };
-        L::scatter(velocities, &self.bodies[0], &a);
-        L::scatter(velocities, &self.bodies[1], &b);
+        L::scatter(velocities, &self.targets[0], &a);
+        L::scatter(velocities, &self.targets[1], &b);
     }
 
     /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.

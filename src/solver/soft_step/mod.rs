@@ -22,6 +22,8 @@
 //!   would throw what a long one has let sink.
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
+//! - **Patches side by side** ([`lanes`]): as many as one register holds numbers, four or eight, in blocks whose patches share no body
+//!   ([`batches`]).
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
@@ -141,7 +143,7 @@ struct Island<L: F32xN> {
     batches: Batches,
     blocks: Vec<Block<L>>,
     points: Vec<Points<L>>,
-    /// By body; behind them one that nothing moves, for lanes without a patch.
+    /// By body; behind them one that nothing moves, for lanes without a patch, and one that nothing reads.
     velocities: Vec<State>,
     /// The same when the substep began.
     before: Vec<State>,
@@ -152,10 +154,10 @@ struct Island<L: F32xN> {
 impl<L: F32xN> Island<L> {
     fn new(problem: &Problem, substeps: usize) -> Self {
         let bodies = &*problem.bodies;
-        let nobody = bodies.len() as u32;
+        let (nobody, nowhere) = (bodies.len() as u32, bodies.len() as u32 + 1);
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let batches = Batches::of(L::LANES, problem);
-        let mut blocks = vec![Block::new(nobody); batches.blocks];
+        let mut blocks = vec![Block::new(nobody, nowhere); batches.blocks];
         let mut neighbours = vec![0u32; bodies.len()];
         for (patch, &(block, _)) in problem.patches.iter().zip(&batches.places) {
             blocks[block as usize].hold(patch.count);
@@ -182,7 +184,7 @@ impl<L: F32xN> Island<L> {
         }
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         let mut velocities: Vec<State> = bodies.iter().map(state).collect();
-        velocities.push(State::default());
+        velocities.extend([State::default(); 2]);
         Self {
             substeps,
             batches,

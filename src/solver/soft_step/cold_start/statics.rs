@@ -189,7 +189,7 @@ impl<L: F32xN> Island<L> {
                     (point.mass[lane], point.impulse[lane]) = (0.0, 0.0);
                 }
             }
-            (point.separation, point.now) = (L::ZERO, L::ZERO);
+            (point.separation, point.gap) = (L::ZERO, L::ZERO);
         }
         let free = L::run(Begin {
             island: &mut island,

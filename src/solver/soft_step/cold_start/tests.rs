@@ -1,3 +1,4 @@
+use super::super::lanes::F32x4;
 use super::*;
 use crate::solver::{FrictionCone, Patch, PatchPoint};
 use glam::{Mat3, Quat, Vec3};
@@ -126,7 +127,7 @@ impl Masonry {
     }
 
     fn start(&mut self) {
-        cold_start(&mut Problem {
+        cold_start::<F32x4>(&mut Problem {
             bodies: &mut self.bodies,
             contacts: &mut [],
             patches: &mut self.patches,

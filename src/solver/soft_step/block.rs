@@ -177,15 +177,9 @@ impl<L: F32xN> Block<L> {
         self.first as usize..(self.first + self.count) as usize
     }
 
-    /// Makes room for patches with up to so many points.
-    pub fn hold(&mut self, count: u32) {
-        self.count = self.count.max(count);
-    }
-
-    /// Moves its points behind those of the blocks before it; where they end.
-    pub fn place(&mut self, first: u32) -> u32 {
-        self.first = first;
-        first + self.count
+    /// Where its points are, and how many each lane has room for.
+    pub fn place(&mut self, first: usize, count: u32) {
+        (self.first, self.count) = (first as u32, count);
     }
 
     /// Puts a patch into a lane. Impulses are cut into so many substeps; `stiffness` is what is left of a spring's when its bodies

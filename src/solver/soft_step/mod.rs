@@ -47,7 +47,6 @@ use lanes::F32x8;
 use lanes::{F32x4, F32xN, Kernel, State};
 use std::f32::consts::TAU;
 pub use width::Lanes;
-use width::Width;
 
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
 const CROWD: f32 = 6.0;
@@ -113,20 +112,21 @@ impl ContactSolver for SoftStep {
     }
 
     fn solve(&self, problem: &mut Problem) -> SolveReport {
-        match self.lanes.width(problem) {
-            Width::Four => self.solve_in::<F32x4>(problem),
+        let batches = self.lanes.batches(problem);
+        match batches.lanes() {
             #[cfg(target_arch = "x86_64")]
-            Width::Eight => self.solve_in::<F32x8>(problem),
+            F32x8::LANES => self.solve_in::<F32x8>(problem, batches),
+            _ => self.solve_in::<F32x4>(problem, batches),
         }
     }
 }
 
 impl SoftStep {
-    fn solve_in<L: F32xN>(&self, problem: &mut Problem) -> SolveReport {
+    fn solve_in<L: F32xN>(&self, problem: &mut Problem, batches: Batches) -> SolveReport {
         let bounces = bounce::find(problem);
         cold_start::cold_start::<L>(problem);
         let effort = Effort::new(self, problem);
-        let mut island = Island::<L>::new(problem, effort.substeps);
+        let mut island = Island::<L>::new(problem, batches, effort.substeps);
         let report = island.advance(self, effort, problem);
         island.store(
             problem,
@@ -152,35 +152,42 @@ struct Island<L: F32xN> {
 }
 
 impl<L: F32xN> Island<L> {
-    fn new(problem: &Problem, substeps: usize) -> Self {
+    fn new(problem: &Problem, batches: Batches, substeps: usize) -> Self {
         let bodies = &*problem.bodies;
         let (nobody, nowhere) = (bodies.len() as u32, bodies.len() as u32 + 1);
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-        let batches = Batches::of(L::LANES, problem);
-        let mut blocks = vec![Block::new(nobody, nowhere); batches.blocks];
         let mut neighbours = vec![0u32; bodies.len()];
-        for (patch, &(block, _)) in problem.patches.iter().zip(&batches.places) {
-            blocks[block as usize].hold(patch.count);
-            for body in patch.bodies {
-                neighbours[body as usize] += 1;
-            }
+        for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
+            neighbours[body as usize] += 1;
         }
-        let count = blocks.iter_mut().fold(0, |first, block| block.place(first));
-        let mut points = vec![Points::default(); count as usize];
         // A body between two others is held by two springs, and counts as the rule.
         let shared = |patch: &Patch| {
             let most = patch.bodies.into_iter().filter(|&body| moves(body));
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
-        // What lies inside many others would be thrown out by the sum of their corrections.
-        let hurry = |patch: &Patch| (CROWD * 0.5 * shared(patch)).min(1.0);
-        for (patch, &(block, lane)) in problem.patches.iter().zip(&batches.places) {
-            let block = &mut blocks[block as usize];
-            let points = &mut points[block.range()];
-            let lane = lane as usize;
-            block.load(points, lane, patch, problem, substeps, shared(patch));
-            block.hasten(lane, problem.max_correction_speed * hurry(patch));
+        let mut blocks = Vec::with_capacity(batches.blocks());
+        let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
+        // Block by block: one that is filled patch by patch leaves the cache in between.
+        for patches in batches.iter() {
+            let patches = || {
+                patches
+                    .iter()
+                    .map(|&patch| &problem.patches[patch as usize])
+            };
+            let count = patches().map(|patch| patch.count).max().unwrap_or(0);
+            let first = points.len();
+            points.resize(first + count as usize, Points::default());
+            blocks.push(Block::<L>::new(nobody, nowhere));
+            let block = blocks.last_mut().expect("it was just added");
+            block.place(first, count);
+            for (lane, patch) in patches().enumerate() {
+                let shared = shared(patch);
+                block.load(&mut points[first..], lane, patch, problem, substeps, shared);
+                // What lies inside many others would be thrown out by the sum of their corrections.
+                let hurry = (CROWD * 0.5 * shared).min(1.0);
+                block.hasten(lane, problem.max_correction_speed * hurry);
+            }
         }
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         let mut velocities: Vec<State> = bodies.iter().map(state).collect();
@@ -272,11 +279,13 @@ impl<L: F32xN> Island<L> {
     }
 
     fn store(self, problem: &mut Problem, rate: f32) {
-        for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
-            let block = &self.blocks[block as usize];
-            let points = &mut problem.points[patch.range()];
+        for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
             let from = &self.points[block.range()];
-            block.store(from, lane as usize, patch, points, self.substeps, rate);
+            for (lane, &patch) in patches.iter().enumerate() {
+                let patch = &mut problem.patches[patch as usize];
+                let points = &mut problem.points[patch.range()];
+                block.store(from, lane, patch, points, self.substeps, rate);
+            }
         }
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {

@@ -3,7 +3,6 @@
 use super::batches::Batches;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
-use super::lanes::F32xN;
 use crate::solver::Problem;
 
 /// How many patches [`SoftStep`](super::SoftStep) relaxes side by side.
@@ -22,14 +21,6 @@ pub enum Lanes {
     Eight,
 }
 
-/// The widths that there are on this architecture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Width {
-    Four,
-    #[cfg(target_arch = "x86_64")]
-    Eight,
-}
-
 impl Lanes {
     /// What this processor cannot, as a sentence.
     pub(super) fn problem(self) -> Option<String> {
@@ -41,23 +32,21 @@ impl Lanes {
 }
 
 impl Lanes {
-    /// The width for a problem.
-    #[cfg(target_arch = "x86_64")]
-    pub(super) fn width(self, problem: &Problem) -> Width {
-        let eight = match self {
-            Self::Four => false,
-            Self::Eight => eight_is_available(),
-            Self::Auto => eight_is_available() && fills_eight(problem),
-        };
-        if eight { Width::Eight } else { Width::Four }
-    }
-
-    /// The width for a problem.
-    #[cfg(not(target_arch = "x86_64"))]
-    pub(super) fn width(self, _: &Problem) -> Width {
-        Width::Four
+    /// The blocks of a problem, in the width that it is to have.
+    pub(super) fn batches(self, problem: &Problem) -> Batches {
+        if self != Self::Four && eight_is_available() {
+            let batches = Batches::of(8, problem);
+            // A visit to a block of eight costs 1.1 times one of four, and a stack fills one lane of either.
+            if self == Self::Eight || problem.patches.len() >= HALF_FULL * batches.blocks() {
+                return batches;
+            }
+        }
+        Batches::of(4, problem)
     }
 }
+
+/// Patches in the mean block of eight from which on they are the faster: those of a pyramid of 10 hold so many, those of an arch two.
+const HALF_FULL: usize = 4;
 
 #[cfg(target_arch = "x86_64")]
 fn eight_is_available() -> bool {
@@ -68,13 +57,3 @@ fn eight_is_available() -> bool {
 fn eight_is_available() -> bool {
     false
 }
-
-/// A visit to a block of eight costs 1.1 times one of four, and a stack fills one lane of either.
-#[cfg(target_arch = "x86_64")]
-fn fills_eight(problem: &Problem) -> bool {
-    problem.patches.len() >= HALF_FULL * Batches::of(F32x8::LANES, problem).blocks
-}
-
-/// Patches in the mean block of eight from which on they are the faster: those of a pyramid of 10 hold so many, those of an arch two.
-#[cfg(target_arch = "x86_64")]
-const HALF_FULL: usize = 4;

@@ -5,6 +5,7 @@
 //! [`Nncg`](crate::solver::Nncg), which has the reasons: an arch of 15 needs a tenth of the sweeps. It begins with loads handed down, and
 //! any equilibrium is as good as another; so what stands without friction stays without.
 
+use super::super::batches::Batches;
 use super::super::block::{Pass, Spring};
 use super::super::lanes::{F32xN, Kernel};
 use super::super::{Begin, Island};
@@ -179,7 +180,7 @@ impl Pass {
 impl<L: F32xN> Island<L> {
     /// As if everything stood still and touched where it is not open; and what the forces do unopposed, J.
     fn at_rest(problem: &Problem, closed: f32, pass: &Pass) -> (Self, f32) {
-        let mut island = Self::new(problem, 1);
+        let mut island = Self::new(problem, Batches::of(L::LANES, problem), 1);
         for (velocity, body) in island.velocities.iter_mut().zip(&*problem.bodies) {
             *velocity = body.push().map(|push| push.extend(0.0));
         }
@@ -214,18 +215,20 @@ impl<L: F32xN> Island<L> {
     }
 
     fn keep(&self, problem: &mut Problem) {
-        for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
-            let (block, lane) = (&self.blocks[block as usize], lane as usize);
-            let t1 = block.tangent.get(lane);
-            let t2 = patch.normal.cross(t1);
-            let [x, y] = block.tangential;
-            patch.tangential = t1 * x[lane] + t2 * y[lane];
-            patch.twist = block.twist[lane];
-            (patch.load_tangential, patch.load_twist) = (patch.tangential, patch.twist);
+        for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
             let found = &self.points[block.range()];
-            for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
-                point.impulse = found.impulse[lane];
-                point.load = point.impulse;
+            for (lane, &patch) in patches.iter().enumerate() {
+                let patch = &mut problem.patches[patch as usize];
+                let t1 = block.tangent.get(lane);
+                let t2 = patch.normal.cross(t1);
+                let [x, y] = block.tangential;
+                patch.tangential = t1 * x[lane] + t2 * y[lane];
+                patch.twist = block.twist[lane];
+                (patch.load_tangential, patch.load_twist) = (patch.tangential, patch.twist);
+                for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
+                    point.impulse = found.impulse[lane];
+                    point.load = point.impulse;
+                }
             }
         }
     }

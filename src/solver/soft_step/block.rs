@@ -193,6 +193,8 @@ impl<L: F32xN> Block<L> {
         substeps: usize,
         stiffness: f32,
     ) {
+        // Once, and not at each of a hundred numbers.
+        assert!(lane < L::LANES);
         let share = 1.0 / substeps as f32;
         self.stiffness[lane] = stiffness;
         self.normal.set(lane, patch.normal);
@@ -266,6 +268,7 @@ impl<L: F32xN> Block<L> {
         substeps: usize,
         rate: f32,
     ) {
+        assert!(lane < L::LANES);
         let whole = substeps as f32;
         let t1 = self.tangent.get(lane);
         let t2 = patch.normal.cross(t1);

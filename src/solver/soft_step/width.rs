@@ -29,9 +29,7 @@ impl Lanes {
             "eight lanes of Soft Step need a processor with AVX2 and FMA; Lanes::Auto takes them where it has both".into()
         })
     }
-}
 
-impl Lanes {
     /// The blocks of a problem, in the width that it is to have.
     pub(super) fn batches(self, problem: &Problem) -> Batches {
         if self != Self::Four && eight_is_available() {

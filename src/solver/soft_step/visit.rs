@@ -24,8 +24,8 @@ const PLAY: f32 = 1e-3;
 /// trembles loses some of its friction in every visit, and boxes that bounce begin to turn.
 const STALE: f32 = 2.0;
 
-/// What squares are lifted by: those of numbers below 1e-19, as things at rest have, would be subnormal, and each cost as much as half a
-/// visit.
+/// What squares are lifted by: those of numbers below 1e-19, as things at rest have, are subnormal, which is slow. Stacks at rest took
+/// a third longer. Where a product and a sum are rounded as one there are none.
 const TINY: f32 = 1e-30;
 
 /// A visit on its way.

@@ -43,7 +43,8 @@ impl Lanes {
     }
 }
 
-/// Patches in the mean block of eight from which on they are the faster: those of a pyramid of 10 hold so many, those of an arch two.
+/// Patches in the mean block of eight from which on they are the faster: those of a wall of
+/// 10 × 10 hold 4.5, those of an arch 1.8.
 const HALF_FULL: usize = 4;
 
 #[cfg(target_arch = "x86_64")]

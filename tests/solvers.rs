@@ -3,8 +3,9 @@
 
 use drystone::solver::merit::free_merit;
 use drystone::solver::{
-    Body, FrictionCone, Memory, Nncg, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Pgs,
-    PointConstraint, PointInput, PointProblem, PointSolver, Slip, SoftStep, SolveReport,
+    Body, FrictionCone, Lanes, Memory, Nncg, PatchConstraint, PatchPoint, PatchProblem,
+    PatchSolver, Pgs, PointConstraint, PointInput, PointProblem, PointSolver, Slip, SoftStep,
+    SolveReport,
 };
 use glam::{Mat3, Quat, Vec3};
 use proptest::prelude::*;
@@ -357,8 +358,16 @@ impl Patches {
     }
 
     fn solved(&self, iterations: usize) -> Self {
+        self.solved_in(Lanes::Auto, iterations)
+    }
+
+    fn solved_in(&self, lanes: Lanes, iterations: usize) -> Self {
         let mut solved = self.clone();
-        every_sweep(iterations).solve(&mut PatchProblem {
+        let method = SoftStep {
+            lanes,
+            ..every_sweep(iterations)
+        };
+        method.solve(&mut PatchProblem {
             bodies: &mut solved.bodies,
             patches: &mut solved.patches,
             points: &mut solved.points,
@@ -383,6 +392,18 @@ impl Patches {
             size += push.length() + spin.length();
         }
         (linear, angular, size)
+    }
+
+    /// The greatest difference of two velocities, as a share of the greatest velocity.
+    fn farthest_from(&self, other: &Self) -> f32 {
+        let (mut off, mut fastest) = (0f32, 0f32);
+        for (one, other) in self.bodies.iter().zip(&other.bodies) {
+            for (v, w) in [(one.linear, other.linear), (one.angular, other.angular)] {
+                off = off.max(v.distance(w));
+                fastest = fastest.max(w.length());
+            }
+        }
+        off / fastest.max(1e-3)
     }
 
     /// All that a solve has found, to the bit.
@@ -597,14 +618,72 @@ proptest! {
         prop_assert!((angular_after - angular).length() <= slack, "{angular} {angular_after}");
     }
 
-    /// Four patches are relaxed side by side, and must be what they would be one after the other.
+    /// Patches are relaxed side by side, and must be what they would be one after the other.
     #[test]
     fn groups_solved_in_one_problem_are_what_each_is_alone_to_the_bit(groups in groups()) {
         let (whole, places) = together(&groups);
-        let solved = whole.solved(24);
-        for (group, place) in groups.iter().zip(&places) {
-            prop_assert_eq!(part(&solved, place, group).bits(), group.solved(24).bits());
+        for lanes in widths() {
+            let solved = whole.solved_in(lanes, 24);
+            for (group, place) in groups.iter().zip(&places) {
+                prop_assert_eq!(part(&solved, place, group).bits(), group.solved_in(lanes, 24).bits());
+            }
         }
+    }
+
+    /// But for the rounding, which sweeps may multiply.
+    #[test]
+    fn all_widths_find_the_same(problem in patches(true, Vec3::NEG_Y * 9.81), iterations in 1usize..8) {
+        let four = problem.solved_in(Lanes::Four, iterations);
+        for lanes in widths() {
+            let found = problem.solved_in(lanes, iterations);
+            let off = found.farthest_from(&four);
+            prop_assert!(off < 1e-3, "{lanes:?} is {off} of the fastest off");
+        }
+    }
+}
+
+/// Those of this processor.
+fn widths() -> impl Iterator<Item = Lanes> {
+    let can = |lanes: &Lanes| {
+        let method = SoftStep {
+            lanes: *lanes,
+            ..Default::default()
+        };
+        method.problem().is_none()
+    };
+    [Lanes::Four, Lanes::Eight].into_iter().filter(can)
+}
+
+#[test]
+fn all_processors_can_four_lanes_and_those_with_avx2_eight() {
+    let widths: Vec<_> = widths().collect();
+    assert_eq!(widths[0], Lanes::Four);
+    #[cfg(target_arch = "x86_64")]
+    assert_eq!(
+        widths.contains(&Lanes::Eight),
+        is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+    );
+}
+
+/// A pinned width is that of the whole, however full its blocks are; left alone, full blocks have eight lanes and others four.
+#[test]
+fn lanes_are_chosen_by_how_many_are_filled() {
+    let mut row = falling(0.0, 1.0, 0.0);
+    let (cube, patch) = (row.bodies[1], row.patches[0]);
+    let corners: Vec<_> = row.points[patch.range()].to_vec();
+    for _ in 0..15 {
+        row.bodies.push(cube);
+        row.positions.push(row.positions[1]);
+        let last = row.bodies.len() - 1;
+        row.touch([last, 0], Vec3::ZERO, patch, &corners);
+    }
+    let single = falling(0.0, 1.0, 0.0);
+    let bits = |problem: &Patches, lanes| problem.solved_in(lanes, 24).bits();
+    assert_eq!(bits(&single, Lanes::Auto), bits(&single, Lanes::Four));
+    let widest = widths().last().expect("four can be had");
+    assert_eq!(bits(&row, Lanes::Auto), bits(&row, widest));
+    if widest != Lanes::Four {
+        assert_ne!(bits(&row, Lanes::Auto), bits(&row, Lanes::Four));
     }
 }
 

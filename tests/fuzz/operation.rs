@@ -8,7 +8,7 @@ use drystone::settings::{
     AnchorRule, Classifier, ContactSolver, FrictionStabilization, NarrowphaseSettings,
     NormalStabilization, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
 };
-use drystone::solver::{FrictionCone, Nncg, Pgs, SoftStep};
+use drystone::solver::{FrictionCone, Lanes, Nncg, Pgs, SoftStep};
 use glam::{Quat, Vec3};
 
 /// An operation, and whether one of its numbers is bad.
@@ -205,6 +205,7 @@ impl Solver {
                 preload_sweeps: dice.number(1600.0, 1e5),
                 longest_substep: dice.number(5e-4, 1e-2),
                 least_sweeps: dice.index(12),
+                lanes: dice.pick(&[Lanes::Auto, Lanes::Four]),
                 ..Default::default()
             }),
             1 => Method::Pgs,

@@ -7,11 +7,12 @@
 
 use crate::solver::PatchProblem;
 
-/// For each patch its block and lane; and how many blocks there are.
-#[derive(Default)]
+/// The patches of each block.
 pub struct Batches {
-    pub places: Vec<(u32, u8)>,
-    pub blocks: usize,
+    lanes: usize,
+    /// By block and lane; those of a block are filled from the first on.
+    slots: Vec<u32>,
+    filled: Vec<u8>,
 }
 
 impl Batches {
@@ -31,26 +32,27 @@ impl Batches {
         bodies: usize,
         moves: impl Fn(u32) -> bool,
     ) -> Self {
-        let mut places = Vec::with_capacity(patches.size_hint().0);
-        // The first block that may hold a body next; how full each block is; and from each block the way to one with room.
+        let mut batches = Self {
+            lanes,
+            slots: Vec::with_capacity(2 * patches.size_hint().0),
+            filled: Vec::new(),
+        };
+        // The first block that may hold a body next; and from each block the way to one with room.
         let mut after = vec![0u32; bodies];
-        let mut filled: Vec<u8> = Vec::new();
         let mut next: Vec<u32> = Vec::new();
-        for pair in patches {
+        for (patch, pair) in patches.enumerate() {
             let free = pair
                 .iter()
                 .map(|&body| after[body as usize])
                 .max()
                 .unwrap_or(0);
             let block = with_room(&mut next, free);
-            if block as usize == filled.len() {
-                filled.push(0);
+            if block as usize == batches.filled.len() {
+                batches.filled.push(0);
+                batches.slots.resize(batches.slots.len() + lanes, 0);
                 next.push(block);
             }
-            let fill = &mut filled[block as usize];
-            places.push((block, *fill));
-            *fill += 1;
-            if *fill as usize == lanes {
+            if batches.fill(block as usize, patch as u32) {
                 next[block as usize] = block + 1;
             }
             for body in pair {
@@ -59,10 +61,27 @@ impl Batches {
                 }
             }
         }
-        Self {
-            places,
-            blocks: filled.len(),
-        }
+        batches
+    }
+
+    /// Whether the block is full with it.
+    fn fill(&mut self, block: usize, patch: u32) -> bool {
+        let fill = &mut self.filled[block];
+        self.slots[block * self.lanes + *fill as usize] = patch;
+        *fill += 1;
+        *fill as usize == self.lanes
+    }
+
+    /// How many blocks there are.
+    pub fn blocks(&self) -> usize {
+        self.filled.len()
+    }
+
+    /// The patches of each block, lane by lane.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let slots = self.slots.chunks_exact(self.lanes);
+        let filled = slots.zip(&self.filled);
+        filled.map(|(slots, &filled)| &slots[..filled as usize])
     }
 }
 
@@ -95,18 +114,21 @@ mod tests {
             .collect();
         for lanes in [4, 8] {
             let batches = Batches::new(lanes, pairs.iter().copied(), 201, |_| true);
-            let mut fill = vec![0; batches.blocks];
+            let mut block_of = vec![usize::MAX; pairs.len()];
+            for (block, patches) in batches.iter().enumerate() {
+                assert!((1..=lanes).contains(&patches.len()));
+                for &patch in patches {
+                    block_of[patch as usize] = block;
+                }
+            }
             for (i, one) in pairs.iter().enumerate() {
-                let (block, lane) = batches.places[i];
-                assert_eq!(lane, fill[block as usize]);
-                fill[block as usize] += 1;
+                assert!(block_of[i] < batches.blocks(), "{one:?} is in no block");
                 for (j, other) in pairs[..i].iter().enumerate() {
                     if one.iter().any(|body| other.contains(body)) {
-                        assert!(batches.places[j].0 < block, "{other:?} before {one:?}");
+                        assert!(block_of[j] < block_of[i], "{other:?} before {one:?}");
                     }
                 }
             }
-            assert!(fill.iter().all(|&n| n as usize <= lanes));
         }
     }
 
@@ -115,7 +137,7 @@ mod tests {
         for lanes in [4, 8] {
             let on_ground = (1..=16).map(|body| [0, body]);
             let batches = Batches::new(lanes, on_ground, 17, |body| body != 0);
-            assert_eq!(batches.blocks, 16 / lanes);
+            assert_eq!(batches.blocks(), 16 / lanes);
         }
     }
 }

@@ -75,6 +75,8 @@ impl Spring {
 #[derive(Clone, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
+    /// Where their velocities are written to: `nowhere` for bodies that nothing moves, or visits that share one would wait for each other.
+    pub(super) targets: [L::Bodies; 2],
     pub(super) normal: Vec3xN<L>,
     pub(super) tangent: Vec3xN<L>,
     pub(super) arms: [Vec3xN<L>; 2],
@@ -131,6 +133,8 @@ pub struct Block<L: F32xN> {
     /// Fastest correction, m/s.
     pub(super) max_speed: L,
     pub(super) softness: Softness<L>,
+    /// Distance of its springs to a velocity, s.
+    pub(super) gives: L,
     /// Effective masses are not those of its patches.
     pub(super) stale: bool,
     pub(super) first: u32,
@@ -146,12 +150,8 @@ pub struct Points<L> {
     pub(super) radius: L,
     /// Distance beyond the ideal when detected, m.
     pub(super) separation: L,
-    /// The same in this substep.
-    pub(super) now: L,
-    /// The distance at which its spring no longer pushes, m: the spring rests where the surfaces meet, with all of its load.
-    pub(super) reach: L,
-    /// Distance of its spring to an impulse, m/(N·s).
-    pub(super) compliance: L,
+    /// The same in this substep where its spring no longer reaches, and 0 where it pushes.
+    pub(super) gap: L,
     /// λ_n, N·s.
     pub(super) impulse: L,
     /// What it gave in the substeps before this one, N·s.
@@ -165,10 +165,11 @@ pub struct Points<L> {
 }
 
 impl<L: F32xN> Block<L> {
-    /// An empty block whose lanes point at `nobody`, a body that nothing moves.
-    pub fn new(nobody: u32) -> Self {
+    /// An empty block whose lanes read a body that nothing moves, and write where nothing reads.
+    pub fn new(nobody: u32, nowhere: u32) -> Self {
         Self {
             bodies: [L::bodies(nobody); 2],
+            targets: [L::bodies(nowhere); 2],
             ..Default::default()
         }
     }
@@ -179,15 +180,9 @@ impl<L: F32xN> Block<L> {
         self.first as usize..(self.first + self.count) as usize
     }
 
-    /// Makes room for patches with up to so many points.
-    pub fn hold(&mut self, count: u32) {
-        self.count = self.count.max(count);
-    }
-
-    /// Moves its points behind those of the blocks before it; where they end.
-    pub fn place(&mut self, first: u32) -> u32 {
-        self.first = first;
-        first + self.count
+    /// Where its points are, and how many each lane has room for.
+    pub fn place(&mut self, first: usize, count: u32) {
+        (self.first, self.count) = (first as u32, count);
     }
 
     /// Puts a patch into a lane: what of it stays as long as it is not found anew. `stiffness` is what is left of a spring's when its
@@ -200,11 +195,16 @@ impl<L: F32xN> Block<L> {
         problem: &PatchProblem,
         stiffness: f32,
     ) {
+        // Once, and not at each of a hundred numbers.
+        assert!(lane < L::LANES);
         self.stiffness[lane] = stiffness;
         self.normal.set(lane, patch.normal);
         for side in 0..2 {
             let body = &problem.bodies[patch.bodies[side] as usize];
-            self.bodies[side][lane] = patch.bodies[side];
+            L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
+            if body.inverse_mass > 0.0 {
+                L::set_body(&mut self.targets[side], lane, patch.bodies[side]);
+            }
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
             self.turn(lane, side, &body.inverse_inertia);
@@ -212,9 +212,9 @@ impl<L: F32xN> Block<L> {
         self.friction[lane] = patch.friction;
         let (t1, t2) = patch.normal.any_orthonormal_pair();
         self.tangent.set(lane, t1);
-        self.rolls |= patch.rolling_friction > 0.0;
         let rolls = patch.rolling_friction > 0.0;
         let radius = if rolls { patch.rolling_radius } else { 0.0 };
+        self.rolls |= rolls;
         self.rolling_radius[lane] = radius;
         self.rolling_lever[lane] = patch.rolling_friction * radius;
         let mine = &problem.points[patch.range()];
@@ -229,6 +229,7 @@ impl<L: F32xN> Block<L> {
 
     /// Takes over the inverse inertia of a body that has turned, 1/(kg·m²).
     pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
+        assert!(lane < L::LANES);
         let (i, to) = (inverse_inertia, &mut self.inverse_inertia[side]);
         to.xx[lane] = i.x_axis.x;
         to.yy[lane] = i.y_axis.y;
@@ -257,6 +258,7 @@ impl<L: F32xN> Block<L> {
         patch_points: &[PatchPoint],
         substeps: usize,
     ) {
+        assert!(lane < L::LANES);
         let share = 1.0 / substeps as f32;
         let t1 = self.tangent.get(lane);
         let t2 = patch.normal.cross(t1);
@@ -273,24 +275,17 @@ impl<L: F32xN> Block<L> {
         self.tangential[1][lane] = t2.dot(patch.tangential) * share;
         self.twist[lane] = patch.twist * share;
         if self.rolls {
-            let rolling = if patch.rolling_friction > 0.0 {
-                patch.rolling
-            } else {
-                Vec3::ZERO
-            };
+            let rolls = patch.rolling_friction > 0.0;
+            let rolling = if rolls { patch.rolling } else { Vec3::ZERO };
             self.rolling[0][lane] = t1.dot(rolling) * share;
             self.rolling[1][lane] = t2.dot(rolling) * share;
         }
         let mean = patch_points.iter().map(|p| p.load).sum::<f32>() / patch_points.len() as f32;
-        self.inverse_load[lane] = if mean > 0.0 {
-            1.0 / (mean * share)
-        } else {
-            0.0
-        };
+        let carries = mean > 0.0;
+        self.inverse_load[lane] = if carries { 1.0 / (mean * share) } else { 0.0 };
         for (to, point) in points.iter_mut().zip(patch_points) {
             to.load[lane] = point.load * share;
             to.separation[lane] = point.separation;
-            to.now[lane] = point.separation;
             to.impulse[lane] = point.impulse * share;
         }
     }
@@ -310,6 +305,7 @@ impl<L: F32xN> Block<L> {
         substeps: usize,
         rate: f32,
     ) {
+        assert!(lane < L::LANES);
         let whole = substeps as f32;
         let t1 = self.tangent.get(lane);
         let t2 = patch.normal.cross(t1);
@@ -351,7 +347,7 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Computes W and the effective masses, where a patch is not the one for which they were.
+    /// Computes W and the effective masses, where they are not those of its patches.
     #[inline(always)]
     pub fn prepare(&mut self, points: &mut [Points<L>]) {
         if !self.stale {
@@ -406,15 +402,12 @@ impl<L: F32xN> Block<L> {
 
     /// How its springs give way.
     #[inline(always)]
-    pub fn soften(&mut self, points: &mut [Points<L>], spring: &Spring) {
+    pub fn soften(&mut self, spring: &Spring) {
         self.softness = spring.softness(self.stiffness);
         let soft = &self.softness;
-        let gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
-        self.compliance = self.anchored * gives * self.isotropic_mass.inverse();
-        self.compliance_twist = self.anchored * gives * self.twist_mass.inverse();
-        for point in points {
-            point.compliance = gives * point.mass.inverse();
-        }
+        self.gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
+        self.compliance = self.anchored * self.gives * self.isotropic_mass.inverse();
+        self.compliance_twist = self.anchored * self.gives * self.twist_mass.inverse();
     }
 
     #[inline(always)]
@@ -463,8 +456,8 @@ impl<L: F32xN> Block<L> {
             linear: force.scale_taken_from(self.inverse_mass[1], b.linear),
             angular: self.inverse_inertia[1].apply_taken_from(at_b, b.angular),
         };
-        L::scatter(velocities, &self.bodies[0], &a);
-        L::scatter(velocities, &self.bodies[1], &b);
+        L::scatter(velocities, &self.targets[0], &a);
+        L::scatter(velocities, &self.targets[1], &b);
     }
 
     /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.

@@ -22,6 +22,8 @@
 //!   would throw what a long one has let sink.
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
+//! - **Patches side by side** ([`lanes`]): as many as one register holds numbers, four or eight, in blocks whose patches share no body
+//!   ([`batches`]).
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
@@ -121,9 +123,9 @@ impl PatchSolver for SoftStep {
 
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport {
         match self.lanes.width(problem) {
-            Width::Four => self.solve_in::<F32x4>(problem),
             #[cfg(target_arch = "x86_64")]
             Width::Eight => self.solve_in::<F32x8>(problem),
+            Width::Four => self.solve_in::<F32x4>(problem),
         }
     }
 }
@@ -148,16 +150,16 @@ impl SoftStep {
 /// One island on its way through a step.
 struct Island<L: F32xN> {
     substeps: usize,
-    /// By patch: what is left of the stiffness of a spring, since its bodies share it with others.
-    shares: Vec<f32>,
     /// Fastest correction, m/s.
     fastest: f32,
     /// By body, 1/(kg·m²): with which blocks were prepared.
     inertias: Vec<Mat3>,
+    /// By patch: it was found anew.
+    changed: Vec<bool>,
     batches: Batches,
     blocks: Vec<Block<L>>,
     points: Vec<Points<L>>,
-    /// By body; behind them one that nothing moves, for lanes without a patch.
+    /// By body; behind them one that nothing moves, for lanes without a patch, and one that nothing reads.
     velocities: Vec<State>,
     /// The same when the substep began.
     before: Vec<State>,
@@ -179,81 +181,93 @@ impl<L: F32xN> Island<L> {
 
     fn new(problem: &PatchProblem, substeps: usize) -> Self {
         let bodies = &*problem.bodies;
-        let nobody = bodies.len() as u32;
+        let (nobody, nowhere) = (bodies.len() as u32, bodies.len() as u32 + 1);
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-        let batches = Batches::of(L::LANES, problem);
-        let mut blocks = vec![Block::new(nobody); batches.blocks];
         let mut neighbours = vec![0u32; bodies.len()];
-        for (patch, &(block, _)) in problem.patches.iter().zip(&batches.places) {
-            blocks[block as usize].hold(patch.count);
-            for body in patch.bodies {
-                neighbours[body as usize] += 1;
-            }
+        for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
+            neighbours[body as usize] += 1;
         }
-        let count = blocks.iter_mut().fold(0, |first, block| block.place(first));
         // A body between two others is held by two springs, and counts as the rule.
         let shared = |patch: &PatchConstraint| {
             let most = patch.bodies.into_iter().filter(|&body| moves(body));
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
+        let batches = Batches::of(L::LANES, problem);
+        let mut blocks = Vec::with_capacity(batches.blocks());
+        let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
+        // Block by block: one that is filled patch by patch leaves the cache in between.
+        for patches in batches.iter() {
+            let patches = || {
+                patches
+                    .iter()
+                    .map(|&patch| &problem.patches[patch as usize])
+            };
+            let count = patches().map(|patch| patch.count).max().unwrap_or(0);
+            let first = points.len();
+            points.resize(first + count as usize, Points::default());
+            blocks.push(Block::<L>::new(nobody, nowhere));
+            let block = blocks.last_mut().expect("it was just added");
+            block.place(first, count);
+            for (lane, patch) in patches().enumerate() {
+                let shared = shared(patch);
+                block.load(&mut points[first..], lane, patch, problem, shared);
+                // What lies inside many others would be thrown out by the sum of their corrections.
+                let hurry = (CROWD * 0.5 * shared).min(1.0);
+                block.hasten(lane, problem.max_correction_speed * hurry);
+            }
+        }
         let mut island = Self {
             substeps,
-            shares: problem.patches.iter().map(shared).collect(),
             fastest: problem.max_correction_speed,
-            inertias: Vec::new(),
+            inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
+            changed: Vec::new(),
             batches,
             blocks,
-            points: vec![Points::default(); count as usize],
+            points,
             velocities: Vec::new(),
             before: Vec::new(),
             motions: Vec::new(),
         };
-        let all: Vec<u32> = (0..problem.patches.len() as u32).collect();
-        island.begin(problem, &all, substeps);
+        island.begin(problem, &[], substeps);
         island
     }
 
-    /// Takes over a problem of which so many patches are new.
+    /// Takes over a problem of which so many patches are new. To the bit what it would be if it were made anew: nobody must be able to
+    /// tell by what others do to a world.
     fn begin(&mut self, problem: &PatchProblem, changed: &[u32], substeps: usize) {
         self.substeps = substeps;
-        // To the bit what it would be if it were made anew: others must not be able to tell.
         let turned = self.turned(problem.bodies);
-        if turned.contains(&true) {
-            for (patch, &(block, lane)) in problem.patches.iter().zip(&self.batches.places) {
-                let block = &mut self.blocks[block as usize];
-                for (side, body) in patch.bodies.into_iter().enumerate() {
-                    if turned[body as usize] {
-                        let body = &problem.bodies[body as usize];
-                        block.turn(lane as usize, side, &body.inverse_inertia);
+        let moved = turned.contains(&true);
+        self.changed.clear();
+        self.changed.resize(problem.patches.len(), false);
+        for &patch in changed {
+            self.changed[patch as usize] = true;
+        }
+        for (block, patches) in self.blocks.iter_mut().zip(self.batches.iter()) {
+            let points = &mut self.points[block.range()];
+            block.begin(points);
+            for (lane, &number) in patches.iter().enumerate() {
+                let patch = &problem.patches[number as usize];
+                if self.changed[number as usize] {
+                    let stiffness = block.stiffness[lane];
+                    block.load(points, lane, patch, problem, stiffness);
+                } else if moved {
+                    for (side, body) in patch.bodies.into_iter().enumerate() {
+                        if turned[body as usize] {
+                            let body = &problem.bodies[body as usize];
+                            block.turn(lane, side, &body.inverse_inertia);
+                        }
                     }
                 }
+                let mine = &problem.points[patch.range()];
+                block.refresh(points, lane, patch, mine, substeps);
             }
-        }
-        for &patch in changed {
-            let number = patch as usize;
-            let (block, lane) = self.batches.places[number];
-            let block = &mut self.blocks[block as usize];
-            let points = &mut self.points[block.range()];
-            let (patch, share) = (&problem.patches[number], self.shares[number]);
-            block.load(points, lane as usize, patch, problem, share);
-            // What lies inside many others would be thrown out by the sum of their corrections.
-            let hurry = (CROWD * 0.5 * share).min(1.0);
-            block.hasten(lane as usize, self.fastest * hurry);
-        }
-        for block in &mut self.blocks {
-            block.begin(&mut self.points[block.range()]);
-        }
-        for (patch, &(block, lane)) in problem.patches.iter().zip(&self.batches.places) {
-            let block = &mut self.blocks[block as usize];
-            let points = &mut self.points[block.range()];
-            let mine = &problem.points[patch.range()];
-            block.refresh(points, lane as usize, patch, mine, substeps);
         }
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));
-        self.velocities.push(State::default());
+        self.velocities.extend([State::default(); 2]);
         self.before.clone_from(&self.velocities);
         self.motions.clear();
         self.motions.resize(self.velocities.len(), State::default());
@@ -261,7 +275,6 @@ impl<L: F32xN> Island<L> {
 
     /// Whose inverse inertia is not that of the last step.
     fn turned(&mut self, bodies: &[Body]) -> Vec<bool> {
-        self.inertias.resize(bodies.len(), Mat3::ZERO);
         let both = self.inertias.iter_mut().zip(bodies);
         both.map(|(before, body)| {
             let turned = *before != body.inverse_inertia;
@@ -347,11 +360,13 @@ impl<L: F32xN> Island<L> {
     }
 
     fn store(&self, problem: &mut PatchProblem, rate: f32) {
-        for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
-            let block = &self.blocks[block as usize];
-            let points = &mut problem.points[patch.range()];
+        for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
             let from = &self.points[block.range()];
-            block.store(from, lane as usize, patch, points, self.substeps, rate);
+            for (lane, &patch) in patches.iter().enumerate() {
+                let patch = &mut problem.patches[patch as usize];
+                let points = &mut problem.points[patch.range()];
+                block.store(from, lane, patch, points, self.substeps, rate);
+            }
         }
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
@@ -383,7 +398,7 @@ impl<L: F32xN> Kernel for Start<'_, L> {
         for block in blocks.iter_mut() {
             let points = &mut points[block.range()];
             block.prepare(points);
-            block.soften(points, self.spring);
+            block.soften(self.spring);
             missing += block.missing(points, velocities, self.pass);
         }
         for block in blocks.iter() {

@@ -1,7 +1,7 @@
 //! One visit to a block: what its rows find, and what that does to the bodies.
 
 use super::block::{Block, Pass, Points, on_normals_local};
-use super::lanes::{F32xN, SpatialVec, State, Vec3xN};
+use super::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN};
 
 /// What rolls or slips faster than this (m/s) does not creep.
 const CREEP: f32 = 0.1;
@@ -24,6 +24,10 @@ const PLAY: f32 = 1e-3;
 /// trembles loses some of its friction in every visit, and boxes that bounce begin to turn.
 const STALE: f32 = 2.0;
 
+/// What squares are lifted by: those of numbers below 1e-19, as things at rest have, are subnormal, which is slow. Stacks at rest took
+/// a third longer. Where a product and a sum are rounded as one there are none.
+const TINY: f32 = 1e-30;
+
 /// A visit on its way.
 struct Visit<L> {
     /// Relative velocity in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
@@ -43,13 +47,34 @@ struct Carried<L> {
     lever: L,
 }
 
-/// How friction is held: as a spring about its anchor, or rigidly.
+/// How friction is held: as a spring about its anchor, where it has one.
 struct Hold<L> {
     mass_scale: L,
     impulse_scale: L,
     /// Velocities that take the slip back, along the tangents and about the normal.
     back: [L; 2],
     back_twist: L,
+}
+
+/// The springs of a patch's points in one visit.
+#[derive(Clone, Copy)]
+struct Springs<L> {
+    /// How far the patch has moved since detection, as normals see it.
+    moved: Vec3xN<L>,
+    bias_rate: L,
+    /// The fastest correction, negative, m/s.
+    fastest: L,
+    mass_scale: L,
+    impulse_scale: L,
+    /// The share of its load that the patch still carries, 1 at most.
+    left: L,
+    /// What a point holds of its load, and what of that it has lost; times `impulse_scale`.
+    held: L,
+    preload: L,
+    /// What a spring's load times this is, is its reach times its mass, s.
+    reach: L,
+    /// 1/s: of one substep.
+    rate: L,
 }
 
 impl<L: F32xN> Block<L> {
@@ -81,21 +106,30 @@ impl<L: F32xN> Block<L> {
             let moved = self.relative(&frame, moved_a, moved_b);
             let carried = Carried::by(points);
             self.drag(&carried, &moved);
-            self.relax_friction(&carried, &mut visit, &self.spring(&moved));
+            self.relax_friction::<SOFT>(&carried, &mut visit, &self.spring(&moved));
             visit.follow_friction(self);
             if self.rolls {
-                self.relax_rolling(&carried, &mut visit);
+                visit = L::run_rarely(Roll {
+                    block: self,
+                    carried,
+                    visit,
+                });
             }
-            let moved = on_normals_local(&moved);
-            self.relax_normals_softly(points, &carried, &mut visit, &moved, pass);
-            self.confine(&Carried::by(points), &mut visit);
+            let springs = self.springs(&carried, &moved, pass);
+            visit = springs.relax_normals(points, visit);
+            self.confine(Carried::by(points).all, &mut visit);
         } else {
             if self.rolls {
-                self.relax_rolling(&Carried::by(points), &mut visit);
+                let carried = Carried::by(points);
+                visit = L::run_rarely(Roll {
+                    block: self,
+                    carried,
+                    visit,
+                });
             }
-            self.relax_normals_rigidly(points, &mut visit, pass);
+            relax_normals_rigidly(points, &mut visit, pass);
             visit.follow_normals(self);
-            self.relax_friction(&Carried::by(points), &mut visit, &Hold::RIGID);
+            self.relax_friction::<SOFT>(&Carried::by(points), &mut visit, &Hold::RIGID);
         }
         self.push(&frame, visit.wrench, a, b, velocities);
         visit.change
@@ -106,7 +140,7 @@ impl<L: F32xN> Block<L> {
     fn spring(&self, moved: &SpatialVec<L>) -> Hold<L> {
         let soft = &self.softness;
         let rate = self.anchored * soft.bias_rate;
-        let speed = self.max_speed;
+        let (speed, slowest) = (self.max_speed, -self.max_speed);
         let back = [
             rate * (self.slip[0] + moved.linear.y),
             rate * (self.slip[1] + moved.linear.z),
@@ -115,8 +149,8 @@ impl<L: F32xN> Block<L> {
             mass_scale: self.anchored.mul_add(soft.mass_scale - L::ONE, L::ONE),
             impulse_scale: self.anchored * soft.impulse_scale,
             back: [
-                back[0].min(speed).max(-speed),
-                back[1].min(speed).max(-speed),
+                back[0].min(speed).max(slowest),
+                back[1].min(speed).max(slowest),
             ],
             back_twist: rate * (self.slip_twist + moved.angular.x),
         }
@@ -142,90 +176,72 @@ impl<L: F32xN> Block<L> {
             .compliance_twist
             .mul_sub(self.held_twist, self.slip_twist)
             - moved.angular.x;
-        let square = square_length(pull);
-        let angle = pull_twist.max(-pull_twist);
+        let turned = pull_twist.max(-pull_twist) * self.radius;
         let play = L::splat(PLAY);
-        if !square.any_above(play * play) && !(angle * self.radius).any_above(play) {
-            return;
-        }
-        let length = square.sqrt();
-        let limit = self.most_twist(carried);
-        let reach = self
-            .compliance_twist
-            .mul_add(limit, play * self.radius.inverse());
-        let cut = (reach * angle.inverse()).min(L::ONE) - L::ONE;
-        self.slip_twist = cut.taken_from(pull_twist, self.slip_twist);
-        self.dragged_twist = cut.mul_add(pull_twist, self.dragged_twist);
-
-        let reach = (self.compliance * self.friction).mul_add(carried.all, play);
-        let cut = (reach * length.inverse()).min(L::ONE) - L::ONE;
-        for i in 0..2 {
-            self.slip[i] = cut.taken_from(pull[i], self.slip[i]);
-            self.dragged[i] = cut.mul_add(pull[i], self.dragged[i]);
+        if square_length(pull).any_above(squared(play)) || turned.any_above(play) {
+            L::run_rarely(Drag {
+                block: self,
+                carried: *carried,
+                pull,
+                pull_twist,
+            });
         }
     }
 
     /// Twist, then both tangents, within what the normals carry now.
     #[inline(always)]
-    fn relax_friction(&mut self, carried: &Carried<L>, visit: &mut Visit<L>, hold: &Hold<L>) {
-        let keep = L::ONE - hold.impulse_scale;
-
+    fn relax_friction<const SOFT: bool>(
+        &mut self,
+        carried: &Carried<L>,
+        visit: &mut Visit<L>,
+        hold: &Hold<L>,
+    ) {
+        let (mut mass, mut start) = (self.twist_mass, L::ZERO);
+        if SOFT {
+            mass = mass * hold.mass_scale;
+            let given_back = hold.impulse_scale * (self.held_twist - self.twist);
+            start = mass.taken_from(hold.back_twist, given_back);
+        }
         let limit = self.most_twist(carried);
-        let mass = self.twist_mass * hold.mass_scale;
-        let start = self
-            .twist
-            .mul_add(keep, hold.impulse_scale * self.held_twist);
-        let start = mass.taken_from(hold.back_twist, start) - self.twist;
         let twist = mass.taken_from(visit.velocity.angular.x, start);
         let twist = twist.min(limit - self.twist).max(-limit - self.twist);
         self.twist += twist;
 
-        let limit = self.friction * carried.all;
+        let mut excess = [visit.velocity.linear.y, visit.velocity.linear.z];
+        let mut start = self.tangential;
+        if SOFT {
+            excess = [excess[0] + hold.back[0], excess[1] + hold.back[1]];
+            let [x, y] = self.held;
+            start = [
+                hold.impulse_scale.mul_add(x - start[0], start[0]),
+                hold.impulse_scale.mul_add(y - start[1], start[1]),
+            ];
+        }
         let excess = [
-            self.twist_to_tangents[0].mul_add(twist, visit.velocity.linear.y + hold.back[0]),
-            self.twist_to_tangents[1].mul_add(twist, visit.velocity.linear.z + hold.back[1]),
+            self.twist_to_tangents[0].mul_add(twist, excess[0]),
+            self.twist_to_tangents[1].mul_add(twist, excess[1]),
         ];
+        let excess = match SOFT {
+            true => [hold.mass_scale * excess[0], hold.mass_scale * excess[1]],
+            false => excess,
+        };
         // The exact step where it stays inside the cone, else an isotropic one, projected (see `rows.rs`).
         let [xx, yy, xy] = self.tangent_mass;
-        let start = [
-            self.tangential[0].mul_add(keep, hold.impulse_scale * self.held[0]),
-            self.tangential[1].mul_add(keep, hold.impulse_scale * self.held[1]),
-        ];
-        let [xx, yy, xy] = [
-            xx * hold.mass_scale,
-            yy * hold.mass_scale,
-            xy * hold.mass_scale,
-        ];
-        let mut change = [
-            xy.taken_from(
-                excess[1],
-                xx.taken_from(excess[0], start[0] - self.tangential[0]),
-            ),
-            yy.taken_from(
-                excess[1],
-                xy.taken_from(excess[0], start[1] - self.tangential[1]),
-            ),
-        ];
         let mut found = [
-            self.tangential[0] + change[0],
-            self.tangential[1] + change[1],
+            xy.taken_from(excess[1], xx.taken_from(excess[0], start[0])),
+            yy.taken_from(excess[1], xy.taken_from(excess[0], start[1])),
         ];
-        let square = square_length(found);
-        let limit_square = limit * limit;
-        if square.any_above(limit_square) {
-            let isotropic = hold.mass_scale * self.isotropic_mass;
-            let slid = [
-                isotropic.taken_from(excess[0], start[0]),
-                isotropic.taken_from(excess[1], start[1]),
-            ];
-            let length = square_length(slid).sqrt();
-            let shorten = length.select_above(limit, limit * length.inverse(), L::ONE);
-            found = [
-                square.select_above(limit_square, slid[0] * shorten, found[0]),
-                square.select_above(limit_square, slid[1] * shorten, found[1]),
-            ];
-            change = [found[0] - self.tangential[0], found[1] - self.tangential[1]];
+        let limit = self.friction * carried.all;
+        if square_length(found).any_above(squared(limit)) {
+            found = L::run_rarely(Slide {
+                found,
+                limit,
+                start,
+                excess,
+                isotropic_mass: self.isotropic_mass,
+            });
         }
+        let change = [found[0] - self.tangential[0], found[1] - self.tangential[1]];
         self.tangential = found;
 
         visit.wrench.linear.y += change[0];
@@ -236,43 +252,228 @@ impl<L: F32xN> Block<L> {
     /// Soft friction was found for what normals carried before them. Where they have let go since, as after a blow, friction of the
     /// blow would be given twice.
     #[inline(always)]
-    fn confine(&mut self, carried: &Carried<L>, visit: &mut Visit<L>) {
-        let limit = L::splat(STALE) * self.friction * carried.all;
+    fn confine(&mut self, carried: L, visit: &mut Visit<L>) {
+        let limit = L::splat(STALE) * self.friction * carried;
         let [x, y] = self.tangential;
-        let square = square_length([x, y]);
-        if !square.any_above(limit * limit) {
-            return;
+        if square_length([x, y]).any_above(squared(limit)) {
+            let found = L::run_rarely(Shorten {
+                vector: [x, y],
+                limit,
+            });
+            self.tangential = found;
+            visit.wrench.linear.y += found[0] - x;
+            visit.wrench.linear.z += found[1] - y;
         }
-        let length = square.sqrt();
-        let shorten = length.select_above(limit, limit * length.inverse(), L::ONE);
-        self.tangential = [x * shorten, y * shorten];
-        visit.wrench.linear.y += self.tangential[0] - x;
-        visit.wrench.linear.z += self.tangential[1] - y;
     }
 
-    /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.
     #[inline(always)]
-    fn relax_rolling(&mut self, carried: &Carried<L>, visit: &mut Visit<L>) {
+    fn springs(&self, carried: &Carried<L>, moved: &SpatialVec<L>, pass: &Pass) -> Springs<L> {
+        let soft = &self.softness;
+        let left = carried.all * self.share * self.inverse_load;
+        // Of the load, held at most.
+        let most = (left * L::splat(UNLOADED)).min(L::ONE);
+        Springs {
+            moved: on_normals_local(moved),
+            bias_rate: soft.bias_rate,
+            fastest: -self.max_speed,
+            mass_scale: soft.mass_scale,
+            impulse_scale: soft.impulse_scale,
+            left: left.min(L::ONE),
+            held: soft.impulse_scale * most,
+            preload: soft.impulse_scale * L::splat(pass.preload),
+            reach: most * self.gives,
+            rate: L::splat(pass.rate),
+        }
+    }
+}
+
+impl<L: F32xN> Springs<L> {
+    #[inline(always)]
+    fn relax_normals(&self, points: &mut [Points<L>], mut visit: Visit<L>) -> Visit<L> {
+        // The patches beside it must find what they would find alone.
+        let u = visit.velocity.linear.x;
+        let lands = u.max(-u);
+        let landing = L::splat(LANDING);
+        if lands.any_above(landing) {
+            let lands = lands.select_above(landing, L::ONE, L::ZERO);
+            return L::run_rarely(Land {
+                springs: *self,
+                points,
+                visit,
+                lands,
+            });
+        }
+        let mut normals = on_normals_local(&visit.velocity);
+        for point in points.iter_mut() {
+            let (mass, constant) = self.row(point);
+            let approach = point.approach(&normals);
+            let step = mass.mul_add(approach, constant);
+            let taken = point.take(step, &mut normals, &mut visit.wrench);
+            visit.change = taken.mul_add(approach, visit.change);
+        }
+        visit
+    }
+
+    /// What is to be taken from a point's impulse is mass · approach + constant.
+    #[inline(always)]
+    fn row(&self, point: &mut Points<L>) -> (L, L) {
+        let s = point.separation + point.approach(&self.moved);
+        let lost = point.load.mul_sub(self.left, point.impulse).max(L::ZERO);
+        let soft_mass = self.mass_scale * point.mass;
+        let held = self
+            .held
+            .taken_from(point.load, self.impulse_scale * point.impulse);
+        let held = self.preload.mul_add(lost, held);
+        let closed = soft_mass.mul_add((self.bias_rate * s).max(self.fastest), held);
+        // The spring rests where the surfaces meet, with all of its load, and reaches as far beyond as that stretches it.
+        let (stretch, reach) = (s * point.mass, self.reach * point.load);
+        point.gap = stretch.select_above(reach, s, L::ZERO);
+        (
+            stretch.select_above(reach, point.mass, soft_mass),
+            stretch.select_above(reach, stretch * self.rate, closed),
+        )
+    }
+}
+
+#[inline(always)]
+fn relax_normals_rigidly<L: F32xN>(points: &mut [Points<L>], visit: &mut Visit<L>, pass: &Pass) {
+    let mut normals = on_normals_local(&visit.velocity);
+    let rate = L::splat(pass.rate);
+    for point in points.iter_mut() {
+        let approach = point.approach(&normals);
+        let step = point.mass * point.gap.mul_add(rate, approach);
+        let taken = point.take(step, &mut normals, &mut visit.wrench);
+        visit.change = taken.mul_add(approach, visit.change);
+    }
+}
+
+/// See [`Block::drag`].
+struct Drag<'a, L: F32xN> {
+    block: &'a mut Block<L>,
+    carried: Carried<L>,
+    pull: [L; 2],
+    pull_twist: L,
+}
+
+impl<L: F32xN> Kernel for Drag<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            block,
+            carried,
+            pull,
+            pull_twist,
+        } = self;
+        let play = L::splat(PLAY);
+        let limit = block.most_twist(&carried);
+        let reach = block
+            .compliance_twist
+            .mul_add(limit, play * block.radius.inverse());
+        let angle = pull_twist.max(-pull_twist);
+        let cut = (reach * angle.inverse()).min(L::ONE) - L::ONE;
+        block.slip_twist = cut.taken_from(pull_twist, block.slip_twist);
+        block.dragged_twist = cut.mul_add(pull_twist, block.dragged_twist);
+
+        let length = square_length(pull).sqrt();
+        let reach = (block.compliance * block.friction).mul_add(carried.all, play);
+        let cut = (reach * length.inverse()).min(L::ONE) - L::ONE;
+        let anchors = block.slip.iter_mut().zip(&mut block.dragged);
+        for ((slip, dragged), pull) in anchors.zip(pull) {
+            *slip = cut.taken_from(pull, *slip);
+            *dragged = cut.mul_add(pull, *dragged);
+        }
+    }
+}
+
+/// Friction that slides in some lane: there an isotropic step, projected.
+struct Slide<L> {
+    found: [L; 2],
+    limit: L,
+    start: [L; 2],
+    excess: [L; 2],
+    isotropic_mass: L,
+}
+
+impl<L: F32xN> Kernel for Slide<L> {
+    type Output = [L; 2];
+
+    #[inline(always)]
+    fn run(self) -> [L; 2] {
+        let slid = [
+            self.isotropic_mass
+                .taken_from(self.excess[0], self.start[0]),
+            self.isotropic_mass
+                .taken_from(self.excess[1], self.start[1]),
+        ];
+        let slid = shorten(slid, self.limit);
+        let (square, limit) = (square_length(self.found), squared(self.limit));
+        [
+            square.select_above(limit, slid[0], self.found[0]),
+            square.select_above(limit, slid[1], self.found[1]),
+        ]
+    }
+}
+
+/// See [`shorten`].
+struct Shorten<L> {
+    vector: [L; 2],
+    limit: L,
+}
+
+impl<L: F32xN> Kernel for Shorten<L> {
+    type Output = [L; 2];
+
+    #[inline(always)]
+    fn run(self) -> [L; 2] {
+        shorten(self.vector, self.limit)
+    }
+}
+
+/// A vector no longer than that.
+#[inline(always)]
+fn shorten<L: F32xN>(vector: [L; 2], limit: L) -> [L; 2] {
+    let length = square_length(vector).sqrt();
+    let shorten = length.select_above(limit, limit * length.inverse(), L::ONE);
+    [vector[0] * shorten, vector[1] * shorten]
+}
+
+/// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.
+struct Roll<'a, L: F32xN> {
+    block: &'a mut Block<L>,
+    carried: Carried<L>,
+    visit: Visit<L>,
+}
+
+impl<L: F32xN> Kernel for Roll<'_, L> {
+    type Output = Visit<L>;
+
+    #[inline(always)]
+    fn run(self) -> Visit<L> {
+        let Self {
+            block,
+            carried,
+            mut visit,
+        } = self;
         let spin = [visit.velocity.angular.y, visit.velocity.angular.z];
         let slip = [visit.velocity.linear.y, visit.velocity.linear.z];
-        let rolling = self.rolling_radius * self.rolling_radius;
+        let rolling = block.rolling_radius * block.rolling_radius;
         let square = rolling.mul_add(square_length(spin), square_length(slip));
         let fast = square.mul_add(L::splat(1.0 / (CREEP * CREEP)), L::ONE);
-        let limit = self.rolling_lever * carried.all * (fast * fast).inverse();
-        let [xx, yy, xy] = self.rolling_mass;
+        let limit = block.rolling_lever * carried.all * (fast * fast).inverse();
+        let [xx, yy, xy] = block.rolling_mass;
         let exact = [
-            self.rolling[0] - xx.mul_add(spin[0], xy * spin[1]),
-            self.rolling[1] - xy.mul_add(spin[0], yy * spin[1]),
+            block.rolling[0] - xx.mul_add(spin[0], xy * spin[1]),
+            block.rolling[1] - xy.mul_add(spin[0], yy * spin[1]),
         ];
-        let length = square_length(exact).sqrt();
-        let shorten = length.select_above(limit, limit * length.inverse(), L::ONE);
-        let found = [exact[0] * shorten, exact[1] * shorten];
-        let change = [found[0] - self.rolling[0], found[1] - self.rolling[1]];
-        self.rolling = found;
+        let found = shorten(exact, limit);
+        let change = [found[0] - block.rolling[0], found[1] - block.rolling[1]];
+        block.rolling = found;
 
         visit.wrench.angular.y += change[0];
         visit.wrench.angular.z += change[1];
-        let seen = self.normals.apply(Vec3xN {
+        let seen = block.normals.apply(Vec3xN {
             x: L::ZERO,
             y: change[0],
             z: change[1],
@@ -280,105 +481,81 @@ impl<L: F32xN> Block<L> {
         visit.velocity.linear.x += seen.x;
         visit.velocity.angular.y += seen.y;
         visit.velocity.angular.z += seen.z;
+        visit
     }
+}
+
+/// What lands on a face, or still has the impulse of landing, would be turned by the point that is visited first. So all its
+/// points are stopped together before, and visited more often.
+struct Land<'a, L: F32xN> {
+    springs: Springs<L>,
+    points: &'a mut [Points<L>],
+    visit: Visit<L>,
+    /// 1 where it does.
+    lands: L,
+}
+
+impl<L: F32xN> Kernel for Land<'_, L> {
+    type Output = Visit<L>;
 
     #[inline(always)]
-    fn relax_normals_softly(
-        &mut self,
-        points: &mut [Points<L>],
-        carried: &Carried<L>,
-        visit: &mut Visit<L>,
-        moved: &Vec3xN<L>,
-        pass: &Pass,
-    ) {
-        let soft = &self.softness;
-        let mean = carried.all * self.share;
-        // The share of its load that the patch still carries, and what of it is held at most.
-        let left = mean * self.inverse_load;
-        let most = (left * L::splat(UNLOADED)).min(L::ONE);
-        let left = left.min(L::ONE);
+    fn run(self) -> Visit<L> {
+        let Self {
+            springs,
+            points,
+            mut visit,
+            lands,
+        } = self;
         let mut normals = on_normals_local(&visit.velocity);
-        let (rate, preload) = (L::splat(pass.rate), L::splat(pass.preload));
-        // 1 where it lands. The patches beside it must find what they would find alone.
-        let landing = L::splat(LANDING);
-        let speed = normals.x.max(-normals.x);
+        springs.stop_together(points, &mut normals, &mut visit.wrench, lands);
         let mut counts = L::ONE;
-        let visits = if speed.any_above(landing) {
-            let lands = speed.select_above(landing, L::ONE, L::ZERO);
-            self.stop_together(points, &lands, &mut normals, &mut visit.wrench, moved, pass);
-            LANDING_VISITS
-        } else {
-            1
-        };
-        for _ in 0..visits {
+        for _ in 0..LANDING_VISITS {
             for point in points.iter_mut() {
+                let (mass, constant) = springs.row(point);
                 let approach = point.approach(&normals);
-                let s = point.separation + point.approach(moved);
-                point.now = s;
-                let push = (-soft.bias_rate * s).min(self.max_speed);
-                let load = point.load * most;
-                let lost = point.load.mul_sub(left, point.impulse).max(L::ZERO);
-                let held = preload.taken_from(lost, load);
-                point.reach = load * point.compliance;
-                // What there is to give is `constant` − `mass` · approach: all but the last is known before the points
-                // that come first.
-                let soft_mass = soft.mass_scale * point.mass;
-                let closed = soft_mass.mul_sub(push, soft.impulse_scale * (point.impulse - held));
-                let constant = s.select_above(point.reach, -s * (point.mass * rate), closed);
-                let mass = s.select_above(point.reach, point.mass, soft_mass);
-                let change = (counts * mass).taken_from(approach, counts * constant);
-                let given = point.give(change, &mut normals, &mut visit.wrench);
-                visit.change = given.taken_from(approach, visit.change);
+                let step = counts * mass.mul_add(approach, constant);
+                let taken = point.take(step, &mut normals, &mut visit.wrench);
+                visit.change = taken.mul_add(approach, visit.change);
             }
-            counts = speed.select_above(landing, L::ONE, L::ZERO);
+            counts = lands;
         }
+        visit
     }
+}
 
-    /// What lands on a face, or still has the impulse of landing, would be turned by the point that is visited first. So all its
-    /// points are stopped together before.
+impl<L: F32xN> Springs<L> {
     #[inline(always)]
     fn stop_together(
         &self,
         points: &mut [Points<L>],
-        lands: &L,
         normals: &mut Vec3xN<L>,
         wrench: &mut SpatialVec<L>,
-        moved: &Vec3xN<L>,
-        pass: &Pass,
+        lands: L,
     ) {
-        let mut all = Vec3xN::default();
+        let before = *normals;
         let mut missing = L::ZERO;
-        let rate = L::splat(pass.rate);
-        for point in points.iter_mut() {
-            let s = point.separation + point.approach(moved);
-            let lack = -s.max(L::ZERO).mul_add(rate, point.approach(normals));
-            let used = point.mass.select_above(L::ZERO, *lands, L::ZERO);
-            point.now = lack.max(point.impulse).select_above(L::ZERO, used, L::ZERO);
-            missing = point.now.mul_add(lack, missing);
-            all = point.direction().scale_add(point.now, all);
+        let (mut force, mut effect) = (Vec3xN::default(), Vec3xN::default());
+        for point in points.iter() {
+            let (share, lack) = self.lack(point, &before, lands);
+            missing = share.mul_add(lack, missing);
+            force = point.direction().scale_add(share, force);
+            effect = point.effect.scale_add(share, effect);
         }
-        let share = missing * all.dot(self.normals.apply(all)).inverse();
+        let most = missing * force.dot(effect).inverse();
         for point in points.iter_mut() {
-            point.give(point.now * share, normals, wrench);
+            let (share, _) = self.lack(point, &before, lands);
+            point.take(-share * most, normals, wrench);
         }
     }
 
+    /// The share of a point in what stops the patch, in proportion to what it lacks or gives already; and what it lacks, m/s.
     #[inline(always)]
-    fn relax_normals_rigidly(
-        &mut self,
-        points: &mut [Points<L>],
-        visit: &mut Visit<L>,
-        pass: &Pass,
-    ) {
-        let mut normals = on_normals_local(&visit.velocity);
-        let rate = L::splat(pass.rate);
-        for point in points.iter_mut() {
-            let approach = point.approach(&normals);
-            let gap = point.now.select_above(point.reach, point.now, L::ZERO);
-            let change = point.mass.taken_from(approach, -gap * (point.mass * rate));
-            let given = point.give(change, &mut normals, &mut visit.wrench);
-            visit.change = given.taken_from(approach, visit.change);
-        }
+    fn lack(&self, point: &Points<L>, normals: &Vec3xN<L>, lands: L) -> (L, L) {
+        let s = point.separation + point.approach(&self.moved);
+        let lack = -s.max(L::ZERO).mul_add(self.rate, point.approach(normals));
+        let used = point.mass.select_above(L::ZERO, lands, L::ZERO);
+        let share = lack.max(point.impulse).select_above(L::ZERO, used, L::ZERO);
+        (share, lack)
     }
 }
 
@@ -413,14 +590,16 @@ impl<L: F32xN> Visit<L> {
 }
 
 impl<L: F32xN> Points<L> {
-    /// Adds to λ_n, which stays ≥ 0; what of it was given.
+    /// Takes from λ_n, which stays ≥ 0; what of it was taken.
     #[inline(always)]
-    fn give(&mut self, change: L, normals: &mut Vec3xN<L>, wrench: &mut SpatialVec<L>) -> L {
-        let given = change.max(-self.impulse);
-        self.impulse += given;
-        *normals = self.effect.scale_add(given, *normals);
-        self.push(given, wrench);
-        given
+    fn take(&mut self, step: L, normals: &mut Vec3xN<L>, wrench: &mut SpatialVec<L>) -> L {
+        let taken = step.min(self.impulse);
+        self.impulse -= taken;
+        *normals = self.effect.scale_taken_from(taken, *normals);
+        wrench.linear.x -= taken;
+        wrench.angular.y = self.y.taken_from(taken, wrench.angular.y);
+        wrench.angular.z = self.x.mul_add(taken, wrench.angular.z);
+        taken
     }
 }
 
@@ -436,9 +615,16 @@ impl<L: F32xN> Carried<L> {
     }
 }
 
+/// For comparison with a [square_length].
+#[inline(always)]
+fn squared<L: F32xN>(limit: L) -> L {
+    limit.mul_add(limit, L::splat(TINY))
+}
+
+/// And a tiny bit more, see [`TINY`].
 #[inline(always)]
 fn square_length<L: F32xN>([x, y]: [L; 2]) -> L {
-    x.mul_add(x, y * y)
+    x.mul_add(x, y.mul_add(y, L::splat(TINY)))
 }
 
 impl<L: F32xN> Hold<L> {

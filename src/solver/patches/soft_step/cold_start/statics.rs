@@ -189,7 +189,7 @@ impl<L: F32xN> Island<L> {
                     (point.mass[lane], point.impulse[lane]) = (0.0, 0.0);
                 }
             }
-            (point.separation, point.now) = (L::ZERO, L::ZERO);
+            (point.separation, point.gap) = (L::ZERO, L::ZERO);
         }
         let free = L::run(Start {
             island: &mut island,
@@ -214,18 +214,20 @@ impl<L: F32xN> Island<L> {
     }
 
     fn keep(&self, problem: &mut PatchProblem) {
-        for (patch, &(block, lane)) in problem.patches.iter_mut().zip(&self.batches.places) {
-            let (block, lane) = (&self.blocks[block as usize], lane as usize);
-            let t1 = block.tangent.get(lane);
-            let t2 = patch.normal.cross(t1);
-            let [x, y] = block.tangential;
-            patch.tangential = t1 * x[lane] + t2 * y[lane];
-            patch.twist = block.twist[lane];
-            (patch.load_tangential, patch.load_twist) = (patch.tangential, patch.twist);
+        for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
             let found = &self.points[block.range()];
-            for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
-                point.impulse = found.impulse[lane];
-                point.load = point.impulse;
+            for (lane, &patch) in patches.iter().enumerate() {
+                let patch = &mut problem.patches[patch as usize];
+                let t1 = block.tangent.get(lane);
+                let t2 = patch.normal.cross(t1);
+                let [x, y] = block.tangential;
+                patch.tangential = t1 * x[lane] + t2 * y[lane];
+                patch.twist = block.twist[lane];
+                (patch.load_tangential, patch.load_twist) = (patch.tangential, patch.twist);
+                for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
+                    point.impulse = found.impulse[lane];
+                    point.load = point.impulse;
+                }
             }
         }
     }

@@ -47,6 +47,18 @@ unsafe fn enter<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
+/// The same out of the way.
+///
+/// # Safety
+///
+/// As [`enter`].
+#[cold]
+#[inline(never)]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn enter_rarely<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
 /// An operation on registers.
 macro_rules! registers {
     ($operation:expr) => {
@@ -60,10 +72,15 @@ impl F32xN for F32x8 {
     const ZERO: Self = Self::of([0.0; 8]);
     const ONE: Self = Self::of([1.0; 8]);
 
-    type Bodies = [u32; 8];
+    type Bodies = Bodies;
 
-    fn bodies(body: u32) -> Self::Bodies {
-        [body; 8]
+    fn bodies(body: u32) -> Bodies {
+        Bodies([offset(body); 8])
+    }
+
+    #[inline(always)]
+    fn set_body(bodies: &mut Bodies, lane: usize, body: u32) {
+        bodies.0[lane] = offset(body);
     }
 
     #[inline(always)]
@@ -133,7 +150,7 @@ impl F32xN for F32x8 {
     }
 
     #[inline(always)]
-    fn gather(states: &[State], bodies: &[u32; 8]) -> SpatialVec<Self> {
+    fn gather(states: &[State], bodies: &Bodies) -> SpatialVec<Self> {
         check(bodies, states.len());
         let states = states.as_ptr().cast();
         // SAFETY: all bodies are among the states; see the module's text.
@@ -146,7 +163,7 @@ impl F32xN for F32x8 {
     }
 
     #[inline(always)]
-    fn scatter(states: &mut [State], bodies: &[u32; 8], motion: &SpatialVec<Self>) {
+    fn scatter(states: &mut [State], bodies: &Bodies, motion: &SpatialVec<Self>) {
         check(bodies, states.len());
         let states = states.as_mut_ptr().cast();
         // SAFETY: all bodies are among the states; see the module's text.
@@ -161,14 +178,32 @@ impl F32xN for F32x8 {
         // SAFETY: it has both.
         unsafe { enter(kernel) }
     }
+
+    #[inline(always)]
+    fn run_rarely<K: Kernel>(kernel: K) -> K::Output {
+        registers!(enter_rarely(kernel))
+    }
+}
+
+/// The body of each lane, as the offset of its state in units of [`UNIT`] bytes: what an address can be made of without a shift.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Bodies([u32; 8]);
+
+/// An address may have an index times this.
+const UNIT: usize = 8;
+
+#[inline(always)]
+fn offset(body: u32) -> u32 {
+    body * (size_of::<State>() / UNIT) as u32
 }
 
 /// Panics unless all bodies are among so many.
 #[inline(always)]
-fn check(bodies: &[u32; 8], count: usize) {
-    let last = count.wrapping_sub(1).min(u32::MAX as usize) as u32;
+fn check(bodies: &Bodies, count: usize) {
+    let end = count * (size_of::<State>() / UNIT);
+    let last = end.wrapping_sub(1).min(u32::MAX as usize) as u32;
     let beyond = registers!({
-        let bodies = _mm256_loadu_si256(bodies.as_ptr().cast());
+        let bodies = _mm256_loadu_si256(bodies.0.as_ptr().cast());
         let least = _mm256_min_epu32(bodies, _mm256_set1_epi32(last as i32));
         _mm256_movemask_epi8(_mm256_cmpeq_epi32(bodies, least)) != -1
     });
@@ -179,8 +214,26 @@ fn check(bodies: &[u32; 8], count: usize) {
 
 #[cold]
 #[inline(never)]
-fn no_such_body(bodies: &[u32; 8], count: usize) -> ! {
+fn no_such_body(bodies: &Bodies, count: usize) -> ! {
+    let bodies = bodies
+        .0
+        .map(|offset| offset as usize * UNIT / size_of::<State>());
     panic!("one of the bodies {bodies:?} is not among {count}")
+}
+
+/// Linear or angular velocity (part 0 or 1) of a lane's body.
+///
+/// # Safety
+///
+/// Its state is there.
+#[inline(always)]
+unsafe fn place(states: *const __m128, bodies: &Bodies, part: usize, lane: usize) -> *const __m128 {
+    // SAFETY: as the caller says; a state is two registers of four. Read as volatile, or the compiler would read all lanes at once and
+    // take them apart again at a cost.
+    unsafe {
+        let offset = (&raw const bodies.0[lane]).read_volatile() as usize;
+        states.byte_add(UNIT * offset).add(part)
+    }
 }
 
 /// The linear or angular (part 0 or 1) velocities of the lanes' bodies: four rows of two bodies each, four lanes apart, transposed.
@@ -189,7 +242,7 @@ fn no_such_body(bodies: &[u32; 8], count: usize) -> ! {
 ///
 /// A state of every body is there, and the processor has AVX.
 #[inline(always)]
-unsafe fn load(states: *const __m128, bodies: &[u32; 8], part: usize) -> Vec3xN<F32x8> {
+unsafe fn load(states: *const __m128, bodies: &Bodies, part: usize) -> Vec3xN<F32x8> {
     // SAFETY: as the caller says.
     unsafe {
         let a = row(states, bodies, part, 0);
@@ -212,12 +265,12 @@ unsafe fn load(states: *const __m128, bodies: &[u32; 8], part: usize) -> Vec3xN<
 ///
 /// As [`load`].
 #[inline(always)]
-unsafe fn row(states: *const __m128, bodies: &[u32; 8], part: usize, lane: usize) -> __m256 {
-    let (low, high) = (bodies[lane] as usize, bodies[lane + 4] as usize);
-    // SAFETY: as the caller says; a state is two registers of four.
+unsafe fn row(states: *const __m128, bodies: &Bodies, part: usize, lane: usize) -> __m256 {
+    // SAFETY: as the caller says.
     unsafe {
-        let low = _mm256_castps128_ps256(*states.add(2 * low + part));
-        _mm256_insertf128_ps::<1>(low, *states.add(2 * high + part))
+        let low = *place(states, bodies, part, lane);
+        let high = *place(states, bodies, part, lane + 4);
+        _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high)
     }
 }
 
@@ -227,7 +280,7 @@ unsafe fn row(states: *const __m128, bodies: &[u32; 8], part: usize, lane: usize
 ///
 /// As [`load`].
 #[inline(always)]
-unsafe fn store(states: *mut __m128, bodies: &[u32; 8], part: usize, v: Vec3xN<F32x8>) {
+unsafe fn store(states: *mut __m128, bodies: &Bodies, part: usize, v: Vec3xN<F32x8>) {
     let zero = F32x8::ZERO.0;
     // SAFETY: as the caller says.
     unsafe {
@@ -246,9 +299,10 @@ unsafe fn store(states: *mut __m128, bodies: &[u32; 8], part: usize, v: Vec3xN<F
             _mm256_shuffle_ps::<0b11_10_11_10>(cd, cd_z),
         ];
         for (lane, &row) in rows.iter().enumerate() {
-            let (low, high) = (bodies[lane] as usize, bodies[lane + 4] as usize);
-            *states.add(2 * low + part) = _mm256_castps256_ps128(row);
-            *states.add(2 * high + part) = _mm256_extractf128_ps::<1>(row);
+            let low = place(states, bodies, part, lane).cast_mut();
+            let high = place(states, bodies, part, lane + 4).cast_mut();
+            *low = _mm256_castps256_ps128(row);
+            *high = _mm256_extractf128_ps::<1>(row);
         }
     }
 }

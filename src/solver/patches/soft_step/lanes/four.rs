@@ -20,6 +20,11 @@ impl F32xN for F32x4 {
     }
 
     #[inline(always)]
+    fn set_body(bodies: &mut Self::Bodies, lane: usize, body: u32) {
+        bodies[lane] = body;
+    }
+
+    #[inline(always)]
     fn splat(x: f32) -> Self {
         Self(Vec4::splat(x))
     }
@@ -97,6 +102,12 @@ impl F32xN for F32x4 {
     }
 
     fn run<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn run_rarely<K: Kernel>(kernel: K) -> K::Output {
         kernel.run()
     }
 }

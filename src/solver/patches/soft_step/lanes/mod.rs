@@ -47,10 +47,13 @@ pub trait F32xN:
     const ONE: Self;
 
     /// The index of a body in each lane.
-    type Bodies: Copy + Debug + Default + IndexMut<usize, Output = u32> + Send + Sync;
+    type Bodies: Copy + Debug + Default + Send + Sync;
 
     /// The same body in all lanes.
     fn bodies(body: u32) -> Self::Bodies;
+
+    /// Puts a body into a lane.
+    fn set_body(bodies: &mut Self::Bodies, lane: usize, body: u32);
 
     fn splat(x: f32) -> Self;
     fn max(self, o: Self) -> Self;
@@ -85,6 +88,9 @@ pub trait F32xN:
 
     /// Runs a kernel on this width's instructions.
     fn run<K: Kernel>(kernel: K) -> K::Output;
+
+    /// The same inside a kernel, for what is seldom needed: as a function of its own it leaves the registers to the rest.
+    fn run_rarely<K: Kernel>(kernel: K) -> K::Output;
 }
 
 /// A piece of work that is compiled for the instructions of a width: its `run` and all it calls with lanes must be
@@ -94,3 +100,6 @@ pub trait Kernel {
 
     fn run(self) -> Self::Output;
 }
+
+#[cfg(test)]
+mod tests;

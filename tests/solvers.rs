@@ -412,10 +412,10 @@ impl Patches {
             let [v, w] = body.motion.unwrap_or_default();
             [body.linear, body.angular, v, w]
         });
-        let patches = self.patches.iter().map(|patch| patch.tangential);
-        let points = self.points.iter().map(|point| point.impulse);
+        let patches = self.patches.iter().map(|patch| patch.warm_tangential);
+        let points = self.points.iter().map(|point| point.warm_normal);
         let vectors = bodies.chain(patches).flat_map(|v| v.to_array());
-        let twists = self.patches.iter().map(|patch| patch.twist);
+        let twists = self.patches.iter().map(|patch| patch.warm_twist);
         let numbers = vectors.chain(twists).chain(points);
         numbers.map(f32::to_bits).collect()
     }
@@ -450,8 +450,8 @@ fn touch() -> impl Strategy<Value = Touch> {
                     shift: flat(shift),
                     twist,
                 }),
-                tangential: flat(start.0),
-                twist: start.1,
+                warm_tangential: flat(start.0),
+                warm_twist: start.1,
                 ..Default::default()
             };
             let points = points
@@ -459,8 +459,8 @@ fn touch() -> impl Strategy<Value = Touch> {
                 .map(|(offset, separation, impulse, load)| PatchPoint {
                     offset: flat(offset),
                     separation,
-                    impulse: impulse.max(0.0),
-                    given: 0.0,
+                    warm_normal: impulse.max(0.0),
+                    normal: 0.0,
                     load,
                 });
             (a, b, centre, patch, points.collect())
@@ -556,7 +556,7 @@ fn part(whole: &Patches, (shift, mine): &(usize, Vec<usize>), group: &Patches) -
         let from = &whole.patches[from];
         let points = &mut part.points[patch.range()];
         points.copy_from_slice(&whole.points[from.range()]);
-        (patch.tangential, patch.twist) = (from.tangential, from.twist);
+        (patch.warm_tangential, patch.warm_twist) = (from.warm_tangential, from.warm_twist);
     }
     part
 }
@@ -570,10 +570,10 @@ proptest! {
     ) {
         let solved = problem.solved(iterations);
         for point in &solved.points {
-            prop_assert!(point.impulse >= 0.0 && point.impulse.is_finite() && point.load.is_finite(), "{point:?}");
+            prop_assert!(point.warm_normal >= 0.0 && point.warm_normal.is_finite() && point.load.is_finite(), "{point:?}");
         }
         for patch in &solved.patches {
-            prop_assert!(patch.tangential.is_finite() && patch.twist.is_finite(), "{patch:?}");
+            prop_assert!(patch.warm_tangential.is_finite() && patch.warm_twist.is_finite(), "{patch:?}");
         }
         for (before, body) in problem.bodies.iter().zip(&solved.bodies) {
             prop_assert!(body.linear.is_finite() && body.angular.is_finite());
@@ -593,17 +593,17 @@ proptest! {
         let solved = problem.solved(iterations);
         for patch in &solved.patches {
             let points = &solved.points[patch.range()];
-            let carried: f32 = points.iter().map(|p| p.impulse).sum();
+            let carried: f32 = points.iter().map(|p| p.warm_normal).sum();
             let [a, b] = [0, 1].map(|i| &solved.bodies[patch.bodies[i] as usize]);
             let along = a.response(patch.normal, patch.arms[0]) + b.response(patch.normal, patch.arms[1]);
             let about = patch.normal.dot((a.inverse_inertia + b.inverse_inertia) * patch.normal);
             // A point is a spot of 0.003 of the radius of gyration.
             let spot = 0.003 * (along / about).sqrt();
-            let lever: f32 = points.iter().map(|p| p.impulse * p.offset.length().max(spot)).sum();
-            let (force, limit) = (patch.tangential.length(), patch.friction * carried);
+            let lever: f32 = points.iter().map(|p| p.warm_normal * p.offset.length().max(spot)).sum();
+            let (force, limit) = (patch.warm_tangential.length(), patch.friction * carried);
             prop_assert!(force <= limit * (1.0 + 1e-4) + 1e-4, "{force} of {limit} N s");
             let limit = patch.friction * lever;
-            prop_assert!(patch.twist.abs() <= limit * (1.0 + 1e-4) + 1e-4, "{} of {limit} N m s", patch.twist);
+            prop_assert!(patch.warm_twist.abs() <= limit * (1.0 + 1e-4) + 1e-4, "{} of {limit} N m s", patch.warm_twist);
         }
     }
 
@@ -733,7 +733,7 @@ fn soft_step_leaves_a_body_that_reaches_nothing_to_its_forces() {
     assert!((cube.linear + Vec3::Y * (3.0 + fall)).length() < 1e-5);
     assert!((moved + Vec3::Y * (3.0 + fall * (n + 1.0) / (2.0 * n))).length() < 1e-5);
     assert_eq!([cube.angular, turned], [Vec3::ZERO; 2]);
-    assert!(solved.points.iter().all(|point| point.impulse == 0.0));
+    assert!(solved.points.iter().all(|point| point.warm_normal == 0.0));
 }
 
 /// To less than what a body gains by falling for a step, 0.16 m/s: the corners are not yet of one mind.

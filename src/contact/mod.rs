@@ -102,14 +102,14 @@ impl ContactPair {
 #[component(clone_behavior = Ignore)]
 pub struct Manifold {
     /// Parts of the manifold with one normal each. A pair of convex bodies has one at most.
-    pub patches: SmallVec<[Patch; 1]>,
+    pub patches: SmallVec<[ManifoldPatch; 1]>,
     /// The points of all patches.
     pub points: SmallVec<[ContactPoint; 4]>,
 }
 
 /// Contact points with one normal.
 #[derive(Clone, Copy, Debug)]
-pub struct Patch {
+pub struct ManifoldPatch {
     /// Unit vector from B to A, world axes.
     pub normal: Vec3,
     /// Index of its first point.
@@ -120,7 +120,7 @@ pub struct Patch {
     pub curved: bool,
 }
 
-impl Patch {
+impl ManifoldPatch {
     /// The indices of its points.
     #[inline]
     pub fn range(&self) -> std::ops::Range<usize> {

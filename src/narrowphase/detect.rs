@@ -6,7 +6,7 @@ use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet,
 use super::round::{self, Part};
 use super::{parry, passing};
 use crate::body::BodyState;
-use crate::contact::{ContactPoint, Manifold, NarrowphaseCache, Patch};
+use crate::contact::{ContactPoint, Manifold, ManifoldPatch, NarrowphaseCache};
 use glam::{Quat, Vec3};
 use smallvec::{SmallVec, smallvec};
 
@@ -70,7 +70,7 @@ pub(super) fn push(
         return;
     }
     points.sort_by(|x, y| x.distance.total_cmp(&y.distance));
-    manifold.patches.push(Patch {
+    manifold.patches.push(ManifoldPatch {
         normal,
         first: manifold.points.len() as u32,
         count: points.len() as u32,

@@ -2,7 +2,7 @@
 //! body carried along. What matches inherits impulses, sticking and anchors.
 
 use super::polyhedra::FeatureId;
-use crate::contact::{Manifold, Patch};
+use crate::contact::{Manifold, ManifoldPatch};
 use smallvec::SmallVec;
 
 /// For each new point the index of the old one.
@@ -50,7 +50,7 @@ const SAME_PATCH: f32 = 0.9;
 /// For each new patch the index of the old one: that with the nearest normal.
 pub(crate) fn match_patches(old: &Manifold, new: &Manifold) -> Origins {
     let mut taken: SmallVec<[bool; 8]> = smallvec::smallvec![false; old.patches.len()];
-    let origin = |patch: &Patch| {
+    let origin = |patch: &ManifoldPatch| {
         let along = |i: usize| old.patches[i].normal.dot(patch.normal);
         let nearest = (0..old.patches.len())
             .filter(|&i| !taken[i] && along(i) > SAME_PATCH)

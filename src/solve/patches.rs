@@ -3,7 +3,7 @@
 use super::Given;
 use super::island::Rows;
 use super::touch::{Touch, to_start_from};
-use crate::contact::{Impulse, Patch, PatchImpulse};
+use crate::contact::{Impulse, ManifoldPatch, PatchImpulse};
 use crate::solver::{
     Body, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
 };
@@ -131,7 +131,7 @@ impl Touch<'_> {
     fn refresh(
         &self,
         i: usize,
-        patch: &Patch,
+        patch: &ManifoldPatch,
         kept: &mut PatchConstraint,
         points: &mut [PatchPoint],
         last: f32,
@@ -141,19 +141,19 @@ impl Touch<'_> {
         let ideal = given.stabilization.rest_distance();
         kept.slip = self.targets.patches[i];
         let held = if kept.slip.is_some() { time.dt } else { 0.0 };
-        kept.tangential = kept.tangential / last * time.carried();
-        kept.twist = kept.twist / last * time.carried();
-        kept.rolling = kept.rolling / last * time.carried();
+        kept.warm_tangential = kept.warm_tangential / last * time.carried();
+        kept.warm_twist = kept.warm_twist / last * time.carried();
+        kept.warm_rolling = kept.warm_rolling / last * time.carried();
         kept.load_tangential = kept.load_tangential / last * held;
         kept.load_twist = kept.load_twist / last * held;
         kept.dragged = Default::default();
-        kept.given = Vec3::ZERO;
+        kept.tangential = Vec3::ZERO;
         let held = if patch.curved { 0.0 } else { time.dt };
         for (kept, point) in points.iter_mut().zip(&self.manifold.points[patch.range()]) {
-            let (warm, load) = (kept.impulse / last, kept.load / last);
+            let (warm, load) = (kept.warm_normal / last, kept.load / last);
             kept.separation = point.distance - ideal;
-            kept.impulse = to_start_from(warm, load, time);
-            kept.given = 0.0;
+            kept.warm_normal = to_start_from(warm, load, time);
+            kept.normal = 0.0;
             kept.load = load * held;
         }
     }
@@ -162,13 +162,13 @@ impl Touch<'_> {
     fn patch(
         &self,
         i: usize,
-        patch: &Patch,
+        patch: &ManifoldPatch,
         given: &Given,
     ) -> (PatchConstraint, impl Iterator<Item = PatchPoint>) {
         let time = &*given.time;
         let ideal = given.stabilization.rest_distance();
         let points = &self.manifold.points[patch.range()];
-        let center = Patch::center(points);
+        let center = ManifoldPatch::center(points);
         let impulse = self.impulses.patches[i];
         let slip = self.targets.patches[i];
         // What friction holds on to is given up with its anchor.
@@ -180,14 +180,14 @@ impl Touch<'_> {
             restitution: self.pair.restitution,
             slip,
             count: patch.count,
-            tangential: impulse.warm_tangential * time.carried(),
-            twist: impulse.warm_twist * time.carried(),
+            warm_tangential: impulse.warm_tangential * time.carried(),
+            warm_twist: impulse.warm_twist * time.carried(),
             rolling_friction: match patch.curved {
                 true => self.pair.rolling_friction,
                 false => 0.0,
             },
             rolling_radius: self.pair.rolling_radius,
-            rolling: impulse.warm_rolling * time.carried(),
+            warm_rolling: impulse.warm_rolling * time.carried(),
             load_tangential: impulse.load_tangential * held,
             load_twist: impulse.load_twist * held,
             ..Default::default()
@@ -199,8 +199,8 @@ impl Touch<'_> {
         let points = points.map(move |(point, impulse)| PatchPoint {
             offset: point.arms[0] - center,
             separation: point.distance - ideal,
-            impulse: impulse.normal_to_start_from(time),
-            given: 0.0,
+            warm_normal: impulse.normal_to_start_from(time),
+            normal: 0.0,
             load: impulse.load * kept,
         });
         (constraint, points)
@@ -216,20 +216,20 @@ fn store(
     dt: f32,
 ) {
     *kept = PatchImpulse {
-        warm_tangential: found.tangential / dt,
-        warm_twist: found.twist / dt,
-        warm_rolling: found.rolling / dt,
+        warm_tangential: found.warm_tangential / dt,
+        warm_twist: found.warm_twist / dt,
+        warm_rolling: found.warm_rolling / dt,
         load_tangential: found.load_tangential / dt,
         load_twist: found.load_twist / dt,
         dragged: found.dragged,
     };
-    let sum: f32 = points.iter().map(|point| point.given).sum();
+    let sum: f32 = points.iter().map(|point| point.normal).sum();
     let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
     for (impulse, point) in impulses.iter_mut().zip(points) {
         *impulse = Impulse {
-            normal: point.given,
-            tangential: found.given * (point.given * share),
-            warm_normal: point.impulse / dt,
+            normal: point.normal,
+            tangential: found.tangential * (point.normal * share),
+            warm_normal: point.warm_normal / dt,
             warm_tangential: Vec3::ZERO,
             load: point.load / dt,
         };

@@ -3,7 +3,7 @@
 use super::Given;
 use super::island::Rows;
 use super::touch::Touch;
-use crate::contact::Impulse;
+use crate::contact::{Impulse, PatchImpulse};
 use crate::settings::StepTime;
 use crate::solver::{Body, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport};
 use rayon::prelude::*;
@@ -61,6 +61,8 @@ impl Rows for PointRows {
         let dt = given.time.dt;
         let mut solved = self.constraints.iter();
         for touch in touches {
+            // They are a patch solver's.
+            touch.impulses.patches.fill(PatchImpulse::default());
             for (impulse, constraint) in touch.impulses.points.iter_mut().zip(&mut solved) {
                 let (normal, tangential) = (constraint.impulse.x, constraint.impulse.with_x(0.0));
                 let tangential = constraint.world(tangential);

@@ -4,8 +4,8 @@
 use super::classifier::{classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Impulse, Manifold, Patch,
-    PatchAnchor,
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Impulse, Manifold,
+    ManifoldPatch, PatchAnchor,
 };
 use crate::islands::Islands;
 use crate::settings::{
@@ -140,7 +140,7 @@ fn hold_patches(
         let anchor = &mut anchors.patches[i];
         let solved = &impulses.points[patch.range()];
         let points = &manifold.points[patch.range()];
-        let center = Patch::center(points);
+        let center = ManifoldPatch::center(points);
         let lever = |(point, impulse): (&ContactPoint, &Impulse)| {
             impulse.normal * (point.arms[0] - center).length()
         };

@@ -5,7 +5,7 @@
 
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
+    Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, ManifoldPatch,
     PatchAnchor, Target, is_edited,
 };
 use crate::islands::Islands;
@@ -170,7 +170,7 @@ impl PlanarSlip {
 /// The slip of a patch, from its sticking points; gives up the anchors that no longer hold.
 fn measure_points(
     settings: &StabilizationSettings,
-    patch: &Patch,
+    patch: &ManifoldPatch,
     bodies: [&BodyState; 2],
     points: &[ContactPoint],
     anchors: &mut [Anchor],
@@ -200,7 +200,7 @@ fn measure_points(
 /// The slip of a patch by whatever rule; gives up anchors that no longer hold.
 fn measure(
     settings: &StabilizationSettings,
-    patch: &Patch,
+    patch: &ManifoldPatch,
     bodies: [&BodyState; 2],
     points: &[ContactPoint],
     anchor: &mut PatchAnchor,
@@ -217,7 +217,7 @@ fn measure(
     if !anchor.set {
         return None;
     }
-    let center = bodies[0].center + Patch::center(points);
+    let center = bodies[0].center + ManifoldPatch::center(points);
     let slip = pose_slip(settings, anchor, patch.normal, bodies, center);
     if slip.is_none() {
         *anchor = PatchAnchor::default();

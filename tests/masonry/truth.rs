@@ -4,7 +4,8 @@ use crate::blocks::{Joint, Masonry};
 use crate::site::Site;
 use drystone::body::Pose;
 use drystone::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Manifold, Patch,
+    ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Manifold,
+    ManifoldPatch,
 };
 use drystone::narrowphase::polyhedra::FeatureId;
 use drystone::settings::{Gravity, NarrowphaseSettings};
@@ -77,7 +78,7 @@ fn of(joint: &Joint, blocks: [usize; 2], rotation: DQuat, poses: &[Pose]) -> Man
             feature: FeatureId::NONE,
         });
     }
-    manifold.patches.push(Patch {
+    manifold.patches.push(ManifoldPatch {
         normal: (sign * (rotation * joint.normal.extend(0.0))).as_vec3(),
         first: 0,
         count: 4,

@@ -22,21 +22,21 @@ pub struct PatchConstraint {
     /// See `first`.
     pub count: u32,
     /// λ_t at the centre, N·s: what to start from, as if it acted all through the step; and what to start the next from.
-    pub tangential: Vec3,
+    pub warm_tangential: Vec3,
     /// Moment about the normal, N·m·s, likewise.
-    pub twist: f32,
+    pub warm_twist: f32,
     /// What resists rolling, as a share of the radius; 0 where nothing rolls.
     pub rolling_friction: f32,
     /// Of what rolls, m.
     pub rolling_radius: f32,
     /// Moment against rolling, N·m·s, likewise.
-    pub rolling: Vec3,
+    pub warm_rolling: Vec3,
     /// Slow means of λ_t and of the twist: what they carry at rest.
     pub load_tangential: Vec3,
     /// See `load_tangential`.
     pub load_twist: f32,
     /// What λ_t has given in the whole step, N·s: found.
-    pub given: Vec3,
+    pub tangential: Vec3,
     /// How far it has slid for good in this step, so that its anchor is to follow: found.
     pub dragged: Slip,
 }
@@ -66,9 +66,9 @@ pub struct PatchPoint {
     /// Distance of the surfaces beyond the ideal one, m; negative: too near.
     pub separation: f32,
     /// λ_n, N·s: what to start from, as if it acted all through the step; and what to start the next from.
-    pub impulse: f32,
+    pub warm_normal: f32,
     /// What λ_n has given in the whole step, N·s: found.
-    pub given: f32,
+    pub normal: f32,
     /// A slow mean of λ_n, N·s over the step: what it carries at rest.
     pub load: f32,
 }

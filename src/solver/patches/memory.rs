@@ -36,9 +36,10 @@ impl Memory {
         Some((kept, changed?))
     }
 
-    /// True where [`Self::take`] would give one.
-    pub fn holds<T: Any>(&self) -> bool {
-        self.changed.is_some() && self.kept.as_ref().is_some_and(|kept| kept.is::<T>())
+    /// What [`Self::take`] would give.
+    pub fn peek<T: Any>(&self) -> Option<&T> {
+        self.changed.as_ref()?;
+        self.kept.as_ref()?.downcast_ref()
     }
 
     /// Keeps something for the next problem.

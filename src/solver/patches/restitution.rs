@@ -115,7 +115,7 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     let mut bouncing = bounces.points;
     let at_once = problem.dt / substeps as f32;
     for patch in bouncing.chunk_by_mut(|a, b| a.patch == b.patch) {
-        let stopped = |bouncing: &Bouncing| problem.points[bouncing.point].given > 0.0;
+        let stopped = |bouncing: &Bouncing| problem.points[bouncing.point].normal > 0.0;
         let arrived = patch.iter().filter(|point| stopped(point));
         let last = arrived
             .map(|point| point.arrives)
@@ -140,13 +140,13 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     }
     for row in rows {
         let point = &mut problem.points[row.point];
-        point.given += row.impulse;
+        point.normal += row.impulse;
         if row.leave > 0.0 {
             // It is off, and carries nothing.
-            point.impulse = 0.0;
+            point.warm_normal = 0.0;
             let patch = &mut problem.patches[row.patch];
-            (patch.tangential, patch.twist) = (Vec3::ZERO, 0.0);
-            patch.rolling = Vec3::ZERO;
+            (patch.warm_tangential, patch.warm_twist) = (Vec3::ZERO, 0.0);
+            patch.warm_rolling = Vec3::ZERO;
         }
     }
 }
@@ -219,7 +219,7 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
         for index in patch.range() {
             let bounces = next.next_if(|bouncing| bouncing.point == index);
             let point = &problem.points[index];
-            if point.given <= 0.0 && bounces.is_none() {
+            if point.normal <= 0.0 && bounces.is_none() {
                 continue;
             }
             let bodies = patch.bodies.map(|body| body as usize);
@@ -236,7 +236,7 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
                 leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
                 least: match bounces {
                     Some(_) => 0.0,
-                    None => -point.impulse / substeps as f32,
+                    None => -point.warm_normal / substeps as f32,
                 },
                 impulse: 0.0,
             });
@@ -250,7 +250,7 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
 fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body]) {
     let (mut push, mut turns, mut missing) = (0.0, [Vec3::ZERO; 2], 0.0);
     for row in patch.iter().filter(|row| row.leave > 0.0) {
-        let given = points[row.point].given;
+        let given = points[row.point].normal;
         push += given;
         for (turn, arm) in turns.iter_mut().zip(row.arms) {
             *turn += arm.cross(given * row.normal);
@@ -264,7 +264,7 @@ fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body])
         + turns[1].dot(b.inverse_inertia * turns[1]);
     if missing > 0.0 && takes > 0.0 {
         for row in patch.iter_mut().filter(|row| row.leave > 0.0) {
-            row.give(missing / takes * points[row.point].given, bodies);
+            row.give(missing / takes * points[row.point].normal, bodies);
         }
     }
 }

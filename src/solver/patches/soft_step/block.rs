@@ -271,12 +271,16 @@ impl<L: F32xN> Block<L> {
         self.held[0][lane] = t1.dot(patch.load_tangential) * held;
         self.held[1][lane] = t2.dot(patch.load_tangential) * held;
         self.held_twist[lane] = patch.load_twist * held;
-        self.tangential[0][lane] = t1.dot(patch.tangential) * share;
-        self.tangential[1][lane] = t2.dot(patch.tangential) * share;
-        self.twist[lane] = patch.twist * share;
+        self.tangential[0][lane] = t1.dot(patch.warm_tangential) * share;
+        self.tangential[1][lane] = t2.dot(patch.warm_tangential) * share;
+        self.twist[lane] = patch.warm_twist * share;
         if self.rolls {
             let rolls = patch.rolling_friction > 0.0;
-            let rolling = if rolls { patch.rolling } else { Vec3::ZERO };
+            let rolling = if rolls {
+                patch.warm_rolling
+            } else {
+                Vec3::ZERO
+            };
             self.rolling[0][lane] = t1.dot(rolling) * share;
             self.rolling[1][lane] = t2.dot(rolling) * share;
         }
@@ -286,7 +290,7 @@ impl<L: F32xN> Block<L> {
         for (to, point) in points.iter_mut().zip(patch_points) {
             to.load[lane] = point.load * share;
             to.separation[lane] = point.separation;
-            to.impulse[lane] = point.impulse * share;
+            to.impulse[lane] = point.warm_normal * share;
         }
     }
 
@@ -309,11 +313,12 @@ impl<L: F32xN> Block<L> {
         let whole = substeps as f32;
         let t1 = self.tangent.get(lane);
         let t2 = patch.normal.cross(t1);
-        patch.tangential = (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
-        patch.twist = self.twist[lane] * whole;
-        patch.rolling = (t1 * self.rolling[0][lane] + t2 * self.rolling[1][lane]) * whole;
+        patch.warm_tangential =
+            (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
+        patch.warm_twist = self.twist[lane] * whole;
+        patch.warm_rolling = (t1 * self.rolling[0][lane] + t2 * self.rolling[1][lane]) * whole;
         let [x, y] = [0, 1].map(|i| self.given[i][lane] + self.tangential[i][lane]);
-        patch.given = t1 * x + t2 * y;
+        patch.tangential = t1 * x + t2 * y;
         patch.dragged = Slip {
             shift: t1 * self.dragged[0][lane] + t2 * self.dragged[1][lane],
             twist: self.dragged_twist[lane],
@@ -321,18 +326,18 @@ impl<L: F32xN> Block<L> {
         let share = 1.0 / patch_points.len() as f32;
         let held = share * patch_points.iter().map(|p| p.load).sum::<f32>();
         for (from, point) in points.iter().zip(&mut *patch_points) {
-            point.given = from.given[lane] + from.impulse[lane];
-            point.impulse = from.impulse[lane] * whole;
+            point.normal = from.given[lane] + from.impulse[lane];
+            point.warm_normal = from.impulse[lane] * whole;
         }
-        let mean = share * patch_points.iter().map(|p| p.impulse).sum::<f32>();
+        let mean = share * patch_points.iter().map(|p| p.warm_normal).sum::<f32>();
         for point in patch_points {
-            let aside = (point.impulse - mean) - (point.load - held);
+            let aside = (point.warm_normal - mean) - (point.load - held);
             let followed = rate * (mean - held + ASIDE * aside);
             point.load = (point.load + followed).max(0.0);
         }
         let rate = FRICTION * rate;
-        patch.load_tangential += rate * (patch.tangential - patch.load_tangential);
-        patch.load_twist += rate * (patch.twist - patch.load_twist);
+        patch.load_tangential += rate * (patch.warm_tangential - patch.load_tangential);
+        patch.load_twist += rate * (patch.warm_twist - patch.load_twist);
     }
 
     /// How the patch's relative motion answers to a wrench at its centre, world axes.

@@ -97,7 +97,7 @@ impl Loads {
         for patch in problem.patches.iter() {
             let points = &problem.points[patch.range()];
             let load: f32 = points.iter().map(|point| point.load).sum();
-            let impulse: f32 = points.iter().map(|point| point.impulse).sum();
+            let impulse: f32 = points.iter().map(|point| point.warm_normal).sum();
             new += (impulse - load).abs();
             all += impulse.max(load);
             let [a, b] = patch

@@ -135,7 +135,7 @@ impl SoftStep {
         let bounces = restitution::find(problem);
         cold_start::cold_start::<L>(problem);
         let effort = Effort::new(self, problem);
-        let mut island = Island::<L>::of(problem, effort.substeps);
+        let mut island = Island::<L>::of(problem, self.lanes, effort.substeps);
         let report = island.advance(self, effort, problem);
         island.store(
             problem,
@@ -150,6 +150,8 @@ impl SoftStep {
 /// One island on its way through a step.
 struct Island<L: F32xN> {
     substeps: usize,
+    /// What was asked for.
+    lanes: Lanes,
     /// Fastest correction, m/s.
     fastest: f32,
     /// By body, 1/(kg·m²): with which blocks were prepared.
@@ -169,13 +171,17 @@ struct Island<L: F32xN> {
 
 impl<L: F32xN> Island<L> {
     /// That of the last step brought up to date, if it may be.
-    fn of(problem: &mut PatchProblem, substeps: usize) -> Box<Self> {
+    fn of(problem: &mut PatchProblem, lanes: Lanes, substeps: usize) -> Box<Self> {
         match problem.memory.take::<Self>() {
             Some((mut island, changed)) if island.fastest == problem.max_correction_speed => {
                 island.begin(problem, &changed, substeps);
+                island.lanes = lanes;
                 island
             }
-            _ => Box::new(Self::new(problem, substeps)),
+            _ => Box::new(Self {
+                lanes,
+                ..Self::new(problem, substeps)
+            }),
         }
     }
 
@@ -219,6 +225,7 @@ impl<L: F32xN> Island<L> {
         }
         let mut island = Self {
             substeps,
+            lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
             changed: Vec::new(),

@@ -205,7 +205,9 @@ impl<L: F32xN> Block<L> {
         let limit = self.most_twist(carried);
         let twist = mass.taken_from(visit.velocity.angular.x, start);
         let twist = twist.min(limit - self.twist).max(-limit - self.twist);
-        self.twist += twist;
+        let found = self.twist + twist;
+        let twist = found - self.twist;
+        self.twist = found;
 
         let mut excess = [visit.velocity.linear.y, visit.velocity.linear.z];
         let mut start = self.tangential;
@@ -590,11 +592,13 @@ impl<L: F32xN> Visit<L> {
 }
 
 impl<L: F32xN> Points<L> {
-    /// Takes from λ_n, which stays ≥ 0; what of it was taken.
+    /// Takes from λ_n, which stays ≥ 0; what of it was taken. To the last bit what the impulse has lost: differences too small for it
+    /// would be felt by the bodies alone, and make boxes that bounce straight begin to turn.
     #[inline(always)]
     fn take(&mut self, step: L, normals: &mut Vec3xN<L>, wrench: &mut SpatialVec<L>) -> L {
-        let taken = step.min(self.impulse);
-        self.impulse -= taken;
+        let left = (self.impulse - step).max(L::ZERO);
+        let taken = self.impulse - left;
+        self.impulse = left;
         *normals = self.effect.scale_taken_from(taken, *normals);
         wrench.linear.x -= taken;
         wrench.angular.y = self.y.taken_from(taken, wrench.angular.y);

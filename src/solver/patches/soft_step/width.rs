@@ -39,8 +39,8 @@ impl Lanes {
         let eight = match self {
             Self::Four => false,
             Self::Eight => eight_is_available(),
-            Self::Auto if problem.memory.holds::<Island<F32x8>>() => true,
-            Self::Auto if problem.memory.holds::<Island<F32x4>>() => false,
+            Self::Auto if was_auto::<F32x8>(problem) => true,
+            Self::Auto if was_auto::<F32x4>(problem) => false,
             Self::Auto => eight_is_available() && fills_eight(problem),
         };
         if eight { Width::Eight } else { Width::Four }
@@ -59,6 +59,13 @@ pub(super) enum Width {
     Four,
     #[cfg(target_arch = "x86_64")]
     Eight,
+}
+
+/// It was so in the last step, by itself.
+#[cfg(target_arch = "x86_64")]
+fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
+    let kept = problem.memory.peek::<Island<L>>();
+    kept.is_some_and(|island| island.lanes == Lanes::Auto)
 }
 
 /// A visit to a block of eight costs 1.1 times one of four, and a stack fills one lane of either.

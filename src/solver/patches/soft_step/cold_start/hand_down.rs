@@ -131,11 +131,11 @@ impl Foot {
             let PatchPoint {
                 offset,
                 separation,
-                impulse,
+                warm_normal,
                 ..
             } = problem.points[i];
-            let row = Row::new(body, patch.normal * sign, arm + offset, impulse);
-            let carries = separation <= closed || impulse > 0.0;
+            let row = Row::new(body, patch.normal * sign, arm + offset, warm_normal);
+            let carries = separation <= closed || warm_normal > 0.0;
             (carries && row.response > 0.0).then_some((i, row))
         };
         let normals: Vec<_> = patch.range().filter_map(point).collect();
@@ -144,7 +144,7 @@ impl Foot {
             patch: index,
             side,
             normals,
-            tangents: [t1, t2].map(|t| Row::new(body, t * sign, arm, t.dot(patch.tangential))),
+            tangents: [t1, t2].map(|t| Row::new(body, t * sign, arm, t.dot(patch.warm_tangential))),
         })
     }
 
@@ -181,9 +181,9 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let index = patch.bodies[side] as usize;
             let (body, arm) = (&problem.bodies[index], patch.arms[side]);
-            push(body, &mut motions[index], sign * patch.tangential, arm);
+            push(body, &mut motions[index], sign * patch.warm_tangential, arm);
             for point in &problem.points[patch.range()] {
-                let impulse = sign * point.impulse * patch.normal;
+                let impulse = sign * point.warm_normal * patch.normal;
                 push(body, &mut motions[index], impulse, arm + point.offset);
             }
         }
@@ -285,7 +285,7 @@ impl Foot {
             )
         };
         for row in &self.tangents {
-            patch.tangential += sign * row.gained();
+            patch.warm_tangential += sign * row.gained();
             load(row, patch.arms[other]);
         }
         for (i, row) in &self.normals {
@@ -294,7 +294,7 @@ impl Foot {
             // More than its impulse it may have carried until just now.
             let lost = (row.before - row.impulse).max(0.0);
             point.load = (point.load - lost).max(row.impulse);
-            point.impulse = row.impulse;
+            point.warm_normal = row.impulse;
         }
     }
 }

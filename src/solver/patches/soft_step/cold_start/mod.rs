@@ -94,11 +94,11 @@ impl Footing {
             let (mut load, mut impulse) = (0.0, 0.0);
             for point in &problem.points[patch.range()] {
                 load += point.load;
-                impulse += point.impulse;
+                impulse += point.warm_normal;
             }
             let carries = load.max(impulse) > 0.0;
             let long = up.dot(patch.normal * load + patch.load_tangential);
-            let now = up.dot(patch.normal * impulse + patch.tangential);
+            let now = up.dot(patch.normal * impulse + patch.warm_tangential);
             for (body, sign) in patch.bodies.into_iter().zip([1.0, -1.0]) {
                 let (long, now) = (sign * long, sign * now);
                 let footing = &mut all[body as usize];

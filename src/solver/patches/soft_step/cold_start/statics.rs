@@ -221,12 +221,13 @@ impl<L: F32xN> Island<L> {
                 let t1 = block.tangent.get(lane);
                 let t2 = patch.normal.cross(t1);
                 let [x, y] = block.tangential;
-                patch.tangential = t1 * x[lane] + t2 * y[lane];
-                patch.twist = block.twist[lane];
-                (patch.load_tangential, patch.load_twist) = (patch.tangential, patch.twist);
+                patch.warm_tangential = t1 * x[lane] + t2 * y[lane];
+                patch.warm_twist = block.twist[lane];
+                (patch.load_tangential, patch.load_twist) =
+                    (patch.warm_tangential, patch.warm_twist);
                 for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
-                    point.impulse = found.impulse[lane];
-                    point.load = point.impulse;
+                    point.warm_normal = found.impulse[lane];
+                    point.load = point.warm_normal;
                 }
             }
         }

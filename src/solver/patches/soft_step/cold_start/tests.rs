@@ -149,13 +149,13 @@ impl Masonry {
                     bodies[patch.bodies[side] as usize].apply(impulse, patch.arms[side] + offset);
                 }
             };
-            push(patch.tangential, Vec3::ZERO);
+            push(patch.warm_tangential, Vec3::ZERO);
             for point in &self.points[patch.range()] {
-                push(point.impulse * patch.normal, point.offset);
+                push(point.warm_normal * patch.normal, point.offset);
             }
             for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
                 let body = &mut bodies[patch.bodies[side] as usize];
-                body.angular += sign * (body.inverse_inertia * (patch.twist * patch.normal));
+                body.angular += sign * (body.inverse_inertia * (patch.warm_twist * patch.normal));
             }
         }
         let speed = |body: &Body| body.linear.length().max(body.angular.length());
@@ -171,13 +171,13 @@ impl Masonry {
         assert!(unbalanced < 0.01, "{unbalanced} of gravity is left");
         for patch in &self.patches {
             let points = &self.points[patch.range()];
-            let carried: f32 = points.iter().map(|point| point.impulse).sum();
+            let carried: f32 = points.iter().map(|point| point.warm_normal).sum();
             assert!(
                 points
                     .iter()
-                    .all(|p| p.impulse >= 0.0 && p.load == p.impulse)
+                    .all(|p| p.warm_normal >= 0.0 && p.load == p.warm_normal)
             );
-            assert!(patch.tangential.length() <= 1.001 * patch.friction * carried);
+            assert!(patch.warm_tangential.length() <= 1.001 * patch.friction * carried);
         }
     }
 }
@@ -250,11 +250,14 @@ fn what_bears_something_round_is_not_relieved() {
     masonry.start();
     for point in &mut masonry.points[4..] {
         point.load = 0.0;
-        point.impulse *= 0.9;
+        point.warm_normal *= 0.9;
     }
     let before = masonry.points.clone();
     masonry.start();
     for (point, before) in masonry.points.iter().zip(before) {
-        assert_eq!((point.load, point.impulse), (before.load, before.impulse));
+        assert_eq!(
+            (point.load, point.warm_normal),
+            (before.load, before.warm_normal)
+        );
     }
 }

@@ -140,6 +140,12 @@ impl BodyState {
         }
     }
 
+    /// True for a body that contacts move in this step.
+    #[inline]
+    pub(crate) fn is_awake(&self) -> bool {
+        self.is_dynamic() && !self.asleep
+    }
+
     /// True for a body that contacts can move.
     #[inline]
     pub fn is_dynamic(&self) -> bool {

@@ -87,6 +87,9 @@ pub fn anchors(
             let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
                 return;
             };
+            if !a.is_awake() && !b.is_awake() {
+                return;
+            }
             let bodies = [a, b];
             if friction.anchors == AnchorRule::PairPose {
                 hold_patches(

@@ -309,7 +309,7 @@ impl NarrowphaseCache {
     }
 }
 
-/// How two bodies stand to each other, and up to what distance their surfaces were searched for contact.
+/// How two bodies stood to each other, up to what distance their surfaces were searched for contact, and how far they were apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stand {
     /// From the centre of mass of B to that of A, world axes, m.
@@ -318,4 +318,6 @@ pub(crate) struct Stand {
     pub rotations: [Quat; 2],
     /// m
     pub reach: f32,
+    /// No two points of theirs were nearer than this, m; −∞ where nothing is known.
+    pub apart: f32,
 }

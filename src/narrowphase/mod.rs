@@ -136,7 +136,12 @@ fn look(
     let little = rules.manifolds.recycle_share * a.size().min(b.size());
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
-    if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
+    let is_apart = manifold.points.is_empty()
+        && (stand.is_some_and(|stand| stand.is_apart(a, b, reach))
+            || recycling::spheres_apart(a, b) > reach);
+    if is_apart {
+        // Nothing was there, nor can be.
+    } else if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
         if a.moved || b.moved || rules.edited {
             recycling::refresh(manifold, a, b);
         }
@@ -144,7 +149,7 @@ fn look(
         pair.fresh = true;
         let reach = reach + limit;
         let old = std::mem::take(manifold);
-        *manifold = detect::detect(rules, a, b, reach, cache, &old);
+        let apart = detect::detect(rules, a, b, reach, cache, &old, manifold);
         let lost = match manifold.points.is_empty() {
             true => stand.and_then(|stand| stand.lost(&old, cache, a, b, little)),
             false => None,
@@ -153,7 +158,8 @@ fn look(
             *manifold = lost;
         } else {
             let near = outer + fall * time.dt;
-            let passing = passing::pass(a, b, manifold, near, time.dt);
+            let passing =
+                !manifold.points.is_empty() && passing::pass(a, b, manifold, near, time.dt);
             if passing {
                 *manifold = Manifold::default();
                 cache.forget();
@@ -176,7 +182,7 @@ fn look(
             targets.patches.clear();
             targets.patches.resize(manifold.patches.len(), None);
             let keep = limit > 0.0 && !passing;
-            cache.stand = keep.then(|| Stand::of(a, b, reach));
+            cache.stand = keep.then(|| Stand::of(a, b, reach, apart));
         }
     }
     let touched = pair.touching;

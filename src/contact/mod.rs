@@ -55,6 +55,8 @@ pub struct ContactPair {
     pub(crate) detected: bool,
     /// They have been looked for in this step, and not taken over from the last one.
     pub(crate) fresh: bool,
+    /// They were last looked at in vain, and nothing is kept of them: no points, no impulses.
+    pub(crate) empty: bool,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
 }
@@ -74,6 +76,7 @@ impl ContactPair {
             parted: false,
             detected: false,
             fresh: false,
+            empty: false,
             announced: false,
         };
         pair.combine([a, b]);

@@ -109,7 +109,8 @@ pub(super) fn detect(
     }
     let mut apart = f32::NEG_INFINITY;
     let mut contact = Contact::default();
-    let frame = match ours(Form::of(a), Form::of(b)) {
+    let (form_a, form_b) = (Form::of(a), Form::of(b));
+    let frame = match ours(&form_a, &form_b) {
         [Some(form_a), Some(form_b)] => {
             let search = Search {
                 reach: reach as f64,
@@ -117,7 +118,7 @@ pub(super) fn detect(
             };
             if form_a.is_round() || form_b.is_round() {
                 let place = Placement::between(at(a), at(b));
-                let [part_a, part_b] = Part::two(&form_a, &form_b, place);
+                let [part_a, part_b] = Part::two(form_a, form_b, place);
                 round::meet(&part_a, &part_b, search, &mut contact);
             } else {
                 let two = Two {
@@ -128,7 +129,7 @@ pub(super) fn detect(
                     contact: &mut contact,
                     apart: &mut apart,
                 };
-                with_two(&form_a, &form_b, two);
+                with_two(form_a, form_b, two);
             }
             a
         }
@@ -231,7 +232,7 @@ impl WithTwo for Two<'_> {
 /// Where a body touches a half-space, in its own frame; the normal points out of the plane.
 fn on_plane(
     body: &BodyState,
-    form: Form,
+    form: &Form,
     plane: &BodyState,
     reach: f32,
     corner: impl Fn(u16) -> FeatureId,
@@ -244,9 +245,9 @@ fn on_plane(
     let up = place.direction(half_space.normal.as_dvec3()).normalize();
     let (height, reach) = (up.dot(place.origin), reach as f64);
     match form {
-        Form::Cuboid(cuboid) => meet_plane(&cuboid, up, height, reach, corner, contact),
-        Form::Hull(hull) => meet_plane(hull, up, height, reach, corner, contact),
-        Form::Triangle(triangle) => meet_plane(&triangle, up, height, reach, corner, contact),
-        Form::Round(frustum) => round::meet_plane(&frustum, up, height, reach, corner, contact),
+        Form::Cuboid(cuboid) => meet_plane(cuboid, up, height, reach, corner, contact),
+        Form::Hull(hull) => meet_plane(*hull, up, height, reach, corner, contact),
+        Form::Triangle(triangle) => meet_plane(triangle, up, height, reach, corner, contact),
+        Form::Round(frustum) => round::meet_plane(frustum, up, height, reach, corner, contact),
     }
 }

@@ -116,10 +116,16 @@ fn look(
         pair.combine([a, b]);
         // Parry would keep the points of shapes that are no more.
         cache.forget();
+        pair.empty = false;
     }
     pair.parted = false;
     pair.fresh = false;
     if pair.detected && is_idle(a) && is_idle(b) {
+        return;
+    }
+    let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
+    // In a heap that falls most pairs are such, and ask for no more of their columns.
+    if pair.empty && !rules.edited && recycling::are_apart(a, b, cache, reach) {
         return;
     }
     pair.detected = true;
@@ -130,16 +136,12 @@ fn look(
         anchors.patches.fill(Default::default());
         anchors.measured = false;
     }
-    let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let curved = a.is_curved() || b.is_curved();
     // What rolls must be found where it is, or it would gain speed.
     let little = rules.manifolds.recycle_share * a.size().min(b.size());
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
-    let is_apart = manifold.points.is_empty()
-        && (stand.is_some_and(|stand| stand.is_apart(a, b, reach))
-            || recycling::spheres_apart(a, b) > reach);
-    if is_apart {
+    if manifold.points.is_empty() && recycling::are_apart(a, b, cache, reach) {
         // Nothing was there, nor can be.
     } else if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
         if a.moved || b.moved || rules.edited {
@@ -188,6 +190,8 @@ fn look(
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
     pair.parted = touched && !pair.touching;
+    // Only a step's first substep leaves no impulses of points that are no more.
+    pair.empty = manifold.points.is_empty() && time.substep == 0;
 }
 
 /// Nothing about its contacts can have changed.

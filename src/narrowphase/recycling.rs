@@ -67,14 +67,23 @@ impl Stand {
     }
 
     /// They are farther apart than `reach` still, wherever they have moved.
-    pub(crate) fn is_apart(&self, a: &BodyState, b: &BodyState, reach: f32) -> bool {
+    fn is_apart(&self, a: &BodyState, b: &BodyState, reach: f32) -> bool {
         self.apart > reach && reach + self.moved(a, b) < self.apart
     }
 }
 
-/// How far the spheres that hold two bodies are apart, m: so far at least are they. No half-space has one.
-pub(crate) fn spheres_apart(a: &BodyState, b: &BodyState) -> f32 {
-    (a.center - b.center).length() - a.radius - b.radius
+/// True where two bodies are known to be farther apart than `reach`, m: the spheres that hold them are, or they were when they were
+/// last searched and have moved too little since.
+pub(crate) fn are_apart(
+    a: &BodyState,
+    b: &BodyState,
+    cache: &NarrowphaseCache,
+    reach: f32,
+) -> bool {
+    // No half-space has a sphere: it has no end.
+    let touching = a.radius + b.radius + reach;
+    (a.center - b.center).length_squared() > touching * touching
+        || cache.stand.is_some_and(|stand| stand.is_apart(a, b, reach))
 }
 
 /// Brings the distances of a kept manifold up to date.

@@ -36,7 +36,7 @@ fn grazes<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3, mo
     (0..a.faces()).any(|face| {
         let (out, offset) = a.plane(face);
         // The ball inside B overlaps too much by itself.
-        if offset + inner - out.dot(center) >= most || out.dot(normal).abs() >= OWN {
+        if out.dot(normal).abs() >= OWN || offset + inner - out.dot(center) >= most {
             return false;
         }
         let back = place.back(out);

@@ -17,10 +17,10 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use bevy_platform::collections::HashSet;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace};
-use std::collections::HashSet;
 
 /// How much fatter than its tight box a body's box in the tree is, m at each side.
 const FAT: f32 = 0.05;
@@ -327,7 +327,7 @@ pub fn pair_changes(
         })
         .collect();
     // Of many in one place each is named once.
-    let mut named = HashSet::new();
+    let mut named = HashSet::<Entity>::default();
     warnings.retain(|(body, problem)| {
         !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
     });

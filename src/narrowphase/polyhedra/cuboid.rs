@@ -100,6 +100,10 @@ impl Solid for Cuboid {
         direction.cmpgt(DVec3::ZERO).bitmask() as u16
     }
 
+    fn stands_on_a_corner(&self, direction: DVec3, slack: f64) -> bool {
+        2.0 * (direction.abs() * self.half).min_element() > slack
+    }
+
     fn faces(&self) -> u16 {
         6
     }

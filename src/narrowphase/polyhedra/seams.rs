@@ -42,9 +42,12 @@ fn grazes<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3, mo
         let back = place.back(out);
         let near = b.reach(-back);
         let overlap = offset + near - out.dot(place.origin);
+        if overlap >= most {
+            return false;
+        }
         let extent = (offset + a.reach(-out)).min(near + b.reach(back));
         let flush = || -b.plane(facing(b, -back)).0.dot(back) > FLUSH;
-        overlap < (SHARE * extent).min(most) && flush()
+        overlap < SHARE * extent && flush()
     })
 }
 

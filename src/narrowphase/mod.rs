@@ -124,8 +124,11 @@ fn look(
         return;
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
-    // In a heap that falls most pairs are such, and ask for no more of their columns.
-    if pair.empty && !rules.edited && recycling::are_apart(a, b, cache, reach) {
+    let little = rules.manifolds.recycle_share * a.size().min(b.size());
+    // In a heap that falls most pairs are such, and ask for no more of their columns. Farther than a search would go: what is hit in
+    // the step goes farther than it looked.
+    let search = reach + little;
+    if pair.empty && !rules.edited && recycling::are_apart(a, b, cache, search) {
         return;
     }
     pair.detected = true;
@@ -138,10 +141,9 @@ fn look(
     }
     let curved = a.is_curved() || b.is_curved();
     // What rolls must be found where it is, or it would gain speed.
-    let little = rules.manifolds.recycle_share * a.size().min(b.size());
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
-    if manifold.points.is_empty() && recycling::are_apart(a, b, cache, reach) {
+    if manifold.points.is_empty() && recycling::are_apart(a, b, cache, search) {
         // Nothing was there, nor can be.
     } else if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
         if a.moved || b.moved || rules.edited {

@@ -57,6 +57,8 @@ pub struct ContactPair {
     pub(crate) idle: bool,
     /// How often they have been looked for, and not taken over from the last step.
     pub(crate) revision: u32,
+    /// They were last looked at in vain, and nothing is kept of them: no points, no impulses.
+    pub(crate) empty: bool,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
 }
@@ -77,6 +79,7 @@ impl ContactPair {
             detected: false,
             idle: false,
             revision: 0,
+            empty: false,
             announced: false,
         };
         pair.combine([a, b]);
@@ -314,7 +317,7 @@ impl NarrowphaseCache {
     }
 }
 
-/// How two bodies stand to each other, and up to what distance their surfaces were searched for contact.
+/// How two bodies stood to each other, up to what distance their surfaces were searched for contact, and how far they were apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stand {
     /// From the centre of mass of B to that of A, world axes, m.
@@ -323,4 +326,6 @@ pub(crate) struct Stand {
     pub rotations: [Quat; 2],
     /// m
     pub reach: f32,
+    /// No two points of theirs were nearer than this, m; −∞ where nothing is known.
+    pub apart: f32,
 }

@@ -15,17 +15,15 @@ const COINCIDENT: f32 = 1e-6;
 
 /// Between bodies in one place no way apart is better than another: each has a place of its own to go to, or many would be thrown
 /// out along one line.
-fn part(a: &BodyState, b: &BodyState) -> Manifold {
+fn part(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
     let normal = (scattered(a.age.0) - scattered(b.age.0)).normalize_or(Vec3::Y);
     let distance = -a.radius.min(b.radius);
-    let mut manifold = Manifold::default();
     let middle = Candidate {
         position: a.center,
         distance,
         feature: FeatureId::NONE,
     };
-    push(&mut manifold, [a, b], normal, false, smallvec![middle]);
-    manifold
+    push(manifold, [a, b], normal, false, smallvec![middle]);
 }
 
 /// A point of the unit cube that a number has to itself, by wyhash: <https://github.com/wangyi-fudan/wyhash>. Written out, as what it
@@ -88,7 +86,8 @@ pub(super) fn push(
         }));
 }
 
-/// The points no further apart than `reach`, m. `old`: those of the last time.
+/// Fills an empty manifold with the points no further apart than `reach`, m. `old`: those of the last time. Gives by how much the two
+/// are apart at least, m; −∞ where nothing is known.
 pub(super) fn detect(
     rules: &Rules,
     a: &BodyState,
@@ -96,19 +95,22 @@ pub(super) fn detect(
     reach: f32,
     cache: &mut NarrowphaseCache,
     old: &Manifold,
-) -> Manifold {
-    let mut manifold = Manifold::default();
+    manifold: &mut Manifold,
+) -> f32 {
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
-        return manifold;
+        return f32::NEG_INFINITY;
     };
     // What is hollow may have another in its middle that does not touch it.
     let solid = shape_a.is_convex() && shape_b.is_convex();
     if solid && (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
         cache.forget();
-        return part(a, b);
+        part(a, b, manifold);
+        return f32::NEG_INFINITY;
     }
+    let mut apart = f32::NEG_INFINITY;
     let mut contact = Contact::default();
-    let frame = match ours(Form::of(a), Form::of(b)) {
+    let (form_a, form_b) = (Form::of(a), Form::of(b));
+    let frame = match ours(&form_a, &form_b) {
         [Some(form_a), Some(form_b)] => {
             let search = Search {
                 reach: reach as f64,
@@ -116,7 +118,7 @@ pub(super) fn detect(
             };
             if form_a.is_round() || form_b.is_round() {
                 let place = Placement::between(at(a), at(b));
-                let [part_a, part_b] = Part::two(&form_a, &form_b, place);
+                let [part_a, part_b] = Part::two(form_a, form_b, place);
                 round::meet(&part_a, &part_b, search, &mut contact);
             } else {
                 let two = Two {
@@ -125,8 +127,9 @@ pub(super) fn detect(
                     search,
                     axis: &mut cache.axis,
                     contact: &mut contact,
+                    apart: &mut apart,
                 };
-                with_two(&form_a, &form_b, two);
+                with_two(form_a, form_b, two);
             }
             a
         }
@@ -140,10 +143,13 @@ pub(super) fn detect(
             b
         }
         _ => {
-            parry::detect(rules, a, b, reach, cache, &mut manifold);
-            return manifold;
+            parry::detect(rules, a, b, reach, cache, manifold);
+            return apart;
         }
     };
+    if contact.points.is_empty() {
+        return apart;
+    }
     let known = |feature| old.points.iter().any(|point| point.feature == feature);
     let radius = a.rolling_radius().min(b.rolling_radius());
     match radius.is_finite() {
@@ -160,8 +166,8 @@ pub(super) fn detect(
     let normal = (turn * contact.normal).as_vec3();
     // What touches in a line or a point rolls.
     let rolls = radius.is_finite() && contact.points.len() < 3;
-    push(&mut manifold, [a, b], normal, rolls, points.collect());
-    manifold
+    push(manifold, [a, b], normal, rolls, points.collect());
+    apart
 }
 
 /// Most points of a patch.
@@ -183,6 +189,8 @@ struct Two<'a> {
     search: Search,
     axis: &'a mut Axis,
     contact: &'a mut Contact,
+    /// By how much they are, m, where they are out of reach.
+    apart: &'a mut f32,
 }
 
 impl WithTwo for Two<'_> {
@@ -193,10 +201,14 @@ impl WithTwo for Two<'_> {
             search,
             axis,
             contact,
+            apart,
         } = self;
         let place = Placement::between(at(body_a), at(body_b));
-        let near = meet(a, b, &place, search, axis, contact);
-        if !near || !contact.points.is_empty() {
+        let distance = meet(a, b, &place, search, axis, contact);
+        if distance > search.reach {
+            *apart = distance as f32;
+        }
+        if distance > search.reach || !contact.points.is_empty() {
             return;
         }
         let Some(way) = passing::way_until_they_meet(body_a, body_b, dt) else {
@@ -220,7 +232,7 @@ impl WithTwo for Two<'_> {
 /// Where a body touches a half-space, in its own frame; the normal points out of the plane.
 fn on_plane(
     body: &BodyState,
-    form: Form,
+    form: &Form,
     plane: &BodyState,
     reach: f32,
     corner: impl Fn(u16) -> FeatureId,
@@ -233,9 +245,9 @@ fn on_plane(
     let up = place.direction(half_space.normal.as_dvec3()).normalize();
     let (height, reach) = (up.dot(place.origin), reach as f64);
     match form {
-        Form::Cuboid(cuboid) => meet_plane(&cuboid, up, height, reach, corner, contact),
-        Form::Hull(hull) => meet_plane(hull, up, height, reach, corner, contact),
-        Form::Triangle(triangle) => meet_plane(&triangle, up, height, reach, corner, contact),
-        Form::Round(frustum) => round::meet_plane(&frustum, up, height, reach, corner, contact),
+        Form::Cuboid(cuboid) => meet_plane(cuboid, up, height, reach, corner, contact),
+        Form::Hull(hull) => meet_plane(*hull, up, height, reach, corner, contact),
+        Form::Triangle(triangle) => meet_plane(triangle, up, height, reach, corner, contact),
+        Form::Round(frustum) => round::meet_plane(frustum, up, height, reach, corner, contact),
     }
 }

@@ -99,11 +99,9 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
             return Ok(());
         }
         let [body_a, body_b] = self.bodies;
-        let forms = ours(
-            Form::of_part(body_a, a, manifold.subshape1),
-            Form::of_part(body_b, b, manifold.subshape2),
-        );
-        let [Some(form_a), Some(form_b)] = forms else {
+        let form_a = Form::of_part(body_a, a, manifold.subshape1);
+        let form_b = Form::of_part(body_b, b, manifold.subshape2);
+        let [Some(form_a), Some(form_b)] = ours(&form_a, &form_b) else {
             return DefaultQueryDispatcher.contact_manifold_convex_convex(
                 place, a, b, normals_a, normals_b, reach, manifold,
             );
@@ -126,12 +124,12 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
             contact: &mut contact,
         };
         if form_a.is_round() || form_b.is_round() {
-            parts.with_round(&form_a, &form_b);
+            parts.with_round(form_a, form_b);
             // As few as there are of a whole body.
             let radius = body_a.rolling_radius().min(body_b.rolling_radius());
             round::simplify(&mut contact, self.most, radius, |_| false);
         } else {
-            with_two(&form_a, &form_b, parts);
+            with_two(form_a, form_b, parts);
         }
         manifold.data = axis;
         manifold.points.clear();

@@ -56,11 +56,18 @@ impl<'a> Form<'a> {
 }
 
 /// Those of two shapes whose contact is ours to find.
-pub(super) fn ours<'a>(a: Option<Form<'a>>, b: Option<Form<'a>>) -> [Option<Form<'a>>; 2] {
-    match (&a, &b) {
+pub(super) fn ours<'f, 'a>(
+    a: &'f Option<Form<'a>>,
+    b: &'f Option<Form<'a>>,
+) -> [Option<&'f Form<'a>>; 2] {
+    let (a, b) = (a.as_ref(), b.as_ref());
+    match (a, b) {
         // Of balls and capsules parry's is as good, but with cylinders and cones.
         (Some(one), Some(other)) if one.has_ends() || other.has_ends() => [a, b],
-        _ => [a, b].map(|form| form.filter(|form| !form.is_bordered())),
+        _ => {
+            let whole = |form: &&Form| !form.is_bordered();
+            [a.filter(whole), b.filter(whole)]
+        }
     }
 }
 

@@ -116,10 +116,19 @@ fn look(
         pair.combine([a, b]);
         // Parry would keep the points of shapes that are no more.
         cache.forget();
+        pair.empty = false;
     }
     pair.parted = false;
     pair.idle = pair.detected && is_idle(a) && is_idle(b);
     if pair.idle {
+        return;
+    }
+    let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
+    let little = rules.manifolds.recycle_share * a.size().min(b.size());
+    // In a heap that falls most pairs are such, and ask for no more of their columns. Farther than a search would go: what is hit in
+    // the step goes farther than it looked.
+    let search = reach + little;
+    if pair.empty && !rules.edited && recycling::are_apart(a, b, cache, search) {
         return;
     }
     pair.detected = true;
@@ -130,13 +139,13 @@ fn look(
         anchors.patches.fill(Default::default());
         anchors.measured = false;
     }
-    let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let curved = a.is_curved() || b.is_curved();
     // What rolls must be found where it is, or it would gain speed.
-    let little = rules.manifolds.recycle_share * a.size().min(b.size());
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
-    if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
+    if manifold.points.is_empty() && recycling::are_apart(a, b, cache, search) {
+        // Nothing was there, nor can be.
+    } else if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
         if a.moved || b.moved || rules.edited {
             recycling::refresh(manifold, a, b);
         }
@@ -144,7 +153,7 @@ fn look(
         pair.revision = pair.revision.wrapping_add(1);
         let reach = reach + limit;
         let old = std::mem::take(manifold);
-        *manifold = detect::detect(rules, a, b, reach, cache, &old);
+        let apart = detect::detect(rules, a, b, reach, cache, &old, manifold);
         let lost = match manifold.points.is_empty() {
             true => stand.and_then(|stand| stand.lost(&old, cache, a, b, little)),
             false => None,
@@ -153,7 +162,8 @@ fn look(
             *manifold = lost;
         } else {
             let near = outer + fall * time.dt;
-            let passing = passing::pass(a, b, manifold, near, time.dt);
+            let passing =
+                !manifold.points.is_empty() && passing::pass(a, b, manifold, near, time.dt);
             if passing {
                 *manifold = Manifold::default();
                 cache.forget();
@@ -176,12 +186,14 @@ fn look(
             targets.patches.clear();
             targets.patches.resize(manifold.patches.len(), None);
             let keep = limit > 0.0 && !passing;
-            cache.stand = keep.then(|| Stand::of(a, b, reach));
+            cache.stand = keep.then(|| Stand::of(a, b, reach, apart));
         }
     }
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
     pair.parted = touched && !pair.touching;
+    // Only a step's first substep leaves no impulses of points that are no more.
+    pair.empty = manifold.points.is_empty() && time.substep == 0;
 }
 
 /// Nothing about its contacts can have changed.

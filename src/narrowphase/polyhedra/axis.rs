@@ -264,7 +264,8 @@ fn farther_side(
     place: &Placement,
     mut floor: f64,
 ) -> Option<(u16, f64)> {
-    let [x, y, z] = place.axes().map(DVec3::abs);
+    let [x, y, z] = place.axes();
+    let (x, y, z) = (x.abs(), y.abs(), z.abs());
     let of_b = x * half_b.x + y * half_b.y + z * half_b.z;
     let distances = place.origin.abs() - half_a - of_b;
     let mut best = None;
@@ -400,7 +401,8 @@ fn box_edges(
     mut floor: f64,
 ) -> Option<Separation> {
     // turn[j][i]: axis j of B along axis i of A.
-    let turn = place.axes().map(|axis| axis.to_array());
+    let [x, y, z] = place.axes();
+    let turn = [x.to_array(), y.to_array(), z.to_array()];
     let (origin, half_a, half_b) = (
         place.origin.to_array(),
         half_a.to_array(),

@@ -115,7 +115,11 @@ pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
     if most > FLAT {
         return best;
     }
-    let level = direction.dot(solid.point(farthest)) - super::SLACK * super::across(solid);
+    let slack = super::SLACK * super::across(solid);
+    if solid.stands_on_a_corner(direction, slack) {
+        return best;
+    }
+    let level = direction.dot(solid.point(farthest)) - slack;
     let stands_on = |face: u16| {
         let corners = solid.outline(face).map(|side| solid.point(side.point));
         corners.filter(|at| direction.dot(*at) >= level).count()

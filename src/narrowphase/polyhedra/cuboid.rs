@@ -32,6 +32,16 @@ pub(super) const fn edge_at(axis: u16, corner: u16) -> u16 {
     4 * axis + ((corner >> u) & 1) + 2 * ((corner >> v) & 1)
 }
 
+/// From a table: what is written in parts is slow to be read as a whole.
+const NORMALS: [DVec3; 6] = [
+    DVec3::NEG_X,
+    DVec3::X,
+    DVec3::NEG_Y,
+    DVec3::Y,
+    DVec3::NEG_Z,
+    DVec3::Z,
+];
+
 const OUTLINES: [[Side; 4]; 6] = {
     let mut outlines = [[Side { point: 0, edge: 0 }; 4]; 6];
     let mut face = 0;
@@ -87,9 +97,11 @@ impl Solid for Cuboid {
     }
 
     fn farthest(&self, direction: DVec3) -> u16 {
-        (0..3).fold(0, |corner, axis| {
-            corner | ((direction[axis] > 0.0) as u16) << axis
-        })
+        direction.cmpgt(DVec3::ZERO).bitmask() as u16
+    }
+
+    fn stands_on_a_corner(&self, direction: DVec3, slack: f64) -> bool {
+        2.0 * (direction.abs() * self.half).min_element() > slack
     }
 
     fn faces(&self) -> u16 {
@@ -97,10 +109,7 @@ impl Solid for Cuboid {
     }
 
     fn plane(&self, face: u16) -> (DVec3, f64) {
-        let axis = face as usize / 2;
-        let mut normal = DVec3::ZERO;
-        normal[axis] = if face % 2 == 1 { 1.0 } else { -1.0 };
-        (normal, self.half[axis])
+        (NORMALS[face as usize], self.half[face as usize / 2])
     }
 
     fn outline(&self, face: u16) -> impl ExactSizeIterator<Item = Side> {

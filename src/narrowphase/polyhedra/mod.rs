@@ -102,7 +102,8 @@ pub struct Search {
 }
 
 /// Where B, placed in the frame of A, touches A. `axis`: that of the last time, and then that of this; it saves most of the work
-/// where the two are still apart. True where they are within reach, which they may be without a point that faces the other.
+/// where the two are still apart. Gives how far they are apart along it, m: within reach they may be without a point that faces the
+/// other.
 pub fn meet<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -110,10 +111,10 @@ pub fn meet<A: Solid, B: Solid>(
     search: Search,
     axis: &mut Axis,
     contact: &mut Contact,
-) -> bool {
+) -> f64 {
     let found = separate(a, b, place, search.reach, *axis);
     *axis = touch(a, b, place, &found, search, contact);
-    found.best.distance <= search.reach
+    found.best.distance
 }
 
 /// Where they touch, once it is known along which axis; returns that which held enough.

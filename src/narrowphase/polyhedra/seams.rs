@@ -36,15 +36,18 @@ fn grazes<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3, mo
     (0..a.faces()).any(|face| {
         let (out, offset) = a.plane(face);
         // The ball inside B overlaps too much by itself.
-        if offset + inner - out.dot(center) >= most || out.dot(normal).abs() >= OWN {
+        if out.dot(normal).abs() >= OWN || offset + inner - out.dot(center) >= most {
             return false;
         }
         let back = place.back(out);
         let near = b.reach(-back);
         let overlap = offset + near - out.dot(place.origin);
+        if overlap >= most {
+            return false;
+        }
         let extent = (offset + a.reach(-out)).min(near + b.reach(back));
         let flush = || -b.plane(facing(b, -back)).0.dot(back) > FLUSH;
-        overlap < (SHARE * extent).min(most) && flush()
+        overlap < SHARE * extent && flush()
     })
 }
 

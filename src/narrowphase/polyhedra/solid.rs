@@ -35,6 +35,12 @@ pub trait Solid {
     /// Edge `i`.
     fn edge(&self, i: u16) -> Ridge;
 
+    /// True where no corner is as far in a direction as the farthest, but for less than `slack` (m times the direction's length), as
+    /// far as that is seen at once.
+    fn stands_on_a_corner(&self, _direction: DVec3, _slack: f64) -> bool {
+        false
+    }
+
     /// Half its edges, if it is a box about the origin along the axes: of such two, fewer axes have to be tried.
     fn half(&self) -> Option<DVec3> {
         None

@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 const VISITS: usize = 50;
 
 /// Visits end when none has changed a velocity by more than this share of the fastest bounce.
-const SETTLED: f32 = 1e-5;
+const SETTLED: f32 = 1e-6;
 
 /// What may bounce.
 pub struct Bounces {

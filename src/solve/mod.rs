@@ -1,6 +1,6 @@
 //! The stage **solve**: every island that is awake by the chosen [`ContactSolver`](crate::settings::ContactSolver), side by side.
 //!
-//! A dense problem is gathered for each, of points or of patches as its solver wants ([`points`], [`patches`]); what is found goes back
+//! A dense problem is gathered for each, of points or of patches as its solver wants (`points.rs`, `patches.rs`); what is found goes back
 //! to the components. Bodies and contacts stand in the order of their level of support and their age ([`Islands`]), so the result does
 //! not depend on threads or on where the ECS keeps things.
 //!

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// What a [patch solver](super::Rows::Patches) is given of a patch, and what it finds. World axes.
+/// What a [patch solver](super::PatchSolver) is given of a patch, and what it finds. World axes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PatchConstraint {
     /// Indices of A and B among the problem's bodies.

@@ -227,7 +227,7 @@ impl<L: F32xN> Block<L> {
             true => [hold.mass_scale * excess[0], hold.mass_scale * excess[1]],
             false => excess,
         };
-        // The exact step where it stays inside the cone, else an isotropic one, projected (see `rows.rs`).
+        // The exact step where it stays inside the cone, else an isotropic one, projected (see `points/constraint.rs`).
         let [xx, yy, xy] = self.tangent_mass;
         let mut found = [
             xy.taken_from(excess[1], xx.taken_from(excess[0], start[0])),

@@ -290,19 +290,27 @@ fn a_pile_of_hulls_sleeps() {
     });
 }
 
-/// Of 8 to 20 corners each, some slabs and some splinters; twenty seconds. Of eight such piles the median is 4.8 mm with four lanes and
-/// 5.3 with eight.
+/// Of 8 to 20 corners, some of them slabs and some splinters.
+fn rubble(_: usize, rng: &mut fastrand::Rng) -> Collider {
+    let count = rng.usize(8..=20);
+    let mut one = || rng.f32() - 0.5;
+    let size = 0.3 * Vec3::new(1.3 + one(), 1.0 + one(), 1.0 + one());
+    let corners: Vec<Vec3> = (0..count)
+        .map(|_| 0.75 * size * Vec3::new(one(), one(), one()).normalize())
+        .collect();
+    Collider::convex_hull(&corners).expect("a hull")
+}
+
+/// Twenty seconds.
 #[test]
 fn a_pile_of_rubble_sleeps() {
-    sleeps_within("rubble", 20.0, 0.006, |_, rng| {
-        let count = rng.usize(8..=20);
-        let mut one = || rng.f32() - 0.5;
-        let size = 0.3 * Vec3::new(1.3 + one(), 1.0 + one(), 1.0 + one());
-        let corners: Vec<Vec3> = (0..count)
-            .map(|_| 0.75 * size * Vec3::new(one(), one(), one()).normalize())
-            .collect();
-        Collider::convex_hull(&corners).expect("a hull")
-    });
+    sleeps_within("rubble", 20.0, 0.006, rubble);
+}
+
+#[test]
+#[ignore = "missed with eight lanes: 5.2 mm; of eight such piles 5.3, and 4.8 with four lanes"]
+fn a_pile_of_rubble_overlaps_by_no_more_than_others() {
+    sleeps("rubble", 20.0, rubble);
 }
 
 /// Flat faces with right angles, which come to lie on each other all over.

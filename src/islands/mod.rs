@@ -141,6 +141,8 @@ pub fn islands(
         let parted = pairs.iter().filter(|(pair, _)| pair.parted);
         let parted = parted.flat_map(|(pair, _)| pair.slots);
         islands.woke = wake(&mut table, &islands, parted, &mut sleepers);
+    }
+    if islands.woke {
         now.clear();
         now.extend(table.slot_bodies().map(|body| body.map(Member::of)));
     }

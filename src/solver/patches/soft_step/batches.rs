@@ -24,8 +24,8 @@ impl Batches {
         Self::new(lanes, patches, bodies.len(), moves)
     }
 
-    /// Into blocks of so many lanes. Bodies of each patch in the order of the sweep; `moves` tells which bodies contacts can change, the only ones that must
-    /// not be shared.
+    /// The same of the bodies of each patch, in the order of the sweep; `moves` tells which bodies contacts can change, the only ones
+    /// that must not be shared.
     fn new(
         lanes: usize,
         patches: impl Iterator<Item = [u32; 2]>,

@@ -14,7 +14,7 @@
 //! momentum, which keeps both at any speed, though not the way in which it tumbles.
 
 use crate::body::{
-    BodyIndex, BodyTable, MassProperties, Motion, Pose, Quarantined, RigidBody, Velocity,
+    BodyIndex, BodyTable, MassProperties, Motion, Pose, Quarantined, Resting, RigidBody, Velocity,
     local_pose,
 };
 use crate::settings::StepTime;
@@ -38,7 +38,7 @@ pub fn integration(
             &mut Transform,
             Has<ChildOf>,
         ),
-        Without<Quarantined>,
+        (Without<Quarantined>, Without<Resting>),
     >,
 ) {
     let dt = time.dt;

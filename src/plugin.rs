@@ -130,6 +130,7 @@ pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
+        app.add_observer(body::lost_parent);
         let profile = app.world().resource::<Profile>().clone();
         app.add_systems(
             PhysicsSchedule,
@@ -138,6 +139,7 @@ impl Plugin for BodyPlugin {
                 timed(&profile, "prepare", body::prepare),
                 timed(&profile, "prepare", body::strays),
                 timed(&profile, "prepare", body::quarantine),
+                timed(&profile, "prepare", islands::rouse),
             )
                 .chain()
                 .in_set(PhysicsSystems::Prepare),
@@ -207,11 +209,17 @@ pub struct SolverPlugin;
 
 impl Plugin for SolverPlugin {
     fn build(&self, app: &mut App) {
-        stages!(
-            app,
-            Islands: "islands" islands::islands,
-            Solve: "solve" solve::solve,
+        let profile = app.world().resource::<Profile>().clone();
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "islands", islands::islands),
+                timed(&profile, "islands", islands::regroup),
+            )
+                .chain()
+                .in_set(PhysicsSystems::Islands),
         );
+        stages!(app, Solve: "solve" solve::solve);
     }
 }
 

@@ -4,7 +4,7 @@
 //! when the user moves, pushes, holds or changes it, when settings change, when something awake comes into its island, and when
 //! a body that it touched goes: in [`crate::islands`].
 
-use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Velocity};
+use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Resting, Velocity};
 use crate::islands::Islands;
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
@@ -14,7 +14,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// Whether a body sleeps, and may. A body may be spawned asleep, or put to sleep. A copy of it is awake.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(clone_behavior = Custom(copy_awake))]
+#[component(clone_behavior = Custom(copy_awake), summary_tick)]
 pub struct Sleeping {
     /// Now asleep.
     pub asleep: bool,
@@ -56,7 +56,10 @@ pub fn sleeping(
     time: Res<StepTime>,
     settings: Res<SleepSettings>,
     (table, islands): (Res<BodyTable>, Res<Islands>),
-    mut bodies: Query<(Entity, &BodyIndex, &mut Velocity, &mut Sleeping), Without<Quarantined>>,
+    mut bodies: Query<
+        (Entity, &BodyIndex, &mut Velocity, &mut Sleeping),
+        (Without<Quarantined>, Without<Resting>),
+    >,
     mut restless: Local<Vec<bool>>,
 ) {
     if !settings.enabled {

@@ -11,7 +11,7 @@ use bevy_reflect::Reflect;
 /// the same order: on a server and its clients.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_add = stamp, clone_behavior = Ignore)]
+#[component(on_add = stamp, clone_behavior = Ignore, summary_tick)]
 pub struct Age(pub u64);
 
 impl Age {

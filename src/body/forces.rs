@@ -1,6 +1,8 @@
 //! What pushes a body besides contact, and the stage that turns it into velocity: v += Δt M⁻¹ f.
 
-use super::{BodyIndex, BodyState, BodyTable, MassProperties, Pose, Quarantined, Velocity, limits};
+use super::{
+    BodyIndex, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting, Velocity, limits,
+};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{Gravity, SpeedLimits, StepTime};
@@ -11,6 +13,7 @@ use glam::Vec3;
 /// A force and torque that act in every step until changed, in N and N·m, world axes, at the centre of mass.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct ExternalForce {
     /// N
     pub force: Vec3,
@@ -29,6 +32,7 @@ impl ExternalForce {
 /// An impulse for the next step, in N·s and N·m·s, world axes; cleared once it has acted.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(summary_tick)]
 pub struct ExternalImpulse {
     /// N·s
     pub linear: Vec3,
@@ -48,6 +52,7 @@ impl ExternalImpulse {
 /// stable for any value). None by default.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(summary_tick)]
 pub struct Damping {
     /// Of the linear velocity, 1/s.
     pub linear: f32,
@@ -58,6 +63,7 @@ pub struct Damping {
 /// Multiplies [`Gravity`] for one body; 1 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct GravityScale(pub f32);
 
 impl Default for GravityScale {
@@ -93,7 +99,7 @@ pub fn forces(
             Option<&Grab>,
             &mut Velocity,
         ),
-        Without<Quarantined>,
+        (Without<Quarantined>, Without<Resting>),
     >,
 ) {
     let dt = time.dt;

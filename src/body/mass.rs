@@ -9,7 +9,7 @@ use glam::{Mat3, Quat, Vec3};
 /// Density of a body's material, kg/m³; 1000 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description)]
+#[component(on_remove = table::lost_description, summary_tick)]
 pub struct Density(pub f32);
 
 impl Density {
@@ -20,13 +20,13 @@ impl Density {
 /// Sets a body's mass by hand, kg. Inertia follows it in proportion unless [`AngularInertia`] is set too.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description)]
+#[component(on_remove = table::lost_description, summary_tick)]
 pub struct Mass(pub f32);
 
 /// Sets a body's principal moments of inertia by hand, kg·m², about its centre of mass.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description)]
+#[component(on_remove = table::lost_description, summary_tick)]
 pub struct AngularInertia {
     /// About the three principal axes, kg·m².
     pub principal: Vec3,
@@ -37,7 +37,7 @@ pub struct AngularInertia {
 /// Sets a body's centre of mass by hand, m, in the body's frame.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description)]
+#[component(on_remove = table::lost_description, summary_tick)]
 pub struct CenterOfMass(pub Vec3);
 
 /// What the solver needs to know of a body's inertia. Computed; set [`Density`], [`Mass`], [`AngularInertia`] or

@@ -14,6 +14,7 @@ mod motion;
 mod placement;
 mod prepare;
 mod quarantine;
+mod resting;
 mod table;
 
 pub use age::Age;
@@ -25,8 +26,9 @@ pub use placement::Teleport;
 pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
 pub use quarantine::{Quarantined, quarantine};
-pub(crate) use table::lost_description;
+pub use resting::Resting;
 pub use table::{BodyIndex, BodyState, BodyTable};
+pub(crate) use table::{lost_description, lost_parent};
 
 use crate::sleeping::Sleeping;
 use bevy_ecs::prelude::*;
@@ -37,6 +39,7 @@ use glam::{Quat, Vec3};
 /// How a body answers to contact. May be changed at any time.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(summary_tick)]
 #[require(
     Pose,
     Velocity,
@@ -69,6 +72,7 @@ pub enum RigidBody {
 /// every step. Use it rather than `Transform` inside the physics schedule.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(summary_tick)]
 pub struct Pose {
     /// Position of the body's origin, m.
     pub position: Vec3,
@@ -129,6 +133,7 @@ impl Pose {
 /// How a body moves.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(summary_tick)]
 pub struct Velocity {
     /// Velocity of the centre of mass, m/s.
     pub linear: Vec3,

@@ -2,9 +2,10 @@
 
 use super::describe::{Changes, Described, describe};
 use super::placement::{Placed, user_pose};
+use super::resting::{RestingBodies, RestingChildren, Rests, find_carried, find_written};
 use super::{
     Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
-    MassProperties, Pose, Quarantined, RigidBody, Teleport, Velocity, limits,
+    MassProperties, Pose, Quarantined, Resting, RigidBody, Teleport, Velocity, limits,
 };
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, Suspects};
@@ -12,6 +13,7 @@ use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
 use crate::sleeping::Sleeping;
 use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 use glam::Vec3;
@@ -42,88 +44,69 @@ pub fn prepare(
     mut commands: Commands,
     mut table: ResMut<BodyTable>,
     mut suspects: ResMut<Suspects>,
-    (time, speeds, in_force): (Res<StepTime>, Res<SpeedLimits>, Res<InForce>),
+    rules: Rules,
     mut bodies: ParamSet<(
-        Query<Entity, (With<BodyIndex>, Without<Quarantined>, Changes)>,
+        Query<
+            Entity,
+            (
+                With<BodyIndex>,
+                Without<Quarantined>,
+                Without<Resting>,
+                Changes,
+            ),
+        >,
+        RestingBodies,
+        RestingChildren,
+        Query<Moving, (Without<Quarantined>, Without<Resting>)>,
         Query<Moving, Without<Quarantined>>,
     )>,
+    teleported: Query<Entity, (With<Teleport>, Rests)>,
     mut described: Query<Described, Without<Quarantined>>,
     placed: Placed,
 ) {
     let changed: EntityHashSet = bodies.p0().iter().collect();
-    let mut moving = bodies.p1();
-    let mut joining: Vec<(Age, Entity)> = Vec::new();
     let visit = table.begin_visit();
-    for (of, index, mut pose, mut velocity, placement, pushed) in &mut moving {
-        let (entity, kind, age, sleeping) = of;
-        let (transform, parent, teleported) = placement;
-        if teleported {
-            commands.entity(entity).remove::<Teleport>();
-        }
-        let pose = pose.bypass_change_detection();
-        let body = table.body_mut(entity, *index);
-        let moved_to = user_pose((transform, parent), *pose, body.is_none(), placed);
-        let goes_to = moved_to.unwrap_or(*pose);
-        if let Some(problem) = check(&goes_to, &velocity, pushed) {
-            suspects.0.push((entity, problem));
-            continue;
-        }
-        let goes_to = goes_to.normalized();
-        let Some(body) = body.filter(|body| body.age == *age) else {
-            *pose = goes_to;
-            joining.push((*age, entity));
-            continue;
-        };
-        body.visited = visit;
-        body.put_from = None;
-        // Until the end of the step; then the velocity of its way was only for that.
-        let was_sent = time.substep == 0 && body.target.take().is_some();
-        let is_sent = moved_to.is_some()
-            && !teleported
-            && *kind == RigidBody::Kinematic
-            && body.send(*pose, goes_to, &mut velocity, &time, &speeds);
-        if !is_sent {
-            body.put_from = moved_to.map(|_| *pose);
-            *pose = goes_to;
-        }
-        if !is_sent && was_sent && *velocity == body.velocity {
-            *velocity = Velocity::default();
-        }
-
-        let force = pushed.0.copied().unwrap_or_default();
-        body.arrived = false;
-        body.renewed = false;
-        body.moved = body.pose != *pose;
-        body.pose = *pose;
-        body.center = pose.transform_point(body.mass.local_center);
-        body.velocity = *velocity;
-        body.asleep = sleeping.asleep && *kind == RigidBody::Dynamic;
-        let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        if changed.contains(&entity)
-            && let Ok(description) = described.get_mut(entity)
-            && let Err(problem) = describe(body, description)
-        {
-            suspects.0.push((entity, problem));
-        }
-        body.roused = in_force.changed
-            || body.put_from.is_some()
-            || body.renewed
-            || (force, gravity_scale) != (body.force, body.gravity_scale)
-            || is_stirred(&velocity, pushed);
-        body.force = force;
-        body.gravity_scale = gravity_scale;
-        if transform.scale != Vec3::ONE && body.collider.is_some() && !body.scale_told {
-            body.scale_told = true;
-            suspects.0.push((entity, BodyProblem::ScaleIgnored));
+    table.take_left();
+    let mut joining: Vec<(Age, Entity)> = Vec::new();
+    let mut visitor = Visitor {
+        commands: &mut commands,
+        table: &mut table,
+        suspects: &mut suspects,
+        rules: &rules,
+        visit,
+        changed: &changed,
+    };
+    for body in &mut bodies.p3() {
+        joining.extend(visitor.visit(body, &mut described, placed));
+    }
+    let mut stirred = match rules.in_force.changed {
+        true => bodies.p1().iter().map(|(of, ..)| of.0).collect(),
+        false => find_written(bodies.p1()),
+    };
+    stirred.extend(find_carried(bodies.p2(), placed));
+    stirred.extend(&teleported);
+    stirred.sort_unstable();
+    stirred.dedup();
+    let known = joining.len();
+    for entity in stirred {
+        if let Ok(body) = bodies.p4().get_mut(entity) {
+            joining.extend(visitor.visit(body, &mut described, placed));
         }
     }
-    // Despawned, disabled, robbed of what makes a body, or older or younger than they were.
-    table.retain(|body| body.visited == visit);
+    // One that rested and is to join again is counted still, and would stand for another that has left.
+    let recount = joining.len() > known || bodies.p1().count() != table.resting();
+    leave(
+        &mut table,
+        &mut commands,
+        visit,
+        recount.then(|| bodies.p1()),
+    );
     // Those that came before there was anybody to stamp them, in the order in which they were spawned. By index, since `Entity`'s
     // own order runs backwards.
     joining.sort_unstable_by_key(|(age, entity)| {
         (*age, entity.index_u32(), entity.generation().to_bits())
     });
+    let mut moving = bodies.p4();
     for (age, entity) in joining {
         let Ok((of, mut index, pose, velocity, _, pushed)) = moving.get_mut(entity) else {
             continue;
@@ -150,6 +133,127 @@ pub fn prepare(
             Err(problem) => suspects.0.push((entity, problem)),
         }
     }
+}
+
+/// What a body is visited by.
+#[derive(SystemParam)]
+pub struct Rules<'w> {
+    time: Res<'w, StepTime>,
+    speeds: Res<'w, SpeedLimits>,
+    in_force: Res<'w, InForce>,
+}
+
+/// Goes from body to body.
+struct Visitor<'a, 'w, 's> {
+    commands: &'a mut Commands<'w, 's>,
+    table: &'a mut BodyTable,
+    suspects: &'a mut Suspects,
+    rules: &'a Rules<'a>,
+    visit: u64,
+    /// Whose description has been written, of those that do not rest.
+    changed: &'a EntityHashSet,
+}
+
+impl Visitor<'_, '_, '_> {
+    /// Takes over how a body is now, unless it is to join the others first: then its age and entity.
+    fn visit(
+        &mut self,
+        (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
+        described: &mut Query<Described, Without<Quarantined>>,
+        placed: Placed,
+    ) -> Option<(Age, Entity)> {
+        let (entity, kind, age, sleeping) = of;
+        let (transform, parent, teleported) = placement;
+        let (time, speeds) = (&self.rules.time, &self.rules.speeds);
+        if teleported {
+            self.commands.entity(entity).remove::<Teleport>();
+        }
+        let pose = pose.bypass_change_detection();
+        let written = self.changed.contains(&entity) || self.table.rests(index.0);
+        let body = self.table.body_mut(entity, *index);
+        let moved_to = user_pose((transform, parent), *pose, body.is_none(), placed);
+        let goes_to = moved_to.unwrap_or(*pose);
+        if let Some(problem) = check(&goes_to, &velocity, pushed) {
+            self.suspects.0.push((entity, problem));
+            return None;
+        }
+        let goes_to = goes_to.normalized();
+        let Some(body) = body.filter(|body| body.age == *age) else {
+            *pose = goes_to;
+            self.commands.entity(entity).try_remove::<Resting>();
+            // It may be another's by now, and is another's as soon as it is older or younger than it was.
+            self.table.remove(entity, *index);
+            return Some((*age, entity));
+        };
+        body.visited = self.visit;
+        body.put_from = None;
+        // Until the end of the step; then the velocity of its way was only for that.
+        let was_sent = time.substep == 0 && body.target.take().is_some();
+        let is_sent = moved_to.is_some()
+            && !teleported
+            && *kind == RigidBody::Kinematic
+            && body.send(*pose, goes_to, &mut velocity, time, speeds);
+        if !is_sent {
+            body.put_from = moved_to.map(|_| *pose);
+            *pose = goes_to;
+        }
+        if !is_sent && was_sent && *velocity == body.velocity {
+            *velocity = Velocity::default();
+        }
+
+        let force = pushed.0.copied().unwrap_or_default();
+        body.arrived = false;
+        body.renewed = false;
+        body.moved = body.pose != *pose;
+        body.pose = *pose;
+        body.center = pose.transform_point(body.mass.local_center);
+        body.velocity = *velocity;
+        body.asleep = sleeping.asleep && *kind == RigidBody::Dynamic;
+        let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
+        if written
+            && let Ok(description) = described.get_mut(entity)
+            && let Err(problem) = describe(body, description)
+        {
+            self.suspects.0.push((entity, problem));
+        }
+        body.roused = self.rules.in_force.changed
+            || body.put_from.is_some()
+            || body.renewed
+            || (force, gravity_scale) != (body.force, body.gravity_scale)
+            || is_stirred(&velocity, pushed);
+        body.force = force;
+        body.gravity_scale = gravity_scale;
+        if transform.scale != Vec3::ONE && body.collider.is_some() && !body.scale_told {
+            body.scale_told = true;
+            self.suspects.0.push((entity, BodyProblem::ScaleIgnored));
+        }
+        self.table.stir(index.0);
+        None
+    }
+}
+
+/// Who is not there any more, despawned, disabled or robbed of what makes a body, leaves the table. Those that rest are looked for only
+/// where some may be missing.
+fn leave(
+    table: &mut BodyTable,
+    commands: &mut Commands,
+    visit: u64,
+    resting: Option<RestingBodies>,
+) {
+    if let Some(resting) = resting {
+        for (of, ..) in &resting {
+            if let Some(body) = table.body_mut(of.0, *of.4) {
+                body.visited = visit;
+            }
+        }
+        for body in table.take_unvisited(visit, true) {
+            // It would come back as one that rests.
+            if let Ok(mut body) = commands.get_entity(body) {
+                body.try_remove::<Resting>();
+            }
+        }
+    }
+    table.take_unvisited(visit, false);
 }
 
 /// True where a body cannot sleep as it is.

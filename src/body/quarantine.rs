@@ -4,7 +4,7 @@
 //! outside the simulation until the marker is taken off. Nothing of it is lost, and what touched it loses a neighbour and nothing
 //! else. It runs before contacts are looked for and once more after forces, before anything is solved with them.
 
-use super::{BodyIndex, BodyTable};
+use super::{BodyIndex, BodyTable, Resting};
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use crate::sleeping::Sleeping;
 use bevy_ecs::{name::Name, prelude::*};
@@ -42,6 +42,7 @@ pub fn quarantine(world: &mut World) {
                 },
                 BodyIndex::NONE,
             ));
+            body.remove::<Resting>();
             if let Some(index) = index {
                 world.resource_mut::<BodyTable>().remove(entity, index);
             }

@@ -5,13 +5,14 @@
 
 use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
-use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
+use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
+use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::shape::Shape;
 
 /// A body's slot in the [`BodyTable`]. Internal.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-#[component(clone_behavior = Ignore)]
+#[component(on_remove = leave, clone_behavior = Ignore, summary_tick)]
 pub struct BodyIndex(pub u32);
 
 impl BodyIndex {
@@ -29,6 +30,21 @@ impl Default for BodyIndex {
 /// removed components is cleared with every frame, and a step may come after several.
 pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut index) = world.get_mut::<BodyIndex>(context.entity) {
+        index.set_changed();
+    }
+}
+
+/// A body is despawned, or robbed of its slot.
+fn leave(mut world: DeferredWorld, context: HookContext) {
+    let index = world.get::<BodyIndex>(context.entity).copied();
+    if let (Some(index), Some(mut table)) = (index, world.get_resource_mut::<BodyTable>()) {
+        table.left.push((context.entity, index));
+    }
+}
+
+/// A body has no parent any more, so that its `Transform` means another pose.
+pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut bodies: Query<&mut BodyIndex>) {
+    if let Ok(mut index) = bodies.get_mut(lost.entity) {
         index.set_changed();
     }
 }
@@ -160,7 +176,14 @@ const THICKNESS: f32 = 2.5;
 #[derive(Resource, Default)]
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,
+    /// Slots of bodies that are not [`Resting`](super::Resting).
+    active: FixedBitSet,
     count: usize,
+    resting: usize,
+    /// Slots of resting bodies that something was done to, until they are [roused](crate::islands::rouse).
+    pub(crate) stirred: Vec<u32>,
+    /// Bodies that were despawned since *prepare* last looked.
+    left: Vec<(Entity, BodyIndex)>,
     free: Vec<u32>,
     /// Slots whose body went since the broadphase last looked.
     pub(crate) removed: Vec<u32>,
@@ -205,9 +228,41 @@ impl BodyTable {
             .filter_map(|(slot, body)| Some((slot as u32, body.as_ref()?)))
     }
 
-    /// What is in each slot, from the first.
-    pub(crate) fn slot_bodies(&self) -> impl Iterator<Item = Option<&BodyState>> {
-        self.slots.iter().map(Option::as_ref)
+    /// Those that do not rest, with their slots, from the first. What all stages of a step go through.
+    pub(crate) fn active(&self) -> impl Iterator<Item = (u32, &BodyState)> {
+        let slots = self.active.ones();
+        slots.filter_map(|slot| Some((slot as u32, self.slots[slot].as_ref()?)))
+    }
+
+    /// Nobody has touched the body in this slot, and it is in no list that a stage goes through.
+    #[inline]
+    pub(crate) fn rests(&self, slot: u32) -> bool {
+        !self.active.contains(slot as usize)
+    }
+
+    /// How many rest.
+    pub(super) fn resting(&self) -> usize {
+        self.resting
+    }
+
+    /// Says that a body rests, or that it does no more; false where that is known.
+    pub(crate) fn set_resting(&mut self, slot: u32, rests: bool) -> bool {
+        let known = self.rests(slot) == rests;
+        if !known {
+            self.active.set(slot as usize, !rests);
+            self.resting = match rests {
+                true => self.resting + 1,
+                false => self.resting - 1,
+            };
+        }
+        !known
+    }
+
+    /// Something was done to a body: if it rests, it is to be roused.
+    pub(crate) fn stir(&mut self, slot: u32) {
+        if self.rests(slot) {
+            self.stirred.push(slot);
+        }
     }
 
     #[inline]
@@ -234,21 +289,20 @@ impl BodyTable {
     pub(crate) fn insert(&mut self, body: BodyState) -> BodyIndex {
         self.count += 1;
         self.version += 1;
-        match self.free.pop() {
-            Some(slot) => {
-                self.slots[slot as usize] = Some(body);
-                BodyIndex(slot)
-            }
-            None => {
-                self.slots.push(Some(body));
-                BodyIndex(self.slots.len() as u32 - 1)
-            }
-        }
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.slots.push(None);
+            self.slots.len() as u32 - 1
+        });
+        self.slots[slot as usize] = Some(body);
+        self.active.grow_and_insert(slot as usize);
+        BodyIndex(slot)
     }
 
     /// Empties a body's slot. It is given to another body only after the broadphase has forgotten its pairs.
     pub(crate) fn remove(&mut self, entity: Entity, index: BodyIndex) {
         if self.holds(entity, index) {
+            self.set_resting(index.0, false);
+            self.active.remove(index.0 as usize);
             self.slots[index.0 as usize] = None;
             self.count -= 1;
             self.version += 1;
@@ -256,19 +310,36 @@ impl BodyTable {
         }
     }
 
-    /// Empties the slots of all bodies but those that stay.
-    pub(crate) fn retain(&mut self, stays: impl Fn(&BodyState) -> bool) {
-        let gone: Vec<_> = self
-            .iter()
-            .filter(|(_, body)| !stays(body))
-            .map(|(slot, body)| (body.entity, BodyIndex(slot)))
-            .collect();
-        for (entity, index) in gone {
-            self.remove(entity, index);
+    /// Takes out the resting bodies that were despawned.
+    pub(super) fn take_left(&mut self) {
+        for (entity, index) in std::mem::take(&mut self.left) {
+            if self.rests(index.0) {
+                self.remove(entity, index);
+            }
         }
+    }
+
+    /// Takes out those that rest, or those that don't, and that this visit of *prepare* has not found.
+    pub(super) fn take_unvisited(&mut self, visit: u64, rest: bool) -> Vec<Entity> {
+        let missed = |(_, body): &(u32, &BodyState)| body.visited != visit;
+        let gone: Vec<_> = match rest {
+            false => self.active().filter(missed).map(whose).collect(),
+            true => {
+                let resting = self.iter().filter(|&(slot, _)| self.rests(slot));
+                resting.filter(missed).map(whose).collect()
+            }
+        };
+        for &(slot, entity) in &gone {
+            self.remove(entity, BodyIndex(slot));
+        }
+        gone.into_iter().map(|(_, entity)| entity).collect()
     }
 
     pub(crate) fn recycle(&mut self, slot: u32) {
         self.free.push(slot);
     }
+}
+
+fn whose((slot, body): (u32, &BodyState)) -> (u32, Entity) {
+    (slot, body.entity)
 }

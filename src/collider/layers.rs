@@ -6,7 +6,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// Two bodies collide if each is a member of a layer that the other's filter names. All of both by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = crate::body::lost_description)]
+#[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct CollisionLayers {
     /// A bit for each layer the body is in.
     pub memberships: u32,

@@ -36,7 +36,7 @@ impl CombineRule {
 /// Coulomb friction of a body's surface; 0.5 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = crate::body::lost_description)]
+#[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Friction {
     /// μ, not negative and at most [`limits::FRICTION`](crate::body::limits::FRICTION).
     pub coefficient: f32,
@@ -47,7 +47,7 @@ pub struct Friction {
 /// Restitution of a body's surface; 0 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = crate::body::lost_description)]
+#[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Restitution {
     /// e, from 0 to 1, which bounces without loss.
     pub coefficient: f32,
@@ -65,7 +65,7 @@ pub struct Restitution {
 /// For [`SoftStep`](crate::solver::SoftStep); solvers of points have none.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = crate::body::lost_description)]
+#[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct RollingFriction {
     /// As a share of the radius, not negative.
     pub coefficient: f32,

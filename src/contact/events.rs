@@ -2,7 +2,7 @@
 //! observers of entities that ask for them with [`ContactEvents`].
 
 use super::{ContactImpulses, ContactPair};
-use crate::body::{Age, BodyTable};
+use crate::body::{Age, BodyTable, Resting};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -10,7 +10,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// Asks for [`ContactStarted`] and [`ContactEnded`] to be triggered on this body for observers.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = crate::body::lost_description)]
+#[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ContactEvents;
 
 /// Two bodies began to touch: sent in the step in which they first push on each other, or come within the collision envelope. As an
@@ -54,7 +54,7 @@ pub struct Untriggered {
 
 /// See the module's text. With several substeps it speaks of the whole step, at its end.
 pub fn contact_events(
-    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses)>,
+    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses), Without<Resting>>,
     (table, time): (Res<BodyTable>, Res<StepTime>),
     mut removed: ResMut<EndedPairs>,
     mut started: MessageWriter<ContactStarted>,

@@ -4,6 +4,7 @@
 //! it gave waits in a list beside.
 
 use super::{ContactImpulses, Given};
+use crate::body::Resting;
 use crate::narrowphase::{Origins, inherit};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -50,7 +51,7 @@ impl Given {
 }
 
 /// See the module's text.
-pub fn whole_step(time: Res<StepTime>, mut pairs: Query<&mut ContactImpulses>) {
+pub fn whole_step(time: Res<StepTime>, mut pairs: Query<&mut ContactImpulses, Without<Resting>>) {
     if time.substeps == 1 || !time.is_last() {
         return;
     }

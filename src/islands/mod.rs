@@ -1,17 +1,23 @@
 //! The stage **islands**: groups bodies that push on each other, finds what stands on what (its level of support), and wakes islands that may not
 //! sleep on. It comes before forces, so that what wakes has all of its weight when it is first solved.
 //!
-//! Static and kinematic bodies do not connect islands.
+//! Static and kinematic bodies do not connect islands. Islands that sleep go to [rest](crate::body::Resting).
 
 mod graph;
 mod order;
+mod rest;
 
-use crate::body::{Age, BodyState, BodyTable, Velocity};
+pub use rest::rouse;
+
+use crate::body::{Age, BodyState, BodyTable, Resting, Velocity};
 use crate::contact::{ContactPair, Manifold};
+use crate::settings::StepTime;
 use crate::sleeping::Sleeping;
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
 use graph::Graph;
 use order::Levels;
+use rest::{Groups, Tired};
 
 /// Which island each body is in, and what stands on what.
 #[derive(Resource, Default)]
@@ -19,9 +25,15 @@ pub struct Islands {
     graph: Graph,
     levels: Levels,
     links: Vec<Link>,
-    members: Vec<Option<Member>>,
+    members: Vec<Member>,
     version: u64,
     woke: bool,
+    resting: Groups,
+    tired: Tired,
+    /// Who touched in the last step, and does no more.
+    parted: Vec<[u32; 2]>,
+    /// Islands that rest, and that who does not rest touches, or has ceased to touch.
+    touched: Vec<u32>,
 }
 
 /// A pair that touches: its bodies' slots, and which of all pairs it is.
@@ -31,9 +43,10 @@ struct Link {
     pair: u32,
 }
 
-/// Who is in a slot.
+/// A body that is active, and what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Member {
+    slot: u32,
     entity: Entity,
     age: Age,
     dynamic: bool,
@@ -42,8 +55,9 @@ struct Member {
 
 impl Member {
     #[inline]
-    fn of(body: &BodyState) -> Self {
+    fn of((slot, body): (u32, &BodyState)) -> Self {
         Self {
+            slot,
             entity: body.entity,
             age: body.age,
             dynamic: body.is_dynamic(),
@@ -52,24 +66,23 @@ impl Member {
     }
 
     /// The same body of the same kind, be it awake or asleep.
-    fn is_same(before: &Option<Self>, now: &Option<Self>) -> bool {
-        match (before, now) {
-            (Some(before), Some(now)) => {
-                (before.entity, before.age, before.dynamic) == (now.entity, now.age, now.dynamic)
-            }
-            (None, None) => true,
-            _ => false,
-        }
+    fn is_same(&self, other: &Self) -> bool {
+        let asleep = other.asleep;
+        Self { asleep, ..*self } == *other
     }
 }
 
+/// The pairs that do not rest.
+type Pairs<'w, 's> =
+    Query<'w, 's, (Entity, &'static ContactPair, &'static Manifold), Without<Resting>>;
+
 impl Islands {
-    /// The island of a dynamic body, by its slot.
+    /// The island of a dynamic body that does not rest, by its slot.
     pub fn of(&self, slot: u32) -> Option<usize> {
         self.graph.of(slot)
     }
 
-    /// How many there are, sleeping ones included.
+    /// How many there are, but for those that [rest](crate::body::Resting).
     pub fn count(&self) -> usize {
         self.graph.count
     }
@@ -90,18 +103,78 @@ impl Islands {
         self.version
     }
 
-    fn regroup(&mut self, links: &[Link], members: &[Option<Member>]) {
-        let moves = |slot: u32| members[slot as usize].is_some_and(|member| member.dynamic);
-        let slots = 0..members.len() as u32;
-        let links: Vec<[u32; 2]> = links.iter().map(|link| link.slots).collect();
-        let both_move = |slots: &&[u32; 2]| slots.iter().all(|&slot| moves(slot));
-        self.graph.regroup(
-            members.len(),
-            slots.filter(|&slot| moves(slot)),
-            links.iter().filter(both_move).copied(),
+    /// Takes over who touches whom; true where that or who they are is not as it was.
+    fn link(&mut self, table: &BodyTable, pairs: &Pairs, time: &StepTime) -> bool {
+        let mut links = Vec::with_capacity(self.links.len());
+        self.tired.pairs.clear();
+        self.parted.clear();
+        for ((entity, pair, manifold), number) in pairs.iter().zip(0..) {
+            // What touches has been told by the end of the step.
+            if pair.idle && time.substep == 0 && pair.slots.iter().all(|&slot| table.rests(slot)) {
+                self.tired.pairs.push((entity, pair.slots));
+            }
+            if pair.parted {
+                self.parted.push(pair.slots);
+            }
+            if !manifold.points.is_empty() {
+                links.push(Link {
+                    slots: pair.slots,
+                    pair: number,
+                });
+            }
+        }
+        let same = links == self.links
+            && self.members.len() == table.active().count()
+            && (table.active().map(Member::of).zip(&self.members)).all(|(a, b)| a.is_same(b));
+        self.links = links;
+        if !same {
+            self.regroup(table);
+        }
+        !same
+    }
+
+    fn regroup(&mut self, table: &BodyTable) {
+        let moves = |slot: u32| table.get(slot).is_some_and(BodyState::is_dynamic);
+        let stands_still = |slot: u32| table.get(slot).is_some_and(|body| !body.is_dynamic());
+        let links: Vec<[u32; 2]> = self.links.iter().map(|link| link.slots).collect();
+        self.levels.find(table.slots(), &links, stands_still);
+        let mut links = links;
+        let mut members: Vec<u32> = table.active().map(|(slot, _)| slot).collect();
+        members.retain(|&slot| moves(slot));
+        links.retain(|slots| slots.iter().all(|&slot| moves(slot)));
+        for slot in links.as_flattened_mut() {
+            *slot = self.node(table, *slot);
+        }
+        self.touched.clear();
+        let parted = self.parted.as_flattened().iter().copied();
+        let slots = self.links.iter().flat_map(|link| link.slots).chain(parted);
+        let touched = slots.filter(|&slot| table.rests(slot) && moves(slot));
+        self.touched
+            .extend(touched.filter_map(|slot| self.resting.of(slot)));
+        self.touched.sort_unstable();
+        self.touched.dedup();
+        members.extend(
+            self.touched
+                .iter()
+                .map(|&island| table.slots() as u32 + island),
         );
-        let stands_still = |slot: u32| members[slot as usize].is_some_and(|member| !member.dynamic);
-        self.levels.find(members.len(), &links, stands_still);
+        let nodes = table.slots() + self.resting.count();
+        self.graph.regroup(nodes, members.into_iter(), &links);
+    }
+
+    /// Where a body stands in the graph: in its slot, or, where it rests, behind all slots as its island.
+    fn node(&self, table: &BodyTable, slot: u32) -> u32 {
+        // A static body may be in the slot of one that rested.
+        let rests = table.rests(slot) && table.get(slot).is_some_and(BodyState::is_dynamic);
+        match self.resting.of(slot).filter(|_| rests) {
+            Some(island) => table.slots() as u32 + island,
+            None => slot,
+        }
+    }
+
+    /// The island that a body is in, be it one that rests and is touched by who does not.
+    fn find(&self, table: &BodyTable, slot: u32) -> Option<usize> {
+        self.graph.of(self.node(table, slot))
     }
 
     /// What bodies and contacts are solved in the order of.
@@ -110,93 +183,154 @@ impl Islands {
     }
 }
 
-/// See the module's text.
+/// First part of the stage: who touches whom, who wakes, and who goes to rest.
 pub fn islands(
     mut table: ResMut<BodyTable>,
     mut islands: ResMut<Islands>,
-    pairs: Query<(&ContactPair, &Manifold)>,
+    pairs: Pairs,
+    time: Res<StepTime>,
     mut sleepers: Query<&mut Sleeping>,
 ) {
-    let touching = pairs.iter().zip(0..);
-    let touching = touching.filter(|((_, manifold), _)| !manifold.points.is_empty());
-    let links: Vec<Link> = touching
-        .map(|((pair, _), number)| Link {
-            slots: pair.slots,
-            pair: number,
-        })
-        .collect();
-    let members = table.slot_bodies().map(|body| body.map(Member::of));
-    let mut now: Vec<Option<Member>> = members.collect();
-    let before = &islands.members;
-    let same_graph = links == islands.links
-        && now.len() == before.len()
-        && before.iter().zip(&now).all(|(a, b)| Member::is_same(a, b));
-    if !same_graph {
-        islands.regroup(&links, &now);
-    }
-    islands.links = links;
-
+    let islands = &mut *islands;
+    let new = islands.link(&table, &pairs, &time);
     islands.woke = false;
-    if now.iter().flatten().any(|member| member.asleep) {
-        let parted = pairs.iter().filter(|(pair, _)| pair.parted);
-        let parted = parted.flat_map(|(pair, _)| pair.slots);
-        islands.woke = wake(&mut table, &islands, parted, &mut sleepers);
+    let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
+    if !islands.touched.is_empty() || table.active().any(rests) {
+        let awake = islands.find_awake(&table);
+        islands.wake(&mut table, &awake, &mut sleepers);
+        islands.tire(&table, &awake);
     }
-    if islands.woke {
-        now.clear();
-        now.extend(table.slot_bodies().map(|body| body.map(Member::of)));
-    }
-    if !same_graph || now != islands.members {
+    let now = table.active().map(Member::of);
+    if new || islands.woke || !now.eq(islands.members.iter().copied()) {
         islands.version += 1;
+        islands.members.clear();
+        islands.members.extend(table.active().map(Member::of));
     }
-    islands.members = now;
 }
 
-/// Islands sleep and wake as a whole. What is awake, was roused by the user, or is carried by something that moves wakes the rest;
-/// and so does what has parted: what a body lay on, or what held it down, has gone away.
-fn wake(
-    table: &mut BodyTable,
-    islands: &Islands,
-    parted: impl Iterator<Item = u32>,
-    sleepers: &mut Query<&mut Sleeping>,
-) -> bool {
-    let Islands { graph, links, .. } = islands;
-    let mut awake = vec![false; graph.count];
-    for (slot, body) in table.iter() {
-        if let Some(island) = graph.of(slot) {
-            awake[island] |= !body.asleep || body.roused;
-        }
+/// Second part: where bodies or pairs go to rest or are roused, islands are found anew.
+pub fn regroup(world: &mut World, pairs: &mut SystemState<Pairs>) {
+    let tired = std::mem::take(&mut world.resource_mut::<Islands>().tired);
+    if tired.is_empty() && world.resource::<BodyTable>().stirred.is_empty() {
+        return;
     }
-    for Link { slots: [a, b], .. } in links {
-        for (carrier, carried) in [(a, b), (b, a)] {
-            let (Some(below), Some(above)) = (table.get(*carrier), table.get(*carried)) else {
-                continue;
-            };
-            // What comes into the world together with its ground may sleep on it.
-            let changes = (below.moved || below.renewed) && !(below.arrived && above.arrived);
-            let moves = !below.is_dynamic() && (changes || below.velocity != Velocity::default());
-            if moves && let Some(island) = graph.of(*carried) {
+    rouse(world);
+    rest::lay_down(world, tired);
+    world.resource_scope(|world, mut islands: Mut<Islands>| {
+        let pairs = pairs.get(world).expect("pairs can always be read");
+        let table = world.resource::<BodyTable>();
+        islands.link(table, &pairs, world.resource::<StepTime>());
+        islands.tired = Tired::default();
+        islands.version += 1;
+        islands.members.clear();
+        islands.members.extend(table.active().map(Member::of));
+    });
+}
+
+impl Islands {
+    /// Islands sleep and wake as a whole. What is awake, was roused by the user, or is carried by something that moves wakes the rest;
+    /// and so does what has parted: what a body lay on, or what held it down, has gone away.
+    fn find_awake(&self, table: &BodyTable) -> Vec<bool> {
+        let mut awake = vec![false; self.graph.count];
+        for (slot, body) in table.active() {
+            if let Some(island) = self.graph.of(slot) {
+                awake[island] |= !body.asleep || body.roused;
+            }
+        }
+        for Link { slots: [a, b], .. } in &self.links {
+            for (carrier, carried) in [(a, b), (b, a)] {
+                let (Some(below), Some(above)) = (table.get(*carrier), table.get(*carried)) else {
+                    continue;
+                };
+                // What comes into the world together with its ground may sleep on it.
+                let changes = (below.moved || below.renewed) && !(below.arrived && above.arrived);
+                let moves =
+                    !below.is_dynamic() && (changes || below.velocity != Velocity::default());
+                if moves && let Some(island) = self.find(table, *carried) {
+                    awake[island] = true;
+                }
+            }
+        }
+        for &slot in self.parted.as_flattened() {
+            if let Some(island) = self.find(table, slot) {
                 awake[island] = true;
             }
         }
+        awake
     }
-    for slot in parted {
-        if let Some(island) = graph.of(slot) {
-            awake[island] = true;
+
+    /// Wakes all bodies of islands that are awake; those that rest are roused next.
+    fn wake(&mut self, table: &mut BodyTable, awake: &[bool], sleepers: &mut Query<&mut Sleeping>) {
+        let asleep = table.active().filter(|(_, body)| body.asleep);
+        let mut rising: Vec<u32> = asleep
+            .map(|(slot, _)| slot)
+            .filter(|&slot| self.graph.of(slot).is_some_and(|island| awake[island]))
+            .collect();
+        for i in 0..self.touched.len() {
+            let island = self.touched[i];
+            let node = table.slots() as u32 + island;
+            if self.graph.of(node).is_some_and(|island| awake[island]) {
+                for (slot, entity) in self.resting.take(island) {
+                    let is_there = |body: &BodyState| body.entity == entity;
+                    if table.rests(slot) && table.get(slot).is_some_and(is_there) {
+                        table.stir(slot);
+                        rising.push(slot);
+                    }
+                }
+            }
+        }
+        self.woke = !rising.is_empty();
+        for slot in rising {
+            let body = table.get_mut(slot).expect("it was just seen");
+            body.asleep = false;
+            if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
+                sleeping.wake();
+            }
         }
     }
-    let rising: Vec<u32> = table
-        .iter()
-        .filter(|(slot, body)| body.asleep && graph.of(*slot).is_some_and(|i| awake[i]))
-        .map(|(slot, _)| slot)
-        .collect();
-    let woke = !rising.is_empty();
-    for slot in rising {
-        let body = table.get_mut(slot).expect("it was just seen");
-        body.asleep = false;
-        if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
-            sleeping.wake();
+
+    /// Finds who may go to rest: islands that sleep, and what stands still. (Pairs of two that rest are found with the links.)
+    fn tire(&mut self, table: &BodyTable, awake: &[bool]) {
+        let mut rest: Vec<bool> = awake.iter().map(|awake| !awake).collect();
+        for (slot, body) in table.active() {
+            if let Some(island) = self.graph.of(slot) {
+                rest[island] &= body.may_rest();
+            } else if body.may_rest() {
+                self.tired.bodies.push((slot, body.entity));
+            }
+        }
+        let mut groups: Vec<Vec<(u32, Entity)>> = vec![Vec::new(); rest.len()];
+        for (slot, body) in table.active() {
+            if let Some(island) = self.graph.of(slot).filter(|&island| rest[island]) {
+                groups[island].push((slot, body.entity));
+                self.tired.bodies.push((slot, body.entity));
+            }
+        }
+        // What it touches that rests already joins it.
+        for i in 0..self.touched.len() {
+            let touched = self.touched[i];
+            let node = table.slots() as u32 + touched;
+            let island = self.graph.of(node).filter(|&island| rest[island]);
+            if let Some(group) = island.map(|island| &mut groups[island])
+                && !group.is_empty()
+            {
+                group.extend(self.resting.take(touched));
+            }
+        }
+        for group in groups.into_iter().filter(|group| !group.is_empty()) {
+            self.resting.insert(group);
         }
     }
-    woke
+}
+
+impl BodyState {
+    /// It sleeps or stands still, did so in the step before, and nothing was done to it.
+    fn may_rest(&self) -> bool {
+        let still = match self.is_dynamic() {
+            true => self.asleep && !self.roused,
+            false => self.velocity == Velocity::default() && self.target.is_none(),
+        };
+        let put = self.moved || self.put_from.is_some();
+        still && !put && !self.renewed && !self.arrived
+    }
 }

@@ -5,7 +5,7 @@
 //! how things stand, not from how they were spawned, and it keeps bodies that touch near each other in the order (Cuthill and
 //! McKee 1969 number the unknowns of a sparse matrix so for the same reason).
 
-/// By slot: 0 for what stands still, [`Levels::NONE`] for what nothing carries.
+/// By slot: 0 for what stands still and carries something, [`Levels::NONE`] for what nothing carries.
 #[derive(Default)]
 pub(super) struct Levels {
     levels: Vec<u32>,
@@ -55,8 +55,12 @@ impl Levels {
         }
         levels.fill(Self::NONE);
         queue.clear();
-        queue.extend((0..slots as u32).filter(|&slot| stands_still(slot)));
-        queue.iter().for_each(|&slot| levels[slot as usize] = 0);
+        for &slot in links.as_flattened() {
+            if levels[slot as usize] == Self::NONE && stands_still(slot) {
+                levels[slot as usize] = 0;
+                queue.push(slot);
+            }
+        }
         let mut next = 0;
         while let Some(&slot) = queue.get(next) {
             next += 1;

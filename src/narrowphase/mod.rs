@@ -17,7 +17,7 @@ mod recycling;
 mod reduction;
 mod round;
 
-use crate::body::{BodyState, BodyTable, Pose};
+use crate::body::{BodyState, BodyTable, Pose, Resting};
 pub(crate) use dispatcher::ParryManifold;
 pub(crate) use matching::{Origins, inherit};
 
@@ -49,7 +49,7 @@ pub fn narrowphase(
     gravity: Res<Gravity>,
     (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<PairColumns>,
+    mut pairs: Query<PairColumns, Without<Resting>>,
 ) {
     let table = &*table;
     for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs

@@ -2,7 +2,7 @@
 
 use super::touch::Touch;
 use super::{Given, IslandReport};
-use crate::body::{BodyState, Velocity, limits};
+use crate::body::{BodyState, BodyTable, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse};
 use crate::solver::{Body, SolveReport};
 use bevy_ecs::prelude::*;
@@ -93,13 +93,13 @@ impl<R: Rows> Island<R> {
         solver: &R::Solver,
         touches: &mut [Touch],
         local: &[u32],
-        velocities: &[Velocity],
+        (table, velocities): (&BodyTable, &[Velocity]),
         given: &Given,
     ) {
         if self.ends.is_empty() {
             self.find_ends(touches, local);
         }
-        self.add_copies(velocities);
+        self.add_copies(table, velocities);
         self.rows.gather(touches, &self.ends, &self.bodies, given);
         self.report = self.rows.solve(solver, &mut self.bodies, given);
         self.diverged = !self.bodies.iter().all(is_sound);
@@ -130,9 +130,11 @@ impl<R: Rows> Island<R> {
         self.ends.extend(ends);
     }
 
-    fn add_copies(&mut self, velocities: &[Velocity]) {
+    fn add_copies(&mut self, table: &BodyTable, velocities: &[Velocity]) {
         let copies = self.copies.iter().map(|&slot| {
-            let Velocity { linear, angular } = velocities[slot as usize];
+            // What rests is in no list, and stands still.
+            let velocity = (!table.rests(slot)).then(|| velocities[slot as usize]);
+            let Velocity { linear, angular } = velocity.unwrap_or_default();
             Body {
                 linear,
                 angular,

@@ -13,7 +13,7 @@ mod patches;
 mod points;
 mod touch;
 
-use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Velocity};
+use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Resting, Velocity};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::islands::Islands;
@@ -90,6 +90,7 @@ type Pairs<'w, 's> = Query<
         &'static ContactTargets,
         &'static mut ContactImpulses,
     ),
+    Without<Resting>,
 >;
 
 type Bodies<'w, 's> = Query<
@@ -101,7 +102,7 @@ type Bodies<'w, 's> = Query<
         &'static mut Velocity,
         &'static mut Motion,
     ),
-    Without<Quarantined>,
+    (Without<Quarantined>, Without<Resting>),
 >;
 
 /// See the module's text.
@@ -205,9 +206,10 @@ impl Step<'_> {
                 .expect("touches stand in the order of their islands");
             work.push((island, mine));
         }
-        let (order, velocities, given) = (&*order, &*velocities, self.given);
+        let (order, given) = (&*order, self.given);
+        let bodies = (self.table, &**velocities);
         let solve = |(island, touches): (&mut Island<R>, &mut [Touch])| {
-            island.solve(solver, touches, &order.local, velocities, given);
+            island.solve(solver, touches, &order.local, bodies, given);
         };
         let threads = &given.threads;
         if work.len() > 1 && threads.share(points) {

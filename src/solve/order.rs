@@ -54,9 +54,7 @@ impl Order {
     }
 
     fn order_bodies(&mut self, table: &BodyTable, islands: &Islands) {
-        let awake = table
-            .iter()
-            .filter(|(_, body)| body.is_dynamic() && !body.asleep);
+        let awake = table.active().filter(|(_, body)| body.is_awake());
         let mut awake: Vec<_> = awake
             .filter_map(|(slot, body)| Some((islands.of(slot)?, islands.rank(slot, body), slot)))
             .collect();

@@ -2,7 +2,7 @@
 //! equation (11), at the poses where the contacts were detected.
 
 use super::classifier::{classify, holds_twist, sticks};
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Impulse, Manifold,
     ManifoldPatch, PatchAnchor,
@@ -57,12 +57,15 @@ pub fn anchors(
     (table, islands): (Res<BodyTable>, Res<Islands>),
     (settings, time): (Res<StabilizationSettings>, Res<StepTime>),
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(
-        &ContactPair,
-        &Manifold,
-        &mut ContactImpulses,
-        &mut ContactAnchors,
-    )>,
+    mut pairs: Query<
+        (
+            &ContactPair,
+            &Manifold,
+            &mut ContactImpulses,
+            &mut ContactAnchors,
+        ),
+        Without<Resting>,
+    >,
 ) {
     let friction = settings.friction;
     if !friction.enabled {

@@ -3,7 +3,7 @@
 //! A point that stuck in the last step should not have moved. How far it did, e, is measured between the places where the
 //! two bodies carried its anchor, and the solver is asked for a tangential velocity that undoes it.
 
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, ManifoldPatch,
     PatchAnchor, Target, is_edited,
@@ -232,12 +232,15 @@ pub fn friction_error(
     settings: Res<StabilizationSettings>,
     solver: Res<SolverSettings>,
     (threads, in_force): (Res<PhysicsThreads>, Res<InForce>),
-    mut pairs: Query<(
-        &ContactPair,
-        Ref<Manifold>,
-        &mut ContactAnchors,
-        &mut ContactTargets,
-    )>,
+    mut pairs: Query<
+        (
+            &ContactPair,
+            Ref<Manifold>,
+            &mut ContactAnchors,
+            &mut ContactTargets,
+        ),
+        Without<Resting>,
+    >,
 ) {
     let (table, settings, last) = (&*table, &*settings, time.last);
     let by_points = solver.solver.is_by_points();

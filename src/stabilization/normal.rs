@@ -5,7 +5,7 @@
 //! below the ideal plane and *lets come down* what is above it but inside the envelope, so that every contact settles on
 //! the plane and none flickers.
 
-use crate::body::BodyTable;
+use crate::body::{BodyTable, Resting};
 use crate::contact::{ContactPair, ContactTargets, Manifold};
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
@@ -91,7 +91,7 @@ pub fn normal_correction(
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets)>,
+    mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets), Without<Resting>>,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
     let (rest, share) = (settings.rest_distance(), dt / time.longest);

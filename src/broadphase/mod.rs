@@ -5,6 +5,10 @@
 //! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
 //! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
 
+mod pairs;
+
+pub(crate) use pairs::Pairs;
+
 use crate::body::{BodyState, BodyTable};
 use crate::collider::Collider;
 use crate::contact::{
@@ -12,6 +16,7 @@ use crate::contact::{
     NarrowphaseCache,
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use crate::islands::rouse;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
@@ -28,6 +33,9 @@ const FAT: f32 = 0.05;
 /// For how many steps the way of a body lies in its box in the tree.
 const AHEAD: f32 = 2.0;
 
+/// The tree is put in order when one in so many of its boxes was changed: that costs as much as it has boxes.
+const TIDY: usize = 16;
+
 /// The tree, and the pairs alive.
 #[derive(Resource, Default)]
 pub struct Broadphase {
@@ -37,12 +45,14 @@ pub struct Broadphase {
     fat: Vec<Option<Aabb>>,
     /// Slots of half-spaces.
     unbounded: Vec<u32>,
-    pairs: HashSet<[u32; 2]>,
+    pub(crate) pairs: Pairs,
     begun: Vec<[u32; 2]>,
     /// Pairs whose entity is gone, whoever despawned it.
     lost: Vec<ContactPair>,
-    /// Something moved or went, so pairs may have ended.
-    stirred: bool,
+    /// Slots of what left its box or went, so that pairs may have ended.
+    stirred: Vec<u32>,
+    /// How many boxes were changed since the tree was last put in order.
+    untidy: usize,
     /// Slots to give back once no pair names them.
     removed: Vec<u32>,
 }
@@ -50,7 +60,7 @@ pub struct Broadphase {
 impl Broadphase {
     /// Number of pairs alive.
     pub fn pair_count(&self) -> usize {
-        self.pairs.len()
+        self.pairs.count()
     }
 
     fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
@@ -100,6 +110,7 @@ pub fn broadphase(
         pairs,
         begun,
         stirred,
+        untidy,
         removed,
         lost: _,
     } = &mut *broadphase;
@@ -109,11 +120,11 @@ pub fn broadphase(
         fat[slot as usize] = None;
         unbounded.retain(|u| *u != slot);
         removed.push(slot);
-        *stirred = true;
+        stirred.push(slot);
     }
 
     let mut moved = Vec::new();
-    for (slot, body) in table.iter() {
+    for (slot, body) in table.active() {
         let resting = (body.asleep || !body.is_dynamic()) && body.velocity == Default::default();
         if resting && !body.moved && !body.renewed {
             continue;
@@ -124,7 +135,7 @@ pub fn broadphase(
                 unbounded.retain(|u| *u != slot);
                 fat[slot as usize] = None;
                 tree.remove(slot);
-                *stirred = true;
+                stirred.push(slot);
             }
             continue;
         };
@@ -156,9 +167,13 @@ pub fn broadphase(
     if moved.is_empty() {
         return;
     }
-    *stirred = true;
-    tree.refit(workspace);
-    tree.optimize_incremental(workspace);
+    stirred.extend(&moved);
+    *untidy += moved.len();
+    if *untidy * TIDY >= tree.leaf_count() as usize {
+        *untidy = 0;
+        tree.refit(workspace);
+        tree.optimize_incremental(workspace);
+    }
 
     let mut consider = |a: u32, b: u32| {
         let rank = |slot: u32| (table.get(slot).map(|body| body.age), slot);
@@ -230,7 +245,7 @@ fn tight_box(
 pub(crate) fn lose_pair(mut world: DeferredWorld, context: HookContext) {
     let pair = world.get::<ContactPair>(context.entity).copied();
     if let (Some(pair), Some(mut broadphase)) = (pair, world.get_resource_mut::<Broadphase>()) {
-        broadphase.pairs.remove(&pair.slots);
+        broadphase.pairs.remove(pair.slots);
         broadphase.lost.push(pair);
     }
 }
@@ -266,10 +281,10 @@ pub fn pair_changes(
     ending.clear();
     ending.extend(broken.iter(world));
     let mut broadphase = world.resource_mut::<Broadphase>();
-    let stirred = std::mem::take(&mut broadphase.stirred);
-    if !stirred && broadphase.lost.is_empty() && ending.is_empty() {
+    if broadphase.stirred.is_empty() && broadphase.lost.is_empty() && ending.is_empty() {
         return;
     }
+    let stirred = std::mem::take(&mut broadphase.stirred);
     let (table, broadphase) = (
         world.resource::<BodyTable>(),
         world.resource::<Broadphase>(),
@@ -281,7 +296,10 @@ pub fn pair_changes(
     let goes_on = |pair: &ContactPair| {
         lives(pair, 0) && lives(pair, 1) && broadphase.overlap(table, pair.slots)
     };
-    let ended = pairs.iter(world).filter(|(_, pair)| !goes_on(pair));
+    let stirred = stirred.iter().flat_map(|&slot| broadphase.pairs.of(slot));
+    let pairs = pairs.query(world);
+    let stirred = pairs.iter_many(stirred).flatten();
+    let ended = stirred.filter(|(_, pair)| !goes_on(pair));
     ending.extend(ended.map(|(entity, _)| entity));
     for pair in ending.drain(..) {
         world.try_despawn(pair).ok();
@@ -295,10 +313,16 @@ pub fn pair_changes(
         let mut table = world.resource_mut::<BodyTable>();
         for pair in &lost {
             let alive = [0, 1].map(|i| {
-                let body = table.get_mut(pair.slots[i]);
-                body.filter(|body| pair.is_of(i, body))
-                    .map(|body| body.roused |= pair.touching)
-                    .is_some()
+                let slot = pair.slots[i];
+                let body = table.get_mut(slot).filter(|body| pair.is_of(i, body));
+                let dynamic = body.map(|body| {
+                    body.roused |= pair.touching;
+                    body.is_dynamic()
+                });
+                if pair.touching && dynamic == Some(true) {
+                    table.stir(slot);
+                }
+                dynamic.is_some()
             });
             if alive == [true; 2]
                 && broadphase.overlap(&table, pair.slots)
@@ -331,7 +355,13 @@ pub fn pair_changes(
     warnings.retain(|(body, problem)| {
         !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
     });
-    world.spawn_batch(new);
+    let slots: Vec<_> = new.iter().map(|pair| pair.slots).collect();
+    let spawned: Vec<Entity> = world.spawn_batch(new).collect();
+    let mut broadphase = world.resource_mut::<Broadphase>();
+    for (slots, pair) in slots.into_iter().zip(spawned) {
+        broadphase.pairs.name(slots, pair);
+    }
+    rouse(world);
     world.resource_mut::<Suspects>().0.extend(warnings);
 }
 

@@ -1,0 +1,128 @@
+//! What rests: bodies that stand still or sleep, and pairs of two such. The stages of a step go through all but those
+//! (`Without<Resting>`), so what rests costs nothing but a look at whether somebody wrote to it.
+//!
+//! What a user writes to a resting body is found by change ticks: by those of whole columns, and row by row only in columns that have
+//! changed (Bevy's summary ticks). That one was despawned is told by a hook; that one has left by whatever other way, disabled for
+//! instance, is found by a census: as many must be there as have been marked.
+
+use super::placement::{Placed, user_pose};
+use super::{
+    Age, AngularInertia, BodyIndex, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
+    GravityScale, Mass, Pose, Quarantined, RigidBody, Velocity,
+};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::contact::ContactEvents;
+use crate::grab::Grab;
+use crate::sleeping::Sleeping;
+use bevy_ecs::change_detection::{ContiguousRef, Tick};
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+
+/// See the module's text. A pair rests only where both of its bodies do.
+#[derive(Component, Clone, Copy, Debug)]
+#[component(clone_behavior = Ignore)]
+pub struct Resting(());
+
+impl Resting {
+    pub(crate) fn new() -> Self {
+        Self(())
+    }
+}
+
+/// Of a resting body all that a user may write.
+type Written = (
+    (
+        Entity,
+        Ref<'static, RigidBody>,
+        Ref<'static, Age>,
+        Ref<'static, Sleeping>,
+        Ref<'static, BodyIndex>,
+        Ref<'static, Pose>,
+        Ref<'static, Velocity>,
+        Ref<'static, Transform>,
+    ),
+    (
+        Option<Ref<'static, ExternalForce>>,
+        Option<Ref<'static, ExternalImpulse>>,
+        Option<Ref<'static, Damping>>,
+        Option<Ref<'static, GravityScale>>,
+        Option<Ref<'static, Grab>>,
+        Option<Ref<'static, Collider>>,
+        Option<Ref<'static, Density>>,
+        Option<Ref<'static, Mass>>,
+    ),
+    (
+        Option<Ref<'static, AngularInertia>>,
+        Option<Ref<'static, CenterOfMass>>,
+        Option<Ref<'static, Friction>>,
+        Option<Ref<'static, Restitution>>,
+        Option<Ref<'static, RollingFriction>>,
+        Option<Ref<'static, CollisionLayers>>,
+        Option<Ref<'static, ContactEvents>>,
+    ),
+);
+
+/// A body that rests.
+pub(super) type Rests = (With<Resting>, Without<Quarantined>);
+
+/// Those that rest, and what may have become of them.
+pub(super) type RestingBodies<'w, 's> = Query<'w, 's, Written, Rests>;
+
+/// Those whose `Transform` means something in the frame of another.
+pub(super) type RestingChildren<'w, 's> =
+    Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), Rests>;
+
+/// Those that somebody has written to since the system at hand ran last.
+pub(super) fn find_written(bodies: RestingBodies) -> Vec<Entity> {
+    let mut found = Vec::new();
+    let columns = bodies.contiguous_iter();
+    for (required, forces, surface) in columns.expect("all of it is stored in tables") {
+        let entities = required.0;
+        macro_rules! look {
+            ($columns:ident: $($i:tt)+) => {$(
+                look(entities, $columns.$i, &mut found);
+            )+};
+        }
+        macro_rules! look_if_there {
+            ($columns:ident: $($i:tt)+) => {$(
+                if let Some(column) = $columns.$i {
+                    look(entities, column, &mut found);
+                }
+            )+};
+        }
+        look!(required: 1 2 3 4 5 6 7);
+        look_if_there!(forces: 0 1 2 3 4 5 6 7);
+        look_if_there!(surface: 0 1 2 3 4 5 6);
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// Whose row of a column has been written.
+fn look<T>(entities: &[Entity], column: ContiguousRef<T>, found: &mut Vec<Entity>) {
+    /// Compared at once, by vector instructions where nothing was written.
+    const CHUNK: usize = 64;
+    let (last, this) = (column.last_run_tick(), column.this_run_tick());
+    let rows = column.changed_ticks_slice();
+    let (_, ticks) = ContiguousRef::split(column);
+    if ticks.summary_tick_is_changed() == Some(false) {
+        return;
+    }
+    let is_new = |tick: &Tick| tick.is_newer_than(last, this);
+    for (entities, rows) in entities.chunks(CHUNK).zip(rows.chunks(CHUNK)) {
+        if rows.iter().fold(false, |any, row| any | is_new(row)) {
+            let written = entities.iter().zip(rows).filter(|(_, row)| is_new(row));
+            found.extend(written.map(|(&entity, _)| entity));
+        }
+    }
+}
+
+/// Those that a parent has moved, or that have another.
+pub(super) fn find_carried(children: RestingChildren, placed: Placed) -> Vec<Entity> {
+    let moved = children.iter().filter(|(_, pose, transform, parent)| {
+        user_pose((transform, Some(parent)), **pose, false, placed).is_some()
+    });
+    moved.map(|(entity, ..)| entity).collect()
+}

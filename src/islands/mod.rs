@@ -25,6 +25,8 @@ pub struct Islands {
     graph: Graph,
     levels: Levels,
     links: Vec<Link>,
+    /// Scratch for the next ones.
+    spare: Vec<Link>,
     members: Vec<Member>,
     version: u64,
     woke: bool,
@@ -105,7 +107,8 @@ impl Islands {
 
     /// Takes over who touches whom; true where that or who they are is not as it was.
     fn link(&mut self, table: &BodyTable, pairs: &Pairs, time: &StepTime) -> bool {
-        let mut links = Vec::with_capacity(self.links.len());
+        let mut links = std::mem::take(&mut self.spare);
+        links.clear();
         self.tired.pairs.clear();
         self.parted.clear();
         for ((entity, pair, manifold), number) in pairs.iter().zip(0..) {
@@ -126,7 +129,7 @@ impl Islands {
         let same = links == self.links
             && self.members.len() == table.active().count()
             && (table.active().map(Member::of).zip(&self.members)).all(|(a, b)| a.is_same(b));
-        self.links = links;
+        self.spare = std::mem::replace(&mut self.links, links);
         if !same {
             self.regroup(table);
         }

@@ -150,9 +150,10 @@ impl Step<'_> {
         said: &mut Said,
     ) {
         let kept = problems.order.keep(self.table, self.islands, pairs);
-        self.gather_bodies(problems, bodies, kept);
-        let mut touches = problems.order.touches(pairs);
+        let (mut touches, complete) = problems.order.touches(pairs);
+        self.gather_bodies(problems, bodies, kept && complete);
         self.solve_each(solver, problems, &mut touches);
+        problems.order.take_back(touches);
         self.store_bodies(problems, bodies);
         said.report(&problems.islands);
     }
@@ -193,31 +194,28 @@ impl Step<'_> {
         } = problems;
         let points = touches.iter().map(|touch| touch.manifold.points.len());
         let points = points.sum();
-        let mut work = Vec::new();
-        let mut rest = touches;
+        let many = islands.len() > 1;
         let mut islands = islands.iter_mut().enumerate();
-        while let Some(first) = rest.first() {
-            let number = first.island;
-            let end = rest.partition_point(|touch| touch.island == number);
-            let (mine, others) = rest.split_at_mut(end);
-            rest = others;
+        let work = touches.chunk_by_mut(|a, b| a.island == b.island);
+        let work = work.map(|touches| {
             let (_, island) = islands
-                .find(|(i, _)| *i == number as usize)
+                .find(|(i, _)| *i == touches[0].island as usize)
                 .expect("touches stand in the order of their islands");
-            work.push((island, mine));
-        }
+            (island, touches)
+        });
         let (order, given) = (&*order, self.given);
         let bodies = (self.table, &**velocities);
         let solve = |(island, touches): (&mut Island<R>, &mut [Touch])| {
             island.solve(solver, touches, &order.local, bodies, given);
         };
         let threads = &given.threads;
-        if work.len() > 1 && threads.share(points) {
+        if many && threads.share(points) {
+            let work: Vec<_> = work.collect();
             threads.run(points, || {
                 work.into_par_iter().with_max_len(1).for_each(solve);
             });
         } else {
-            work.into_iter().for_each(solve);
+            work.for_each(solve);
         }
     }
 

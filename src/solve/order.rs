@@ -18,6 +18,9 @@ pub(super) struct Order {
     touches: Vec<Place>,
     /// The same as the query has them: which pair, and its place in the order.
     pairs: Vec<(u32, u32)>,
+    /// Scratch.
+    places: Vec<u32>,
+    spare: Vec<Touch<'static>>,
 }
 
 /// A touch that is solved.
@@ -102,10 +105,10 @@ impl Order {
         self.pairs.sort_unstable();
     }
 
-    /// The touches, in order.
-    pub fn touches<'a>(&mut self, pairs: &'a mut Pairs) -> Vec<Touch<'a>> {
-        let mut touches: Vec<Option<Touch>> = Vec::new();
-        touches.resize_with(self.touches.len(), || None);
+    /// The touches, in order; and whether they are all there: some pairs may have gone since islands were found.
+    pub fn touches<'a>(&mut self, pairs: &'a mut Pairs) -> (Vec<Touch<'a>>, bool) {
+        let mut touches = reuse(std::mem::take(&mut self.spare));
+        self.places.clear();
         let mut wanted = self.pairs.iter().peekable();
         for (number, (pair, manifold, targets, impulses)) in (0..).zip(pairs) {
             let Some(&&(next, at)) = wanted.peek() else {
@@ -119,7 +122,8 @@ impl Order {
             let revision = place.revision.replace(pair.revision);
             // By a user, that is: our own stages bypass change detection, and count revisions.
             let edited = pair.is_changed() || manifold.is_changed() || impulses.is_changed();
-            touches[at as usize] = Some(Touch {
+            self.places.push(at);
+            touches.push(Touch {
                 island: place.island,
                 changed: edited || revision != Some(pair.revision),
                 pair: pair.into_inner(),
@@ -128,6 +132,62 @@ impl Order {
                 impulses: impulses.into_inner(),
             });
         }
-        touches.into_iter().flatten().collect()
+        let complete = touches.len() == self.touches.len();
+        if !complete {
+            self.forget();
+            let mut there = self.places.clone();
+            there.sort_unstable();
+            for place in &mut self.places {
+                *place = there.partition_point(|other| *other < *place) as u32;
+            }
+        }
+        put_in_place(&mut touches, &mut self.places);
+        (touches, complete)
+    }
+
+    /// Takes the memory of a list back.
+    pub fn take_back(&mut self, touches: Vec<Touch>) {
+        self.spare = reuse(touches);
+    }
+}
+
+/// Empties a list, for others of the same kind that live longer or shorter: collected in place, they have its memory.
+fn reuse<A, B>(mut list: Vec<A>) -> Vec<B> {
+    list.clear();
+    list.into_iter()
+        .map(|_| unreachable!("it is empty"))
+        .collect()
+}
+
+/// Puts each item where it is to stand.
+fn put_in_place<T>(items: &mut [T], places: &mut [u32]) {
+    for i in 0..items.len() {
+        while places[i] as usize != i {
+            let place = places[i] as usize;
+            items.swap(i, place);
+            places.swap(i, place);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_come_to_their_places() {
+        let mut places = [3, 0, 2, 4, 1];
+        let mut items = places;
+        put_in_place(&mut items, &mut places);
+        assert_eq!(items, [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn an_emptied_list_keeps_its_memory() {
+        let text = String::from("a");
+        let mut list: Vec<&str> = Vec::with_capacity(100);
+        list.push(&text);
+        let other: Vec<&'static str> = reuse(list);
+        assert!(other.is_empty() && other.capacity() >= 100);
     }
 }

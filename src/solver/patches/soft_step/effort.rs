@@ -47,8 +47,9 @@ pub struct Effort {
 
 impl Effort {
     /// What a problem needs whose impulses are those it starts from.
-    pub fn new(settings: &SoftStep, problem: &PatchProblem) -> Self {
-        let courses = courses(problem);
+    pub fn new(settings: &SoftStep, problem: &PatchProblem, courses: &mut Vec<Course>) -> Self {
+        find_courses(problem, courses);
+        let courses = &*courses;
         let soft = match courses.len() {
             TALL.. => SUBSTEPS_PER_RIGID_SWEEP_IF_TALL,
             _ => SUBSTEPS_PER_RIGID_SWEEP,
@@ -59,7 +60,7 @@ impl Effort {
         let Loads { unsettled, pressed } = Loads::of(problem);
         let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
         let rate =
-            (settings.sweeps_per_period * stable(problem, &courses, pressed)).clamp(usual, most);
+            (settings.sweeps_per_period * stable(problem, courses, pressed)).clamp(usual, most);
         let sweeps = |seconds: f32| {
             let rounds = (rate * seconds / round as f32 - A_LITTLE).ceil() as usize;
             (rounds * round)
@@ -126,7 +127,7 @@ fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
 
 /// The bodies of one level of support.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Course {
+pub struct Course {
     bodies: usize,
     /// kg
     mass: f32,
@@ -135,8 +136,8 @@ struct Course {
 }
 
 /// From the ground up.
-fn courses(problem: &PatchProblem) -> Vec<Course> {
-    let mut courses: Vec<Course> = Vec::new();
+fn find_courses(problem: &PatchProblem, courses: &mut Vec<Course>) {
+    courses.clear();
     let moves = |body: &&Body| body.inverse_mass > 0.0;
     for body in problem.bodies.iter().filter(moves) {
         let Some(course) = (body.level as usize).checked_sub(1) else {
@@ -150,7 +151,6 @@ fn courses(problem: &PatchProblem) -> Vec<Course> {
         course.mass += 1.0 / body.inverse_mass;
         course.yielding = course.yielding.max(yielding(body));
     }
-    courses
 }
 
 /// 1/(mass · size), 1/(kg·m): its size is half the side of the cube that is as easy to turn.

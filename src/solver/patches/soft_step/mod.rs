@@ -40,7 +40,8 @@ use super::{PatchConstraint, PatchProblem, PatchSolver, restitution};
 use crate::solver::{Body, SolveReport};
 use batches::Batches;
 use block::{Block, Pass, Points, Spring};
-use effort::Effort;
+use cold_start::Footing;
+use effort::{Course, Effort};
 use glam::{Mat3, Vec4};
 #[cfg(target_arch = "x86_64")]
 use lanes::F32x8;
@@ -133,9 +134,15 @@ impl PatchSolver for SoftStep {
 impl SoftStep {
     fn solve_in<L: F32xN>(&self, problem: &mut PatchProblem) -> SolveReport {
         let bounces = restitution::find(problem);
-        cold_start::cold_start::<L>(problem);
-        let effort = Effort::new(self, problem);
-        let mut island = Island::<L>::of(problem, self.lanes, effort.substeps);
+        let mut kept = problem.memory.take::<Island<L>>();
+        let mut scratch = match &mut kept {
+            Some((island, _)) => std::mem::take(&mut island.scratch),
+            None => Scratch::default(),
+        };
+        cold_start::cold_start::<L>(problem, &mut scratch.footing);
+        let effort = Effort::new(self, problem, &mut scratch.courses);
+        let mut island = Island::<L>::of(kept, problem, self.lanes, effort.substeps);
+        island.scratch = scratch;
         let report = island.advance(self, effort, problem);
         island.store(
             problem,
@@ -147,6 +154,13 @@ impl SoftStep {
     }
 }
 
+/// Lists that live as long as a call, and whose memory is kept.
+#[derive(Default)]
+struct Scratch {
+    footing: Vec<Footing>,
+    courses: Vec<Course>,
+}
+
 /// One island on its way through a step.
 struct Island<L: F32xN> {
     substeps: usize,
@@ -156,6 +170,8 @@ struct Island<L: F32xN> {
     fastest: f32,
     /// By body, 1/(kg·m²): with which blocks were prepared.
     inertias: Vec<Mat3>,
+    /// By body: its inverse inertia is not that of the last step.
+    turned: Vec<bool>,
     /// By patch: it was found anew.
     changed: Vec<bool>,
     batches: Batches,
@@ -167,12 +183,18 @@ struct Island<L: F32xN> {
     before: Vec<State>,
     /// How far bodies have come since detection, m and rad.
     motions: Vec<State>,
+    scratch: Scratch,
 }
 
 impl<L: F32xN> Island<L> {
     /// That of the last step brought up to date, if it may be.
-    fn of(problem: &mut PatchProblem, lanes: Lanes, substeps: usize) -> Box<Self> {
-        match problem.memory.take::<Self>() {
+    fn of(
+        kept: Option<(Box<Self>, Vec<u32>)>,
+        problem: &PatchProblem,
+        lanes: Lanes,
+        substeps: usize,
+    ) -> Box<Self> {
+        match kept {
             Some((mut island, changed)) if island.fastest == problem.max_correction_speed => {
                 island.begin(problem, &changed, substeps);
                 island.lanes = lanes;
@@ -228,6 +250,7 @@ impl<L: F32xN> Island<L> {
             lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
+            turned: Vec::new(),
             changed: Vec::new(),
             batches,
             blocks,
@@ -235,6 +258,7 @@ impl<L: F32xN> Island<L> {
             velocities: Vec::new(),
             before: Vec::new(),
             motions: Vec::new(),
+            scratch: Scratch::default(),
         };
         island.begin(problem, &[], substeps);
         island
@@ -244,8 +268,8 @@ impl<L: F32xN> Island<L> {
     /// tell by what others do to a world.
     fn begin(&mut self, problem: &PatchProblem, changed: &[u32], substeps: usize) {
         self.substeps = substeps;
-        let turned = self.turned(problem.bodies);
-        let moved = turned.contains(&true);
+        self.find_turned(problem.bodies);
+        let moved = self.turned.contains(&true);
         self.changed.clear();
         self.changed.resize(problem.patches.len(), false);
         for &patch in changed {
@@ -261,7 +285,7 @@ impl<L: F32xN> Island<L> {
                     block.load(points, lane, patch, problem, stiffness);
                 } else if moved {
                     for (side, body) in patch.bodies.into_iter().enumerate() {
-                        if turned[body as usize] {
+                        if self.turned[body as usize] {
                             let body = &problem.bodies[body as usize];
                             block.turn(lane, side, &body.inverse_inertia);
                         }
@@ -281,14 +305,14 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Whose inverse inertia is not that of the last step.
-    fn turned(&mut self, bodies: &[Body]) -> Vec<bool> {
+    fn find_turned(&mut self, bodies: &[Body]) {
         let both = self.inertias.iter_mut().zip(bodies);
-        both.map(|(before, body)| {
+        self.turned.clear();
+        self.turned.extend(both.map(|(before, body)| {
             let turned = *before != body.inverse_inertia;
             *before = body.inverse_inertia;
             turned
-        })
-        .collect()
+        }));
     }
 
     fn advance(

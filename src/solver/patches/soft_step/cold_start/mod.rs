@@ -38,8 +38,9 @@ struct New {
 
 impl New {
     /// None in most steps, which one pass over the points finds.
-    fn find(problem: &PatchProblem, closed: f32) -> Option<Self> {
-        let footing = Footing::of_all(problem);
+    fn find(problem: &PatchProblem, closed: f32, footing: &mut Vec<Footing>) -> Option<Self> {
+        Footing::find(problem, footing);
+        let footing = &*footing;
         let fall = problem.gravity.length() * problem.dt;
         let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
         let moves = |body: &&Body| body.inverse_mass > 0.0;
@@ -47,7 +48,7 @@ impl New {
             problem
                 .bodies
                 .iter()
-                .zip(&footing)
+                .zip(footing)
                 .filter(|(body, _)| moves(body))
         };
         let unloaded = |(body, footing): &(&Body, &Footing)| footing.is_unloaded(body, problem);
@@ -55,7 +56,7 @@ impl New {
             return None;
         }
         let stands = hand_down::standing(problem, closed);
-        let bodies = problem.bodies.iter().zip(&footing).zip(stands);
+        let bodies = problem.bodies.iter().zip(footing).zip(stands);
         let bodies: Vec<[bool; 2]> = bodies
             .map(|((body, footing), stands)| {
                 let still = moves(&body) && stands && slower(body, PUT);
@@ -78,7 +79,7 @@ impl New {
 
 /// What holds a body as the step begins.
 #[derive(Clone, Copy, Default)]
-struct Footing {
+pub struct Footing {
     /// Something has pushed on it before.
     carries: bool,
     /// What has long pushed on it upwards, and downwards, or does so now, N·s: what is round holds no load, and yet weighs.
@@ -87,9 +88,11 @@ struct Footing {
 }
 
 impl Footing {
-    fn of_all(problem: &PatchProblem) -> Vec<Self> {
+    /// Of all bodies.
+    fn find(problem: &PatchProblem, all: &mut Vec<Self>) {
         let up = -problem.gravity.normalize_or_zero();
-        let mut all = vec![Self::default(); problem.bodies.len()];
+        all.clear();
+        all.resize(problem.bodies.len(), Self::default());
         for patch in problem.patches.iter() {
             let (mut load, mut impulse) = (0.0, 0.0);
             for point in &problem.points[patch.range()] {
@@ -107,7 +110,6 @@ impl Footing {
                 footing.down -= long.min(now).min(0.0);
             }
         }
-        all
     }
 
     /// What lay on it is gone, and what bore that would throw it.
@@ -118,11 +120,11 @@ impl Footing {
 }
 
 /// Gives contacts that carry nothing yet the load they will carry, as impulses and as what they carry at rest.
-pub fn cold_start<L: F32xN>(problem: &mut PatchProblem) {
+pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, footing: &mut Vec<Footing>) {
     // What falls from rest gets so far in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     let closed = fallen.max(PLACED);
-    let Some(new) = New::find(problem, closed) else {
+    let Some(new) = New::find(problem, closed, footing) else {
         return;
     };
     let courses = hand_down::hand_down(problem, closed, &new.bodies);

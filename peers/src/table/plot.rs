@@ -18,15 +18,18 @@ struct Quantity {
     /// Nothing where the scene is no question of it.
     of: fn(&Row, &Cell) -> Option<f64>,
     show: fn(f64) -> String,
+    /// Whether what has fallen is marked.
+    marks: bool,
 }
 
 const QUANTITIES: [Quantity; 3] = [
     Quantity {
         title: "Time of a step",
         axis: "ms (logarithmic)",
-        floor: 0.01,
+        floor: 0.005,
         of: |_, cell| Some(1e3 * cell.median.as_secs_f64()),
         show: |x| ms(Duration::from_secs_f64(1e-3 * x)),
+        marks: false,
     },
     Quantity {
         title: "Largest drift sideways of what should stand still",
@@ -34,6 +37,7 @@ const QUANTITIES: [Quantity; 3] = [
         floor: 0.01,
         of: |row, cell| stays(row, cell.outcome.displacement.drift),
         show: |x| mm(1e-3 * x as f32),
+        marks: true,
     },
     Quantity {
         title: "Largest sag of what should stand still",
@@ -41,6 +45,7 @@ const QUANTITIES: [Quantity; 3] = [
         floor: 0.01,
         of: |row, cell| stays(row, cell.outcome.displacement.sag),
         show: |x| mm(1e-3 * x as f32),
+        marks: true,
     },
 ];
 
@@ -89,7 +94,11 @@ pub fn draw(rows: &[Row], conditions: &str, path: &Path) -> Result<(), Box<dyn E
         (Some(stroke), cell.engine.to_owned())
     });
     legend(&colors, engines.len().max(4), entries)?;
-    legend(&notes, 1, [(None, format!("{conditions}; † has fallen"))])?;
+    legend(
+        &notes,
+        1,
+        [(None, format!("{conditions}; † counts as fallen"))],
+    )?;
     area.present()?;
     Ok(())
 }
@@ -139,7 +148,7 @@ impl Quantity {
                 let height = value.max(1.08 * self.floor).min(top);
                 let corners = [(left, self.floor), (left + 0.92 * wide, height)];
                 chart.draw_series([Rectangle::new(corners, RGBColor(r, g, b).filled())])?;
-                let fell = row.scene.stays() && cell.outcome.fell_at.is_some();
+                let fell = self.marks && cell.outcome.fell_at.is_some();
                 let figure = (self.show)(value) + if fell { "†" } else { "" };
                 let at = (left + 0.46 * wide, height * 1.1);
                 chart.draw_series([Text::new(figure, at, font.clone())])?;

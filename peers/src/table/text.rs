@@ -51,7 +51,7 @@ pub fn markdown(rows: &[Row], conditions: &str) -> String {
         .iter()
         .any(|row| row.scene.stays() && row.cells.iter().any(fell));
     let note = match any_fell {
-        true => " † has fallen: a body is 0.5 m aside, 0.25 m lower or turned by 0.6 rad.",
+        true => " † counts as fallen: a body is 0.5 m aside, 0.25 m lower or turned by 0.6 rad.",
         false => "",
     };
     text + &format!("\n({conditions}.{note})\n")

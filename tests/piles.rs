@@ -9,9 +9,9 @@ use drystone::collider::{Collider, CombineRule, RollingFriction};
 use drystone::diagnosis::BodyProblem;
 use drystone::sleeping::Sleeping;
 use drystone_lab::metrics;
-use glam::{DVec3, Quat, Vec3};
-use parry3d::shape::SharedShape;
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use drystone_lab::overlap::{self, Placed};
+use glam::{Quat, Vec3};
+use std::f32::consts::FRAC_PI_2;
 use support::*;
 
 /// A bin of five static cuboids, so many metres wide, with its floor at y = 0; or of four and a half-space.
@@ -88,124 +88,36 @@ fn settle(lab: &mut Lab, bodies: &[Entity], seconds: f32) -> (Option<f32>, f32, 
     )
 }
 
-/// A hull in the world: its corners, and the directions of its faces and edges.
-struct Solid {
-    corners: Vec<DVec3>,
-    faces: Vec<DVec3>,
-    edges: Vec<DVec3>,
+/// Where bodies are.
+fn placed(lab: &Lab, bodies: &[Entity]) -> Vec<Placed> {
+    let of = |&body: &Entity| {
+        let shape = lab.world.get::<Collider>(body).expect("a body").shape();
+        Placed::new(lab.pose(body), shape.clone())
+    };
+    bodies.iter().map(of).collect()
 }
 
-impl Solid {
-    /// Nothing for a body that is no hull.
-    fn of(lab: &Lab, body: Entity) -> Option<Self> {
-        let pose = lab.pose(body);
-        let shape = lab.world.get::<Collider>(body)?.shape();
-        let hull = shape.as_convex_polyhedron()?;
-        let rotation = pose.rotation.as_dquat();
-        let turn = |v: Vec3| rotation * v.as_dvec3();
-        let at = |p: &Vec3| turn(*p) + pose.position.as_dvec3();
-        Some(Self {
-            corners: hull.points().iter().map(at).collect(),
-            faces: hull.faces().iter().map(|face| turn(face.normal)).collect(),
-            edges: hull.edges().iter().map(|edge| turn(edge.dir)).collect(),
-        })
-    }
-
-    /// How far it and another overlap along a direction, m.
-    fn along(&self, other: &Self, way: DVec3) -> f64 {
-        let reach = |solid: &Self, way: DVec3| {
-            let all = solid.corners.iter().map(|corner| corner.dot(way));
-            all.fold(f64::NEG_INFINITY, f64::max)
-        };
-        let [there, back] = [way, -way].map(|way| reach(self, way) + reach(other, -way));
-        there.min(back)
-    }
-
-    /// The least way that would part them, m; negative where they are apart.
-    fn overlap(&self, other: &Self) -> f64 {
-        let faces = self.faces.iter().chain(&other.faces).copied();
-        let pairs = self.edges.iter();
-        let crosses = pairs.flat_map(|a| other.edges.iter().map(|b| a.cross(*b)));
-        let crosses = crosses
-            .filter(|way| way.length() > 1e-4)
-            .map(DVec3::normalize);
-        let all = faces.chain(crosses).map(|way| self.along(other, way));
-        all.fold(f64::INFINITY, f64::min)
-    }
+/// Pairs that are near enough to overlap.
+fn near(all: &[Placed]) -> impl Iterator<Item = (&Placed, &Placed)> {
+    let pairs = all.iter().enumerate();
+    let pairs = pairs.flat_map(|(i, a)| all[..i].iter().map(move |b| (a, b)));
+    pairs.filter(|(a, b)| a.position().distance(b.position()) < 1.0)
 }
 
 /// The deepest overlap of two hulls by their corners alone, m: manifolds say nothing of contacts that were not found.
 fn overlap_of_hulls(lab: &Lab, bodies: &[Entity]) -> f64 {
-    let all: Vec<Solid> = bodies.iter().filter_map(|&b| Solid::of(lab, b)).collect();
-    let pairs = all.iter().enumerate();
-    let pairs = pairs.flat_map(|(i, a)| all[..i].iter().map(move |b| (a, b)));
-    let near = pairs.filter(|(a, b)| a.corners[0].distance(b.corners[0]) < 1.0);
-    near.map(|(a, b)| a.overlap(b)).fold(0.0, f64::max)
-}
-
-/// A convex body in the world.
-type Placed = (parry3d::math::Pose, SharedShape);
-
-/// How far two overlap along a direction, m; negative where a plane across it parts them.
-fn along(a: &Placed, b: &Placed, way: Vec3) -> f32 {
-    let reach = |(at, shape): &Placed, way: Vec3| {
-        let shape = shape.as_support_map().expect("all are convex");
-        // From the first one's centre, or digits would be lost.
-        way.dot(shape.support_point(at, way) - a.0.translation)
-    };
-    reach(a, way) + reach(b, -way)
-}
-
-/// The least way that would part two, m, searched for over all directions: from the best of many to ever nearer ones. (Parry's own
-/// `query::contact` has said 14 mm of two capsules that were 0.3 mm deep, and of two cones that were 4.)
-fn least_way(a: &Placed, b: &Placed) -> f32 {
-    const MANY: usize = 300;
-    const STARTS: usize = 6;
-    let spiral = (0..MANY).map(|i| {
-        let y = 1.0 - (2 * i + 1) as f32 / MANY as f32;
-        let turned = Quat::from_rotation_y(2.399_963 * i as f32);
-        turned * Vec3::new((1.0 - y * y).sqrt(), y, 0.0)
-    });
-    let mut found: Vec<(f32, Vec3)> = spiral.map(|way| (along(a, b, way), way)).collect();
-    found.sort_by(|x, y| x.0.total_cmp(&y.0));
-    if found[0].0 <= 0.0 {
-        return 0.0;
-    }
-    let nearest = found[..STARTS].iter().map(|&start| descend(a, b, start));
-    nearest.fold(f32::INFINITY, f32::min).max(0.0)
-}
-
-/// The least way near a direction, m.
-fn descend(a: &Placed, b: &Placed, mut best: (f32, Vec3)) -> f32 {
-    let mut step = 0.1;
-    while step > 1e-5 {
-        let (t1, t2) = best.1.any_orthonormal_pair();
-        let sides = (0..8).map(|i| (i as f32 * FRAC_PI_4).sin_cos());
-        let around = sides.map(|(sin, cos)| (best.1 + step * (cos * t1 + sin * t2)).normalize());
-        let found = around.map(|way| (along(a, b, way), way));
-        match found.min_by(|x, y| x.0.total_cmp(&y.0)) {
-            Some(better) if better.0 < best.0 => best = better,
-            _ => step *= 0.5,
-        }
-    }
-    best.0
+    let all = placed(lab, bodies);
+    let hulls = near(&all).filter(|(a, b)| a.is_hull() && b.is_hull());
+    let depths = hulls.filter_map(|(a, b)| overlap::between_polyhedra(a, b));
+    depths.fold(0.0, f64::max)
 }
 
 /// The deepest overlap of any two that are not both hulls, m, found in another way than their manifolds are.
 fn overlap_of_pairs(lab: &Lab, bodies: &[Entity]) -> f32 {
-    let of = |&body: &Entity| {
-        let pose = lab.pose(body);
-        let shape = lab.world.get::<Collider>(body).expect("a body").shape();
-        let at = parry3d::math::Pose::from_parts(pose.position, pose.rotation);
-        (at, shape.clone())
-    };
-    let all: Vec<Placed> = bodies.iter().map(of).collect();
-    let pairs = all.iter().enumerate();
-    let pairs = pairs.flat_map(|(i, a)| all[..i].iter().map(move |b| (a, b)));
-    let near = pairs.filter(|(a, b)| a.0.translation.distance(b.0.translation) < 1.0);
-    let hull = |body: &Placed| body.1.as_convex_polyhedron().is_some();
-    let others = near.filter(|(a, b)| !(hull(a) && hull(b)));
-    others.map(|(a, b)| least_way(a, b)).fold(0.0, f32::max)
+    let all = placed(lab, bodies);
+    let others = near(&all).filter(|(a, b)| !(a.is_hull() && b.is_hull()));
+    let depths = others.map(|(a, b)| overlap::least_way(a, b));
+    depths.fold(0.0, f32::max)
 }
 
 /// In a bin and on a half-space, in so many seconds, and nothing lies more than 5 mm inside another. How the parts of a pile jam is

@@ -15,6 +15,7 @@
 //! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
+//! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
 //! | [`report`] | what became of an experiment as JSON |
 //! | [`output`] | where an example writes |
 //! | `plots` | a canvas with a font, and legends |
@@ -28,6 +29,7 @@
 pub mod experiment;
 pub mod metrics;
 pub mod output;
+pub mod overlap;
 #[cfg(feature = "plots")]
 pub mod pictures;
 #[cfg(feature = "plots")]

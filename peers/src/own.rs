@@ -31,6 +31,10 @@ impl Drystone {
 }
 
 impl Engine for Drystone {
+    fn name(&self) -> &'static str {
+        "drystone"
+    }
+
     fn step(&mut self) {
         drystone::step(&mut self.world, self.dt).expect("the time step was checked");
     }

@@ -3,8 +3,8 @@
 //! Drystone and Rapier take their shapes from the same version of parry, so that a shape goes over as it is and mass, centre
 //! and inertia follow from the same code.
 
-use crate::engine::Engine;
-use crate::scene::{Body, Conditions};
+use crate::engine::{Effort, Engine};
+use crate::scene::{Body, Conditions, SLAB};
 use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
 use drystone_lab::metrics;
 use rapier3d::prelude::{
@@ -21,10 +21,6 @@ pub enum Ground {
     /// As a slab with its upper face where the surface was.
     Slab,
 }
-
-/// Half the slab's edges, m. Thin, because depths are found in its frame: in single precision and 1 km from its middle they would
-/// come in steps of 0.06 mm.
-const SLAB: Vec3 = Vec3::new(500.0, 1.0, 500.0);
 
 /// What may be asked of Rapier beyond its defaults.
 #[derive(Clone, Copy, Debug)]
@@ -63,11 +59,6 @@ impl Rapier {
         };
         let bodies = bodies.iter().map(place).collect();
         Ok(Self { world, bodies })
-    }
-
-    /// As Rapier has it.
-    pub fn iterations(&self) -> usize {
-        self.world.integration_parameters.num_solver_iterations
     }
 
     #[cfg(test)]
@@ -151,6 +142,15 @@ fn rule(rule: CombineRule) -> CoefficientCombineRule {
 }
 
 impl Engine for Rapier {
+    fn name(&self) -> &'static str {
+        "Rapier"
+    }
+
+    fn effort(&self) -> Option<Effort> {
+        let iterations = self.world.integration_parameters.num_solver_iterations;
+        Some(("iterations", iterations))
+    }
+
     fn step(&mut self) {
         self.world.step();
     }

@@ -1,6 +1,6 @@
 //! A comparison as a table and as JSON.
 
-use crate::compare::Comparison;
+use crate::compare::{Comparison, Entry};
 use crate::meter::Outcome;
 use serde_json::{Map, Value, json};
 use std::fmt;
@@ -14,8 +14,7 @@ impl fmt::Display for Comparison {
             seed,
             course,
             bodies,
-            drystone,
-            rapier,
+            engines,
             ..
         } = self;
         let dt = 1e3 * self.conditions.dt;
@@ -23,15 +22,25 @@ impl fmt::Display for Comparison {
             1 => "1 thread".to_owned(),
             n => format!("{n} threads"),
         };
-        writeln!(
+        let steps = course.steps;
+        write!(
             f,
-            "{scene}, seed {seed}: {bodies} bodies, {} steps of {dt:.3} ms, {threads}, Rapier with {} iterations",
-            course.steps, self.rapier_iterations
+            "{scene}, seed {seed}: {bodies} bodies, {steps} steps of {dt:.3} ms, {threads}"
         )?;
-        writeln!(f, "  {:<28} {:>12} {:>12}", "", "drystone", "Rapier")?;
+        for (name, (what, count)) in engines.iter().filter_map(|e| Some((e.name, e.effort?))) {
+            write!(f, ", {name} with {count} {what}")?;
+        }
+        write!(f, "\n  {:<28}", "")?;
+        for Entry { name, .. } in engines {
+            write!(f, " {name:>12}")?;
+        }
+        writeln!(f)?;
         let mut row = |name: &str, unit: &str, show: &dyn Fn(&Outcome) -> String| {
-            let (ours, theirs) = (show(drystone), show(rapier));
-            writeln!(f, "  {name:<28} {ours:>12} {theirs:>12}  {unit}")
+            write!(f, "  {name:<28}")?;
+            for entry in engines {
+                write!(f, " {:>12}", show(&entry.outcome))?;
+            }
+            writeln!(f, "  {unit}")
         };
         let metres = |x: f32| format!("{x:.5}");
         row("step, median", "ms", &|o| ms(o.step_time.median))?;
@@ -44,7 +53,11 @@ impl fmt::Display for Comparison {
         row("tilt", "rad", &|o| metres(o.displacement.tilt))?;
         row("RMS speed, last second", "m/s", &|o| metres(o.rms_speed))?;
         row("deepest overlap, at the end", "m", &|o| metres(o.overlap))?;
-        writeln!(f, "  drystone / Rapier, medians   {:>12.2}", self.ratio())
+        write!(f, "  {:<28} {:>12}", "drystone's time over theirs", "")?;
+        for peer in self.peers() {
+            write!(f, " {:>12.2}", self.ratio(peer))?;
+        }
+        writeln!(f, "  (medians)")
     }
 }
 
@@ -53,11 +66,9 @@ fn ms(time: Duration) -> String {
 }
 
 impl Comparison {
-    /// For tools; names and units as `simulate` has them.
+    /// For tools; names and units as `simulate` has them, and each engine under its name in small letters.
     pub fn json(&self) -> Value {
-        let mut rapier = engine(&self.rapier);
-        rapier.insert("iterations".into(), self.rapier_iterations.into());
-        json!({
+        let mut all = json!({
             "scene": self.scene.to_string(),
             "seed": self.seed,
             "bodies": self.bodies,
@@ -65,10 +76,18 @@ impl Comparison {
             "steps": self.course.steps,
             "turn": self.course.turn,
             "threads": self.conditions.threads,
-            "step_ratio": self.ratio(),
-            "drystone": engine(&self.drystone),
-            "rapier": rapier,
-        })
+        });
+        for entry in &self.engines {
+            let mut fields = engine(&entry.outcome);
+            if entry.name != self.drystone().name {
+                fields.insert("step_ratio".into(), self.ratio(entry).into());
+            }
+            if let Some((what, count)) = entry.effort {
+                fields.insert(what.into(), count.into());
+            }
+            all[entry.name.to_lowercase()] = fields.into();
+        }
+        all
     }
 }
 

@@ -5,10 +5,16 @@
 
 use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
-use drystone::prelude::{Collider, Density, Friction, Pose, Restitution, RigidBody, Velocity};
+use drystone::prelude::{
+    Collider, Density, Friction, Pose, Restitution, RigidBody, Vec3, Velocity,
+};
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone_lab::experiment::{Experiment, Run};
 use drystone_lab::scenes::Scene;
+
+/// Half the edges of the slab, m, that stands for a half-space where an engine has none, or none that it likes. Thin, because depths
+/// are found in its frame: in single precision and 1 km from its middle they would come in steps of 0.06 mm.
+pub const SLAB: Vec3 = Vec3::new(500.0, 1.0, 500.0);
 
 /// A body before the first step.
 pub struct Body {
@@ -55,7 +61,7 @@ pub fn build(scene: Scene, seed: u64, conditions: Conditions) -> Result<(Run, Ve
 
 /// The ground first, then what stands on it in the order in which it was placed: the order decides in which order a
 /// Gauss–Seidel solver sweeps.
-fn read(run: &mut Run) -> Vec<Body> {
+pub fn read(run: &mut Run) -> Vec<Body> {
     let mut all = run.world.query::<(
         Entity,
         &RigidBody,

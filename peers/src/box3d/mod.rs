@@ -1,0 +1,140 @@
+//! The mirror: the same bodies in Box3D, at Box3D's default settings.
+//!
+//! Box3D has spheres, capsules and convex hulls of its own, so that shapes are made anew from their sizes and corners, and masses
+//! follow from its own code; a test holds them against drystone's.
+
+#[allow(unsafe_code)]
+mod world;
+
+use crate::engine::{Effort, Engine};
+use crate::scene::{Body, Conditions, SLAB};
+use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
+use drystone_lab::metrics;
+use world::{Description, SUBSTEPS, Shape, World};
+
+/// A scene in Box3D.
+pub struct Box3d {
+    world: World,
+    kinds: Vec<RigidBody>,
+    dt: f32,
+}
+
+impl Box3d {
+    /// # Errors
+    /// Where a body has a shape that Box3D lacks, or two would rub otherwise than in drystone.
+    pub fn new(bodies: &[Body], gravity: Vec3, conditions: Conditions) -> Result<Self, String> {
+        check_surfaces(bodies)?;
+        let threads = u32::try_from(conditions.threads).unwrap_or(u32::MAX);
+        if threads > box3d_sys::B3_MAX_WORKERS {
+            let most = box3d_sys::B3_MAX_WORKERS;
+            return Err(format!("--threads {threads}: Box3D has {most} at most"));
+        }
+        let mut world = World::new(gravity, threads)?;
+        for body in bodies {
+            add(&mut world, body)?;
+        }
+        Ok(Self {
+            world,
+            kinds: bodies.iter().map(|body| body.kind).collect(),
+            dt: conditions.dt,
+        })
+    }
+
+    #[cfg(test)]
+    pub fn mass(&self, body: usize) -> (f32, Vec3, [Vec3; 3]) {
+        self.world.mass(body)
+    }
+}
+
+/// Box3D combines frictions as a geometric mean and takes the larger restitution. With one and the same coefficient everywhere
+/// that is what all rules say but that which multiplies.
+fn check_surfaces(bodies: &[Body]) -> Result<(), String> {
+    let all = |of: fn(&Body) -> (f32, CombineRule)| {
+        let mut surfaces = bodies.iter().map(of);
+        let Some((first, _)) = surfaces.clone().next() else {
+            return true;
+        };
+        let multiply_differs = first != 0.0 && first != 1.0;
+        surfaces.all(|(x, rule)| x == first && !(multiply_differs && rule == CombineRule::Multiply))
+    };
+    let same = all(|body| (body.friction.coefficient, body.friction.rule))
+        && all(|body| (body.restitution.coefficient, body.restitution.rule));
+    match same {
+        true => Ok(()),
+        false => {
+            Err("Box3D has one rule for how surfaces combine, and this scene needs another".into())
+        }
+    }
+}
+
+fn add(world: &mut World, body: &Body) -> Result<(), String> {
+    let description = Description {
+        kind: body.kind,
+        pose: body.pose,
+        linear: body.velocity.linear,
+        angular: body.velocity.angular,
+        density: body.density,
+        friction: body.friction.coefficient,
+        restitution: body.restitution.coefficient,
+    };
+    let shape = body.collider.shape();
+    let upright = |half| Shape::Box {
+        half,
+        center: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+    };
+    if let Some(cuboid) = shape.as_cuboid() {
+        world.add(&description, &upright(cuboid.half_extents))
+    } else if let Some(half_space) = shape.as_halfspace() {
+        // Box3D has none: as Rapier's slab, with its upper face where the surface was.
+        let up = half_space.normal;
+        let slab = Shape::Box {
+            half: SLAB,
+            center: -SLAB.y * up,
+            rotation: Quat::from_rotation_arc(Vec3::Y, up),
+        };
+        world.add(&description, &slab)
+    } else if let Some(ball) = shape.as_ball() {
+        let radius = ball.radius;
+        world.add(&description, &Shape::Sphere { radius })
+    } else if let Some(capsule) = shape.as_capsule() {
+        let (ends, radius) = ([capsule.segment.a, capsule.segment.b], capsule.radius);
+        world.add(&description, &Shape::Capsule { ends, radius })
+    } else if let Some(hull) = shape.as_convex_polyhedron() {
+        let corners = hull.points();
+        world.add(&description, &Shape::Hull { corners })
+    } else {
+        let lacked = shape.shape_type();
+        Err(format!(
+            "Box3D has no shape {lacked:?}, or not as drystone has it"
+        ))
+    }
+}
+
+impl Engine for Box3d {
+    fn name(&self) -> &'static str {
+        "Box3D"
+    }
+
+    fn effort(&self) -> Option<Effort> {
+        Some(("substeps", SUBSTEPS as usize))
+    }
+
+    fn step(&mut self) {
+        self.world.step(self.dt);
+    }
+
+    fn poses(&self) -> Vec<Pose> {
+        let pose = |body| match self.world.pose(body) {
+            pose if pose.is_finite() => pose,
+            _ => metrics::NOWHERE,
+        };
+        (0..self.world.len()).map(pose).collect()
+    }
+
+    fn velocities(&self) -> Vec<Vec3> {
+        let kinds = self.kinds.iter().enumerate();
+        let dynamic = kinds.filter(|(_, kind)| **kind == RigidBody::Dynamic);
+        dynamic.map(|(body, _)| self.world.velocity(body)).collect()
+    }
+}

@@ -1,0 +1,294 @@
+//! A world of Box3D's behind a safe face: all that is unsafe about it, and nothing else.
+//!
+//! Box3D checks what it is given by assertions, which a release build of it does not have. So what goes in is checked here, and
+//! bodies are told by their index in the world that made them, never by Box3D's own handles, which would outlive it.
+
+use box3d_sys as b3;
+use drystone::prelude::{Pose, Quat, RigidBody, Vec3};
+use std::sync::{Mutex, PoisonError};
+
+/// Substeps of a step: what Box3D's own documentation recommends, and its samples have.
+pub const SUBSTEPS: i32 = 4;
+
+/// Box3D keeps its worlds in one table that nothing guards.
+static WORLDS: Mutex<()> = Mutex::new(());
+
+/// A world and the bodies in it.
+pub struct World {
+    id: b3::b3WorldId,
+    bodies: Vec<b3::b3BodyId>,
+}
+
+/// A body before the first step.
+#[derive(Clone, Copy)]
+pub struct Description {
+    pub kind: RigidBody,
+    pub pose: Pose,
+    /// m/s
+    pub linear: Vec3,
+    /// rad/s
+    pub angular: Vec3,
+    /// kg/m³
+    pub density: f32,
+    pub friction: f32,
+    pub restitution: f32,
+}
+
+/// A shape in its body's frame, m.
+pub enum Shape<'a> {
+    Box {
+        half: Vec3,
+        center: Vec3,
+        rotation: Quat,
+    },
+    Sphere {
+        radius: f32,
+    },
+    Capsule {
+        ends: [Vec3; 2],
+        radius: f32,
+    },
+    Hull {
+        corners: &'a [Vec3],
+    },
+}
+
+impl World {
+    /// An empty one, with sleeping off and everything else as it comes.
+    ///
+    /// # Errors
+    /// Where Box3D has no room for another world.
+    pub fn new(gravity: Vec3, threads: u32) -> Result<Self, String> {
+        let _guard = WORLDS.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the definition is Box3D's own with plain numbers changed, and nobody else creates or destroys a world meanwhile.
+        let id = unsafe {
+            let mut definition = b3::b3DefaultWorldDef();
+            definition.gravity = vec3(gravity);
+            definition.enableSleep = false;
+            // More than one make Box3D start its own threads.
+            definition.workerCount = threads;
+            b3::b3CreateWorld(&definition)
+        };
+        match id.index1 {
+            0 => Err("Box3D has no room for another world".into()),
+            _ => Ok(Self {
+                id,
+                bodies: Vec::new(),
+            }),
+        }
+    }
+
+    /// # Errors
+    /// Where a number is not finite or a size is not positive, or Box3D cannot make a hull of its corners.
+    pub fn add(&mut self, body: &Description, shape: &Shape) -> Result<(), String> {
+        if !(body.is_sound() && shape.is_sound()) {
+            return Err("Box3D takes no body with a size or number that is no good".into());
+        }
+        let hull = match shape {
+            Shape::Hull { corners } => Some(Hull::new(corners)?),
+            _ => None,
+        };
+        // SAFETY: the world lives as long as `self`, definitions are Box3D's own with plain numbers changed, and all of them are
+        // sound. Box3D copies definitions and shapes, so that none need outlive the call.
+        unsafe {
+            let mut definition = b3::b3DefaultBodyDef();
+            definition.type_ = match body.kind {
+                RigidBody::Dynamic => b3::b3BodyType_b3_dynamicBody,
+                RigidBody::Static => b3::b3BodyType_b3_staticBody,
+                RigidBody::Kinematic => b3::b3BodyType_b3_kinematicBody,
+            };
+            definition.position = vec3(body.pose.position);
+            definition.rotation = quat(body.pose.rotation);
+            definition.linearVelocity = vec3(body.linear);
+            definition.angularVelocity = vec3(body.angular);
+            definition.enableSleep = false;
+            let id = b3::b3CreateBody(self.id, &definition);
+            self.bodies.push(id);
+
+            let mut surface = b3::b3DefaultShapeDef();
+            surface.density = body.density;
+            surface.baseMaterial.friction = body.friction;
+            surface.baseMaterial.restitution = body.restitution;
+            match *shape {
+                Shape::Box {
+                    half,
+                    center,
+                    rotation,
+                } => {
+                    let frame = b3::b3Transform {
+                        p: vec3(center),
+                        q: quat(rotation),
+                    };
+                    let hull = b3::b3MakeTransformedBoxHull(half.x, half.y, half.z, frame);
+                    // A box's hull begins with what all hulls begin with, and its offsets reach into the rest.
+                    b3::b3CreateHullShape(id, &surface, (&raw const hull).cast());
+                }
+                Shape::Sphere { radius } => {
+                    let center = vec3(Vec3::ZERO);
+                    let sphere = b3::b3Sphere { center, radius };
+                    b3::b3CreateSphereShape(id, &surface, &sphere);
+                }
+                Shape::Capsule { ends, radius } => {
+                    let [center1, center2] = ends.map(vec3);
+                    let capsule = b3::b3Capsule {
+                        center1,
+                        center2,
+                        radius,
+                    };
+                    b3::b3CreateCapsuleShape(id, &surface, &capsule);
+                }
+                Shape::Hull { .. } => {
+                    let hull = hull.expect("made above");
+                    b3::b3CreateHullShape(id, &surface, hull.0);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A step of so many seconds.
+    ///
+    /// # Panics
+    /// Where it is not positive and finite.
+    pub fn step(&mut self, dt: f32) {
+        assert!(dt > 0.0 && dt.is_finite(), "a step of {dt} s");
+        // SAFETY: the world lives as long as `self`, and nobody else has it.
+        unsafe { b3::b3World_Step(self.id, dt, SUBSTEPS) }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Of the body's own origin.
+    pub fn pose(&self, body: usize) -> Pose {
+        let id = self.bodies[body];
+        // SAFETY: the body lives as long as its world, and that as long as `self`.
+        let (p, q) = unsafe { (b3::b3Body_GetPosition(id), b3::b3Body_GetRotation(id)) };
+        Pose {
+            position: Vec3::new(p.x, p.y, p.z),
+            rotation: Quat::from_xyzw(q.v.x, q.v.y, q.v.z, q.s),
+        }
+    }
+
+    /// Of the body's centre, m/s.
+    pub fn velocity(&self, body: usize) -> Vec3 {
+        // SAFETY: as in `pose`.
+        let v = unsafe { b3::b3Body_GetLinearVelocity(self.bodies[body]) };
+        Vec3::new(v.x, v.y, v.z)
+    }
+
+    /// Mass, kg; centre in the body's frame, m; inertia about it in that frame, kg m², by columns.
+    #[cfg(test)]
+    pub fn mass(&self, body: usize) -> (f32, Vec3, [Vec3; 3]) {
+        let id = self.bodies[body];
+        // SAFETY: as in `pose`.
+        let (mass, center, inertia) = unsafe {
+            (
+                b3::b3Body_GetMass(id),
+                b3::b3Body_GetLocalCenter(id),
+                b3::b3Body_GetLocalRotationalInertia(id),
+            )
+        };
+        let columns = [inertia.cx, inertia.cy, inertia.cz];
+        let glam = |v: b3::b3Vec3| Vec3::new(v.x, v.y, v.z);
+        (mass, glam(center), columns.map(glam))
+    }
+}
+
+impl Drop for World {
+    fn drop(&mut self) {
+        let _guard = WORLDS.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: it was created with `self`, no handle of it is left, and nobody else creates or destroys a world meanwhile.
+        unsafe { b3::b3DestroyWorld(self.id) }
+    }
+}
+
+impl Description {
+    fn is_sound(&self) -> bool {
+        let numbers = [self.density, self.friction, self.restitution];
+        self.pose.is_finite()
+            && self.pose.rotation.is_normalized()
+            && self.linear.is_finite()
+            && self.angular.is_finite()
+            && numbers.iter().all(|x| x.is_finite() && *x >= 0.0)
+    }
+}
+
+impl Shape<'_> {
+    fn is_sound(&self) -> bool {
+        let size = |x: f32| x > 0.0 && x.is_finite();
+        match self {
+            Self::Box {
+                half,
+                center,
+                rotation,
+            } => {
+                half.to_array().into_iter().all(size)
+                    && center.is_finite()
+                    && rotation.is_normalized()
+            }
+            Self::Sphere { radius } => size(*radius),
+            Self::Capsule { ends, radius } => {
+                size(*radius) && ends.iter().all(|end| end.is_finite())
+            }
+            Self::Hull { corners } => corners.iter().all(|corner| corner.is_finite()),
+        }
+    }
+}
+
+/// A convex hull that Box3D made and that must be given back.
+struct Hull(*mut b3::b3HullData);
+
+impl Hull {
+    /// # Errors
+    /// Where there is none, or one with other corners: Box3D welds what is close together.
+    fn new(corners: &[Vec3]) -> Result<Self, String> {
+        let points: Vec<b3::b3Vec3> = corners.iter().copied().map(vec3).collect();
+        let most = b3::B3_MAX_HULL_VERTICES as usize;
+        if points.len() > most {
+            let count = points.len();
+            return Err(format!(
+                "Box3D has no hulls of {count} corners, only of {most}"
+            ));
+        }
+        let count = points.len() as i32;
+        // SAFETY: so many points are there, all finite, and Box3D keeps none.
+        let hull = Self(unsafe { b3::b3CreateHull(points.as_ptr(), count, count) });
+        if hull.0.is_null() {
+            return Err(format!("Box3D makes no hull of these {count} corners"));
+        }
+        // SAFETY: not null, and so a whole hull.
+        match unsafe { (*hull.0).vertexCount } {
+            made if made == count => Ok(hull),
+            made => Err(format!(
+                "Box3D makes a hull of {made} corners of these {count}"
+            )),
+        }
+    }
+}
+
+impl Drop for Hull {
+    fn drop(&mut self) {
+        if !self.0.is_null() {
+            // SAFETY: Box3D made it, and nobody else has it: shapes have copies.
+            unsafe { b3::b3DestroyHull(self.0) }
+        }
+    }
+}
+
+fn vec3(v: Vec3) -> b3::b3Vec3 {
+    b3::b3Vec3 {
+        x: v.x,
+        y: v.y,
+        z: v.z,
+    }
+}
+
+fn quat(q: Quat) -> b3::b3Quat {
+    b3::b3Quat {
+        v: vec3(Vec3::new(q.x, q.y, q.z)),
+        s: q.w,
+    }
+}

@@ -1,0 +1,56 @@
+//! The engines beside which drystone is put.
+
+use crate::engine::Engine;
+use crate::rapier::{self, Rapier};
+use crate::scene::{Body, Conditions};
+use drystone::prelude::Vec3;
+
+/// Another engine.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Peer {
+    /// Rapier 0.36.
+    Rapier,
+    /// Box3D 0.1; with the feature `box3d`.
+    #[value(name = "box3d")]
+    Box3d,
+}
+
+/// A scene as drystone built it, for all.
+pub struct Start<'a> {
+    pub bodies: &'a [Body],
+    /// m/s²
+    pub gravity: Vec3,
+    pub conditions: Conditions,
+}
+
+impl Peer {
+    /// Those that this build has.
+    pub const BUILT: &[Self] = if cfg!(feature = "box3d") {
+        &[Self::Rapier, Self::Box3d]
+    } else {
+        &[Self::Rapier]
+    };
+
+    /// Puts a scene into it.
+    ///
+    /// # Errors
+    /// Where this build has no such engine, or it cannot have the scene or the threads.
+    pub fn start(self, start: &Start, rapier: rapier::Options) -> Result<Box<dyn Engine>, String> {
+        let &Start {
+            bodies,
+            gravity,
+            conditions,
+        } = start;
+        match self {
+            Self::Rapier => Ok(Box::new(Rapier::new(bodies, gravity, conditions, rapier)?)),
+            #[cfg(feature = "box3d")]
+            Self::Box3d => Ok(Box::new(crate::box3d::Box3d::new(
+                bodies, gravity, conditions,
+            )?)),
+            #[cfg(not(feature = "box3d"))]
+            Self::Box3d => {
+                Err("--engine box3d: this build has no Box3D; build with --features box3d".into())
+            }
+        }
+    }
+}

@@ -7,7 +7,7 @@
 //! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
-use super::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
+use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
 use glam::{Mat3, Vec3};
 

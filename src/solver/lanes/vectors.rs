@@ -1,10 +1,10 @@
-//! Vectors and matrices of each of several patches.
+//! Vectors and matrices of each of several contacts.
 
 use super::F32xN;
 use glam::Vec3;
 use std::ops::{Add, Sub};
 
-/// One vector of each patch.
+/// One vector of each contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vec3xN<L> {
     pub x: L,
@@ -110,7 +110,7 @@ impl<L: F32xN> Sub for Vec3xN<L> {
     }
 }
 
-/// A motion or a wrench of each patch.
+/// A motion or a wrench of each contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpatialVec<L> {
     pub linear: Vec3xN<L>,
@@ -142,7 +142,7 @@ impl<L: F32xN> Frame<L> {
     }
 }
 
-/// A symmetric 3 × 3 matrix of each patch.
+/// A symmetric 3 × 3 matrix of each contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Symmetric<L> {
     pub xx: L,

@@ -6,7 +6,7 @@ use clap::{Parser, ValueEnum};
 use drystone::settings::{
     AnchorRule, Classifier, ContactSolver, NormalStabilization, PhysicsThreads, Preset,
 };
-use drystone::solver::{FrictionCone, Nncg, Pgs, SoftStep};
+use drystone::solver::{FrictionCone, Lanes, Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
 use drystone_lab::scenes::{KNOWN, Scene};
 use std::f32::consts::PI;
@@ -178,6 +178,7 @@ impl Arguments {
                     cone,
                     warm_start,
                     tolerance,
+                    lanes: Lanes::Auto,
                 };
                 pgs.into()
             }
@@ -187,6 +188,7 @@ impl Arguments {
                     cone,
                     warm_start,
                     tolerance,
+                    lanes: Lanes::Auto,
                 };
                 nncg.into()
             }

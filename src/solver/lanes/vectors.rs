@@ -1,7 +1,7 @@
 //! Vectors and matrices of each of several contacts.
 
 use super::F32xN;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use std::ops::{Add, Sub};
 
 /// One vector of each contact.
@@ -140,6 +140,20 @@ impl<L: F32xN> Frame<L> {
         let on_plane = self.t2.scale_add(v.z, self.t1.scale(v.y));
         self.n.scale_add(v.x, on_plane)
     }
+
+    /// What a matrix in world axes is in these.
+    #[inline(always)]
+    pub fn local_matrix(&self, m: &Symmetric<L>) -> Symmetric<L> {
+        let (n, t1, t2) = (m.apply(self.n), m.apply(self.t1), m.apply(self.t2));
+        Symmetric {
+            xx: self.n.dot(n),
+            yy: self.t1.dot(t1),
+            zz: self.t2.dot(t2),
+            xy: self.n.dot(t1),
+            xz: self.n.dot(t2),
+            yz: self.t1.dot(t2),
+        }
+    }
 }
 
 /// A symmetric 3 × 3 matrix of each contact.
@@ -154,6 +168,16 @@ pub struct Symmetric<L> {
 }
 
 impl<L: F32xN> Symmetric<L> {
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, m: &Mat3) {
+        self.xx[lane] = m.x_axis.x;
+        self.yy[lane] = m.y_axis.y;
+        self.zz[lane] = m.z_axis.z;
+        self.xy[lane] = m.x_axis.y;
+        self.xz[lane] = m.x_axis.z;
+        self.yz[lane] = m.y_axis.z;
+    }
+
     #[inline(always)]
     pub fn apply(&self, v: Vec3xN<L>) -> Vec3xN<L> {
         let &Self {

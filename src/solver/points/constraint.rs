@@ -48,13 +48,13 @@ pub struct PointConstraint {
     /// The diagonal of W at this point: inverse effective masses, 1/kg.
     pub diagonal: Vec3,
     /// The off-diagonal of its tangential block, 1/kg.
-    coupling: f32,
+    pub(super) coupling: f32,
     /// 1/W_nn, kg.
-    inverse_normal: f32,
+    pub(super) inverse_normal: f32,
     /// The inverse of the tangential block: xx, yy, xy, kg.
-    inverse_tangential: Vec3,
+    pub(super) inverse_tangential: Vec3,
     /// 1/λ_max of the tangential block, kg.
-    isotropic: f32,
+    pub(super) isotropic: f32,
 }
 
 /// Two unit vectors that complete a normal to a right-handed frame (Duff et al. 2017, "Building an orthonormal basis,
@@ -196,7 +196,8 @@ impl PointConstraint {
     }
 }
 
-fn inverse(x: f32) -> f32 {
+/// 1/x, and 0 for what is not positive.
+pub(super) fn inverse(x: f32) -> f32 {
     if x > 0.0 { 1.0 / x } else { 0.0 }
 }
 

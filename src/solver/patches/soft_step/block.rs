@@ -230,13 +230,7 @@ impl<L: F32xN> Block<L> {
     /// Takes over the inverse inertia of a body that has turned, 1/(kg·m²).
     pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
         assert!(lane < L::LANES);
-        let (i, to) = (inverse_inertia, &mut self.inverse_inertia[side]);
-        to.xx[lane] = i.x_axis.x;
-        to.yy[lane] = i.y_axis.y;
-        to.zz[lane] = i.z_axis.z;
-        to.xy[lane] = i.x_axis.y;
-        to.xz[lane] = i.x_axis.z;
-        to.yz[lane] = i.y_axis.z;
+        self.inverse_inertia[side].set(lane, inverse_inertia);
         self.stale = true;
     }
 

@@ -13,6 +13,7 @@ mod width;
 
 pub use body::Body;
 pub use patches::{Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep};
+pub(crate) use points::PatchFrame;
 pub use points::{
     Direction, FrictionCone, Grouping, Nncg, Pgs, PointConstraint, PointInput, PointProblem,
     PointSolver, merit, tangents,

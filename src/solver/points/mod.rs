@@ -49,6 +49,7 @@ use super::lanes::{F32x4, F32xN};
 use super::width::Width;
 use super::{Body, Lanes, SolveReport};
 use blocks::{Cone, Disc, Square};
+pub(crate) use constraint::PatchFrame;
 pub use constraint::{PointConstraint, PointInput, tangents};
 pub use nncg::Nncg;
 pub use pgs::Pgs;

@@ -22,6 +22,9 @@ use std::marker::PhantomData;
 use std::ops::Range;
 use visit::{PairByPair, Relax};
 
+#[cfg(test)]
+mod tests;
+
 /// A problem in lanes.
 pub struct Blocks<L: F32xN, C> {
     batches: Batches,

@@ -75,6 +75,13 @@ impl Batches {
         self.filled.len()
     }
 
+    /// Whether the mean block holds so many contacts.
+    #[cfg(target_arch = "x86_64")]
+    pub fn holds(&self, contacts: usize) -> bool {
+        let all: usize = self.filled.iter().map(|&filled| filled as usize).sum();
+        all >= contacts * self.blocks()
+    }
+
     /// The contacts of each block, lane by lane.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
         let slots = self.slots.chunks_exact(self.lanes);

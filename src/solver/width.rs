@@ -38,12 +38,6 @@ impl Lanes {
         };
         if eight { Width::Eight } else { Width::Four }
     }
-
-    /// The width for a problem.
-    #[cfg(not(target_arch = "x86_64"))]
-    pub(super) fn width(self, _: impl FnOnce() -> bool) -> Width {
-        Width::Four
-    }
 }
 
 /// The widths that there are on this architecture.

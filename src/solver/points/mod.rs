@@ -116,7 +116,7 @@ trait Method {
         cone: FrictionCone,
         problem: &mut PointProblem,
     ) -> SolveReport {
-        match (lanes.width(|| true), cone) {
+        match (width(lanes, problem), cone) {
             (Width::Four, FrictionCone::Circular) => self.solve_as::<F32x4, Disc>(problem),
             (Width::Four, FrictionCone::Box) => self.solve_as::<F32x4, Square>(problem),
             #[cfg(target_arch = "x86_64")]
@@ -125,6 +125,21 @@ trait Method {
             (Width::Eight, FrictionCone::Box) => self.solve_as::<F32x8, Square>(problem),
         }
     }
+}
+
+/// Pairs in the mean block of eight from which on they are the faster: those of a wall of 10 × 10 hold 4.5, where they save a fifth;
+/// those of one of 5 × 5 hold 2.3, and they cost as much.
+#[cfg(target_arch = "x86_64")]
+const ENOUGH: usize = 3;
+
+#[cfg(target_arch = "x86_64")]
+fn width(lanes: Lanes, problem: &PointProblem) -> Width {
+    lanes.width(|| blocks::batches(F32x8::LANES, problem).holds(ENOUGH))
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn width(_: Lanes, _: &PointProblem) -> Width {
+    Width::Four
 }
 
 /// One island, ready to be solved. Constraints have been prepared ([`PointConstraint::prepare`]), and velocities hold the effect of the

@@ -167,8 +167,7 @@ fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
 /// A visit to a block of eight costs 1.1 times one of four, and a stack fills one lane of either.
 #[cfg(target_arch = "x86_64")]
 fn fills_eight(problem: &PatchProblem) -> bool {
-    let blocks = batches(F32x8::LANES, problem).blocks();
-    problem.patches.len() >= HALF_FULL * blocks
+    batches(F32x8::LANES, problem).holds(HALF_FULL)
 }
 
 /// Patches in the mean block of eight from which on they are the faster: those of a wall of

@@ -41,11 +41,8 @@ pub struct Blocks<L: F32xN, C> {
 impl<L: F32xN, C: Cone> Blocks<L, C> {
     pub fn of(problem: &PointProblem) -> Self {
         let (bodies, constraints) = (&*problem.bodies, &*problem.constraints);
-        let pairs = pairs(constraints);
-        let ends = pairs
-            .iter()
-            .map(|pair| constraints[pair.start as usize].bodies);
-        let batches = Batches::of(L::LANES, ends, bodies);
+        let pairs: Vec<_> = pairs(constraints).collect();
+        let batches = batches(L::LANES, problem);
         let (nobody, nowhere) = (bodies.len() as u32, bodies.len() as u32 + 1);
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut patches: Vec<Patches<L>> = Vec::with_capacity(batches.blocks());
@@ -134,17 +131,22 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
     }
 }
 
-/// Those of each pair of bodies.
-fn pairs(constraints: &[PointConstraint]) -> Vec<Range<u32>> {
+/// The pairs of a problem, in blocks of so many lanes.
+pub fn batches(lanes: usize, problem: &PointProblem) -> Batches {
+    let constraints = &*problem.constraints;
+    let ends = pairs(constraints).map(|pair| constraints[pair.start as usize].bodies);
+    Batches::of(lanes, ends, problem.bodies)
+}
+
+/// The constraints of each pair of bodies.
+fn pairs(constraints: &[PointConstraint]) -> impl Iterator<Item = Range<u32>> {
     let mut end = 0;
     let pairs = constraints.chunk_by(|a, b| a.bodies == b.bodies);
-    pairs
-        .map(|pair| {
-            let first = end;
-            end += pair.len() as u32;
-            first..end
-        })
-        .collect()
+    pairs.map(move |pair| {
+        let first = end;
+        end += pair.len() as u32;
+        first..end
+    })
 }
 
 /// Of a pair, those of each patch.

@@ -21,10 +21,10 @@ pub enum Lanes {
 
 impl Lanes {
     /// What this processor cannot, as a sentence.
-    pub(super) fn problem(self, solver: &str) -> Option<String> {
+    pub(super) fn problem(self) -> Option<String> {
         let cannot = self == Self::Eight && !eight_is_available();
         cannot.then(|| {
-            format!("eight lanes of {solver} need a processor with AVX2 and FMA; Lanes::Auto takes them where it has both")
+            "eight lanes need a processor with AVX2 and FMA; Lanes::Auto takes them where it has both".into()
         })
     }
 

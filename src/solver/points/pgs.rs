@@ -17,7 +17,7 @@ pub struct Pgs {
     pub warm_start: f32,
     /// A solve ends early when its residual (see [`merit`](super::merit)) falls below this. 0, the default: never.
     pub tolerance: f32,
-    /// How many pairs of bodies are relaxed side by side.
+    /// How many pairs of bodies are relaxed side by side; the result is that of one after the other to rounding.
     pub lanes: Lanes,
 }
 

@@ -114,7 +114,7 @@ impl PatchSolver for SoftStep {
             .map(|(name, x, least, most)| {
                 format!("{name} of Soft Step is {x}, and must be between {least} and {most}")
             })
-            .or_else(|| self.lanes.problem("Soft Step"))
+            .or_else(|| self.lanes.problem())
     }
 
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport {

@@ -91,6 +91,7 @@ impl PatchFrame {
     }
 
     /// One of the points.
+    #[inline]
     pub(crate) fn prepare(&self, input: &PointInput) -> PointConstraint {
         let [normal, t1, t2] = self.axes;
         let framed = |n: f32, t: Vec3| Vec3::new(n, t1.dot(t), t2.dot(t));
@@ -136,6 +137,7 @@ impl PointConstraint {
     }
 
     /// The velocity of A against B at the point, in the contact frame (n, t1, t2), m/s.
+    #[inline]
     pub fn velocity(&self, bodies: &[Body]) -> Vec3 {
         let w = self.relative(bodies);
         Vec3::new(
@@ -145,17 +147,20 @@ impl PointConstraint {
         )
     }
 
+    #[inline]
     fn relative(&self, bodies: &[Body]) -> Vec3 {
         let [a, b] = self.bodies.map(|i| &bodies[i as usize]);
         a.linear - b.linear + a.angular.cross(self.arms[0]) - b.angular.cross(self.arms[1])
     }
 
     /// λ in world axes, N·s.
+    #[inline]
     pub fn world(&self, impulse: Vec3) -> Vec3 {
         self.normal * impulse.x + self.tangents[0] * impulse.y + self.tangents[1] * impulse.z
     }
 
     /// Changes the velocities by an impulse in world axes: A gets it, B the opposite.
+    #[inline]
     pub fn push(&self, bodies: &mut [Body], impulse: Vec3) {
         bodies[self.bodies[0] as usize].apply(impulse, self.arms[0]);
         bodies[self.bodies[1] as usize].apply(-impulse, self.arms[1]);

@@ -154,6 +154,7 @@ fn runs(pair: &[PointConstraint]) -> impl Iterator<Item = &[PointConstraint]> {
     pair.chunk_by(of_one_patch)
 }
 
+#[inline]
 fn of_one_patch(a: &PointConstraint, b: &PointConstraint) -> bool {
     a.normal == b.normal
 }

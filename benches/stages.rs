@@ -105,26 +105,35 @@ fn wall_problem(width: u32, courses: u32) -> (Vec<Body>, Vec<PointConstraint>) {
 }
 
 fn solvers(criterion: &mut Criterion) {
-    const SWEEPS: usize = 20;
+    // So many that what surrounds them hardly counts.
+    const SWEEPS: usize = 240;
     let (bodies, contacts) = wall_problem(40, 25);
     let free_merit = free_merit(&bodies, &contacts);
     let mut group = criterion.benchmark_group("solver, per contact point and sweep");
     group.sample_size(20);
     group.throughput(Throughput::Elements((contacts.len() * SWEEPS) as u64));
-    for cone in [FrictionCone::Circular, FrictionCone::Box] {
+    let cones = [FrictionCone::Circular, FrictionCone::Box];
+    let widths = |cone| [Lanes::Four, Lanes::Eight].map(|lanes| (cone, lanes));
+    for (cone, lanes) in cones.into_iter().flat_map(widths) {
         let pgs = Pgs {
             iterations: SWEEPS,
             cone,
+            lanes,
             ..Default::default()
         };
         let nncg = Nncg {
             iterations: SWEEPS,
             cone,
+            lanes,
             ..Default::default()
         };
+        if let Some(problem) = pgs.problem() {
+            eprintln!("{problem}");
+            continue;
+        }
         let solvers: [&dyn PointSolver; 2] = [&pgs, &nncg];
         for solver in solvers {
-            let id = BenchmarkId::new(solver.name(), format!("{cone:?}"));
+            let id = BenchmarkId::new(solver.name(), format!("{cone:?}, {lanes:?}"));
             group.bench_function(id, |bencher| {
                 bencher.iter_batched_ref(
                     || (bodies.clone(), contacts.clone()),

@@ -135,17 +135,24 @@ fn solve_recording(graph: &Graph, solver: &dyn PointSolver, record_history: bool
 }
 
 /// PGS and NNCG.
-fn both(iterations: usize, cone: FrictionCone, tolerance: f32) -> [Box<dyn PointSolver>; 2] {
+fn both(
+    iterations: usize,
+    cone: FrictionCone,
+    tolerance: f32,
+    lanes: Lanes,
+) -> [Box<dyn PointSolver>; 2] {
     let pgs = Pgs {
         iterations,
         cone,
         tolerance,
+        lanes,
         ..Default::default()
     };
     let nncg = Nncg {
         iterations,
         cone,
         tolerance,
+        lanes,
         ..Default::default()
     };
     [Box::new(pgs), Box::new(nncg)]
@@ -153,8 +160,9 @@ fn both(iterations: usize, cone: FrictionCone, tolerance: f32) -> [Box<dyn Point
 
 fn all(iterations: usize) -> Vec<(Box<dyn PointSolver>, FrictionCone)> {
     let cones = [FrictionCone::Circular, FrictionCone::Box];
-    let each = |cone| both(iterations, cone, 0.0).map(|solver| (solver, cone));
-    cones.into_iter().flat_map(each).collect()
+    let each = |(cone, lanes)| both(iterations, cone, 0.0, lanes).map(|solver| (solver, cone));
+    let widths = |cone| widths().map(move |lanes| (cone, lanes));
+    cones.into_iter().flat_map(widths).flat_map(each).collect()
 }
 
 /// Linear momentum, angular momentum about the origin, and the size of both.
@@ -286,8 +294,8 @@ fn the_residual_falls_until_the_tower_rests() {
 fn conjugate_gradients_get_further_than_gauss_seidel_on_a_tall_tower() {
     let graph = tower(20);
     for sweeps in [50, 100, 200] {
-        let [pgs, nncg] =
-            both(sweeps, FrictionCone::Circular, 0.0).map(|solver| solve(&graph, &*solver).report);
+        let [pgs, nncg] = both(sweeps, FrictionCone::Circular, 0.0, Lanes::Auto)
+            .map(|solver| solve(&graph, &*solver).report);
         println!(
             "{sweeps} sweeps: pgs {}, nncg {}",
             pgs.residual, nncg.residual
@@ -300,7 +308,7 @@ fn conjugate_gradients_get_further_than_gauss_seidel_on_a_tall_tower() {
 #[test]
 fn a_solve_ends_early_when_it_is_good_enough() {
     let graph = tower(3);
-    for solver in both(1000, FrictionCone::Circular, 1e-2) {
+    for solver in both(1000, FrictionCone::Circular, 1e-2, Lanes::Auto) {
         let report = solve_recording(&graph, &*solver, false).report;
         assert!(
             report.sweeps < 1000 && report.residual <= 1e-2,

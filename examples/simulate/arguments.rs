@@ -6,7 +6,7 @@ use clap::{Parser, ValueEnum};
 use drystone::settings::{
     AnchorRule, Classifier, ContactSolver, NormalStabilization, PhysicsThreads, Preset,
 };
-use drystone::solver::{FrictionCone, Nncg, Pgs, SoftStep};
+use drystone::solver::{FrictionCone, Lanes, Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
 use drystone_lab::scenes::{KNOWN, Scene};
 use std::f32::consts::PI;
@@ -58,6 +58,9 @@ pub struct Arguments {
     /// Share of last step's impulses that a solve starts from, 0 to 1.
     #[arg(long, value_parser = number(0.0..=1.0), allow_hyphen_values = true)]
     warm_start: Option<f32>,
+    /// Contacts that are relaxed side by side.
+    #[arg(long, value_enum, default_value = "auto")]
+    lanes: LanesName,
     /// Threads; rayon's default if not given.
     #[arg(long, value_parser = count(256))]
     threads: Option<usize>,
@@ -134,6 +137,7 @@ names!(Switch: On, Off);
 names!(AnchorName: Literal, Persistent, PairPose, Trackless);
 names!(ClassifierName: PerPoint, Any, All, Sum, Hysteresis);
 names!(ConeName: Cone, Box);
+names!(LanesName: Auto, Four, Eight);
 
 /// Table 1: the error reduction of the Baumgarte rows.
 const BAUMGARTE_GAIN: f32 = 0.5;
@@ -158,6 +162,11 @@ impl Arguments {
             Some(ConeName::Cone) | None => FrictionCone::Circular,
         };
         let tolerance = 0.0;
+        let lanes = match self.lanes {
+            LanesName::Auto => Lanes::Auto,
+            LanesName::Four => Lanes::Four,
+            LanesName::Eight => Lanes::Eight,
+        };
         let own = match self.preset {
             PresetName::Default => SolverName::SoftStep,
             PresetName::Paper => SolverName::Nncg,
@@ -168,6 +177,7 @@ impl Arguments {
                 let most_sweeps = self.iterations.unwrap_or(default.most_sweeps);
                 let soft_step = SoftStep {
                     most_sweeps,
+                    lanes,
                     ..default
                 };
                 soft_step.into()
@@ -178,6 +188,7 @@ impl Arguments {
                     cone,
                     warm_start,
                     tolerance,
+                    lanes,
                 };
                 pgs.into()
             }
@@ -187,6 +198,7 @@ impl Arguments {
                     cone,
                     warm_start,
                     tolerance,
+                    lanes,
                 };
                 nncg.into()
             }
@@ -318,12 +330,13 @@ mod tests {
             "--substeps=2",
             "--threads=2",
             "--warm-start=0.5",
+            "--lanes=four",
         ];
         let experiment = parse(&options).unwrap().experiment().unwrap();
         let ContactSolver::SoftStep(soft_step) = experiment.solver.solver else {
             panic!("{}", experiment.solver.solver.name());
         };
-        assert_eq!(soft_step.most_sweeps, 12);
+        assert_eq!((soft_step.most_sweeps, soft_step.lanes), (12, Lanes::Four));
         assert_eq!(experiment.solver.substeps, 2);
         assert_eq!(experiment.options.noise_position, 0.002);
         assert_eq!(experiment.options.noise_angle, 0.01);

@@ -5,8 +5,13 @@ use super::island::Rows;
 use super::touch::Touch;
 use crate::contact::{Impulse, PatchImpulse};
 use crate::settings::StepTime;
-use crate::solver::{Body, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport};
+use crate::solver::{
+    Body, PatchFrame, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport,
+};
 use rayon::prelude::*;
+
+/// Touches that one thread gathers at a time.
+const SHARE: usize = 64;
 
 #[derive(Default)]
 pub(super) struct PointRows {
@@ -27,16 +32,22 @@ impl Rows for PointRows {
 
     fn gather(&mut self, touches: &[Touch], ends: &[[u32; 2]], bodies: &[Body], given: &Given) {
         let (threads, time) = (&*given.threads, &*given.time);
+        let gather = |touches: &[Touch], ends: &[[u32; 2]], to: &mut Vec<PointConstraint>| {
+            for (touch, &ends) in touches.iter().zip(ends) {
+                touch.gather(ends, bodies, time, to);
+            }
+        };
         self.constraints.clear();
         if threads.share(touches.len()) {
-            let touches = touches.par_iter().zip(ends);
-            let constraints =
-                touches.flat_map_iter(|(touch, ends)| touch.constraints(*ends, bodies, time));
+            let shares = touches.par_chunks(SHARE).zip(ends.par_chunks(SHARE));
+            let constraints = shares.flat_map_iter(|(touches, ends)| {
+                let mut constraints = Vec::new();
+                gather(touches, ends, &mut constraints);
+                constraints
+            });
             threads.run(ends.len(), || self.constraints.par_extend(constraints));
         } else {
-            let touches = touches.iter().zip(ends);
-            self.constraints
-                .extend(touches.flat_map(|(touch, ends)| touch.constraints(*ends, bodies, time)));
+            gather(touches, ends, &mut self.constraints);
         }
     }
 
@@ -79,32 +90,30 @@ impl Rows for PointRows {
 }
 
 impl Touch<'_> {
-    /// The pair's contact points between the bodies at `ends` of a problem.
-    fn constraints(
+    /// Adds the pair's contact points, between the bodies at `ends` of a problem.
+    fn gather(
         &self,
         ends: [u32; 2],
         bodies: &[Body],
         time: &StepTime,
-    ) -> impl Iterator<Item = PointConstraint> {
-        let points = self
-            .manifold
-            .patches
-            .iter()
-            .flat_map(|patch| patch.range().map(|i| (patch.normal, i)));
-        points.map(move |(normal, i)| {
-            let target = self.targets.points.get(i).copied().unwrap_or_default();
-            let impulse = self.impulses.points[i];
-            let input = PointInput {
-                bodies: ends,
-                normal,
-                arms: self.manifold.points[i].arms,
-                friction: self.pair.friction,
-                target_normal: target.normal,
-                target_tangential: target.tangential,
-                impulse_normal: impulse.normal_to_start_from(time),
-                impulse_tangential: impulse.warm_tangential * time.carried(),
-            };
-            PointConstraint::prepare(&input, bodies)
-        })
+        to: &mut Vec<PointConstraint>,
+    ) {
+        for patch in &self.manifold.patches {
+            let frame = PatchFrame::new(ends, patch.normal, bodies);
+            for i in patch.range() {
+                let target = self.targets.points.get(i).copied().unwrap_or_default();
+                let impulse = self.impulses.points[i];
+                to.push(frame.prepare(&PointInput {
+                    bodies: ends,
+                    normal: patch.normal,
+                    arms: self.manifold.points[i].arms,
+                    friction: self.pair.friction,
+                    target_normal: target.normal,
+                    target_tangential: target.tangential,
+                    impulse_normal: impulse.normal_to_start_from(time),
+                    impulse_tangential: impulse.warm_tangential * time.carried(),
+                }));
+            }
+        }
     }
 }

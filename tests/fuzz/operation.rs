@@ -73,6 +73,8 @@ pub struct Solver {
     warm_start: f32,
     tolerance: f32,
     cone: FrictionCone,
+    /// Of the solvers by points.
+    lanes: Lanes,
 }
 
 #[derive(Clone, Debug)]
@@ -102,6 +104,7 @@ impl Solver {
                 cone: self.cone,
                 warm_start: self.warm_start,
                 tolerance: self.tolerance,
+                lanes: self.lanes,
             }
             .into(),
             Method::Nncg => Nncg {
@@ -109,6 +112,7 @@ impl Solver {
                 cone: self.cone,
                 warm_start: self.warm_start,
                 tolerance: self.tolerance,
+                lanes: self.lanes,
             }
             .into(),
         }
@@ -218,6 +222,7 @@ impl Solver {
             warm_start: dice.number(0.0, 0.5),
             tolerance: dice.number(0.0, 1e-3),
             cone: dice.pick(&[FrictionCone::Circular, FrictionCone::Box]),
+            lanes: dice.pick(&[Lanes::Auto, Lanes::Four]),
         }
     }
 }

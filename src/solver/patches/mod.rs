@@ -13,7 +13,7 @@ use super::{Body, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 pub use memory::Memory;
-pub use soft_step::{Lanes, SoftStep};
+pub use soft_step::SoftStep;
 
 /// A method that finds the impulses of patches. Must be deterministic; islands are solved side by side.
 pub trait PatchSolver: Send + Sync {

@@ -5,7 +5,7 @@
 
 use super::FrictionCone;
 use crate::solver::Body;
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
 /// What is given of a contact point, in world axes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,13 +48,13 @@ pub struct PointConstraint {
     /// The diagonal of W at this point: inverse effective masses, 1/kg.
     pub diagonal: Vec3,
     /// The off-diagonal of its tangential block, 1/kg.
-    coupling: f32,
+    pub(super) coupling: f32,
     /// 1/W_nn, kg.
-    inverse_normal: f32,
+    pub(super) inverse_normal: f32,
     /// The inverse of the tangential block: xx, yy, xy, kg.
-    inverse_tangential: Vec3,
+    pub(super) inverse_tangential: Vec3,
     /// 1/λ_max of the tangential block, kg.
-    isotropic: f32,
+    pub(super) isotropic: f32,
 }
 
 /// Two unit vectors that complete a normal to a right-handed frame (Duff et al. 2017, "Building an orthonormal basis,
@@ -64,26 +64,58 @@ pub fn tangents(normal: Vec3) -> [Vec3; 2] {
     [t, b]
 }
 
-impl PointConstraint {
-    /// Computes tangents and effective masses.
-    pub fn prepare(input: &PointInput, bodies: &[Body]) -> Self {
-        let [a, b] = input.bodies.map(|i| &bodies[i as usize]);
-        let [t1, t2] = tangents(input.normal);
-        let framed = |n: f32, t: Vec3| Vec3::new(n, t1.dot(t), t2.dot(t));
-        let mass = a.inverse_mass + b.inverse_mass;
-        let turn = |axis: Vec3| {
-            let on = |body: &Body, arm: Vec3| body.inverse_inertia * arm.cross(axis);
-            let (ta, tb) = (on(a, input.arms[0]), on(b, input.arms[1]));
-            mass * axis + ta.cross(input.arms[0]) + tb.cross(input.arms[1])
+/// Two bodies as all points with one normal see them.
+pub(crate) struct PatchFrame {
+    /// n, t1, t2
+    axes: [Vec3; 3],
+    /// Of A and B together, 1/kg.
+    inverse_mass: f32,
+    /// Of A and B along the axes, 1/(kg·m²): xx, yy, zz, and xy, xz, yz.
+    inverse_inertia: [[Vec3; 2]; 2],
+}
+
+impl PatchFrame {
+    pub(crate) fn new(pair: [u32; 2], normal: Vec3, bodies: &[Body]) -> Self {
+        let pair = pair.map(|body| &bodies[body as usize]);
+        let [t1, t2] = tangents(normal);
+        let turned = |i: &Mat3| {
+            let (n, first, second) = (*i * normal, *i * t1, *i * t2);
+            let diagonal = Vec3::new(normal.dot(n), t1.dot(first), t2.dot(second));
+            [diagonal, Vec3::new(t1.dot(n), t2.dot(n), t2.dot(first))]
         };
-        let (wn, w1, w2) = (turn(input.normal), turn(t1), turn(t2));
-        let diagonal = Vec3::new(input.normal.dot(wn), t1.dot(w1), t2.dot(w2));
-        let coupling = t1.dot(w2);
+        Self {
+            axes: [normal, t1, t2],
+            inverse_mass: pair[0].inverse_mass + pair[1].inverse_mass,
+            inverse_inertia: pair.map(|body| turned(&body.inverse_inertia)),
+        }
+    }
+
+    /// One of the points.
+    #[inline]
+    pub(crate) fn prepare(&self, input: &PointInput) -> PointConstraint {
+        let [normal, t1, t2] = self.axes;
+        let framed = |n: f32, t: Vec3| Vec3::new(n, t1.dot(t), t2.dot(t));
+        let mut diagonal = Vec3::splat(self.inverse_mass);
+        let mut coupling = 0.0;
+        for (&[of, mixed], arm) in self.inverse_inertia.iter().zip(input.arms) {
+            let r = framed(normal.dot(arm), arm);
+            let [xy, xz, yz] = mixed.to_array();
+            // r × n = (0, r₂, −r₁), r × t1 = (−r₂, 0, r_n), r × t2 = (r₁, −r_n, 0)
+            let second = Vec3::new(
+                of.x * r.y - xy * r.x,
+                xy * r.y - of.y * r.x,
+                xz * r.y - yz * r.x,
+            );
+            diagonal.x += r.z * (of.y * r.z - yz * r.y) - r.y * (yz * r.z - of.z * r.y);
+            diagonal.y += r.z * (of.x * r.z - xz * r.x) - r.x * (xz * r.z - of.z * r.x);
+            diagonal.z += r.y * second.x - r.x * second.y;
+            coupling += r.x * second.z - r.z * second.x;
+        }
         let (xx, yy, xy) = (diagonal.y, diagonal.z, coupling);
         let spread = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
-        Self {
+        PointConstraint {
             bodies: input.bodies,
-            normal: input.normal,
+            normal,
             arms: input.arms,
             friction: input.friction,
             target: framed(input.target_normal, input.target_tangential),
@@ -96,8 +128,16 @@ impl PointConstraint {
             isotropic: inverse(0.5 * (xx + yy) + spread),
         }
     }
+}
+
+impl PointConstraint {
+    /// Computes tangents and effective masses.
+    pub fn prepare(input: &PointInput, bodies: &[Body]) -> Self {
+        PatchFrame::new(input.bodies, input.normal, bodies).prepare(input)
+    }
 
     /// The velocity of A against B at the point, in the contact frame (n, t1, t2), m/s.
+    #[inline]
     pub fn velocity(&self, bodies: &[Body]) -> Vec3 {
         let w = self.relative(bodies);
         Vec3::new(
@@ -107,17 +147,20 @@ impl PointConstraint {
         )
     }
 
+    #[inline]
     fn relative(&self, bodies: &[Body]) -> Vec3 {
         let [a, b] = self.bodies.map(|i| &bodies[i as usize]);
         a.linear - b.linear + a.angular.cross(self.arms[0]) - b.angular.cross(self.arms[1])
     }
 
     /// λ in world axes, N·s.
+    #[inline]
     pub fn world(&self, impulse: Vec3) -> Vec3 {
         self.normal * impulse.x + self.tangents[0] * impulse.y + self.tangents[1] * impulse.z
     }
 
     /// Changes the velocities by an impulse in world axes: A gets it, B the opposite.
+    #[inline]
     pub fn push(&self, bodies: &mut [Body], impulse: Vec3) {
         bodies[self.bodies[0] as usize].apply(impulse, self.arms[0]);
         bodies[self.bodies[1] as usize].apply(-impulse, self.arms[1]);
@@ -196,14 +239,14 @@ impl PointConstraint {
     }
 }
 
-fn inverse(x: f32) -> f32 {
+/// 1/x, and 0 for what is not positive.
+pub(super) fn inverse(x: f32) -> f32 {
     if x > 0.0 { 1.0 / x } else { 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Mat3;
 
     /// A flat body of 1000 kg on the ground, touching at one point below: far easier to turn about z than about x.
     fn touching(arm: Vec3) -> (Vec<Body>, PointConstraint) {

@@ -10,9 +10,10 @@
 //! diagonal of W, since λ mixes contacts of all masses. And the last sweep is a plain one, or λ could leave the cone or turn
 //! negative by what β p added.
 
-use super::{Direction, FrictionCone, Grouping, PointProblem, PointSolver};
-use crate::solver::SolveReport;
-use glam::Vec3;
+use super::blocks::{Cone, Conjugate};
+use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
+use crate::solver::lanes::F32xN;
+use crate::solver::{Lanes, SolveReport};
 
 /// After this many restarts in a row directions don't help, and plain sweeps do the rest.
 const GIVE_UP: usize = 8;
@@ -28,6 +29,8 @@ pub struct Nncg {
     pub warm_start: f32,
     /// A solve ends early when its residual (see [`merit`](super::merit)) falls below this. 0, the default: never.
     pub tolerance: f32,
+    /// How many pairs of bodies are relaxed side by side; the result is that of one after the other to rounding.
+    pub lanes: Lanes,
 }
 
 impl Default for Nncg {
@@ -38,6 +41,7 @@ impl Default for Nncg {
             cone: FrictionCone::Circular,
             warm_start: 0.0,
             tolerance: 0.0,
+            lanes: Lanes::Auto,
         }
     }
 }
@@ -48,7 +52,7 @@ impl PointSolver for Nncg {
     }
 
     fn problem(&self) -> Option<String> {
-        super::problem(self.iterations, self.warm_start, self.tolerance)
+        super::problem(self.iterations, self.warm_start, self.tolerance, self.lanes)
     }
 
     fn warm_start(&self) -> f32 {
@@ -56,61 +60,32 @@ impl PointSolver for Nncg {
     }
 
     fn solve(&self, problem: &mut PointProblem) -> SolveReport {
+        self.solve_in(self.lanes, self.cone, problem)
+    }
+}
+
+impl Method for Nncg {
+    fn solve_as<L: F32xN, C: Cone>(&self, problem: &mut PointProblem) -> SolveReport {
         let mut report = problem.report();
-        let mut directions = vec![Vec3::ZERO; problem.constraints.len()];
-        let mut before = vec![Vec3::ZERO; problem.constraints.len()];
+        let mut blocks = Conjugate::<L, C>::of(problem);
         let mut last = f32::INFINITY;
         let mut restarts = 0;
-        for k in 1..=self.iterations {
-            for (before, contact) in before.iter_mut().zip(&*problem.constraints) {
-                *before = contact.impulse;
-            }
-            let sweep = Direction::of_sweep(k - 1, self.iterations);
-            let gradient = problem.sweep(sweep, Grouping::Point, self.cone);
-            if report.record(gradient.sqrt()) <= self.tolerance || k == self.iterations {
+        for k in 0..self.iterations {
+            let gradient = blocks.sweep(Direction::of_sweep(k, self.iterations));
+            if report.record(gradient.sqrt()) <= self.tolerance || k + 1 == self.iterations {
                 break;
+            }
+            if restarts == GIVE_UP {
+                continue;
             }
             let beta = gradient / last;
             last = gradient;
             restarts = if beta > 1.0 { restarts + 1 } else { 0 };
-            if restarts >= GIVE_UP {
-                return self.finish(problem, report, k);
-            }
-            // On the first sweep β is 0, and on a restart it is made so.
-            let beta = if beta > 1.0 { 0.0 } else { beta };
-            let PointProblem {
-                bodies,
-                constraints,
-                ..
-            } = problem;
-            for ((contact, before), p) in constraints.iter_mut().zip(&before).zip(&mut directions) {
-                let r = contact.impulse - *before;
-                let step = beta * *p;
-                if beta > 0.0 {
-                    contact.add(bodies, step);
-                }
-                *p = step + r;
-            }
+            // On the first sweep β is 0, and on a restart it is made so; where nothing changes any more it is no number.
+            let fresh = (0.0..=1.0).contains(&beta);
+            blocks.turn(if fresh { beta } else { 0.0 });
         }
-        report
-    }
-}
-
-impl Nncg {
-    /// The remaining sweeps without directions.
-    fn finish(
-        &self,
-        problem: &mut PointProblem,
-        mut report: SolveReport,
-        done: usize,
-    ) -> SolveReport {
-        for k in done..self.iterations {
-            let sweep = Direction::of_sweep(k, self.iterations);
-            let change = problem.sweep(sweep, Grouping::Point, self.cone);
-            if report.record(change.sqrt()) <= self.tolerance {
-                break;
-            }
-        }
+        blocks.store(problem);
         report
     }
 }

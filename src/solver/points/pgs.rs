@@ -1,7 +1,9 @@
 //! Projected Gauss–Seidel: sweep until it is good enough, back and forth.
 
-use super::{Direction, FrictionCone, Grouping, PointProblem, PointSolver};
-use crate::solver::SolveReport;
+use super::blocks::{Blocks, Cone};
+use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
+use crate::solver::lanes::F32xN;
+use crate::solver::{Lanes, SolveReport};
 
 /// Projected Gauss–Seidel (Erleben 2007), one pair of bodies after the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +17,8 @@ pub struct Pgs {
     pub warm_start: f32,
     /// A solve ends early when its residual (see [`merit`](super::merit)) falls below this. 0, the default: never.
     pub tolerance: f32,
+    /// How many pairs of bodies are relaxed side by side; the result is that of one after the other to rounding.
+    pub lanes: Lanes,
 }
 
 impl Default for Pgs {
@@ -25,6 +29,7 @@ impl Default for Pgs {
             cone: FrictionCone::Circular,
             warm_start: 0.0,
             tolerance: 0.0,
+            lanes: Lanes::Auto,
         }
     }
 }
@@ -35,7 +40,7 @@ impl PointSolver for Pgs {
     }
 
     fn problem(&self) -> Option<String> {
-        super::problem(self.iterations, self.warm_start, self.tolerance)
+        super::problem(self.iterations, self.warm_start, self.tolerance, self.lanes)
     }
 
     fn warm_start(&self) -> f32 {
@@ -43,14 +48,22 @@ impl PointSolver for Pgs {
     }
 
     fn solve(&self, problem: &mut PointProblem) -> SolveReport {
+        self.solve_in(self.lanes, self.cone, problem)
+    }
+}
+
+impl Method for Pgs {
+    fn solve_as<L: F32xN, C: Cone>(&self, problem: &mut PointProblem) -> SolveReport {
         let mut report = problem.report();
+        let mut blocks = Blocks::<L, C>::of(problem);
         for k in 0..self.iterations {
             let direction = Direction::of_sweep(k, self.iterations);
-            let change = problem.sweep(direction, Grouping::Pair, self.cone);
+            let change = blocks.sweep(direction);
             if report.record(change.sqrt()) <= self.tolerance {
                 break;
             }
         }
+        blocks.store(problem);
         report
     }
 }

@@ -7,7 +7,7 @@
 //! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
 
-use super::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
+use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
 use glam::{Mat3, Vec3};
 
@@ -230,13 +230,7 @@ impl<L: F32xN> Block<L> {
     /// Takes over the inverse inertia of a body that has turned, 1/(kg·m²).
     pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
         assert!(lane < L::LANES);
-        let (i, to) = (inverse_inertia, &mut self.inverse_inertia[side]);
-        to.xx[lane] = i.x_axis.x;
-        to.yy[lane] = i.y_axis.y;
-        to.zz[lane] = i.z_axis.z;
-        to.xy[lane] = i.x_axis.y;
-        to.xz[lane] = i.x_axis.z;
-        to.yz[lane] = i.y_axis.z;
+        self.inverse_inertia[side].set(lane, inverse_inertia);
         self.stale = true;
     }
 

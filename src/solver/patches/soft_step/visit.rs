@@ -1,7 +1,7 @@
 //! One visit to a block: what its rows find, and what that does to the bodies.
 
 use super::block::{Block, Pass, Points, on_normals_local};
-use super::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN};
+use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN};
 
 /// What rolls or slips faster than this (m/s) does not creep.
 const CREEP: f32 = 0.1;

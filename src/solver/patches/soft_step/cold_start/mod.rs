@@ -8,7 +8,7 @@
 mod hand_down;
 mod statics;
 
-use super::lanes::F32xN;
+use crate::solver::lanes::F32xN;
 use crate::solver::{Body, PatchProblem};
 
 /// What is faster than this has not been put there, but thrown, m/s.

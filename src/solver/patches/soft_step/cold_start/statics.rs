@@ -6,9 +6,9 @@
 //! any equilibrium is as good as another; so what stands without friction stays without.
 
 use super::super::block::{Pass, Spring};
-use super::super::lanes::{F32xN, Kernel};
 use super::super::{Island, Start};
 use crate::solver::PatchProblem;
+use crate::solver::lanes::{F32xN, Kernel};
 
 /// It ends when a sweep makes less than this share of the difference that gravity makes.
 const STILL: f32 = 3e-4;

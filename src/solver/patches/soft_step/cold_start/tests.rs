@@ -1,5 +1,5 @@
-use super::super::lanes::F32x4;
 use super::*;
+use crate::solver::lanes::F32x4;
 use crate::solver::{Memory, PatchConstraint, PatchPoint};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::PI;

@@ -1,13 +1,14 @@
-//! Which patches may be relaxed side by side without changing what a sweep one by one would give.
+//! Which contacts may be relaxed side by side without changing what a sweep one by one would give: patches, or pairs of bodies with all
+//! of their points.
 //!
-//! A patch goes into the first block that has a free lane and stands after every block in which its two bodies are already.
-//! So patches that share a body keep their order, patches in one block share none, and the sweep is the sequential one to the
+//! A contact goes into the first block that has a free lane and stands after every block in which its two bodies are already.
+//! So contacts that share a body keep their order, contacts in one block share none, and the sweep is the sequential one to the
 //! bit: the order from the ground up, which decides how fast loads travel, costs nothing. A wall fills its blocks along a
 //! slanted front. (A colouring of the contact graph would fill them better and converge worse.)
 
-use crate::solver::PatchProblem;
+use super::Body;
 
-/// The patches of each block.
+/// The contacts of each block.
 pub struct Batches {
     lanes: usize,
     /// By block and lane; those of a block are filled from the first on.
@@ -16,31 +17,28 @@ pub struct Batches {
 }
 
 impl Batches {
-    /// Of the patches of a problem, into blocks of so many lanes.
-    pub fn of(lanes: usize, problem: &PatchProblem) -> Self {
-        let bodies = &*problem.bodies;
-        let patches = problem.patches.iter().map(|patch| patch.bodies);
+    /// Of contacts between such pairs, in the order of the sweep, into blocks of so many lanes.
+    pub fn of(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-        Self::new(lanes, patches, bodies.len(), moves)
+        Self::new(lanes, pairs, bodies.len(), moves)
     }
 
-    /// The same of the bodies of each patch, in the order of the sweep; `moves` tells which bodies contacts can change, the only ones
-    /// that must not be shared.
+    /// The same; `moves` tells which bodies contacts can change, the only ones that must not be shared.
     fn new(
         lanes: usize,
-        patches: impl Iterator<Item = [u32; 2]>,
+        pairs: impl Iterator<Item = [u32; 2]>,
         bodies: usize,
         moves: impl Fn(u32) -> bool,
     ) -> Self {
         let mut batches = Self {
             lanes,
-            slots: Vec::with_capacity(2 * patches.size_hint().0),
+            slots: Vec::with_capacity(2 * pairs.size_hint().0),
             filled: Vec::new(),
         };
         // The first block that may hold a body next; and from each block the way to one with room.
         let mut after = vec![0u32; bodies];
         let mut next: Vec<u32> = Vec::new();
-        for (patch, pair) in patches.enumerate() {
+        for (contact, pair) in pairs.enumerate() {
             let free = pair
                 .iter()
                 .map(|&body| after[body as usize])
@@ -52,7 +50,7 @@ impl Batches {
                 batches.slots.resize(batches.slots.len() + lanes, 0);
                 next.push(block);
             }
-            if batches.fill(block as usize, patch as u32) {
+            if batches.fill(block as usize, contact as u32) {
                 next[block as usize] = block + 1;
             }
             for body in pair {
@@ -65,9 +63,9 @@ impl Batches {
     }
 
     /// Whether the block is full with it.
-    fn fill(&mut self, block: usize, patch: u32) -> bool {
+    fn fill(&mut self, block: usize, contact: u32) -> bool {
         let fill = &mut self.filled[block];
-        self.slots[block * self.lanes + *fill as usize] = patch;
+        self.slots[block * self.lanes + *fill as usize] = contact;
         *fill += 1;
         *fill as usize == self.lanes
     }
@@ -77,7 +75,14 @@ impl Batches {
         self.filled.len()
     }
 
-    /// The patches of each block, lane by lane.
+    /// Whether the mean block holds so many contacts.
+    #[cfg(target_arch = "x86_64")]
+    pub fn holds(&self, contacts: usize) -> bool {
+        let all: usize = self.filled.iter().map(|&filled| filled as usize).sum();
+        all >= contacts * self.blocks()
+    }
+
+    /// The contacts of each block, lane by lane.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
         let slots = self.slots.chunks_exact(self.lanes);
         let filled = slots.zip(&self.filled);
@@ -103,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn patches_that_share_a_body_keep_their_order_and_never_share_a_block() {
+    fn contacts_that_share_a_body_keep_their_order_and_never_share_a_block() {
         let mut rng = fastrand::Rng::with_seed(1);
         let pairs: Vec<[u32; 2]> = (0..2000)
             .map(|_| {
@@ -115,10 +120,10 @@ mod tests {
         for lanes in [4, 8] {
             let batches = Batches::new(lanes, pairs.iter().copied(), 201, |_| true);
             let mut block_of = vec![usize::MAX; pairs.len()];
-            for (block, patches) in batches.iter().enumerate() {
-                assert!((1..=lanes).contains(&patches.len()));
-                for &patch in patches {
-                    block_of[patch as usize] = block;
+            for (block, contacts) in batches.iter().enumerate() {
+                assert!((1..=lanes).contains(&contacts.len()));
+                for &contact in contacts {
+                    block_of[contact as usize] = block;
                 }
             }
             for (i, one) in pairs.iter().enumerate() {

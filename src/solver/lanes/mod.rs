@@ -1,4 +1,4 @@
-//! One number of each of several patches at once, and vectors of such.
+//! One number of each of several contacts at once, and vectors of such.
 //!
 //! The mathematics of blocks is written once, over [`F32xN`]; a width is one register type that implements it: [`F32x4`] on glam's
 //! `Vec4` (SSE2, NEON or WebAssembly vectors, and plain numbers elsewhere), [`F32x8`] on an AVX register. Arrays of eight plain
@@ -21,7 +21,7 @@ use std::ops::{Add, AddAssign, IndexMut, Mul, Neg, Sub, SubAssign};
 /// Linear and angular part of a body's motion.
 pub type State = [Vec4; 2];
 
-/// One number of each of so many patches, in one register.
+/// One number of each of so many contacts, in one register.
 ///
 /// Arithmetic belongs into [`Kernel`]s, which run on the width's own instructions; what is stored may be read and written lane by
 /// lane anywhere.

@@ -1,10 +1,10 @@
-//! Vectors and matrices of each of several patches.
+//! Vectors and matrices of each of several contacts.
 
 use super::F32xN;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use std::ops::{Add, Sub};
 
-/// One vector of each patch.
+/// One vector of each contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vec3xN<L> {
     pub x: L,
@@ -110,7 +110,7 @@ impl<L: F32xN> Sub for Vec3xN<L> {
     }
 }
 
-/// A motion or a wrench of each patch.
+/// A motion or a wrench of each contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpatialVec<L> {
     pub linear: Vec3xN<L>,
@@ -140,9 +140,23 @@ impl<L: F32xN> Frame<L> {
         let on_plane = self.t2.scale_add(v.z, self.t1.scale(v.y));
         self.n.scale_add(v.x, on_plane)
     }
+
+    /// What a matrix in world axes is in these.
+    #[inline(always)]
+    pub fn local_matrix(&self, m: &Symmetric<L>) -> Symmetric<L> {
+        let (n, t1, t2) = (m.apply(self.n), m.apply(self.t1), m.apply(self.t2));
+        Symmetric {
+            xx: self.n.dot(n),
+            yy: self.t1.dot(t1),
+            zz: self.t2.dot(t2),
+            xy: self.n.dot(t1),
+            xz: self.n.dot(t2),
+            yz: self.t1.dot(t2),
+        }
+    }
 }
 
-/// A symmetric 3 × 3 matrix of each patch.
+/// A symmetric 3 × 3 matrix of each contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Symmetric<L> {
     pub xx: L,
@@ -154,6 +168,16 @@ pub struct Symmetric<L> {
 }
 
 impl<L: F32xN> Symmetric<L> {
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, m: &Mat3) {
+        self.xx[lane] = m.x_axis.x;
+        self.yy[lane] = m.y_axis.y;
+        self.zz[lane] = m.z_axis.z;
+        self.xy[lane] = m.x_axis.y;
+        self.xz[lane] = m.x_axis.z;
+        self.yz[lane] = m.y_axis.z;
+    }
+
     #[inline(always)]
     pub fn apply(&self, v: Vec3xN<L>) -> Vec3xN<L> {
         let &Self {

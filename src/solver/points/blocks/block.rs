@@ -1,0 +1,176 @@
+//! What lanes hold of pairs of bodies, of their patches and of their points.
+
+use super::Cone;
+use crate::solver::lanes::{F32xN, Frame, Symmetric, Vec3xN};
+use crate::solver::{Body, PointConstraint};
+use std::ops::Range;
+
+/// Several pairs of bodies, of which no two share one that moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Block<L: F32xN> {
+    pub(super) bodies: [L::Bodies; 2],
+    /// Where their velocities are written to: `nowhere` for bodies that nothing moves, or visits that share one would wait for each other.
+    pub(super) targets: [L::Bodies; 2],
+    /// Of A and B together, 1/kg: what an impulse does to the velocity of A against B.
+    pub(super) inverse_mass: L,
+    /// The parts of A and B in it.
+    pub(super) shares: [L; 2],
+    first: u32,
+    end: u32,
+}
+
+/// The i-th patch of each pair: points with one normal, between bodies that are seen in its frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Patches<L> {
+    pub(super) normal: Vec3xN<L>,
+    pub(super) tangent: Vec3xN<L>,
+    /// Of A and B, 1/(kg·m²).
+    pub(super) inverse_inertia: [Symmetric<L>; 2],
+    first: u32,
+    count: u32,
+}
+
+/// The i-th point of each patch, in its frame (n, t1, t2).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Points<L> {
+    /// From the centres of mass of A and B, m.
+    pub(super) arms: [Vec3xN<L>; 2],
+    /// b: lower bound of the normal velocity, and demanded tangential velocities, m/s.
+    pub(super) target: Vec3xN<L>,
+    /// λ, N·s.
+    pub(super) impulse: Vec3xN<L>,
+    /// μ
+    pub(super) friction: L,
+    /// That of W, 1/kg.
+    pub(super) diagonal: Vec3xN<L>,
+    /// 1/W_nn, kg.
+    pub(super) normal_mass: L,
+    /// What the shape of the friction cone wants of the tangential block.
+    pub(super) tangential: [L; 4],
+}
+
+/// What lies so far below the diagonal of a matrix of single precision is none. Normals that are an axis to rounding leave numbers
+/// there that are subnormal, which is slow: stacks of cubes took twice as long.
+const NONE: f32 = 1e-12;
+
+#[inline(always)]
+fn of_some_size<L: F32xN>(m: Symmetric<L>) -> Symmetric<L> {
+    let least = L::splat(NONE) * (m.xx + m.yy + m.zz);
+    Symmetric {
+        xy: m.xy.max(-m.xy).select_above(least, m.xy, L::ZERO),
+        xz: m.xz.max(-m.xz).select_above(least, m.xz, L::ZERO),
+        yz: m.yz.max(-m.yz).select_above(least, m.yz, L::ZERO),
+        ..m
+    }
+}
+
+impl<L: F32xN> Block<L> {
+    /// An empty block whose lanes read a body that nothing moves, and write where nothing reads; and where its patches begin.
+    pub fn new(nobody: u32, nowhere: u32, first: usize) -> Self {
+        Self {
+            bodies: [L::bodies(nobody); 2],
+            targets: [L::bodies(nowhere); 2],
+            first: first as u32,
+            ..Default::default()
+        }
+    }
+
+    /// Puts a pair into a lane.
+    pub fn load(&mut self, lane: usize, pair: [u32; 2], bodies: &[Body]) {
+        let masses = pair.map(|body| bodies[body as usize].inverse_mass);
+        let both = masses[0] + masses[1];
+        self.inverse_mass[lane] = both;
+        for side in 0..2 {
+            L::set_body(&mut self.bodies[side], lane, pair[side]);
+            if masses[side] > 0.0 {
+                L::set_body(&mut self.targets[side], lane, pair[side]);
+                self.shares[side][lane] = masses[side] / both;
+            }
+        }
+    }
+
+    pub fn first_patch(&self) -> usize {
+        self.first as usize
+    }
+
+    /// Where its patches end.
+    pub fn close(&mut self, end: usize) {
+        self.end = end as u32;
+    }
+
+    /// The indices of its patches.
+    #[inline(always)]
+    pub fn patches(&self) -> Range<usize> {
+        self.first as usize..self.end as usize
+    }
+}
+
+impl<L: F32xN> Patches<L> {
+    /// Makes room for so many points of a patch.
+    pub fn widen(&mut self, count: usize) {
+        self.count = self.count.max(count as u32);
+    }
+
+    /// Where its points begin.
+    pub fn place(&mut self, first: usize) {
+        self.first = first as u32;
+    }
+
+    /// The indices of its points.
+    #[inline(always)]
+    pub fn points(&self) -> Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+
+    /// Puts a patch of so many points into a lane, in world axes until it is [prepared](Self::prepare).
+    pub fn load(&mut self, lane: usize, points: &[PointConstraint], bodies: &[Body]) {
+        assert!(lane < L::LANES);
+        let [point, ..] = points else { return };
+        self.normal.set(lane, point.normal);
+        self.tangent.set(lane, point.tangents[0]);
+        for (inertia, body) in self.inverse_inertia.iter_mut().zip(point.bodies) {
+            inertia.set(lane, &bodies[body as usize].inverse_inertia);
+        }
+    }
+
+    /// Turns it into its frame.
+    #[inline(always)]
+    pub fn prepare(&mut self, points: &mut [Points<L>]) {
+        let frame = self.frame();
+        let [a, b] = self.inverse_inertia;
+        self.inverse_inertia = [
+            of_some_size(frame.local_matrix(&a)),
+            of_some_size(frame.local_matrix(&b)),
+        ];
+        for point in points {
+            let [a, b] = point.arms;
+            point.arms = [frame.local(a), frame.local(b)];
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn frame(&self) -> Frame<L> {
+        Frame {
+            n: self.normal,
+            t1: self.tangent,
+            t2: self.normal.cross(self.tangent),
+        }
+    }
+}
+
+impl<L: F32xN> Points<L> {
+    /// Puts a point into a lane, its arms in world axes.
+    pub fn load<C: Cone>(&mut self, lane: usize, constraint: &PointConstraint) {
+        assert!(lane < L::LANES);
+        self.arms[0].set(lane, constraint.arms[0]);
+        self.arms[1].set(lane, constraint.arms[1]);
+        self.target.set(lane, constraint.target);
+        self.impulse.set(lane, constraint.impulse);
+        self.friction[lane] = constraint.friction;
+        self.diagonal.set(lane, constraint.diagonal);
+        self.normal_mass[lane] = constraint.inverse_normal;
+        for (to, from) in self.tangential.iter_mut().zip(C::tangential(constraint)) {
+            to[lane] = from;
+        }
+    }
+}

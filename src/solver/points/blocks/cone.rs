@@ -1,0 +1,119 @@
+//! The set that friction impulses are projected to, one type for each [`FrictionCone`](crate::solver::FrictionCone).
+
+use crate::solver::PointConstraint;
+use crate::solver::lanes::{F32xN, Kernel};
+use crate::solver::points::constraint::inverse;
+
+/// See the module's text.
+pub trait Cone: 'static {
+    /// What a step wants of the tangential block of a point.
+    fn tangential(constraint: &PointConstraint) -> [f32; 4];
+
+    /// The tangential impulse after a step from `before` (N·s), against a residual velocity (m/s), within a limit.
+    fn step<L: F32xN>(tangential: &[L; 4], before: [L; 2], residual: [L; 2], limit: L) -> [L; 2];
+}
+
+/// The exact step where it stays inside, else an isotropic one, projected; see `constraint.rs`.
+pub struct Disc;
+
+/// What squares are lifted by: those of numbers below 1e-19 are subnormal, which is slow.
+const TINY: f32 = 1e-30;
+
+impl Cone for Disc {
+    fn tangential(constraint: &PointConstraint) -> [f32; 4] {
+        let [xx, yy, xy] = constraint.inverse_tangential.to_array();
+        [xx, yy, xy, constraint.isotropic]
+    }
+
+    #[inline(always)]
+    fn step<L: F32xN>(
+        &[xx, yy, xy, isotropic]: &[L; 4],
+        before: [L; 2],
+        residual: [L; 2],
+        limit: L,
+    ) -> [L; 2] {
+        let exact = [
+            xy.taken_from(residual[1], xx.taken_from(residual[0], before[0])),
+            yy.taken_from(residual[1], xy.taken_from(residual[0], before[1])),
+        ];
+        // Many points carry nothing, and then have no friction: for them alone nobody need slide.
+        let found = [
+            limit.select_above(L::ZERO, exact[0], L::ZERO),
+            limit.select_above(L::ZERO, exact[1], L::ZERO),
+        ];
+        if square_length(found).any_above(squared(limit)) {
+            return L::run_rarely(Slide {
+                found,
+                limit,
+                before,
+                residual,
+                isotropic,
+            });
+        }
+        found
+    }
+}
+
+/// Friction that slides in some lane.
+struct Slide<L> {
+    found: [L; 2],
+    limit: L,
+    before: [L; 2],
+    residual: [L; 2],
+    isotropic: L,
+}
+
+impl<L: F32xN> Kernel for Slide<L> {
+    type Output = [L; 2];
+
+    #[inline(always)]
+    fn run(self) -> [L; 2] {
+        let slid = [
+            self.isotropic.taken_from(self.residual[0], self.before[0]),
+            self.isotropic.taken_from(self.residual[1], self.before[1]),
+        ];
+        let length = square_length(slid).sqrt();
+        let shorten = (self.limit * length.inverse()).min(L::ONE);
+        let (square, limit) = (square_length(self.found), squared(self.limit));
+        [
+            square.select_above(limit, slid[0] * shorten, self.found[0]),
+            square.select_above(limit, slid[1] * shorten, self.found[1]),
+        ]
+    }
+}
+
+/// One axis after the other.
+pub struct Square;
+
+impl Cone for Square {
+    fn tangential(constraint: &PointConstraint) -> [f32; 4] {
+        let [_, xx, yy] = constraint.diagonal.to_array();
+        [inverse(xx), inverse(yy), constraint.coupling, 0.0]
+    }
+
+    #[inline(always)]
+    fn step<L: F32xN>(
+        &[x_mass, y_mass, coupling, _]: &[L; 4],
+        before: [L; 2],
+        residual: [L; 2],
+        limit: L,
+    ) -> [L; 2] {
+        let x = x_mass.taken_from(residual[0], before[0]);
+        let x = x.max(-limit).min(limit);
+        let residual = coupling.mul_add(x - before[0], residual[1]);
+        let y = y_mass.taken_from(residual, before[1]);
+        [x, y.max(-limit).min(limit)]
+    }
+}
+
+/// For comparison with a [square_length].
+#[inline(always)]
+fn squared<L: F32xN>(limit: L) -> L {
+    limit.mul_add(limit, L::splat(TINY))
+}
+
+/// And a tiny bit more, see [`TINY`].
+#[inline(always)]
+fn square_length<L: F32xN>([x, y]: [L; 2]) -> L {
+    x.mul_add(x, y.mul_add(y, L::splat(TINY)))
+}

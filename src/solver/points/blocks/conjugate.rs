@@ -1,0 +1,104 @@
+//! Sweeps with a conjugate direction between them, for [`Nncg`](crate::solver::Nncg).
+//!
+//! A step along the direction, λ ← λ + β p, is put off until a sweep comes to the point; bodies make it at once, by a direction of
+//! their own: v is linear in λ, so q = M⁻¹Jᵀp follows from what each sweep has changed of v, as p does from what it has changed of λ. So
+//! a direction costs no further pass over the contacts.
+
+use super::visit::{Masses, Motion, Relax};
+use super::{Blocks, Cone, Points};
+use crate::solver::lanes::{F32xN, State, Vec3xN};
+use crate::solver::points::{Direction, PointProblem};
+
+/// See the module's text.
+pub struct Conjugate<L: F32xN, C> {
+    blocks: Blocks<L, C>,
+    /// By point.
+    steps: Vec<Steps<L>>,
+    /// By body: q, and v before the last sweep.
+    motions: Vec<[State; 2]>,
+    /// The share of the direction that points have yet to go.
+    beta: f32,
+}
+
+/// Of the points of a [`Points`].
+#[derive(Clone, Copy, Default)]
+struct Steps<L> {
+    /// p, N·s.
+    direction: Vec3xN<L>,
+    /// r: what the last sweep has changed, N·s.
+    gradient: Vec3xN<L>,
+}
+
+impl<L: F32xN, C: Cone> Conjugate<L, C> {
+    pub fn of(problem: &PointProblem) -> Self {
+        let blocks = Blocks::of(problem);
+        let velocities = blocks.velocities[..problem.bodies.len()].iter();
+        Self {
+            steps: vec![Steps::default(); blocks.points.len()],
+            motions: velocities.map(|&v| [State::default(), v]).collect(),
+            blocks,
+            beta: 0.0,
+        }
+    }
+
+    /// One sweep, the normal and the friction of one point after the other: Σ Wᵢᵢ Δλᵢ², J.
+    pub fn sweep(&mut self, direction: Direction) -> f32 {
+        let relax = PointByPoint {
+            beta: self.beta,
+            steps: &mut self.steps,
+        };
+        self.beta = 0.0;
+        self.blocks.sweep_by(direction, relax)
+    }
+
+    /// Goes β of the way along the direction, and makes it β times itself and what the last sweep has changed.
+    pub fn turn(&mut self, beta: f32) {
+        self.beta = beta;
+        for (velocity, [direction, before]) in
+            self.blocks.velocities.iter_mut().zip(&mut self.motions)
+        {
+            for i in 0..2 {
+                let gradient = velocity[i] - before[i];
+                let step = beta * direction[i];
+                velocity[i] += step;
+                direction[i] = step + gradient;
+                before[i] = velocity[i];
+            }
+        }
+    }
+
+    /// See [`Blocks::store`].
+    pub fn store(&self, problem: &mut PointProblem) {
+        self.blocks.store(problem);
+    }
+}
+
+/// The normal and the friction of one point after the other: [`Grouping::Point`](crate::solver::Grouping::Point).
+struct PointByPoint<'a, L> {
+    beta: f32,
+    steps: &'a mut [Steps<L>],
+}
+
+impl<L: F32xN> Relax<L> for PointByPoint<'_, L> {
+    const PASSES: u32 = 1;
+
+    #[inline(always)]
+    fn relax<C: Cone>(
+        &mut self,
+        _: u32,
+        number: usize,
+        point: &mut Points<L>,
+        masses: &Masses<L>,
+        motion: &mut Motion<L>,
+        change: &mut L,
+    ) {
+        let steps = &mut self.steps[number];
+        let step = steps.direction.scale(L::splat(self.beta));
+        steps.direction = step + steps.gradient;
+        point.impulse = point.impulse + step;
+        let before = point.impulse;
+        point.relax_normal(masses, motion, change);
+        point.relax_friction::<C>(masses, motion, change);
+        steps.gradient = point.impulse - before;
+    }
+}

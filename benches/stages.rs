@@ -210,6 +210,7 @@ fn soft_step(criterion: &mut Criterion) {
             gravity: Vec3::NEG_Y * 9.81,
             max_correction_speed: 2.0,
             record_history: false,
+            threads: 1,
             memory: &mut Memory::default(),
         })
     };

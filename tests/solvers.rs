@@ -384,6 +384,7 @@ impl Patches {
             gravity: self.gravity,
             max_correction_speed: 2.0,
             record_history: false,
+            threads: 1,
             memory: &mut Memory::default(),
         });
         solved

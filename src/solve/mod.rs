@@ -72,6 +72,9 @@ pub struct Given<'w> {
     threads: Res<'w, PhysicsThreads>,
 }
 
+/// An island of so many points is worth several threads: it takes a millisecond, and handing it over 20 µs.
+const LARGE: usize = 4_000;
+
 /// What is said of a step's solves.
 #[derive(SystemParam)]
 pub struct Said<'w, 's> {
@@ -214,6 +217,8 @@ impl Step<'_> {
             threads.run(points, || {
                 work.into_par_iter().with_max_len(1).for_each(solve);
             });
+        } else if points >= LARGE && threads.share(points) {
+            threads.run(points, || work.for_each(solve));
         } else {
             work.for_each(solve);
         }

@@ -1,8 +1,8 @@
 //! A problem of patches: from manifolds, slips and last step's impulses, and back.
 
-use super::Given;
 use super::island::Rows;
 use super::touch::{Touch, to_start_from};
+use super::{Given, LARGE};
 use crate::contact::{Impulse, ManifoldPatch, PatchImpulse};
 use crate::solver::{
     Body, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
@@ -46,6 +46,10 @@ impl Rows for PatchRows {
         bodies: &mut [Body],
         given: &Given,
     ) -> SolveReport {
+        let threads = match self.points.len() >= LARGE {
+            true => given.threads.count(),
+            false => 1,
+        };
         solver.solve(&mut PatchProblem {
             bodies,
             patches: &mut self.patches,
@@ -55,6 +59,7 @@ impl Rows for PatchRows {
             gravity: given.gravity.0,
             max_correction_speed: given.stabilization.max_correction_speed,
             record_history: given.solver.record_history,
+            threads,
             memory: &mut self.memory,
         })
     }

@@ -83,7 +83,7 @@ impl Batches {
     }
 
     /// The contacts of each block, lane by lane.
-    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         let slots = self.slots.chunks_exact(self.lanes);
         let filled = slots.zip(&self.filled);
         filled.map(|(slots, &filled)| &slots[..filled as usize])

@@ -12,6 +12,7 @@
 
 use super::{F32xN, Kernel, SpatialVec, State, Vec3xN};
 use std::arch::x86_64::*;
+use std::cell::Cell;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
 /// See [`F32xN`].
@@ -150,7 +151,7 @@ impl F32xN for F32x8 {
     }
 
     #[inline(always)]
-    fn gather(states: &[State], bodies: &Bodies) -> SpatialVec<Self> {
+    fn gather(states: &[Cell<State>], bodies: &Bodies) -> SpatialVec<Self> {
         check(bodies, states.len());
         let states = states.as_ptr().cast();
         // SAFETY: all bodies are among the states; see the module's text.
@@ -163,9 +164,9 @@ impl F32xN for F32x8 {
     }
 
     #[inline(always)]
-    fn scatter(states: &mut [State], bodies: &Bodies, motion: &SpatialVec<Self>) {
+    fn scatter(states: &[Cell<State>], bodies: &Bodies, motion: &SpatialVec<Self>) {
         check(bodies, states.len());
-        let states = states.as_mut_ptr().cast();
+        let states = states.as_ptr().cast_mut().cast();
         // SAFETY: all bodies are among the states; see the module's text.
         unsafe {
             store(states, bodies, 0, motion.linear);

@@ -2,6 +2,7 @@
 
 use super::{F32xN, Kernel, SpatialVec, State, Vec3xN};
 use glam::{Mat4, Vec4};
+use std::cell::Cell;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
 /// See [`F32xN`]. Products and sums are rounded one by one, so that all machines give the same bits.
@@ -81,11 +82,8 @@ impl F32xN for F32x4 {
     }
 
     #[inline(always)]
-    fn gather(states: &[State], bodies: &[u32; 4]) -> SpatialVec<Self> {
-        let a = &states[bodies[0] as usize];
-        let b = &states[bodies[1] as usize];
-        let c = &states[bodies[2] as usize];
-        let d = &states[bodies[3] as usize];
+    fn gather(states: &[Cell<State>], bodies: &[u32; 4]) -> SpatialVec<Self> {
+        let [a, b, c, d] = bodies.map(|body| states[body as usize].get());
         SpatialVec {
             linear: of_columns(a[0], b[0], c[0], d[0]),
             angular: of_columns(a[1], b[1], c[1], d[1]),
@@ -93,12 +91,12 @@ impl F32xN for F32x4 {
     }
 
     #[inline(always)]
-    fn scatter(states: &mut [State], bodies: &[u32; 4], motion: &SpatialVec<Self>) {
+    fn scatter(states: &[Cell<State>], bodies: &[u32; 4], motion: &SpatialVec<Self>) {
         let (linear, angular) = (columns(motion.linear), columns(motion.angular));
-        states[bodies[0] as usize] = [linear.x_axis, angular.x_axis];
-        states[bodies[1] as usize] = [linear.y_axis, angular.y_axis];
-        states[bodies[2] as usize] = [linear.z_axis, angular.z_axis];
-        states[bodies[3] as usize] = [linear.w_axis, angular.w_axis];
+        states[bodies[0] as usize].set([linear.x_axis, angular.x_axis]);
+        states[bodies[1] as usize].set([linear.y_axis, angular.y_axis]);
+        states[bodies[2] as usize].set([linear.z_axis, angular.z_axis]);
+        states[bodies[3] as usize].set([linear.w_axis, angular.w_axis]);
     }
 
     fn run<K: Kernel>(kernel: K) -> K::Output {

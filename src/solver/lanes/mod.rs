@@ -15,6 +15,7 @@ pub use four::F32x4;
 pub use vectors::{Frame, SpatialVec, Symmetric, Vec3xN};
 
 use glam::Vec4;
+use std::cell::Cell;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, IndexMut, Mul, Neg, Sub, SubAssign};
 
@@ -81,16 +82,22 @@ pub trait F32xN:
     fn sum(self) -> f32;
 
     /// The motions of the lanes' bodies.
-    fn gather(states: &[State], bodies: &Self::Bodies) -> SpatialVec<Self>;
+    fn gather(states: &[Cell<State>], bodies: &Self::Bodies) -> SpatialVec<Self>;
 
     /// Writes the motions of the lanes' bodies back.
-    fn scatter(states: &mut [State], bodies: &Self::Bodies, motion: &SpatialVec<Self>);
+    fn scatter(states: &[Cell<State>], bodies: &Self::Bodies, motion: &SpatialVec<Self>);
 
     /// Runs a kernel on this width's instructions.
     fn run<K: Kernel>(kernel: K) -> K::Output;
 
     /// The same inside a kernel, for what is seldom needed: as a function of its own it leaves the registers to the rest.
     fn run_rarely<K: Kernel>(kernel: K) -> K::Output;
+}
+
+/// States as visits read and write them: one at a time each, whoever else holds the list.
+#[inline(always)]
+pub fn cells(states: &mut [State]) -> &[Cell<State>] {
+    Cell::from_mut(states).as_slice_of_cells()
 }
 
 /// A piece of work that is compiled for the instructions of a width: its `run` and all it calls with lanes must be

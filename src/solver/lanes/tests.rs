@@ -67,8 +67,9 @@ impl<L: F32xN> Kernel for Exchange<'_, L> {
             L::set_body(&mut from, lane, lane as u32 + 1);
             L::set_body(&mut to, lane, (L::LANES - lane) as u32);
         }
-        let motion = L::gather(self.0, &from);
-        L::scatter(self.0, &to, &motion);
+        let states = cells(self.0);
+        let motion = L::gather(states, &from);
+        L::scatter(states, &to, &motion);
         motion
     }
 }

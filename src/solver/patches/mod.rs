@@ -48,6 +48,8 @@ pub struct PatchProblem<'a> {
     pub max_correction_speed: f32,
     /// Keep [`SolveReport::history`].
     pub record_history: bool,
+    /// How many threads of the pool it is called in a solver may use, at least 1. What it finds must not depend on it.
+    pub threads: usize,
     /// What the solver keeps of this island.
     pub memory: &'a mut Memory,
 }

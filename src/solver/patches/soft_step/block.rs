@@ -10,6 +10,7 @@
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
 use glam::{Mat3, Vec3};
+use std::cell::Cell;
 
 /// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
 const FRICTION: f32 = 0.3;
@@ -24,12 +25,35 @@ const SPOT: f32 = 0.003;
 /// What differs from pass to pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
+    /// Rows are springs, and not rigid.
+    pub soft: bool,
     /// The first substep of the step.
     pub first: bool,
     /// 1/s: of one substep.
     pub rate: f32,
     /// Share by which a soft row holds on to what is being taken off it.
     pub preload: f32,
+    /// Bodies drift afterwards for so long, s.
+    pub drift: Option<f32>,
+    /// A further substep begins afterwards.
+    pub extrapolates: bool,
+}
+
+impl Pass {
+    /// What is done to a body after the last visit to it. The forces of a further substep, and what contacts did in the last one, are
+    /// an extrapolation of its velocity.
+    #[inline(always)]
+    pub fn end(&self, velocity: &Cell<State>, before: &Cell<State>, motion: &Cell<State>) {
+        let now = velocity.get();
+        if let Some(h) = self.drift {
+            let [linear, angular] = motion.get();
+            motion.set([linear + h * now[0], angular + h * now[1]]);
+        }
+        if self.extrapolates {
+            let was = before.replace(now);
+            velocity.set([now[0] + (now[0] - was[0]), now[1] + (now[1] - was[1])]);
+        }
+    }
 }
 
 /// How a row gives way: as a damped spring would, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
@@ -442,7 +466,7 @@ impl<L: F32xN> Block<L> {
         wrench: SpatialVec<L>,
         a: SpatialVec<L>,
         b: SpatialVec<L>,
-        velocities: &mut [State],
+        velocities: &[Cell<State>],
     ) {
         let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
         let at_a = self.arms[0].cross_add(force, torque);
@@ -471,7 +495,7 @@ impl<L: F32xN> Block<L> {
 
     /// What the free motion misses, J (see [`crate::solver::merit`]).
     #[inline(always)]
-    pub fn missing(&self, points: &[Points<L>], velocities: &[State], pass: &Pass) -> L {
+    pub fn missing(&self, points: &[Points<L>], velocities: &[Cell<State>], pass: &Pass) -> L {
         let a = L::gather(velocities, &self.bodies[0]);
         let b = L::gather(velocities, &self.bodies[1]);
         let normals = on_normals_local(&self.relative(&self.frame(), a, b));
@@ -487,7 +511,7 @@ impl<L: F32xN> Block<L> {
 
     /// Gives the bodies the impulses that the patches start with.
     #[inline(always)]
-    pub fn warm_start(&self, points: &[Points<L>], velocities: &mut [State]) {
+    pub fn warm_start(&self, points: &[Points<L>], velocities: &[Cell<State>]) {
         let friction = [self.tangential[0], self.tangential[1], self.twist];
         let mut wrench = wrench(friction, self.rolling);
         for point in points {
@@ -503,7 +527,7 @@ impl<L: F32xN> Block<L> {
         points: &mut [Points<L>],
         friction: [L; 3],
         normal: &[L],
-        velocities: &mut [State],
+        velocities: &[Cell<State>],
     ) {
         self.tangential[0] += friction[0];
         self.tangential[1] += friction[1];
@@ -518,7 +542,7 @@ impl<L: F32xN> Block<L> {
 
     /// Changes velocities by a wrench in the patch's frame.
     #[inline(always)]
-    fn give(&self, wrench: SpatialVec<L>, velocities: &mut [State]) {
+    fn give(&self, wrench: SpatialVec<L>, velocities: &[Cell<State>]) {
         let a = L::gather(velocities, &self.bodies[0]);
         let b = L::gather(velocities, &self.bodies[1]);
         self.push(&self.frame(), wrench, a, b, velocities);

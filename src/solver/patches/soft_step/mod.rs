@@ -31,19 +31,23 @@
 mod block;
 mod cold_start;
 mod effort;
+#[cfg(test)]
+mod masonry;
+mod pipeline;
 mod visit;
 
 use super::{PatchConstraint, PatchProblem, PatchSolver, restitution};
 use crate::solver::batches::Batches;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
-use crate::solver::lanes::{F32x4, F32xN, Kernel, State};
+use crate::solver::lanes::{F32x4, F32xN, Kernel, State, cells};
 use crate::solver::width::Width;
 use crate::solver::{Body, Lanes, SolveReport};
 use block::{Block, Pass, Points, Spring};
 use cold_start::Footing;
 use effort::{Course, Effort};
-use glam::{Mat3, Vec4};
+use glam::{Mat3, Vec3, Vec4};
+use pipeline::{Pipeline, Work};
 use std::f32::consts::TAU;
 
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
@@ -169,6 +173,7 @@ impl SoftStep {
 struct Scratch {
     footing: Vec<Footing>,
     courses: Vec<Course>,
+    passes: Vec<Pass>,
 }
 
 /// It was so in the last step, by itself.
@@ -210,12 +215,14 @@ struct Island<L: F32xN> {
     batches: Batches,
     blocks: Vec<Block<L>>,
     points: Vec<Points<L>>,
-    /// By body; behind them one that nothing moves, for lanes without a patch, and one that nothing reads.
+    /// By body; behind them one that nothing moves, for lanes without a patch, and for each block one that nothing reads.
     velocities: Vec<State>,
     /// The same when the substep began.
     before: Vec<State>,
     /// How far bodies have come since detection, m and rad.
     motions: Vec<State>,
+    /// Made when there are threads for it.
+    pipeline: Option<Pipeline>,
     scratch: Scratch,
 }
 
@@ -242,7 +249,7 @@ impl<L: F32xN> Island<L> {
 
     fn new(problem: &PatchProblem, substeps: usize) -> Self {
         let bodies = &*problem.bodies;
-        let (nobody, nowhere) = (bodies.len() as u32, bodies.len() as u32 + 1);
+        let nobody = bodies.len() as u32;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let mut neighbours = vec![0u32; bodies.len()];
         for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
@@ -267,6 +274,7 @@ impl<L: F32xN> Island<L> {
             let count = patches().map(|patch| patch.count).max().unwrap_or(0);
             let first = points.len();
             points.resize(first + count as usize, Points::default());
+            let nowhere = nobody + 1 + blocks.len() as u32;
             blocks.push(Block::<L>::new(nobody, nowhere));
             let block = blocks.last_mut().expect("it was just added");
             block.place(first, count);
@@ -291,6 +299,7 @@ impl<L: F32xN> Island<L> {
             velocities: Vec::new(),
             before: Vec::new(),
             motions: Vec::new(),
+            pipeline: None,
             scratch: Scratch::default(),
         };
         island.begin(problem, &[], substeps);
@@ -331,7 +340,8 @@ impl<L: F32xN> Island<L> {
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));
-        self.velocities.extend([State::default(); 2]);
+        let further = self.velocities.len() + 1 + self.blocks.len();
+        self.velocities.resize(further, State::default());
         self.before.clone_from(&self.velocities);
         self.motions.clear();
         self.motions.resize(self.velocities.len(), State::default());
@@ -360,27 +370,107 @@ impl<L: F32xN> Island<L> {
             damping_ratio: settings.damping_ratio,
             h,
         };
-        let mut pass = Pass {
-            first: true,
-            rate: 1.0 / h,
-            preload: settings.preload,
-        };
-        let free_merit = self.start(problem, &spring, &pass);
+        let mut passes = std::mem::take(&mut self.scratch.passes);
+        self.plan(settings, effort, h, &mut passes);
+        let free_merit = self.start(problem, &spring, &passes[0]);
         let mut report = SolveReport::new(free_merit, problem.record_history);
+        self.sweep(problem, &passes, |change| {
+            report.record(change.max(0.0).sqrt());
+        });
+        self.scratch.passes = passes;
+        report
+    }
+
+    /// The sweeps of a step, and what is done after each.
+    fn plan(&self, settings: &SoftStep, effort: Effort, h: f32, passes: &mut Vec<Pass>) {
+        passes.clear();
         for substep in 1..=self.substeps {
-            if substep > 1 {
-                self.extrapolate();
-                pass.first = false;
+            let last = substep == self.substeps;
+            let soft = Pass {
+                soft: true,
+                first: substep == 1,
+                rate: 1.0 / h,
+                preload: settings.preload,
+                drift: Some(h),
+                extrapolates: false,
+            };
+            passes.push(soft);
+            if substep % effort.substeps_per_rigid_sweep == 0 || last {
+                passes.push(Pass {
+                    soft: false,
+                    drift: None,
+                    ..soft
+                });
             }
-            let change = self.sweep::<true>(&pass);
-            report.record(change);
-            self.drift(h);
-            if substep % effort.substeps_per_rigid_sweep == 0 || substep == self.substeps {
-                let change = self.sweep::<false>(&pass);
-                report.record(change);
+            if let Some(pass) = passes.last_mut().filter(|_| !last) {
+                pass.extrapolates = true;
             }
         }
-        report
+    }
+
+    /// All sweeps: over the blocks from the first to the last each, of the bodies that came into the world first, from the ground up.
+    /// Back and forth shook stacks and pyramids. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
+    fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
+        let pipeline = self.pipeline.take();
+        let pipeline = match problem.threads > 1 && self.stands_by_itself(problem) {
+            true => pipeline.or_else(|| Some(self.find_pipeline(problem))),
+            false => None,
+        };
+        if let Some(pipeline) = &pipeline
+            && let Some(shares) = pipeline.share(problem.threads)
+        {
+            let changes = pipeline.run(passes, self.work(), shares);
+            changes.iter().for_each(|change| tell(change.sum()));
+        } else {
+            passes.iter().for_each(|pass| tell(self.sweep_alone(pass)));
+        }
+        self.pipeline = pipeline;
+    }
+
+    /// One sweep, and what is done after it.
+    fn sweep_alone(&mut self, pass: &Pass) -> f32 {
+        let change = match pass.soft {
+            true => L::run(Sweep::<L, true> { island: self, pass }),
+            false => L::run(Sweep::<L, false> { island: self, pass }),
+        };
+        let states = cells(&mut self.velocities).iter();
+        let others = cells(&mut self.before).iter().zip(cells(&mut self.motions));
+        for (velocity, (before, motion)) in states.zip(others) {
+            pass.end(velocity, before, motion);
+        }
+        change
+    }
+
+    /// One rigid sweep, after which nothing else happens.
+    fn sweep_rigidly(&mut self, pass: &Pass) {
+        L::run(Sweep::<L, false> { island: self, pass });
+    }
+
+    /// What contacts cannot change does not move either.
+    fn stands_by_itself(&self, problem: &PatchProblem) -> bool {
+        let mut bodies = problem.bodies.iter().zip(&self.velocities);
+        bodies.all(|(body, velocity)| {
+            body.inverse_mass > 0.0
+                || *velocity == State::default() && body.push() == [Vec3::ZERO; 2]
+        })
+    }
+
+    fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {
+        let bodies = |&patch: &u32| problem.patches[patch as usize].bodies;
+        let blocks = self.batches.iter();
+        let blocks = blocks.map(|patches| patches.iter().flat_map(bodies));
+        let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
+        Pipeline::new(blocks, problem.bodies.len(), moves)
+    }
+
+    fn work(&mut self) -> Work<'_, L> {
+        Work {
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            velocities: &mut self.velocities,
+            before: &mut self.before,
+            motions: &mut self.motions,
+        }
     }
 
     /// Effective masses; forces and last step's impulses for the first substep. The merit of the free motion, √J.
@@ -397,30 +487,6 @@ impl<L: F32xN> Island<L> {
             pass,
         })
         .sqrt()
-    }
-
-    /// Forces and warm start of a further substep.
-    fn extrapolate(&mut self) {
-        for (velocity, before) in self.velocities.iter_mut().zip(&mut self.before) {
-            let now = *velocity;
-            velocity[0] += now[0] - before[0];
-            velocity[1] += now[1] - before[1];
-            *before = now;
-        }
-    }
-
-    /// All blocks once, always from the first to the last: of the bodies that came into the world first, from the ground up. Back
-    /// and forth shook stacks and pyramids. √(Σ Wᵢᵢ Δλᵢ²).
-    fn sweep<const SOFT: bool>(&mut self, pass: &Pass) -> f32 {
-        let change = L::run(Sweep::<L, SOFT> { island: self, pass });
-        change.max(0.0).sqrt()
-    }
-
-    fn drift(&mut self, h: f32) {
-        for (motion, velocity) in self.motions.iter_mut().zip(&self.velocities) {
-            motion[0] += h * velocity[0];
-            motion[1] += h * velocity[1];
-        }
     }
 
     fn store(&self, problem: &mut PatchProblem, rate: f32) {
@@ -458,6 +524,7 @@ impl<L: F32xN> Kernel for Start<'_, L> {
             velocities,
             ..
         } = self.island;
+        let velocities = cells(velocities);
         let mut missing = L::ZERO;
         for block in blocks.iter_mut() {
             let points = &mut points[block.range()];
@@ -490,6 +557,7 @@ impl<L: F32xN, const SOFT: bool> Kernel for Sweep<'_, L, SOFT> {
             motions,
             ..
         } = self.island;
+        let (velocities, motions) = (cells(velocities), cells(motions));
         let mut change = L::ZERO;
         for block in blocks.iter_mut() {
             let points = &mut points[block.range()];

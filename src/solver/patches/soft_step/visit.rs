@@ -2,6 +2,7 @@
 
 use super::block::{Block, Pass, Points, on_normals_local};
 use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN};
+use std::cell::Cell;
 
 /// What rolls or slips faster than this (m/s) does not creep.
 const CREEP: f32 = 0.1;
@@ -85,8 +86,8 @@ impl<L: F32xN> Block<L> {
     pub fn relax<const SOFT: bool>(
         &mut self,
         points: &mut [Points<L>],
-        velocities: &mut [State],
-        motions: &[State],
+        velocities: &[Cell<State>],
+        motions: &[Cell<State>],
         pass: &Pass,
     ) -> L {
         let frame = self.frame();

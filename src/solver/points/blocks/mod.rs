@@ -13,7 +13,7 @@ mod visit;
 
 use super::{Direction, PointConstraint, PointProblem};
 use crate::solver::batches::Batches;
-use crate::solver::lanes::{F32xN, Kernel, State};
+use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use block::{Block, Patches, Points};
 pub use cone::{Cone, Disc, Square};
 pub use conjugate::Conjugate;
@@ -199,6 +199,7 @@ impl<L: F32xN, C: Cone, R: Relax<L>> Kernel for Sweep<'_, L, C, R> {
             velocities,
             ..
         } = self.blocks;
+        let velocities = cells(velocities);
         let mut change = L::ZERO;
         for block in blocks.iter() {
             let patches = &patches[block.patches()];

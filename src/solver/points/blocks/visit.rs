@@ -3,6 +3,7 @@
 use super::Cone;
 use super::block::{Block, Patches, Points};
 use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Symmetric, Vec3xN};
+use std::cell::Cell;
 
 /// How two bodies move, on their way through a visit.
 #[derive(Clone, Copy)]
@@ -69,7 +70,7 @@ impl<L: F32xN> Block<L> {
         &self,
         patches: &[Patches<L>],
         points: &mut [Points<L>],
-        velocities: &mut [State],
+        velocities: &[Cell<State>],
         forwards: bool,
         relax: &mut R,
     ) -> L {

@@ -8,7 +8,7 @@
 use super::super::block::{Pass, Spring};
 use super::super::{Island, Start};
 use crate::solver::PatchProblem;
-use crate::solver::lanes::{F32xN, Kernel};
+use crate::solver::lanes::{F32xN, Kernel, cells};
 
 /// It ends when a sweep makes less than this share of the difference that gravity makes.
 const STILL: f32 = 3e-4;
@@ -112,7 +112,7 @@ impl<L: F32xN> Kernel for Settle<'_, L> {
         let mut last = f32::INFINITY;
         for _ in 0..self.most {
             let before = Impulses::of(island);
-            island.sweep::<false>(&pass);
+            island.sweep_rigidly(&pass);
             L::run(SweepBack {
                 island: &mut *island,
                 pass: &pass,
@@ -136,7 +136,7 @@ impl<L: F32xN> Kernel for Settle<'_, L> {
             direction = Some(step);
         }
         // What was added may have left the cone.
-        island.sweep::<false>(&pass);
+        island.sweep_rigidly(&pass);
     }
 }
 
@@ -158,6 +158,7 @@ impl<L: F32xN> Kernel for SweepBack<'_, L> {
             motions,
             ..
         } = self.island;
+        let (velocities, motions) = (cells(velocities), cells(motions));
         for block in blocks.iter_mut().rev() {
             let points = &mut points[block.range()];
             block.relax::<false>(points, velocities, motions, self.pass);
@@ -169,9 +170,12 @@ impl Pass {
     /// All of a step at once.
     fn whole(dt: f32) -> Self {
         Self {
+            soft: false,
             first: true,
             rate: 1.0 / dt,
             preload: 0.0,
+            drift: None,
+            extrapolates: false,
         }
     }
 }
@@ -208,7 +212,7 @@ impl<L: F32xN> Island<L> {
                 &mut self.points[range],
                 *friction,
                 normal,
-                &mut self.velocities,
+                cells(&mut self.velocities),
             );
         }
     }

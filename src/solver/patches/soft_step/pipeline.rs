@@ -1,0 +1,329 @@
+//! Sweeps that chase one another through the blocks, on several threads.
+//!
+//! Let *reach* of a block be the last block that holds any body which moves and is also held by this one. Sweep k + 1 may visit a block
+//! as soon as sweep k is past its reach: no block that sweep k has yet to visit shares a body with it, so the visit finds what it would
+//! find after the whole of sweep k, and changes nothing that sweep k has yet to see. What is done to a body between two sweeps is done
+//! right after the last block that holds it. So the result is that of sweeps one after the other, to the bit, on any number of threads.
+//! Blocks stand in the order of support, so that in a wall the next sweep follows little more than a course behind.
+//!
+//! Sweeps go in groups: those of one group chase each other on one thread, in a window of blocks that its cache holds; one sweep a
+//! thread would move every block from cache to cache in every sweep. A thread *claims* the next group from a counter. So whoever waits
+//! for the group before waits for one that somebody is at, and the first waits for nobody: whatever else threads do, none waits for ever.
+//!
+//! Bodies that contacts cannot change are read by many blocks at a time, and so must not move by themselves either: under a platform that
+//! goes its way sweeps go one after the other.
+
+#![expect(
+    unsafe_code,
+    reason = "items go from thread to thread as sweeps pass them"
+)]
+
+use super::block::{Block, Pass, Points};
+use crate::solver::lanes::{F32xN, Kernel, State};
+use std::cell::Cell;
+use std::marker::PhantomData;
+use std::sync::atomic::{AtomicUsize, Ordering::*};
+
+/// Sweeps on one thread, that share what its cache holds: so many where blocks are enough for all threads to be at different ones, and
+/// [`FEWEST`] at least, or a second thread does not pay.
+const GROUP: usize = 4;
+const FEWEST: usize = 2;
+
+/// Blocks that a sweep advances before it is the next one's turn.
+const TURN: usize = 8;
+
+/// Which blocks wait for which, found once for the blocks of an island.
+#[derive(Default)]
+pub struct Pipeline {
+    /// By block.
+    reach: Vec<u32>,
+    /// Bodies that move, in the order of the last block that holds them.
+    bodies: Vec<u32>,
+    /// By block: where its bodies end in `bodies`.
+    ends: Vec<u32>,
+    /// How far a sweep stays behind the one before, blocks, at most.
+    lag: usize,
+}
+
+/// Who does what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shares {
+    threads: usize,
+    /// Sweeps in a group.
+    group: usize,
+}
+
+/// All that sweeps change.
+pub struct Work<'a, L: F32xN> {
+    pub blocks: &'a mut [Block<L>],
+    pub points: &'a mut [Points<L>],
+    pub velocities: &'a mut [State],
+    pub before: &'a mut [State],
+    pub motions: &'a mut [State],
+}
+
+impl Pipeline {
+    /// Of the bodies in each block; `moves` tells which bodies contacts can change.
+    pub fn new<'a, Bodies: Iterator<Item = u32>>(
+        blocks: impl Iterator<Item = Bodies> + Clone,
+        bodies: usize,
+        moves: impl Fn(u32) -> bool,
+    ) -> Self {
+        let mut last = vec![0u32; bodies];
+        let mut count = 0;
+        for (number, block) in (0..).zip(blocks.clone()) {
+            count = number + 1;
+            block.for_each(|body| last[body as usize] = number);
+        }
+        let reach: Vec<u32> = (0..count)
+            .zip(blocks)
+            .map(|(number, block)| {
+                let moved = block.filter(|&body| moves(body));
+                moved.map(|body| last[body as usize]).fold(number, u32::max)
+            })
+            .collect();
+        let mut bodies: Vec<u32> = (0..bodies as u32).filter(|&body| moves(body)).collect();
+        bodies.sort_by_key(|&body| last[body as usize]);
+        let ends = (0..count)
+            .map(|block| bodies.partition_point(|&body| last[body as usize] <= block) as u32);
+        let lags = (0..).zip(&reach).map(|(block, reach)| reach - block);
+        Self {
+            ends: ends.collect(),
+            lag: lags.max().unwrap_or(0) as usize + 1,
+            reach,
+            bodies,
+        }
+    }
+
+    /// How many of so many threads gain, and the sweeps in their groups.
+    pub fn share(&self, threads: usize) -> Option<Shares> {
+        let sweeps = self.reach.len() / self.lag.max(TURN);
+        let threads = threads.min(sweeps / FEWEST);
+        (threads > 1).then(|| Shares {
+            threads,
+            group: (sweeps / threads).min(GROUP),
+        })
+    }
+
+    /// All sweeps, on so many threads. Σ Wᵢᵢ Δλᵢ² of each, J, in their order.
+    pub fn run<L: F32xN>(&self, passes: &[Pass], work: Work<L>, shares: Shares) -> Vec<L> {
+        self.run_in_groups(passes, work, shares, || ())
+    }
+
+    fn run_in_groups<L: F32xN>(
+        &self,
+        passes: &[Pass],
+        work: Work<L>,
+        Shares { threads, group }: Shares,
+        delay: impl Fn() + Sync,
+    ) -> Vec<L> {
+        let mut changes = vec![L::ZERO; passes.len()];
+        let groups = passes.chunks(group).zip(changes.chunks_mut(group));
+        let groups: Vec<_> = groups
+            .map(|(passes, changes)| Group {
+                passes,
+                changes: Handed::new(changes),
+                done: AtomicUsize::new(0),
+            })
+            .collect();
+        let shared = Shared {
+            pipeline: self,
+            blocks: Handed::new(work.blocks),
+            points: Handed::new(work.points),
+            velocities: Handed::new(work.velocities),
+            before: Handed::new(work.before),
+            motions: Handed::new(work.motions),
+            groups: &groups,
+        };
+        let next = AtomicUsize::new(0);
+        let work = || {
+            loop {
+                let number = next.fetch_add(1, Relaxed);
+                if number >= groups.len() {
+                    break;
+                }
+                L::run(Chase {
+                    shared: &shared,
+                    number,
+                    delay: &delay,
+                });
+            }
+        };
+        rayon::scope(|scope| {
+            for _ in 1..threads.min(groups.len()) {
+                scope.spawn(|_| work());
+            }
+            work();
+        });
+        drop(groups);
+        changes
+    }
+}
+
+/// A slice whose items go from thread to thread.
+struct Handed<'a, T> {
+    first: *mut T,
+    count: usize,
+    of: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: it is a slice that its owner has lent, and items of it are only touched as `Chase` says.
+unsafe impl<T: Send> Sync for Handed<'_, T> {}
+unsafe impl<T: Send> Send for Handed<'_, T> {}
+
+impl<'a, T> Handed<'a, T> {
+    fn new(items: &'a mut [T]) -> Self {
+        Self {
+            first: items.as_mut_ptr(),
+            count: items.len(),
+            of: PhantomData,
+        }
+    }
+
+    /// # Safety
+    /// Nobody else touches these items as long as the reference lives.
+    #[inline(always)]
+    #[expect(clippy::mut_from_ref, reason = "the caller answers for it")]
+    unsafe fn range(&self, first: usize, end: usize) -> &mut [T] {
+        assert!(first <= end && end <= self.count);
+        // SAFETY: the items are there, and the caller answers for the rest.
+        unsafe { std::slice::from_raw_parts_mut(self.first.add(first), end - first) }
+    }
+
+    /// # Safety
+    /// Nobody else writes to an item while it is read, or touches it while it is written to.
+    #[inline(always)]
+    unsafe fn cells(&self) -> &[Cell<T>] {
+        // SAFETY: a cell is laid out as what it holds; the caller answers for the rest.
+        unsafe { std::slice::from_raw_parts(self.first.cast(), self.count) }
+    }
+}
+
+/// Sweeps that follow each other on one thread.
+struct Group<'a, L> {
+    passes: &'a [Pass],
+    changes: Handed<'a, L>,
+    /// Blocks that the last of them is past.
+    done: AtomicUsize,
+}
+
+struct Shared<'a, L: F32xN> {
+    pipeline: &'a Pipeline,
+    blocks: Handed<'a, Block<L>>,
+    points: Handed<'a, Points<L>>,
+    velocities: Handed<'a, State>,
+    before: Handed<'a, State>,
+    motions: Handed<'a, State>,
+    groups: &'a [Group<'a, L>],
+}
+
+/// One group, from its first visit to its last.
+///
+/// Its sweeps touch a block, its points and its bodies that move only where the sweep before is past the block's reach: so nobody is
+/// at any of them, and nobody will be before this sweep has passed them, which the counter tells the next.
+struct Chase<'a, 'b, L: F32xN, D: Fn()> {
+    shared: &'b Shared<'a, L>,
+    number: usize,
+    delay: &'b D,
+}
+
+/// Where a thread panics, those that wait for it must not wait for ever.
+struct Unblock<'a>(&'a AtomicUsize);
+
+impl Drop for Unblock<'_> {
+    fn drop(&mut self) {
+        self.0.store(usize::MAX, Release);
+    }
+}
+
+impl<L: F32xN, D: Fn()> Kernel for Chase<'_, '_, L, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Shared {
+            pipeline, groups, ..
+        } = self.shared;
+        let group = &groups[self.number];
+        let _unblock = Unblock(&group.done);
+        let blocks = pipeline.reach.len();
+        let passes = group.passes;
+        // SAFETY: they are this group's, and it is claimed once.
+        let changes = unsafe { group.changes.range(0, passes.len()) };
+        let mut at = [0usize; MOST];
+        while at[passes.len() - 1] < blocks {
+            let mut past = match self.number.checked_sub(1) {
+                Some(before) => groups[before].done.load(Acquire),
+                None => usize::MAX,
+            };
+            let was = at;
+            let mut sweep = 0;
+            while sweep < passes.len() {
+                let end = (at[sweep] + TURN).min(blocks);
+                let mut block = at[sweep];
+                while block < end && (pipeline.reach[block] as usize) < past {
+                    let change = self.visit(block, &passes[sweep]);
+                    changes[sweep] += change;
+                    block += 1;
+                }
+                at[sweep] = block;
+                past = block;
+                // The last of a sweep's blocks reaches no farther.
+                if past == blocks {
+                    past = usize::MAX;
+                }
+                sweep += 1;
+            }
+            // Not before all is done: the guard tells that.
+            group.done.store(at[passes.len() - 1], Release);
+            (self.delay)();
+            if at == was {
+                std::hint::spin_loop();
+            }
+        }
+    }
+}
+
+/// Sweeps in a group, at most.
+const MOST: usize = 8;
+
+impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
+    #[inline(always)]
+    fn visit(&self, number: usize, pass: &Pass) -> L {
+        let Shared {
+            pipeline,
+            blocks,
+            points,
+            velocities,
+            before,
+            motions,
+            ..
+        } = self.shared;
+        // SAFETY: see `Chase`.
+        let (block, velocities, motions, before) = unsafe {
+            let block = &mut blocks.range(number, number + 1)[0];
+            (block, velocities.cells(), motions.cells(), before.cells())
+        };
+        let range = block.range();
+        // SAFETY: see `Chase`; points are their block's alone.
+        let points = unsafe { points.range(range.start, range.end) };
+        let change = match pass.soft {
+            true => block.relax::<true>(points, velocities, motions, pass),
+            false => block.relax::<false>(points, velocities, motions, pass),
+        };
+        let first = match number {
+            0 => 0,
+            _ => pipeline.ends[number - 1] as usize,
+        };
+        let mut i = first;
+        while i < pipeline.ends[number] as usize {
+            let body = pipeline.bodies[i] as usize;
+            pass.end(&velocities[body], &before[body], &motions[body]);
+            i += 1;
+        }
+        change
+    }
+}
+
+#[cfg(test)]
+mod tests;

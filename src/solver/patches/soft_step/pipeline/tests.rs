@@ -1,0 +1,136 @@
+use super::*;
+use crate::solver::lanes::F32x4;
+#[cfg(target_arch = "x86_64")]
+use crate::solver::lanes::F32x8;
+use crate::solver::patches::soft_step::masonry::{DT, Masonry};
+use crate::solver::patches::soft_step::{Effort, Island, SoftStep, Spring};
+use crate::solver::{Memory, PatchProblem};
+use glam::Vec3;
+use std::time::Duration;
+
+/// A wall that is shaken, so that friction slides, normals land and impulses grow.
+fn shaken() -> Masonry {
+    let mut rng = fastrand::Rng::with_seed(7);
+    let mut wall = Masonry::wall(40, 12, 0.1);
+    let mut random = |most: f32| most * (2.0 * rng.f32() - 1.0);
+    for body in wall.bodies.iter_mut().skip(1) {
+        body.start = [0.3, 0.5].map(|most| Vec3::from_array([0; 3].map(|_| random(most))));
+        body.linear += body.start[0];
+        body.angular += body.start[1];
+    }
+    for point in &mut wall.points {
+        point.separation = random(2e-3);
+        point.warm_normal = 5.0 + random(5.0);
+    }
+    wall
+}
+
+fn started<L: F32xN>(problem: &PatchProblem) -> (Island<L>, Vec<Pass>) {
+    let settings = SoftStep::default();
+    let mut island = Island::<L>::new(problem, 7);
+    let effort = Effort {
+        substeps: 7,
+        substeps_per_rigid_sweep: 3,
+        rate: 700.0,
+    };
+    let h = DT / 7.0;
+    let mut passes = Vec::new();
+    island.plan(&settings, effort, h, &mut passes);
+    let spring = Spring {
+        omega: 300.0,
+        damping_ratio: 5.0,
+        h,
+    };
+    island.start(problem, &spring, &passes[0]);
+    (island, passes)
+}
+
+/// All that sweeps change, and what they tell.
+fn bits<L: F32xN>(island: &Island<L>, bodies: usize, changes: &[f32]) -> Vec<u32> {
+    let mut bits: Vec<u32> = changes.iter().map(|change| change.to_bits()).collect();
+    for states in [&island.velocities, &island.before, &island.motions] {
+        let states = states[..bodies].as_flattened();
+        bits.extend(states.iter().flat_map(|v| v.to_array()).map(f32::to_bits));
+    }
+    let impulses = island.points.iter().map(|point| point.impulse);
+    bits.extend(impulses.flat_map(|impulse| (0..L::LANES).map(move |i| impulse[i].to_bits())));
+    bits
+}
+
+fn equal<L: F32xN>() {
+    let mut wall = shaken();
+    let mut memory = Memory::default();
+    let problem = wall.problem(&mut memory);
+    let count = problem.bodies.len();
+    let (mut alone, passes) = started::<L>(&problem);
+    let changes: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
+    let expected = bits(&alone, count, &changes);
+    assert!(alone.motions[1..count].iter().any(|m| m[0].length() > 1e-4));
+
+    let pool = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    for threads in [1, 2, 3, 8] {
+        let pool = pool(threads).unwrap();
+        for group in [1, 2, 3, MOST] {
+            for seed in 0..3 {
+                let (mut island, passes) = started::<L>(&problem);
+                let pipeline = island.find_pipeline(&problem);
+                let calls = AtomicUsize::new(seed);
+                // Sometimes somebody else gets the processor.
+                let delay = || {
+                    let call = calls.fetch_add(1, Relaxed) as u64;
+                    match fastrand::Rng::with_seed(call).u8(..) {
+                        0..8 => std::thread::sleep(Duration::from_micros(20)),
+                        8..64 => std::thread::yield_now(),
+                        _ => (),
+                    }
+                };
+                let changes = pool.install(|| {
+                    pipeline.run_in_groups(&passes, island.work(), Shares { threads, group }, delay)
+                });
+                let changes: Vec<f32> = changes.iter().map(|change| change.sum()).collect();
+                let found = bits(&island, count, &changes);
+                assert!(
+                    found == expected,
+                    "{threads} threads, {group} in a group, seed {seed}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn sweeps_that_chase_each_other_are_sweeps_one_by_one() {
+    equal::<F32x4>();
+    #[cfg(target_arch = "x86_64")]
+    if F32x8::is_available() {
+        equal::<F32x8>();
+    }
+}
+
+#[test]
+fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
+    // Body 0 is not moved; 3 is in no block.
+    let blocks = [vec![0, 1], vec![0, 2], vec![1, 2], vec![2, 4]];
+    let blocks = blocks.iter().map(|bodies| bodies.iter().copied());
+    let pipeline = Pipeline::new(blocks, 5, |body| body != 0);
+    assert_eq!(pipeline.reach, [2, 3, 3, 3]);
+    assert_eq!(pipeline.lag, 3);
+    assert_eq!(pipeline.bodies, [3, 1, 2, 4]);
+    assert_eq!(pipeline.ends, [1, 1, 2, 4]);
+    assert_eq!(pipeline.share(2), None);
+}
+
+#[test]
+fn a_wall_gains_by_threads_and_a_stack_does_not() {
+    for (mut masonry, gains) in [
+        (Masonry::wall(60, 40, 0.0), true),
+        (Masonry::stack(12, 0.0), false),
+    ] {
+        let mut memory = Memory::default();
+        let problem = masonry.problem(&mut memory);
+        let (island, _) = started::<F32x4>(&problem);
+        let pipeline = island.find_pipeline(&problem);
+        assert_eq!(pipeline.share(2).is_some(), gains, "lag {}", pipeline.lag);
+        assert_eq!(pipeline.share(1), None);
+    }
+}

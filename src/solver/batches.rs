@@ -3,8 +3,13 @@
 //!
 //! A contact goes into the first block that has a free lane and stands after every block in which its two bodies are already.
 //! So contacts that share a body keep their order, contacts in one block share none, and the sweep is the sequential one to the
-//! bit: the order from the ground up, which decides how fast loads travel, costs nothing. A wall fills its blocks along a
-//! slanted front. (A colouring of the contact graph would fill them better and converge worse.)
+//! bit: the order from the ground up, which decides how fast loads travel, costs nothing. (A colouring of the contact graph would fill
+//! them better and converge worse.)
+//!
+//! They come in *waves*: a contact is of the first wave after those of its bodies' contacts before it. Through a wall a wave is a slanted
+//! front, and behind it all is done: taken wave by wave, blocks that share a body stand near each other, where taken in their order the
+//! first courses would fill blocks along the whole wall before the next have room. How near decides how closely sweeps can follow each
+//! other ([`super::patches`]'s pipeline).
 
 use super::Body;
 
@@ -30,34 +35,37 @@ impl Batches {
         bodies: usize,
         moves: impl Fn(u32) -> bool,
     ) -> Self {
+        let pairs: Vec<[u32; 2]> = pairs.collect();
         let mut batches = Self {
             lanes,
-            slots: Vec::with_capacity(2 * pairs.size_hint().0),
+            slots: Vec::with_capacity(2 * pairs.len()),
             filled: Vec::new(),
         };
         // The first block that may hold a body next; and from each block the way to one with room.
         let mut after = vec![0u32; bodies];
         let mut next: Vec<u32> = Vec::new();
-        for (contact, pair) in pairs.enumerate() {
-            let free = pair
-                .iter()
-                .map(|&body| after[body as usize])
-                .max()
-                .unwrap_or(0);
-            let block = with_room(&mut next, free);
-            if block as usize == batches.filled.len() {
-                batches.filled.push(0);
-                batches.slots.resize(batches.slots.len() + lanes, 0);
-                next.push(block);
-            }
-            if batches.fill(block as usize, contact as u32) {
-                next[block as usize] = block + 1;
-            }
-            for body in pair {
-                if moves(body) {
-                    after[body as usize] = block + 1;
+        let mut floor = 0;
+        for wave in Waves::of(&pairs, bodies, &moves).iter() {
+            let begun = batches.blocks() as u32;
+            for &contact in wave {
+                let pair = pairs[contact as usize];
+                let free = pair.map(|body| after[body as usize]);
+                let block = with_room(&mut next, free[0].max(free[1]).max(floor));
+                if block as usize == batches.filled.len() {
+                    batches.filled.push(0);
+                    batches.slots.resize(batches.slots.len() + lanes, 0);
+                    next.push(block);
+                }
+                if batches.fill(block as usize, contact) {
+                    next[block as usize] = block + 1;
+                }
+                for body in pair {
+                    if moves(body) {
+                        after[body as usize] = block + 1;
+                    }
                 }
             }
+            floor = begun;
         }
         batches
     }
@@ -87,6 +95,64 @@ impl Batches {
         let slots = self.slots.chunks_exact(self.lanes);
         let filled = slots.zip(&self.filled);
         filled.map(|(slots, &filled)| &slots[..filled as usize])
+    }
+}
+
+/// Contacts by wave, and those of a wave in their order.
+struct Waves {
+    contacts: Vec<u32>,
+    /// Where each wave ends.
+    ends: Vec<u32>,
+}
+
+impl Waves {
+    fn of(pairs: &[[u32; 2]], bodies: usize, moves: impl Fn(u32) -> bool) -> Self {
+        let mut after = vec![0u32; bodies];
+        let mut waves: Vec<u32> = Vec::with_capacity(pairs.len());
+        for pair in pairs {
+            let wave = pair.map(|body| after[body as usize]);
+            let wave = wave[0].max(wave[1]);
+            waves.push(wave);
+            for &body in pair.iter().filter(|&&body| moves(body)) {
+                after[body as usize] = wave + 1;
+            }
+        }
+        let mut sizes = vec![0u32; after.iter().max().map_or(0, |&waves| waves as usize)];
+        // What could be first and waits for nobody, as what stands on the ground, comes right before the next contact of its bodies.
+        let mut before = after;
+        before.fill(u32::MAX);
+        for (pair, wave) in pairs.iter().zip(&mut waves).rev() {
+            let moving = || pair.iter().filter(|&&body| moves(body));
+            let latest = moving().map(|&body| before[body as usize]);
+            let (least, most) = latest.fold((u32::MAX, 0), |(least, most), wave| {
+                (least.min(wave), most.max(wave))
+            });
+            if most < u32::MAX && least < u32::MAX {
+                *wave = least - 1;
+            }
+            sizes[*wave as usize] += 1;
+            moving().for_each(|&body| before[body as usize] = *wave);
+        }
+        let mut next = 0;
+        for size in &mut sizes {
+            next += std::mem::replace(size, next);
+        }
+        let mut contacts = vec![0; pairs.len()];
+        for (contact, wave) in (0..).zip(waves) {
+            let place = &mut sizes[wave as usize];
+            contacts[*place as usize] = contact;
+            *place += 1;
+        }
+        Self {
+            contacts,
+            ends: sizes,
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        let ranges = starts.zip(&self.ends);
+        ranges.map(|(&start, &end)| &self.contacts[start as usize..end as usize])
     }
 }
 

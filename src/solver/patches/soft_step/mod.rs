@@ -417,7 +417,7 @@ impl<L: F32xN> Island<L> {
             false => None,
         };
         if let Some(pipeline) = &pipeline
-            && let Some(shares) = pipeline.share(problem.threads)
+            && let Some(shares) = pipeline.share(problem.threads, passes.len(), self.bytes())
         {
             let changes = pipeline.run(passes, self.work(), shares);
             changes.iter().for_each(|change| tell(change.sum()));
@@ -461,6 +461,11 @@ impl<L: F32xN> Island<L> {
         let blocks = blocks.map(|patches| patches.iter().flat_map(bodies));
         let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
         Pipeline::new(blocks, problem.bodies.len(), moves)
+    }
+
+    /// Of all blocks.
+    fn bytes(&self) -> usize {
+        size_of_val(&*self.blocks) + size_of_val(&*self.points)
     }
 
     fn work(&mut self) -> Work<'_, L> {

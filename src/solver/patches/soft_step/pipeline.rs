@@ -24,13 +24,17 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering::*};
 
-/// Sweeps on one thread, that share what its cache holds: so many where blocks are enough for all threads to be at different ones, and
-/// [`FEWEST`] at least, or a second thread does not pay.
-const GROUP: usize = 4;
-const FEWEST: usize = 2;
+/// Sweeps in a group: as many as give each thread two groups, so that all are at work to the end, and no more than a window of blocks
+/// that a cache holds has.
+const SWEEPS: std::ops::RangeInclusive<usize> = 2..=6;
+
+/// A group follows so far behind the one before, bytes of blocks: what a thread has just written is in the cache of its core alone, and
+/// reading it from there takes longer than reading it once it has left. Where two followed closely both took half as long again, and
+/// in blocks that fit the caches of two cores nothing was gained.
+const APART: usize = 2 << 20;
 
 /// Blocks that a sweep advances before it is the next one's turn.
-const TURN: usize = 8;
+const TURN: usize = 32;
 
 /// Which blocks wait for which, found once for the blocks of an island.
 #[derive(Default)]
@@ -51,6 +55,8 @@ pub struct Shares {
     threads: usize,
     /// Sweeps in a group.
     group: usize,
+    /// Blocks between groups.
+    apart: usize,
 }
 
 /// All that sweeps change.
@@ -95,13 +101,20 @@ impl Pipeline {
         }
     }
 
-    /// How many of so many threads gain, and the sweeps in their groups.
-    pub fn share(&self, threads: usize) -> Option<Shares> {
-        let sweeps = self.reach.len() / self.lag.max(TURN);
-        let threads = threads.min(sweeps / FEWEST);
-        (threads > 1).then(|| Shares {
-            threads,
-            group: (sweeps / threads).min(GROUP),
+    /// How many of so many threads gain by these sweeps over blocks of so many bytes in all, and who does what.
+    pub fn share(&self, threads: usize, sweeps: usize, bytes: usize) -> Option<Shares> {
+        let blocks = self.reach.len();
+        let apart = APART * blocks / bytes.max(1);
+        (2..=threads).rev().find_map(|threads| {
+            let group = sweeps.div_ceil(2 * threads);
+            let group = group.clamp(*SWEEPS.start(), *SWEEPS.end());
+            let window = group * self.lag.max(TURN);
+            let needed = threads * window + (threads - 1) * apart;
+            (needed <= blocks).then_some(Shares {
+                threads,
+                group,
+                apart,
+            })
         })
     }
 
@@ -114,11 +127,12 @@ impl Pipeline {
         &self,
         passes: &[Pass],
         work: Work<L>,
-        Shares { threads, group }: Shares,
+        shares: Shares,
         delay: impl Fn() + Sync,
     ) -> Vec<L> {
         let mut changes = vec![L::ZERO; passes.len()];
-        let groups = passes.chunks(group).zip(changes.chunks_mut(group));
+        let groups = passes.chunks(shares.group);
+        let groups = groups.zip(changes.chunks_mut(shares.group));
         let groups: Vec<_> = groups
             .map(|(passes, changes)| Group {
                 passes,
@@ -134,6 +148,7 @@ impl Pipeline {
             before: Handed::new(work.before),
             motions: Handed::new(work.motions),
             groups: &groups,
+            apart: shares.apart,
         };
         let next = AtomicUsize::new(0);
         let work = || {
@@ -150,7 +165,7 @@ impl Pipeline {
             }
         };
         rayon::scope(|scope| {
-            for _ in 1..threads.min(groups.len()) {
+            for _ in 1..shares.threads.min(groups.len()) {
                 scope.spawn(|_| work());
             }
             work();
@@ -215,6 +230,7 @@ struct Shared<'a, L: F32xN> {
     before: Handed<'a, State>,
     motions: Handed<'a, State>,
     groups: &'a [Group<'a, L>],
+    apart: usize,
 }
 
 /// One group, from its first visit to its last.
@@ -253,7 +269,7 @@ impl<L: F32xN, D: Fn()> Kernel for Chase<'_, '_, L, D> {
         let mut at = [0usize; MOST];
         while at[passes.len() - 1] < blocks {
             let mut past = match self.number.checked_sub(1) {
-                Some(before) => groups[before].done.load(Acquire),
+                Some(before) => self.behind(&groups[before], blocks),
                 None => usize::MAX,
             };
             let was = at;
@@ -261,11 +277,20 @@ impl<L: F32xN, D: Fn()> Kernel for Chase<'_, '_, L, D> {
             while sweep < passes.len() {
                 let end = (at[sweep] + TURN).min(blocks);
                 let mut block = at[sweep];
-                while block < end && (pipeline.reach[block] as usize) < past {
-                    let change = self.visit(block, &passes[sweep]);
-                    changes[sweep] += change;
-                    block += 1;
+                let mut change = changes[sweep];
+                let pass = &passes[sweep];
+                if pass.soft {
+                    while block < end && (pipeline.reach[block] as usize) < past {
+                        change += self.visit::<true>(block, pass);
+                        block += 1;
+                    }
+                } else {
+                    while block < end && (pipeline.reach[block] as usize) < past {
+                        change += self.visit::<false>(block, pass);
+                        block += 1;
+                    }
                 }
+                changes[sweep] = change;
                 at[sweep] = block;
                 past = block;
                 // The last of a sweep's blocks reaches no farther.
@@ -288,8 +313,17 @@ impl<L: F32xN, D: Fn()> Kernel for Chase<'_, '_, L, D> {
 const MOST: usize = 8;
 
 impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
+    /// Which blocks a group may touch that comes after another; at the end of that there is no more to stay behind.
     #[inline(always)]
-    fn visit(&self, number: usize, pass: &Pass) -> L {
+    fn behind(&self, before: &Group<L>, blocks: usize) -> usize {
+        match before.done.load(Acquire) {
+            done if done >= blocks => usize::MAX,
+            done => done.saturating_sub(self.shared.apart),
+        }
+    }
+
+    #[inline(always)]
+    fn visit<const SOFT: bool>(&self, number: usize, pass: &Pass) -> L {
         let Shared {
             pipeline,
             blocks,
@@ -307,10 +341,7 @@ impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
         let range = block.range();
         // SAFETY: see `Chase`; points are their block's alone.
         let points = unsafe { points.range(range.start, range.end) };
-        let change = match pass.soft {
-            true => block.relax::<true>(points, velocities, motions, pass),
-            false => block.relax::<false>(points, velocities, motions, pass),
-        };
+        let change = block.relax::<SOFT>(points, velocities, motions, pass);
         let first = match number {
             0 => 0,
             _ => pipeline.ends[number - 1] as usize,

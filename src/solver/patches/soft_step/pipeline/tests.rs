@@ -85,7 +85,16 @@ fn equal<L: F32xN>() {
                     }
                 };
                 let changes = pool.install(|| {
-                    pipeline.run_in_groups(&passes, island.work(), Shares { threads, group }, delay)
+                    pipeline.run_in_groups(
+                        &passes,
+                        island.work(),
+                        Shares {
+                            threads,
+                            group,
+                            apart: 3 * seed,
+                        },
+                        delay,
+                    )
                 });
                 let changes: Vec<f32> = changes.iter().map(|change| change.sum()).collect();
                 let found = bits(&island, count, &changes);
@@ -117,20 +126,19 @@ fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
     assert_eq!(pipeline.lag, 3);
     assert_eq!(pipeline.bodies, [3, 1, 2, 4]);
     assert_eq!(pipeline.ends, [1, 1, 2, 4]);
-    assert_eq!(pipeline.share(2), None);
+    assert_eq!(pipeline.share(2, 16, 1 << 30), None);
 }
 
 #[test]
-fn a_wall_gains_by_threads_and_a_stack_does_not() {
-    for (mut masonry, gains) in [
-        (Masonry::wall(60, 40, 0.0), true),
-        (Masonry::stack(12, 0.0), false),
-    ] {
-        let mut memory = Memory::default();
-        let problem = masonry.problem(&mut memory);
-        let (island, _) = started::<F32x4>(&problem);
-        let pipeline = island.find_pipeline(&problem);
-        assert_eq!(pipeline.share(2).is_some(), gains, "lag {}", pipeline.lag);
-        assert_eq!(pipeline.share(1), None);
-    }
+fn a_long_wall_gains_by_threads_and_what_fits_their_caches_does_not() {
+    let mut wall = Masonry::wall(200, 20, 0.0);
+    let mut memory = Memory::default();
+    let problem = wall.problem(&mut memory);
+    let (island, passes) = started::<F32x4>(&problem);
+    let pipeline = island.find_pipeline(&problem);
+    let sweeps = passes.len();
+    let shares = pipeline.share(2, sweeps, island.bytes()).unwrap();
+    assert_eq!((shares.threads, shares.group), (2, sweeps.div_ceil(4)));
+    assert_eq!(pipeline.share(1, sweeps, island.bytes()), None);
+    assert_eq!(pipeline.share(2, sweeps, APART), None);
 }

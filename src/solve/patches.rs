@@ -13,6 +13,8 @@ use glam::Vec3;
 pub(super) struct PatchRows {
     patches: Vec<PatchConstraint>,
     points: Vec<PatchPoint>,
+    /// By touch: the first of its patches.
+    firsts: Vec<u32>,
     /// Length of the step in which they were solved, s.
     dt: f32,
     memory: Memory,
@@ -25,6 +27,7 @@ impl Rows for PatchRows {
     fn clear(&mut self) {
         self.patches.clear();
         self.points.clear();
+        self.firsts.clear();
         self.memory.forget();
     }
 
@@ -65,15 +68,20 @@ impl Rows for PatchRows {
     }
 
     fn store(&self, touches: &mut [Touch], given: &Given) {
-        let mut solved = self.patches.iter();
-        for touch in touches {
+        let dt = given.time.dt;
+        let store_one = |(touch, &first): (&mut Touch, &u32)| {
             let impulses = &mut *touch.impulses;
             let patches = touch.manifold.patches.iter().zip(&mut impulses.patches);
-            for ((patch, kept), found) in patches.zip(&mut solved) {
+            for ((patch, kept), found) in patches.zip(&self.patches[first as usize..]) {
                 let points = &self.points[found.range()];
                 let to = &mut impulses.points[patch.range()];
-                store(found, points, kept, to, given.time.dt);
+                store(found, points, kept, to, dt);
             }
+        };
+        if self.points.len() >= LARGE {
+            given.threads.each((touches, &self.firsts), store_one);
+        } else {
+            touches.iter_mut().zip(&self.firsts).for_each(store_one);
         }
     }
 }
@@ -81,6 +89,7 @@ impl Rows for PatchRows {
 impl PatchRows {
     fn rebuild(&mut self, touches: &[Touch], ends: &[[u32; 2]], given: &Given) {
         for (touch, ends) in touches.iter().zip(ends) {
+            self.firsts.push(self.patches.len() as u32);
             for (i, patch) in touch.manifold.patches.iter().enumerate() {
                 let (constraint, points) = touch.patch(i, patch, given);
                 let first = self.points.len() as u32;

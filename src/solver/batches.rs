@@ -90,6 +90,11 @@ impl Batches {
         all >= contacts * self.blocks()
     }
 
+    /// The contacts of one block, lane by lane.
+    pub fn block(&self, block: usize) -> &[u32] {
+        &self.slots[block * self.lanes..][..self.filled[block] as usize]
+    }
+
     /// The contacts of each block, lane by lane.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         let slots = self.slots.chunks_exact(self.lanes);
@@ -117,7 +122,7 @@ impl Waves {
                 after[body as usize] = wave + 1;
             }
         }
-        let mut sizes = vec![0u32; after.iter().max().map_or(0, |&waves| waves as usize)];
+        let mut sizes = vec![0u32; waves.iter().max().map_or(0, |&wave| wave as usize + 1)];
         // What could be first and waits for nobody, as what stands on the ground, comes right before the next contact of its bodies.
         let mut before = after;
         before.fill(u32::MAX);

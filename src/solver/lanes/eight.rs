@@ -153,14 +153,15 @@ impl F32xN for F32x8 {
     #[inline(always)]
     fn gather(states: &[Cell<State>], bodies: &Bodies) -> SpatialVec<Self> {
         check(bodies, states.len());
-        let states = states.as_ptr().cast();
         // SAFETY: all bodies are among the states; see the module's text.
-        unsafe {
-            SpatialVec {
-                linear: load(states, bodies, 0),
-                angular: load(states, bodies, 1),
-            }
-        }
+        unsafe { load_both(states.as_ptr().cast(), bodies) }
+    }
+
+    #[inline(always)]
+    fn read(states: &[State], bodies: &Bodies) -> SpatialVec<Self> {
+        check(bodies, states.len());
+        // SAFETY: as above.
+        unsafe { load_both(states.as_ptr().cast(), bodies) }
     }
 
     #[inline(always)]
@@ -234,6 +235,22 @@ unsafe fn place(states: *const __m128, bodies: &Bodies, part: usize, lane: usize
     unsafe {
         let offset = (&raw const bodies.0[lane]).read_volatile() as usize;
         states.byte_add(UNIT * offset).add(part)
+    }
+}
+
+/// Both parts of what [`load`] loads.
+///
+/// # Safety
+///
+/// As [`load`].
+#[inline(always)]
+unsafe fn load_both(states: *const __m128, bodies: &Bodies) -> SpatialVec<F32x8> {
+    // SAFETY: as the caller says.
+    unsafe {
+        SpatialVec {
+            linear: load(states, bodies, 0),
+            angular: load(states, bodies, 1),
+        }
     }
 }
 

@@ -83,7 +83,22 @@ impl F32xN for F32x4 {
 
     #[inline(always)]
     fn gather(states: &[Cell<State>], bodies: &[u32; 4]) -> SpatialVec<Self> {
-        let [a, b, c, d] = bodies.map(|body| states[body as usize].get());
+        let a = states[bodies[0] as usize].get();
+        let b = states[bodies[1] as usize].get();
+        let c = states[bodies[2] as usize].get();
+        let d = states[bodies[3] as usize].get();
+        SpatialVec {
+            linear: of_columns(a[0], b[0], c[0], d[0]),
+            angular: of_columns(a[1], b[1], c[1], d[1]),
+        }
+    }
+
+    #[inline(always)]
+    fn read(states: &[State], bodies: &[u32; 4]) -> SpatialVec<Self> {
+        let a = &states[bodies[0] as usize];
+        let b = &states[bodies[1] as usize];
+        let c = &states[bodies[2] as usize];
+        let d = &states[bodies[3] as usize];
         SpatialVec {
             linear: of_columns(a[0], b[0], c[0], d[0]),
             angular: of_columns(a[1], b[1], c[1], d[1]),

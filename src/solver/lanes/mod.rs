@@ -84,6 +84,9 @@ pub trait F32xN:
     /// The motions of the lanes' bodies.
     fn gather(states: &[Cell<State>], bodies: &Self::Bodies) -> SpatialVec<Self>;
 
+    /// The same of states that nobody writes to meanwhile.
+    fn read(states: &[State], bodies: &Self::Bodies) -> SpatialVec<Self>;
+
     /// Writes the motions of the lanes' bodies back.
     fn scatter(states: &[Cell<State>], bodies: &Self::Bodies, motion: &SpatialVec<Self>);
 

@@ -495,9 +495,9 @@ impl<L: F32xN> Block<L> {
 
     /// What the free motion misses, J (see [`crate::solver::merit`]).
     #[inline(always)]
-    pub fn missing(&self, points: &[Points<L>], velocities: &[Cell<State>], pass: &Pass) -> L {
-        let a = L::gather(velocities, &self.bodies[0]);
-        let b = L::gather(velocities, &self.bodies[1]);
+    pub fn missing(&self, points: &[Points<L>], velocities: &[State], pass: &Pass) -> L {
+        let a = L::read(velocities, &self.bodies[0]);
+        let b = L::read(velocities, &self.bodies[1]);
         let normals = on_normals_local(&self.relative(&self.frame(), a, b));
         let rate = L::splat(pass.rate);
         let mut missing = L::ZERO;

@@ -31,6 +31,7 @@
 mod block;
 mod cold_start;
 mod effort;
+mod halves;
 #[cfg(test)]
 mod masonry;
 mod pipeline;
@@ -47,6 +48,7 @@ use block::{Block, Pass, Points, Spring};
 use cold_start::Footing;
 use effort::{Course, Effort};
 use glam::{Mat3, Vec3, Vec4};
+use halves::Part;
 use pipeline::{Pipeline, Work};
 use std::f32::consts::TAU;
 
@@ -221,6 +223,8 @@ struct Island<L: F32xN> {
     before: Vec<State>,
     /// How far bodies have come since detection, m and rad.
     motions: Vec<State>,
+    /// By block: what the free motion misses, J.
+    missing: Vec<L>,
     /// Made when there are threads for it.
     pipeline: Option<Pipeline>,
     scratch: Scratch,
@@ -299,6 +303,7 @@ impl<L: F32xN> Island<L> {
             velocities: Vec::new(),
             before: Vec::new(),
             motions: Vec::new(),
+            missing: Vec::new(),
             pipeline: None,
             scratch: Scratch::default(),
         };
@@ -317,26 +322,36 @@ impl<L: F32xN> Island<L> {
         for &patch in changed {
             self.changed[patch as usize] = true;
         }
-        for (block, patches) in self.blocks.iter_mut().zip(self.batches.iter()) {
-            let points = &mut self.points[block.range()];
-            block.begin(points);
-            for (lane, &number) in patches.iter().enumerate() {
-                let patch = &problem.patches[number as usize];
-                if self.changed[number as usize] {
-                    let stiffness = block.stiffness[lane];
-                    block.load(points, lane, patch, problem, stiffness);
-                } else if moved {
-                    for (side, body) in patch.bodies.into_iter().enumerate() {
-                        if self.turned[body as usize] {
-                            let body = &problem.bodies[body as usize];
-                            block.turn(lane, side, &body.inverse_inertia);
+        let (batches, changed, turned) = (&self.batches, &self.changed, &self.turned);
+        let all = Part {
+            first: 0,
+            found: &mut vec![(); self.blocks.len()],
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+        };
+        all.each(problem.threads, &|part| {
+            for i in 0..part.blocks.len() {
+                let points = part.points_of(i);
+                let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
+                block.begin(points);
+                for (lane, &number) in batches.block(part.first + i).iter().enumerate() {
+                    let patch = &problem.patches[number as usize];
+                    if changed[number as usize] {
+                        let stiffness = block.stiffness[lane];
+                        block.load(points, lane, patch, problem, stiffness);
+                    } else if moved {
+                        for (side, body) in patch.bodies.into_iter().enumerate() {
+                            if turned[body as usize] {
+                                let body = &problem.bodies[body as usize];
+                                block.turn(lane, side, &body.inverse_inertia);
+                            }
                         }
                     }
+                    let mine = &problem.points[patch.range()];
+                    block.refresh(points, lane, patch, mine, substeps);
                 }
-                let mine = &problem.points[patch.range()];
-                block.refresh(points, lane, patch, mine, substeps);
             }
-        }
+        });
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));
@@ -379,6 +394,26 @@ impl<L: F32xN> Island<L> {
         });
         self.scratch.passes = passes;
         report
+    }
+
+    /// Effective masses of all blocks, and what the free motion misses in each.
+    fn prepare(&mut self, spring: &Spring, pass: &Pass, threads: usize) {
+        self.missing.resize(self.blocks.len(), L::ZERO);
+        let velocities = &*self.velocities;
+        let all = Part {
+            first: 0,
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            found: &mut self.missing,
+        };
+        all.each(threads, &|part| {
+            L::run(Prepare {
+                part,
+                velocities,
+                spring,
+                pass,
+            });
+        });
     }
 
     /// The sweeps of a step, and what is done after each.
@@ -486,12 +521,8 @@ impl<L: F32xN> Island<L> {
                 *velocity += (push * share).extend(0.0);
             }
         }
-        L::run(Start {
-            island: self,
-            spring,
-            pass,
-        })
-        .sqrt()
+        self.prepare(spring, pass, problem.threads);
+        L::run(Start { island: self }).sqrt()
     }
 
     fn store(&self, problem: &mut PatchProblem, rate: f32) {
@@ -511,11 +542,9 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// Prepares all blocks, and lets bodies feel the impulses that contacts start with. What the free motion misses, J.
+/// Lets bodies feel the impulses that contacts start with. What the free motion misses in all, J.
 struct Start<'a, L: F32xN> {
     island: &'a mut Island<L>,
-    spring: &'a Spring,
-    pass: &'a Pass,
 }
 
 impl<L: F32xN> Kernel for Start<'_, L> {
@@ -527,20 +556,47 @@ impl<L: F32xN> Kernel for Start<'_, L> {
             blocks,
             points,
             velocities,
+            missing,
             ..
         } = self.island;
         let velocities = cells(velocities);
-        let mut missing = L::ZERO;
-        for block in blocks.iter_mut() {
-            let points = &mut points[block.range()];
-            block.prepare(points);
-            block.soften(self.spring);
-            missing += block.missing(points, velocities, self.pass);
-        }
-        for block in blocks.iter() {
+        let mut all = L::ZERO;
+        for (block, missing) in blocks.iter().zip(missing.iter()) {
             block.warm_start(&points[block.range()], velocities);
+            all += *missing;
         }
-        missing.sum()
+        all.sum()
+    }
+}
+
+/// Prepares some blocks, and finds what the free motion misses there, J.
+struct Prepare<'a, L: F32xN> {
+    part: Part<'a, L, L>,
+    velocities: &'a [State],
+    spring: &'a Spring,
+    pass: &'a Pass,
+}
+
+impl<L: F32xN> Kernel for Prepare<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            part,
+            velocities,
+            spring,
+            pass,
+        } = self;
+        let mut i = 0;
+        while i < part.blocks.len() {
+            let points = part.points_of(i);
+            let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
+            block.prepare(points);
+            block.soften(spring);
+            part.found[i] = block.missing(points, velocities, pass);
+            i += 1;
+        }
     }
 }
 

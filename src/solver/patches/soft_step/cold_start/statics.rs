@@ -195,10 +195,9 @@ impl<L: F32xN> Island<L> {
             }
             (point.separation, point.gap) = (L::ZERO, L::ZERO);
         }
+        island.prepare(&Spring::default(), pass, 1);
         let free = L::run(Start {
             island: &mut island,
-            spring: &Spring::default(),
-            pass,
         });
         (island, free)
     }

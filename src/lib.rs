@@ -39,7 +39,7 @@
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
-//! | islands | [`islands`] | | pairs, manifolds | which bodies wake; [`Sleeping`](sleeping::Sleeping) |
+//! | islands | [`islands`] | | pairs, manifolds | which bodies wake, and which rest; [`Sleeping`](sleeping::Sleeping), [`Resting`](body::Resting) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |

@@ -42,8 +42,7 @@ type Pushed<'w> = (
 /// See the module's text.
 pub fn prepare(
     mut commands: Commands,
-    mut table: ResMut<BodyTable>,
-    mut suspects: ResMut<Suspects>,
+    (mut table, mut suspects): (ResMut<BodyTable>, ResMut<Suspects>),
     rules: Rules,
     mut bodies: ParamSet<(
         Query<

@@ -4,10 +4,10 @@
 //! as soon as sweep k is past its reach: no block that sweep k has yet to visit shares a body with it, so the visit finds what it would
 //! find after the whole of sweep k, and changes nothing that sweep k has yet to see. What is done to a body between two sweeps is done
 //! right after the last block that holds it. So the result is that of sweeps one after the other, to the bit, on any number of threads.
-//! Blocks stand in the order of support, so that in a wall the next sweep follows little more than a course behind.
+//! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind.
 //!
-//! Sweeps go in groups: those of one group chase each other on one thread, in a window of blocks that its cache holds; one sweep a
-//! thread would move every block from cache to cache in every sweep. A thread *claims* the next group from a counter. So whoever waits
+//! Sweeps go in groups: those of one group chase each other on one thread; one sweep a thread would move every block from cache to cache
+//! in every sweep. A thread *claims* the next group from a counter. So whoever waits
 //! for the group before waits for one that somebody is at, and the first waits for nobody: whatever else threads do, none waits for ever.
 //!
 //! Bodies that contacts cannot change are read by many blocks at a time, and so must not move by themselves either: under a platform that
@@ -69,8 +69,8 @@ pub struct Work<'a, L: F32xN> {
 }
 
 impl Pipeline {
-    /// Of the bodies in each block; `moves` tells which bodies contacts can change.
-    pub fn new<'a, Bodies: Iterator<Item = u32>>(
+    /// Of the bodies that each block holds; `moves` tells which bodies contacts can change.
+    pub fn new<Bodies: Iterator<Item = u32>>(
         blocks: impl Iterator<Item = Bodies> + Clone,
         bodies: usize,
         moves: impl Fn(u32) -> bool,

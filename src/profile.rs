@@ -15,14 +15,52 @@ use std::time::Duration;
 #[derive(Resource, Clone, Default)]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
+    solve: Arc<SolveClocks>,
     /// The whole of the last step.
     pub step: Duration,
 }
 
+#[derive(Default)]
 struct Clock {
     name: &'static str,
     running: AtomicU64,
     last: AtomicU64,
+}
+
+impl Clock {
+    fn add(&self, spent: Duration) {
+        self.running
+            .fetch_add(spent.as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    fn end_step(&self) {
+        let spent = self.running.swap(0, Ordering::Relaxed);
+        self.last.store(spent, Ordering::Relaxed);
+    }
+
+    fn last(&self) -> Duration {
+        Duration::from_nanos(self.last.load(Ordering::Relaxed))
+    }
+}
+
+/// The clocks of what *solve* does with each island.
+#[derive(Default)]
+struct SolveClocks {
+    gather: Clock,
+    solver: Clock,
+    store: Clock,
+}
+
+/// What the stage *solve* spent its time on in the last step, summed over its islands: more than the stage's own where they were solved
+/// side by side.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolveParts {
+    /// Bringing problems up to date, or making them anew.
+    pub gather: Duration,
+    /// In the solver. Soft Step has spans of `tracing` for what it does there: `refresh`, `sweeps` and `store`.
+    pub solver: Duration,
+    /// Giving impulses back to components.
+    pub store: Duration,
 }
 
 impl Profile {
@@ -31,7 +69,7 @@ impl Profile {
         let clocks = self.clocks.lock().expect("no holder panics");
         clocks
             .iter()
-            .map(|c| (c.name, Duration::from_nanos(c.last.load(Ordering::Relaxed))))
+            .map(|clock| (clock.name, clock.last()))
             .collect()
     }
 
@@ -43,6 +81,27 @@ impl Profile {
             .map(|(_, time)| time)
     }
 
+    /// The parts of *solve* in the last step.
+    pub fn solve_parts(&self) -> SolveParts {
+        let SolveClocks {
+            gather,
+            solver,
+            store,
+        } = &*self.solve;
+        SolveParts {
+            gather: gather.last(),
+            solver: solver.last(),
+            store: store.last(),
+        }
+    }
+
+    /// One island more has been solved.
+    pub(crate) fn add_solve(&self, parts: SolveParts) {
+        self.solve.gather.add(parts.gather);
+        self.solve.solver.add(parts.solver);
+        self.solve.store.add(parts.store);
+    }
+
     /// A wrapper that times a system under this name. Several systems may share one; their times add up.
     pub fn clock(&self, name: &'static str) -> Timed {
         let mut clocks = self.clocks.lock().expect("no holder panics");
@@ -50,8 +109,7 @@ impl Profile {
         let clock = known.unwrap_or_else(|| {
             let clock = Arc::new(Clock {
                 name,
-                running: AtomicU64::new(0),
-                last: AtomicU64::new(0),
+                ..Default::default()
             });
             clocks.push(clock.clone());
             clock
@@ -61,10 +119,10 @@ impl Profile {
 
     pub(crate) fn end_step(&mut self, step: Duration) {
         self.step = step;
-        for clock in self.clocks.lock().expect("no holder panics").iter() {
-            let spent = clock.running.swap(0, Ordering::Relaxed);
-            clock.last.store(spent, Ordering::Relaxed);
-        }
+        let clocks = self.clocks.lock().expect("no holder panics");
+        let parts = [&self.solve.gather, &self.solve.solver, &self.solve.store];
+        let all = clocks.iter().map(|clock| &**clock).chain(parts);
+        all.for_each(Clock::end_step);
     }
 }
 
@@ -84,9 +142,7 @@ impl<S: System> Adapt<S> for Timed {
         let _span = tracing::info_span!("stage", name = self.0.name).entered();
         let start = Instant::now();
         let out = run_system(input);
-        self.0
-            .running
-            .fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        self.0.add(start.elapsed());
         out
     }
 }

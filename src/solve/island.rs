@@ -4,9 +4,11 @@ use super::touch::Touch;
 use super::{Given, IslandReport};
 use crate::body::{BodyState, BodyTable, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse};
+use crate::profile::SolveParts;
 use crate::solver::{Body, SolveReport};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_platform::time::Instant;
 use glam::Vec3;
 
 /// What a kind of solver works on: points or patches.
@@ -99,9 +101,12 @@ impl<R: Rows> Island<R> {
         if self.ends.is_empty() {
             self.find_ends(touches, local);
         }
+        let start = Instant::now();
         self.add_copies(table, velocities);
         self.rows.gather(touches, &self.ends, &self.bodies, given);
+        let gathered = Instant::now();
         self.report = self.rows.solve(solver, &mut self.bodies, given);
+        let solved = Instant::now();
         self.diverged = !self.bodies.iter().all(is_sound);
         if self.diverged {
             for body in &mut self.bodies {
@@ -113,6 +118,11 @@ impl<R: Rows> Island<R> {
         } else {
             self.rows.store(touches, given);
         }
+        given.profile.add_solve(SolveParts {
+            gather: gathered - start,
+            solver: solved - gathered,
+            store: solved.elapsed(),
+        });
     }
 
     fn find_ends(&mut self, touches: &[Touch], local: &[u32]) {

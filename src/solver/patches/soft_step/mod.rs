@@ -157,9 +157,14 @@ impl SoftStep {
         };
         cold_start::cold_start::<L>(problem, &mut scratch.footing);
         let effort = Effort::new(self, problem, &mut scratch.courses);
+        let span = tracing::info_span!("refresh").entered();
         let mut island = Island::<L>::of(kept, problem, self.lanes, effort.substeps);
+        drop(span);
         island.scratch = scratch;
+        let span = tracing::info_span!("sweeps").entered();
         let report = island.advance(self, effort, problem);
+        drop(span);
+        let _span = tracing::info_span!("store").entered();
         island.store(
             problem,
             (report.sweeps as f32 / self.preload_sweeps).min(1.0),

@@ -267,6 +267,7 @@ impl<L: F32xN, D: Fn()> Kernel for Chase<'_, '_, L, D> {
         // SAFETY: they are this group's, and it is claimed once.
         let changes = unsafe { group.changes.range(0, passes.len()) };
         let mut at = [0usize; MOST];
+        let mut idle = 0u32;
         while at[passes.len() - 1] < blocks {
             let mut past = match self.number.checked_sub(1) {
                 Some(before) => self.behind(&groups[before], blocks),
@@ -302,12 +303,21 @@ impl<L: F32xN, D: Fn()> Kernel for Chase<'_, '_, L, D> {
             // Not before all is done: the guard tells that.
             group.done.store(at[passes.len() - 1], Release);
             (self.delay)();
-            if at == was {
+            if at != was {
+                idle = 0;
+            } else if idle < PATIENCE {
+                idle += 1;
                 std::hint::spin_loop();
+            } else {
+                // Whom it waits for may have no processor.
+                std::thread::yield_now();
             }
         }
     }
 }
+
+/// How often it is looked whether one may go on, before others are let to the processor.
+const PATIENCE: u32 = 1000;
 
 /// Sweeps in a group, at most.
 const MOST: usize = 8;

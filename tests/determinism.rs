@@ -13,6 +13,8 @@ use support::*;
 fn play(threads: usize, seconds: f32, build: impl Fn(&mut Lab)) -> Vec<[u32; 13]> {
     let mut lab = Lab::new();
     let threads = PhysicsThreads::new(threads).expect("threads are to be had");
+    // All that can be shared is, however little it is.
+    let threads = threads.sharing_from(1);
     lab.world.insert_resource(threads);
     lab.world.resource_mut::<SleepSettings>().enabled = false;
     build(&mut lab);
@@ -70,6 +72,12 @@ fn many_islands_come_out_the_same_on_any_number_of_threads() {
 #[test]
 fn a_wall_comes_out_the_same_on_any_number_of_threads() {
     same_for_all_threads(1.0, |lab| scene(lab, "wall:20x15"));
+}
+
+/// So large that its sweeps chase each other.
+#[test]
+fn a_long_wall_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(0.25, |lab| scene(lab, "wall:100x50"));
 }
 
 #[test]

@@ -49,7 +49,7 @@ impl Rows for PatchRows {
         bodies: &mut [Body],
         given: &Given,
     ) -> SolveReport {
-        let threads = match self.points.len() >= LARGE {
+        let threads = match given.threads.share(self.points.len() / LARGE) {
             true => given.threads.count(),
             false => 1,
         };
@@ -78,7 +78,7 @@ impl Rows for PatchRows {
                 store(found, points, kept, to, dt);
             }
         };
-        if self.points.len() >= LARGE {
+        if given.threads.share(self.points.len() / LARGE) {
             given.threads.each((touches, &self.firsts), store_one);
         } else {
             touches.iter_mut().zip(&self.firsts).for_each(store_one);

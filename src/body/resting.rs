@@ -73,7 +73,7 @@ pub(super) type RestingBodies<'w, 's> = Query<'w, 's, Written, Rests>;
 pub(super) type RestingChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), Rests>;
 
-/// Those that somebody has written to since the system at hand ran last.
+/// Those that somebody has written to since the system at hand ran last; once for each component.
 pub(super) fn find_written(bodies: RestingBodies) -> Vec<Entity> {
     let mut found = Vec::new();
     let columns = bodies.contiguous_iter();
@@ -95,8 +95,6 @@ pub(super) fn find_written(bodies: RestingBodies) -> Vec<Entity> {
         look_if_there!(forces: 0 1 2 3 4 5 6 7);
         look_if_there!(surface: 0 1 2 3 4 5 6);
     }
-    found.sort_unstable();
-    found.dedup();
     found
 }
 

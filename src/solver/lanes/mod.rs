@@ -12,7 +12,7 @@ mod vectors;
 #[cfg(target_arch = "x86_64")]
 pub use eight::F32x8;
 pub use four::F32x4;
-pub use vectors::{Frame, SpatialVec, Symmetric, Vec3xN};
+pub use vectors::{Frame, SpatialVec, Symmetric, Vec3xN, square_length, squared};
 
 use glam::Vec4;
 use std::cell::Cell;

@@ -435,11 +435,7 @@ impl<L: F32xN> Block<L> {
 
     #[inline(always)]
     pub(super) fn frame(&self) -> Frame<L> {
-        Frame {
-            n: self.normal,
-            t1: self.tangent,
-            t2: self.normal.cross(self.tangent),
-        }
+        Frame::of(self.normal, self.tangent)
     }
 
     /// Relative motion at the centre in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).

@@ -1,7 +1,7 @@
 //! One visit to a block: what its rows find, and what that does to the bodies.
 
 use super::block::{Block, Pass, Points, on_normals_local};
-use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN};
+use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN, square_length, squared};
 use std::cell::Cell;
 
 /// What rolls or slips faster than this (m/s) does not creep.
@@ -24,10 +24,6 @@ const PLAY: f32 = 1e-3;
 /// Friction may exceed the cone of normals that were relaxed after it by this factor. Where it may by 1.05 only, what slides and
 /// trembles loses some of its friction in every visit, and boxes that bounce begin to turn.
 const STALE: f32 = 2.0;
-
-/// What squares are lifted by: those of numbers below 1e-19, as things at rest have, are subnormal, which is slow. Stacks at rest took
-/// a third longer. Where a product and a sum are rounded as one there are none.
-const TINY: f32 = 1e-30;
 
 /// A visit on its way.
 struct Visit<L> {
@@ -618,18 +614,6 @@ impl<L: F32xN> Carried<L> {
         }
         Self { all, lever }
     }
-}
-
-/// For comparison with a [square_length].
-#[inline(always)]
-fn squared<L: F32xN>(limit: L) -> L {
-    limit.mul_add(limit, L::splat(TINY))
-}
-
-/// And a tiny bit more, see [`TINY`].
-#[inline(always)]
-fn square_length<L: F32xN>([x, y]: [L; 2]) -> L {
-    x.mul_add(x, y.mul_add(y, L::splat(TINY)))
 }
 
 impl<L: F32xN> Hold<L> {

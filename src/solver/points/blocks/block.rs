@@ -150,11 +150,7 @@ impl<L: F32xN> Patches<L> {
 
     #[inline(always)]
     pub(super) fn frame(&self) -> Frame<L> {
-        Frame {
-            n: self.normal,
-            t1: self.tangent,
-            t2: self.normal.cross(self.tangent),
-        }
+        Frame::of(self.normal, self.tangent)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The set that friction impulses are projected to, one type for each [`FrictionCone`](crate::solver::FrictionCone).
 
 use crate::solver::PointConstraint;
-use crate::solver::lanes::{F32xN, Kernel};
+use crate::solver::lanes::{F32xN, Kernel, square_length, squared};
 use crate::solver::points::constraint::inverse;
 
 /// See the module's text.
@@ -15,9 +15,6 @@ pub trait Cone: 'static {
 
 /// The exact step where it stays inside, else an isotropic one, projected; see `constraint.rs`.
 pub struct Disc;
-
-/// What squares are lifted by: those of numbers below 1e-19 are subnormal, which is slow.
-const TINY: f32 = 1e-30;
 
 impl Cone for Disc {
     fn tangential(constraint: &PointConstraint) -> [f32; 4] {
@@ -104,16 +101,4 @@ impl Cone for Square {
         let y = y_mass.taken_from(residual, before[1]);
         [x, y.max(-limit).min(limit)]
     }
-}
-
-/// For comparison with a [square_length].
-#[inline(always)]
-fn squared<L: F32xN>(limit: L) -> L {
-    limit.mul_add(limit, L::splat(TINY))
-}
-
-/// And a tiny bit more, see [`TINY`].
-#[inline(always)]
-fn square_length<L: F32xN>([x, y]: [L; 2]) -> L {
-    x.mul_add(x, y.mul_add(y, L::splat(TINY)))
 }

@@ -14,8 +14,8 @@
 //! momentum, which keeps both at any speed, though not the way in which it tumbles.
 
 use crate::body::{
-    BodyIndex, BodyTable, MassProperties, Motion, Pose, Quarantined, Resting, RigidBody, Velocity,
-    local_pose,
+    BodyIndex, BodyState, BodyTable, MassProperties, Motion, Pose, Quarantined, Resting, RigidBody,
+    Velocity, limits, local_pose,
 };
 use crate::settings::StepTime;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -46,11 +46,11 @@ pub fn integration(
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
-        let still = body.kind == RigidBody::Static || body.asleep;
+        let mean = motion.mean(&velocity);
+        let still = body.kind == RigidBody::Static || body.asleep || rests(body, mean, dt);
         if still && !pose.is_changed() && !transform.is_changed() {
             continue;
         }
-        let mean = motion.mean(&velocity);
         let Velocity { linear, angular } = mean.unwrap_or(*velocity);
         let moves = [linear, angular, velocity.linear, velocity.angular];
         if let Some(target) = body.target.filter(|_| time.is_last()) {
@@ -70,6 +70,7 @@ pub fn integration(
                     (turned.normalize(), velocity.angular)
                 }
             };
+            pose.rotation = Quat::from_vec4(limits::dusted(pose.rotation.into()));
             pose.position = center - pose.rotation * mass.local_center;
         }
         if !child {
@@ -77,6 +78,18 @@ pub fn integration(
             transform.rotation = pose.rotation;
         }
     }
+}
+
+/// What contacts hold and that moves by less than this share of its radius in a step, or this angle (rad), stays where it is: half of
+/// what a coordinate as large as it is rounded to. Near the origin coordinates are finer, and all that rests there would be moved to
+/// and fro in every step, with its contacts and whatever watches its `Transform`.
+const NOTHING: f32 = 1.0 / (1 << 26) as f32;
+
+fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
+    mean.is_some_and(|Velocity { linear, angular }| {
+        (dt * linear).abs().max_element() <= NOTHING * body.radius
+            && (dt * angular).abs().max_element() <= NOTHING
+    })
 }
 
 /// Second half of the stage: writes the `Transform` of bodies with a parent, in its frame. Those at rest too: the frame may

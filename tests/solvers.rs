@@ -674,6 +674,21 @@ fn all_processors_can_four_lanes_and_those_with_avx2_eight() {
     );
 }
 
+/// A structure starts with what its joints carry at rest, and friction is anchored after the first step only.
+#[test]
+fn what_friction_carries_outlasts_a_step_without_an_anchor() {
+    let mut problem = falling(0.0, 1.0, 0.0);
+    let patch = &mut problem.patches[0];
+    patch.slip = None;
+    (patch.load_tangential, patch.load_twist) = (Vec3::new(2.0, 0.0, -1.0), 0.5);
+    let before = *patch;
+    for lanes in widths() {
+        let after = problem.solved_in(lanes, 24).patches[0];
+        assert!((after.load_tangential - before.load_tangential).length() < 0.05);
+        assert!((after.load_twist - before.load_twist).abs() < 0.05);
+    }
+}
+
 /// A pinned width is that of the whole, however full its blocks are; left alone, full blocks have eight lanes and others four.
 #[test]
 fn lanes_are_chosen_by_how_many_are_filled() {

@@ -269,7 +269,7 @@ fn fullest_cone(experiment: &Experiment) -> f32 {
         let mut pairs = run.world.query::<(&ContactPair, &ContactImpulses)>();
         for (pair, impulses) in pairs.iter(&run.world) {
             let carried: f32 = impulses.points.iter().map(|point| point.normal).sum();
-            let friction: Vec3 = impulses.points.iter().map(|point| point.tangential).sum();
+            let friction = impulses.tangential();
             if friction != Vec3::ZERO {
                 let share = friction.length() / (pair.friction * carried);
                 assert!(!share.is_nan(), "{friction}, {carried} N·s");

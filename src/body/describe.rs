@@ -7,7 +7,6 @@ use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingF
 use crate::contact::ContactEvents;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
-use glam::Vec3;
 
 use super::BodyIndex;
 
@@ -98,15 +97,13 @@ pub(super) fn describe(
         return Ok(());
     }
     body.kind = *kind;
-    body.collider = collider.cloned();
     body.friction = friction;
     body.restitution = restitution;
     body.rolling = rolling;
     body.layers = layers;
     body.mass = computed;
     body.center = body.pose.transform_point(computed.local_center);
-    body.radius = radius;
-    body.half = collider.map_or(Vec3::ZERO, Collider::half_extents);
+    body.set_shape(collider, radius);
     body.renewed = true;
     Ok(())
 }

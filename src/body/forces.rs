@@ -112,17 +112,20 @@ pub fn forces(
         }
         let velocity = velocity.bypass_change_detection();
         let before = *velocity;
-        let inverse_inertia = mass.world_inverse_inertia(pose.rotation);
+        let turned = |moment: Vec3| match moment {
+            Vec3::ZERO => Vec3::ZERO,
+            moment => mass.world_inverse_inertia(pose.rotation) * moment,
+        };
         velocity.linear += dt * (scale.map_or(1.0, |scale| scale.0) * gravity.0);
         if let Some(force) = force {
             velocity.linear += dt * (mass.inverse_mass * force.force);
-            velocity.angular += dt * (inverse_inertia * force.torque);
+            velocity.angular += dt * turned(force.torque);
         }
         if let Some(mut impulse) = impulse
             && *impulse != ExternalImpulse::default()
         {
             velocity.linear += mass.inverse_mass * impulse.linear;
-            velocity.angular += inverse_inertia * impulse.angular;
+            velocity.angular += turned(impulse.angular);
             *impulse = ExternalImpulse::default();
         }
         if let Some(damping) = damping {

@@ -124,6 +124,7 @@ pub fn prepare(
         body.force = pushed.0.copied().unwrap_or_default();
         match describe(&mut body, description) {
             Ok(()) => {
+                body.set_velocity(*velocity, rules.time.dt);
                 // Spawned asleep it sleeps on; what comes back after it was disabled does not.
                 body.asleep = of.3.asleep && body.is_dynamic();
                 body.roused = is_stirred(&velocity, pushed) || *index != BodyIndex::NONE;
@@ -206,7 +207,6 @@ impl Visitor<'_, '_, '_> {
         body.moved = body.pose != *pose;
         body.pose = *pose;
         body.center = pose.transform_point(body.mass.local_center);
-        body.velocity = *velocity;
         body.asleep = sleeping.asleep && *kind == RigidBody::Dynamic;
         let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
         if written
@@ -215,6 +215,8 @@ impl Visitor<'_, '_, '_> {
         {
             self.suspects.0.push((entity, problem));
         }
+        // Of a radius that may be new.
+        body.set_velocity(*velocity, time.dt);
         body.roused = self.rules.in_force.changed
             || body.put_from.is_some()
             || body.renewed
@@ -298,6 +300,9 @@ impl BodyState {
             center: pose.position,
             velocity,
             mass: MassProperties::default(),
+            size: 0.0,
+            turns_by: 0.0,
+            curved: false,
             collider: None,
             friction: Friction::default(),
             restitution: Restitution::default(),

@@ -51,22 +51,45 @@ pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut bodies: Query<&mut Body
 
 /// One body as it was at the start of the step: the poses at which contacts are detected, and the velocities before
 /// forces.
+///
+/// What stages read of both bodies of every pair stands in front.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct BodyState {
-    /// Whose slot this is.
-    pub entity: Entity,
-    /// When it came; what pairs and contacts are sorted by, since `Entity` order differs between a server and its clients.
-    pub age: Age,
-    /// How it answers to contact.
-    pub kind: RigidBody,
-    /// Asleep: its pairs keep what they have.
-    pub asleep: bool,
     /// Pose of the origin.
     pub pose: Pose,
     /// Centre of mass in the world, m.
     pub center: Vec3,
+    /// Radius of the sphere about the centre of mass that holds the shape, m.
+    pub radius: f32,
     /// Velocity before this step's forces.
     pub velocity: Velocity,
+    /// What is small against the body, m: its bounding radius, or less where it is thin.
+    pub(crate) size: f32,
+    /// Bound on how far a point of its surface comes in the step by turning, m: never beyond the other side.
+    pub(crate) turns_by: f32,
+    /// How it answers to contact.
+    pub kind: RigidBody,
+    /// Asleep: its pairs keep what they have.
+    pub asleep: bool,
+    /// Its pose is not that of the last step.
+    pub moved: bool,
+    /// Its shape, mass, surface or layers were set anew before this step.
+    pub renewed: bool,
+    /// It was not in the table in the last step.
+    pub arrived: bool,
+    /// The user did something to it that wakes it.
+    pub(crate) roused: bool,
+    /// Its surface is curved.
+    pub(crate) curved: bool,
+    /// Triggers contact events for observers.
+    pub events: bool,
+    /// Whose slot this is.
+    pub entity: Entity,
+    /// When it came; what pairs and contacts are sorted by, since `Entity` order differs between a server and its clients.
+    pub age: Age,
+    /// Where it was, if the user has put it elsewhere.
+    pub(crate) put_from: Option<Pose>,
     /// The material's inertia.
     pub mass: MassProperties,
     /// Its shape, if it has one.
@@ -79,24 +102,10 @@ pub struct BodyState {
     pub rolling: RollingFriction,
     /// What it collides with.
     pub layers: CollisionLayers,
-    /// Triggers contact events for observers.
-    pub events: bool,
     /// Multiplies gravity.
     pub gravity_scale: f32,
-    /// Radius of the sphere about the centre of mass that holds the shape, m.
-    pub radius: f32,
     /// Half the edges of the box that holds the shape in its own frame, m; infinite for a half-space.
     pub half: Vec3,
-    /// Its pose is not that of the last step.
-    pub moved: bool,
-    /// Its shape, mass, surface or layers were set anew before this step.
-    pub renewed: bool,
-    /// It was not in the table in the last step.
-    pub arrived: bool,
-    /// The user did something to it that wakes it.
-    pub(crate) roused: bool,
-    /// Where it was, if the user has put it elsewhere.
-    pub(crate) put_from: Option<Pose>,
     /// A kinematic body's pose at the end of the step, if its `Transform` says so.
     pub(crate) target: Option<Pose>,
     /// The force on it in the last step.
@@ -107,6 +116,9 @@ pub struct BodyState {
     pub(crate) visited: u64,
 }
 
+/// Two cache lines hold what is read of both bodies of every pair.
+const _: () = assert!(std::mem::offset_of!(BodyState, put_from) < 128);
+
 impl BodyState {
     /// Velocity of the body's material at a world point, m/s, before forces.
     #[inline]
@@ -114,13 +126,16 @@ impl BodyState {
         self.velocity.at(point - self.center)
     }
 
-    /// What is small against the body, m: its bounding radius, or less where it is thin.
-    #[inline]
-    pub fn size(&self) -> f32 {
-        self.radius.min(THICKNESS * self.half.min_element())
+    /// Takes over its shape, of which the rest depends.
+    pub(super) fn set_shape(&mut self, collider: Option<&Collider>, radius: f32) {
+        self.collider = collider.cloned();
+        self.curved = collider.is_some_and(Collider::is_curved);
+        self.half = collider.map_or(Vec3::ZERO, Collider::half_extents);
+        self.radius = radius;
+        self.size = radius.min(THICKNESS * self.half.min_element());
     }
 
-    /// The same of its face towards a direction in the world: how thick the body is behind it does not count.
+    /// What is small against its face towards a direction in the world: how thick the body is behind it does not count.
     #[inline]
     pub fn face_size(&self, direction: Vec3) -> f32 {
         let towards = (self.pose.rotation.inverse() * direction).abs();
@@ -144,16 +159,17 @@ impl BodyState {
 
     /// True where its surface is curved.
     pub(crate) fn is_curved(&self) -> bool {
-        self.collider.as_ref().is_some_and(Collider::is_curved)
+        self.curved
     }
 
-    /// Bound on how far a point of its surface comes in `dt` s by turning, m: never beyond the other side.
-    pub(crate) fn turns_by(&self, dt: f32) -> f32 {
-        match self.velocity.angular.length() {
+    /// Takes over its velocity at the start of a step of `dt` s.
+    pub(super) fn set_velocity(&mut self, velocity: Velocity, dt: f32) {
+        self.velocity = velocity;
+        self.turns_by = match velocity.angular.length() {
             // A half-space has no radius; it turns, or it doesn't.
             0.0 => 0.0,
             speed => (speed * dt).min(2.0) * self.radius,
-        }
+        };
     }
 
     /// True for a body that contacts move in this step.
@@ -218,6 +234,12 @@ impl BodyTable {
     #[inline]
     pub fn get(&self, slot: u32) -> Option<&BodyState> {
         self.slots.get(slot as usize)?.as_ref()
+    }
+
+    /// The two bodies of a pair, if both are there.
+    #[inline]
+    pub(crate) fn both(&self, [a, b]: [u32; 2]) -> Option<[&BodyState; 2]> {
+        Some([self.get(a)?, self.get(b)?])
     }
 
     /// All bodies with their slots.

@@ -235,7 +235,7 @@ fn tight_box(
     } else {
         0.0
     };
-    let way = (body.velocity.linear.length() + fall) * dt + body.turns_by(dt);
+    let way = (body.velocity.linear.length() + fall) * dt + body.turns_by;
     let reach = settings.outer_distance().max(0.0) + way;
     let shape = collider.shape();
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)

@@ -11,6 +11,7 @@ pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
+pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 
 use crate::body::{Age, BodyState};
@@ -108,13 +109,28 @@ pub struct Manifold {
     pub patches: SmallVec<[ManifoldPatch; 1]>,
     /// The points of all patches.
     pub points: SmallVec<[ContactPoint; 4]>,
+    /// From the centre of mass of B to that of A when it was detected, world axes, m.
+    pub between: Vec3,
+}
+
+impl Manifold {
+    /// From the centres of mass of A and B to a point when it was detected, world axes, m. As long as the manifold is kept the point goes
+    /// with both.
+    #[inline]
+    pub fn arms(&self, point: usize) -> [Vec3; 2] {
+        let arm = self.points[point].arm;
+        [arm, arm + self.between]
+    }
 }
 
 /// Contact points with one normal.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct ManifoldPatch {
     /// Unit vector from B to A, world axes.
     pub normal: Vec3,
+    /// The middle of its points, from the centre of mass of A when they were detected, world axes, m.
+    pub center: Vec3,
     /// Index of its first point.
     pub first: u32,
     /// How many points it has.
@@ -129,23 +145,14 @@ impl ManifoldPatch {
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
-
-    /// The middle of its points, from the centre of mass of A when they were detected, world axes, m.
-    #[inline]
-    pub fn center(points: &[ContactPoint]) -> Vec3 {
-        points.iter().map(|point| point.arms[0]).sum::<Vec3>() / points.len() as f32
-    }
 }
 
 /// One point of contact.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct ContactPoint {
-    /// Midway between the surfaces, world, m.
-    pub position: Vec3,
-    /// The same point in the frames of A and B when it was detected, m.
-    pub local: [Vec3; 2],
-    /// From the centres of mass of A and B to the point when it was detected, world axes, m.
-    pub arms: [Vec3; 2],
+    /// From the centre of mass of A to midway between the surfaces when it was detected, world axes, m.
+    pub arm: Vec3,
     /// Signed distance d of the surfaces along the normal, m; negative: overlap.
     pub distance: f32,
     /// The same when it was detected.
@@ -181,44 +188,64 @@ pub struct ContactImpulses {
     pub points: SmallVec<[Impulse; 4]>,
     /// One for each patch.
     pub patches: SmallVec<[PatchImpulse; 1]>,
-    /// What was given in this step at points that are no more. Nothing but with several substeps.
-    pub elsewhere: Given,
-    /// While the substeps of a step go on, what points got in those before this one.
-    pub(crate) earlier: Vec<Given>,
+    /// Friction of each point, under solvers of points. None under others: there it is that of the patch.
+    pub friction: Vec<PointFriction>,
+    /// Of the substeps before this one.
+    pub(crate) earlier: Option<Box<Earlier>>,
 }
 
 impl ContactImpulses {
     /// Σλ_n of the step, N·s.
     pub fn normal(&self) -> f32 {
         let points: f32 = self.points.iter().map(|point| point.normal).sum();
-        points + self.elsewhere.normal
+        points + self.elsewhere().normal
     }
 
     /// Σλ_t of the step on A, N·s, world axes.
     pub fn tangential(&self) -> Vec3 {
-        let points: Vec3 = self.points.iter().map(|point| point.tangential).sum();
-        points + self.elsewhere.tangential
+        let points: Vec3 = self.friction.iter().map(|point| point.tangential).sum();
+        let patches: Vec3 = self.patches.iter().map(|patch| patch.tangential).sum();
+        points + patches + self.elsewhere().tangential
+    }
+
+    /// λ_t on A at one of the points of a patch, N·s, world axes: under a solver with one friction force for a patch, the share of it
+    /// that the point has in the load.
+    pub fn tangential_at(&self, patch: &ManifoldPatch, number: usize, point: usize) -> Vec3 {
+        if let Some(friction) = self.friction.get(point) {
+            return friction.tangential;
+        }
+        let points = &self.points[patch.range()];
+        let sum: f32 = points.iter().map(|point| point.normal).sum();
+        let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        self.patches[number].tangential * (self.points[point].normal * share)
     }
 }
 
-/// What A gets at a contact point in a step, and B the opposite of.
+/// What A gets at a contact point in a step along the normal, and B the opposite of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
-    /// λ_n ≥ 0 along the normal, N·s.
+    /// λ_n ≥ 0, N·s.
     pub normal: f32,
-    /// λ_t, N·s, world axes.
-    pub tangential: Vec3,
     /// The normal force at the end of the last solve, N: what the next one starts from, whatever the length of its step.
     pub warm_normal: f32,
-    /// The friction force at the end of the last solve, N, world axes. Zero under solvers with one friction force for a patch.
-    pub warm_tangential: Vec3,
     /// A slow mean of the normal force, N: what the point carries at rest. Zero under solvers that need none.
     pub load: f32,
+}
+
+/// What A gets at a contact point in a step along the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointFriction {
+    /// λ_t, N·s, world axes.
+    pub tangential: Vec3,
+    /// The friction force at the end of the last solve, N, world axes.
+    pub warm_tangential: Vec3,
 }
 
 /// What a solver with one friction force for a patch keeps of it. Zero under others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PatchImpulse {
+    /// λ_t of the step on A, N·s, world axes.
+    pub tangential: Vec3,
     /// The friction force on A at the patch's centre at the end of the last solve, N, world axes.
     pub warm_tangential: Vec3,
     /// Moment of friction on A about the normal, likewise, N·m.
@@ -233,9 +260,13 @@ pub struct PatchImpulse {
     pub dragged: Slip,
 }
 
-/// True where some of a column were written since the system at hand ran last, by somebody who did not bypass change detection, as
+/// True where some of a column, or one row of it, were written since the system at hand ran last, by somebody who did not bypass change detection, as
 /// drystone's stages do.
 macro_rules! is_edited {
+    ($column:expr, $row:expr) => {{
+        let (last, this) = ($column.last_run_tick(), $column.this_run_tick());
+        $column.changed_ticks_slice()[$row].is_newer_than(last, this)
+    }};
     ($column:expr) => {{
         let (last, this) = ($column.last_run_tick(), $column.this_run_tick());
         let mut ticks = $column.changed_ticks_slice().iter();
@@ -246,7 +277,7 @@ pub(crate) use is_edited;
 
 /// What contact gave to A in part of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Given {
+pub(crate) struct Given {
     /// Σλ_n, N·s.
     pub normal: f32,
     /// Σλ_t, N·s, world axes.
@@ -266,16 +297,38 @@ pub struct ContactAnchors {
 }
 
 /// How the two bodies of a patch stood to each other when it began to stick.
+///
+/// A vector is read into a register of four, so what follows it must not be a small integer: as a number that would be subnormal, which
+/// made the stage *friction error* four times as slow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub struct PatchAnchor {
+    /// The origin of A in the frame of B, m.
+    pub position: Vec3,
+    /// The rotation of A in the frame of B, as numbers: a `Quat` would be padded to 16 bytes.
+    rotation: [f32; 4],
     /// Classified as sticking in the last step, equation (10).
     pub sticking: bool,
     /// The pose is written.
     pub set: bool,
-    /// The origin of A in the frame of B, m.
-    pub position: Vec3,
+}
+
+impl PatchAnchor {
+    /// One that sticks: the origin and the rotation of A in the frame of B.
+    pub fn new(position: Vec3, rotation: Quat) -> Self {
+        Self {
+            position,
+            rotation: rotation.to_array(),
+            sticking: true,
+            set: true,
+        }
+    }
+
     /// The rotation of A in the frame of B.
-    pub rotation: Quat,
+    #[inline]
+    pub fn rotation(&self) -> Quat {
+        Quat::from_array(self.rotation)
+    }
 }
 
 /// Where one contact point is held while it sticks.
@@ -299,21 +352,26 @@ pub struct Anchor {
 #[doc(hidden)]
 pub struct NarrowphaseCache {
     /// How the bodies stood when the manifold was detected.
-    pub(crate) stand: Option<Stand>,
+    pub(crate) stand: Stand,
     /// Along which two polyhedra were last found to be farthest apart.
     pub(crate) axis: Axis,
-    /// Of other shapes.
-    pub(crate) manifolds: Vec<ParryManifold>,
-    pub(crate) workspace: Option<ContactManifoldsWorkspace>,
+    /// Of shapes that parry looks at.
+    pub(crate) parry: Option<Box<ParryCache>>,
+}
+
+/// What parry keeps from search to search.
+#[derive(Default)]
+pub(crate) struct ParryCache {
+    pub manifolds: Vec<ParryManifold>,
+    pub workspace: Option<ContactManifoldsWorkspace>,
 }
 
 impl NarrowphaseCache {
     /// What is found next is found anew.
     pub(crate) fn forget(&mut self) {
-        self.stand = None;
+        self.stand.forget();
         self.axis = Axis::Unknown;
-        self.manifolds.clear();
-        self.workspace = None;
+        self.parry = None;
     }
 }
 
@@ -322,10 +380,31 @@ impl NarrowphaseCache {
 pub(crate) struct Stand {
     /// From the centre of mass of B to that of A, world axes, m.
     pub between: Vec3,
-    /// Of A and B.
-    pub rotations: [Quat; 2],
-    /// m
+    /// Of A and B, as numbers: a `Quat` would be padded to 16 bytes.
+    pub rotations: [[f32; 4]; 2],
+    /// m; −∞ where what was found may not be kept.
     pub reach: f32,
     /// No two points of theirs were nearer than this, m; −∞ where nothing is known.
     pub apart: f32,
 }
+
+impl Default for Stand {
+    fn default() -> Self {
+        Self {
+            between: Vec3::ZERO,
+            rotations: [Quat::IDENTITY.to_array(); 2],
+            reach: f32::NEG_INFINITY,
+            apart: f32::NEG_INFINITY,
+        }
+    }
+}
+
+/// Stages walk columns of these; a wall of 1 000 bricks has 3 000 pairs, and a cache of 2 MB.
+const _: () = {
+    assert!(size_of::<ContactPair>() <= 72);
+    assert!(size_of::<Manifold>() <= 168);
+    assert!(size_of::<ContactTargets>() <= 56);
+    assert!(size_of::<ContactImpulses>() <= 168);
+    assert!(size_of::<ContactAnchors>() <= 72);
+    assert!(size_of::<NarrowphaseCache>() <= 72);
+};

@@ -3,43 +3,98 @@
 //! While substeps go on [`ContactImpulses`] holds those of the one at hand, since that is what classifies friction; what those before
 //! it gave waits in a list beside.
 
-use super::{ContactImpulses, Given};
+use super::{ContactImpulses, Given, Manifold};
 use crate::body::Resting;
 use crate::narrowphase::{Origins, inherit};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 
+/// What the substeps of a step before this one gave. Nothing without several.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Earlier {
+    /// One for each point.
+    points: Vec<Given>,
+    /// At points that are no more.
+    elsewhere: Given,
+}
+
 impl ContactImpulses {
+    /// What was given in this step at points that are no more.
+    pub(super) fn elsewhere(&self) -> Given {
+        let earlier = self.earlier.as_ref();
+        earlier.map_or(Given::default(), |earlier| earlier.elsewhere)
+    }
+
     /// Before contacts are looked for: what the points have goes to what they got earlier; in the first substep nothing did.
-    pub(crate) fn begin_substep(&mut self, time: &StepTime) {
-        if time.substep == 0 {
-            self.elsewhere = Given::default();
-            self.earlier.clear();
-        } else {
-            self.earlier.resize(self.points.len(), Given::default());
-            for (earlier, point) in self.earlier.iter_mut().zip(&mut self.points) {
-                earlier.add(point.normal, point.tangential);
-                (point.normal, point.tangential) = (0.0, Vec3::ZERO);
+    #[inline]
+    pub(crate) fn begin_substep(&mut self, time: &StepTime, manifold: &Manifold) {
+        if time.substep > 0 {
+            self.set_aside(manifold);
+        } else if let Some(earlier) = &mut self.earlier {
+            earlier.elsewhere = Given::default();
+            earlier.points.clear();
+        }
+    }
+
+    fn set_aside(&mut self, manifold: &Manifold) {
+        let mut earlier = self.earlier.take().unwrap_or_default();
+        earlier.points.resize(self.points.len(), Given::default());
+        for (number, patch) in manifold.patches.iter().enumerate() {
+            for point in patch.range() {
+                let tangential = self.tangential_at(patch, number, point);
+                earlier.points[point].add(self.points[point].normal, tangential);
             }
+        }
+        self.earlier = Some(earlier);
+        self.points.iter_mut().for_each(|point| point.normal = 0.0);
+        for point in &mut self.friction {
+            point.tangential = Vec3::ZERO;
+        }
+        for patch in &mut self.patches {
+            patch.tangential = Vec3::ZERO;
         }
     }
 
     /// When points come, go or change places. What those got that go has acted all the same.
     pub(crate) fn reorder(&mut self, origins: &Origins) {
         inherit(origins, &mut self.points);
-        if self.earlier.is_empty() {
-            return;
+        if !self.friction.is_empty() {
+            inherit(origins, &mut self.friction);
         }
-        let mut gone = std::mem::take(&mut self.earlier);
+        let Some(earlier) = self.earlier.as_mut().filter(|e| !e.points.is_empty()) else {
+            return;
+        };
+        let mut gone = std::mem::take(&mut earlier.points);
         for origin in origins {
             let kept = origin.and_then(|i| gone.get_mut(i as usize));
-            self.earlier
-                .push(kept.map(std::mem::take).unwrap_or_default());
+            let kept = kept.map(std::mem::take).unwrap_or_default();
+            earlier.points.push(kept);
         }
         for lost in gone {
-            self.elsewhere.add(lost.normal, lost.tangential);
+            earlier.elsewhere.add(lost.normal, lost.tangential);
         }
+    }
+
+    /// After the last substep.
+    fn add_up(&mut self, manifold: &Manifold) {
+        let Some(earlier) = &mut self.earlier else {
+            return;
+        };
+        let by_points = !self.friction.is_empty();
+        for (patch, whole) in manifold.patches.iter().zip(&mut self.patches) {
+            for i in patch.range() {
+                let Some(earlier) = earlier.points.get(i) else {
+                    continue;
+                };
+                self.points[i].normal += earlier.normal;
+                match by_points {
+                    true => self.friction[i].tangential += earlier.tangential,
+                    false => whole.tangential += earlier.tangential,
+                }
+            }
+        }
+        earlier.points.clear();
     }
 }
 
@@ -51,15 +106,14 @@ impl Given {
 }
 
 /// See the module's text.
-pub fn whole_step(time: Res<StepTime>, mut pairs: Query<&mut ContactImpulses, Without<Resting>>) {
+pub fn whole_step(
+    time: Res<StepTime>,
+    mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Resting>>,
+) {
     if time.substeps == 1 || !time.is_last() {
         return;
     }
-    for mut impulses in &mut pairs {
-        let impulses = impulses.bypass_change_detection();
-        for (earlier, point) in impulses.earlier.drain(..).zip(&mut impulses.points) {
-            point.normal += earlier.normal;
-            point.tangential += earlier.tangential;
-        }
+    for (manifold, mut impulses) in &mut pairs {
+        impulses.bypass_change_detection().add_up(manifold);
     }
 }

@@ -68,18 +68,18 @@ pub(super) fn push(
         return;
     }
     points.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+    let arm = |point: &Candidate| point.position - bodies[0].center;
     manifold.patches.push(ManifoldPatch {
         normal,
+        center: points.iter().map(arm).sum::<Vec3>() / points.len() as f32,
         first: manifold.points.len() as u32,
         count: points.len() as u32,
         curved,
     });
     manifold
         .points
-        .extend(points.into_iter().map(|point| ContactPoint {
-            position: point.position,
-            local: bodies.map(|body| body.pose.inverse_transform_point(point.position)),
-            arms: bodies.map(|body| point.position - body.center),
+        .extend(points.iter().map(|point| ContactPoint {
+            arm: arm(point),
             distance: point.distance,
             detected: point.distance,
             feature: point.feature,

@@ -2,14 +2,21 @@
 //! body carried along. What matches inherits impulses, sticking and anchors.
 
 use super::polyhedra::FeatureId;
-use crate::contact::{Manifold, ManifoldPatch};
+use crate::contact::{ContactPoint, Manifold, ManifoldPatch};
+use glam::Quat;
 use smallvec::SmallVec;
 
 /// For each new point the index of the old one.
 pub(crate) type Origins = SmallVec<[Option<u16>; 8]>;
 
-/// Matches the points of a manifold with those before, no further apart than `radius` m where features don't tell.
-pub(crate) fn match_points(old: &Manifold, new: &Manifold, radius: f32) -> Origins {
+/// Matches the points of a manifold with those before, no further apart than `radius` m where features don't tell; A and B have turned
+/// since then.
+pub(crate) fn match_points(
+    old: &Manifold,
+    new: &Manifold,
+    turns: [Quat; 2],
+    radius: f32,
+) -> Origins {
     let mut origins: Origins = smallvec::smallvec![None; new.points.len()];
     let mut taken: SmallVec<[bool; 8]> = smallvec::smallvec![false; old.points.len()];
     for (point, origin) in new.points.iter().zip(&mut origins) {
@@ -26,9 +33,10 @@ pub(crate) fn match_points(old: &Manifold, new: &Manifold, radius: f32) -> Origi
         if origin.is_some() {
             continue;
         }
-        let gap = |old: &crate::contact::ContactPoint| {
-            let a = old.local[0].distance_squared(point.local[0]);
-            a.min(old.local[1].distance_squared(point.local[1]))
+        let gap = |before: &ContactPoint| {
+            let a = (turns[0] * before.arm).distance_squared(point.arm);
+            let on_b = turns[1] * (before.arm + old.between);
+            a.min(on_b.distance_squared(point.arm + new.between))
         };
         let nearest = (0..old.points.len())
             .filter(|&i| !taken[i])
@@ -78,14 +86,11 @@ pub(crate) fn inherit<T: Copy + Default, Kept: AsRef<[T]> + FromIterator<T>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::ContactPoint;
     use glam::Vec3;
 
     fn manifold(xs: &[f32]) -> Manifold {
         let point = |&x: &f32| ContactPoint {
-            position: Vec3::X * x,
-            local: [Vec3::X * x; 2],
-            arms: [Vec3::ZERO; 2],
+            arm: Vec3::X * x,
             distance: 0.0,
             detected: 0.0,
             feature: FeatureId::NONE,
@@ -93,13 +98,14 @@ mod tests {
         Manifold {
             patches: Default::default(),
             points: xs.iter().map(point).collect(),
+            between: Vec3::ZERO,
         }
     }
 
     #[test]
     fn nearest_points_inherit_and_each_old_point_serves_once() {
         let (old, new) = (manifold(&[0.0, 1.0]), manifold(&[0.99, 0.02, 0.01, 5.0]));
-        let origins = match_points(&old, &new, 0.1);
+        let origins = match_points(&old, &new, [Quat::IDENTITY; 2], 0.1);
         assert_eq!(origins.as_slice(), [Some(1), Some(0), None, None]);
         let mut kept: SmallVec<[u32; 4]> = smallvec::smallvec![7, 8];
         inherit(&origins, &mut kept);

@@ -23,7 +23,7 @@ pub(crate) use matching::{Origins, inherit};
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-    Stand, is_edited,
+    is_edited,
 };
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
@@ -74,7 +74,7 @@ pub fn narrowphase(
         threads.each(
             columns,
             |(pair, cache, manifold, impulses, anchors, targets)| {
-                if let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) {
+                if let Some([a, b]) = table.both(pair.slots) {
                     let kept = (manifold, impulses, anchors, targets);
                     look(&rules, [a, b], pair, cache, kept);
                 }
@@ -124,7 +124,7 @@ fn look(
         return;
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
-    let little = rules.manifolds.recycle_share * a.size().min(b.size());
+    let little = rules.manifolds.recycle_share * a.size.min(b.size);
     // In a heap that falls most pairs are such, and ask for no more of their columns. Farther than a search would go: what is hit in
     // the step goes farther than it looked.
     let search = reach + little;
@@ -132,9 +132,9 @@ fn look(
         return;
     }
     pair.detected = true;
-    impulses.begin_substep(time);
+    impulses.begin_substep(time, manifold);
     if put_apart(a, b) {
-        cache.stand = None;
+        cache.stand.forget();
         anchors.points.fill(Default::default());
         anchors.patches.fill(Default::default());
         anchors.measured = false;
@@ -143,19 +143,21 @@ fn look(
     // What rolls must be found where it is, or it would gain speed.
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
+    let since = stand.since(a, b);
     if manifold.points.is_empty() && recycling::are_apart(a, b, cache, search) {
         // Nothing was there, nor can be.
-    } else if stand.is_some_and(|stand| stand.holds(a, b, limit, reach)) {
+    } else if stand.holds(since.way(), limit, reach) {
         if a.moved || b.moved || rules.edited {
-            recycling::refresh(manifold, a, b);
+            since.refresh(manifold);
         }
     } else {
         pair.revision = pair.revision.wrapping_add(1);
         let reach = reach + limit;
         let old = std::mem::take(manifold);
+        manifold.between = a.center - b.center;
         let apart = detect::detect(rules, a, b, reach, cache, &old, manifold);
-        let lost = match manifold.points.is_empty() {
-            true => stand.and_then(|stand| stand.lost(&old, cache, a, b, little)),
+        let lost = match manifold.points.is_empty() && stand.is_known() {
+            true => since.lost(&old, cache, little),
             false => None,
         };
         if let Some(lost) = lost {
@@ -173,7 +175,8 @@ fn look(
                 true => f32::INFINITY,
                 false => rules.manifolds.match_radius,
             };
-            let origins = matching::match_points(&old, manifold, radius);
+            let turns = stand.turns([a, b]);
+            let origins = matching::match_points(&old, manifold, turns, radius);
             impulses.reorder(&origins);
             if !anchors.points.is_empty() {
                 matching::inherit(&origins, &mut anchors.points);
@@ -185,8 +188,10 @@ fn look(
             targets.points.clear();
             targets.patches.clear();
             targets.patches.resize(manifold.patches.len(), None);
-            let keep = limit > 0.0 && !passing;
-            cache.stand = keep.then(|| Stand::of(a, b, reach, apart));
+            cache.stand.take(a, b);
+            if limit > 0.0 && !passing {
+                (cache.stand.reach, cache.stand.apart) = (reach, apart);
+            }
         }
     }
     let touched = pair.touching;
@@ -228,5 +233,5 @@ const NOTHING: f32 = 1e-5;
 
 /// Bound on how far two surfaces can come nearer within the step, m, from the velocities before forces.
 fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
-    (a.velocity.linear - b.velocity.linear).length() * dt + a.turns_by(dt) + b.turns_by(dt)
+    (a.velocity.linear - b.velocity.linear).length() * dt + a.turns_by + b.turns_by
 }

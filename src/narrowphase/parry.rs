@@ -6,7 +6,7 @@ use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::reduction;
 use crate::body::BodyState;
-use crate::contact::{Manifold, NarrowphaseCache};
+use crate::contact::{Manifold, NarrowphaseCache, ParryCache};
 use glam::Vec3;
 use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
 use parry3d::shape::PackedFeatureId;
@@ -23,11 +23,10 @@ pub(super) fn detect(
     cache: &mut NarrowphaseCache,
     manifold: &mut Manifold,
 ) {
-    let NarrowphaseCache {
+    let ParryCache {
         manifolds,
         workspace,
-        ..
-    } = cache;
+    } = &mut **cache.parry.get_or_insert_default();
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
         return;
     };

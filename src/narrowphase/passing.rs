@@ -26,7 +26,7 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
 /// they face each other, which they need not before: corner before corner, no point of either has anything before it.
 pub(super) fn way_until_they_meet(a: &BodyState, b: &BodyState, dt: f32) -> Option<Vec3> {
     let speed = b.velocity.linear - a.velocity.linear;
-    if speed.length() * dt < SLOW * a.size().min(b.size()) {
+    if speed.length() * dt < SLOW * a.size.min(b.size) {
         return None;
     }
     let time = match is_fast(a, b, dt) {
@@ -39,7 +39,7 @@ pub(super) fn way_until_they_meet(a: &BodyState, b: &BodyState, dt: f32) -> Opti
 
 fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
     let flight = (a.velocity.linear - b.velocity.linear).length() * dt;
-    flight >= FAST * a.size().min(b.size())
+    flight >= FAST * a.size.min(b.size)
 }
 
 /// The first time at which the two are no further apart than `near` (m). What cannot be cast is an error.

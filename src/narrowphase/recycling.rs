@@ -10,32 +10,120 @@
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache, Stand};
 use crate::narrowphase::ParryManifold;
-use glam::Quat;
+use glam::{Quat, Vec3};
 
 impl Stand {
-    pub(crate) fn of(a: &BodyState, b: &BodyState, reach: f32, apart: f32) -> Self {
-        Self {
-            between: a.center - b.center,
-            rotations: [a.pose.rotation, b.pose.rotation],
-            reach,
-            apart,
+    /// The two stand as they do now; nothing is known yet.
+    pub(crate) fn take(&mut self, a: &BodyState, b: &BodyState) {
+        self.between = a.center - b.center;
+        self.rotations = [a, b].map(|body| body.pose.rotation.to_array());
+        self.forget();
+    }
+
+    /// What was found may not be kept.
+    pub(crate) fn forget(&mut self) {
+        (self.reach, self.apart) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+    }
+
+    /// Something was found that may be kept.
+    pub(crate) fn is_known(&self) -> bool {
+        self.reach > f32::NEG_INFINITY
+    }
+
+    /// How each has turned since then.
+    #[inline]
+    pub(crate) fn turns(&self, bodies: [&BodyState; 2]) -> [Quat; 2] {
+        std::array::from_fn(|i| {
+            let was = Quat::from_array(self.rotations[i]);
+            bodies[i].pose.rotation * was.inverse()
+        })
+    }
+
+    /// How the two have moved against each other since then.
+    #[inline]
+    pub(crate) fn since(&self, a: &BodyState, b: &BodyState) -> Since {
+        let turn = |body: &BodyState, was: [f32; 4]| {
+            let (now, was) = (body.pose.rotation, Quat::from_array(was));
+            // A half-space has no radius; it turns, or it doesn't.
+            if now == was {
+                return (Turn::default(), 0.0);
+            }
+            let turn = now * was.inverse();
+            let turn = Turn {
+                axis: turn.xyz(),
+                w: turn.w,
+            };
+            (turn, 2.0 * turn.axis.length() * body.radius)
+        };
+        let shift = a.center - b.center - self.between;
+        let (turn_a, way_a) = turn(a, self.rotations[0]);
+        let (turn_b, way_b) = turn(b, self.rotations[1]);
+        Since {
+            shift,
+            turns: [turn_a, turn_b],
+            way: shift.length() + way_a + way_b,
         }
     }
 
-    /// Bound on how far two points of the surfaces have moved against each other, or turned away from where they looked, m.
+    /// Nothing has moved by more than `limit`, but by `moved`, and nothing that now counts lay beyond the reach of the search.
     #[inline]
-    fn moved(&self, a: &BodyState, b: &BodyState) -> f32 {
-        let turned = |body: &BodyState, was: Quat| {
-            let now = body.pose.rotation;
-            // A half-space has no radius; it turns, or it doesn't.
-            if now == was {
-                return 0.0;
+    pub(crate) fn holds(&self, moved: f32, limit: f32, reach: f32) -> bool {
+        moved <= limit && reach + moved <= self.reach
+    }
+
+    /// They are farther apart than `reach` still, wherever they have moved.
+    fn is_apart(&self, a: &BodyState, b: &BodyState, reach: f32) -> bool {
+        self.apart > reach && reach + self.since(a, b).way < self.apart
+    }
+}
+
+/// How two bodies have moved against each other since their manifold was detected.
+pub(crate) struct Since {
+    /// Of A's centre of mass against B's, m.
+    shift: Vec3,
+    turns: [Turn; 2],
+    /// Bound on how far two points of the surfaces have moved against each other, or turned away from where they looked, m.
+    way: f32,
+}
+
+/// A turn, as a quaternion: what it does to a vector is found without rounding off what is small.
+#[derive(Clone, Copy, Default)]
+struct Turn {
+    axis: Vec3,
+    w: f32,
+}
+
+impl Turn {
+    /// What a vector becomes by turning back, less what it is.
+    #[inline]
+    fn back(&self, vector: Vec3) -> Vec3 {
+        let across = self.axis.cross(vector);
+        2.0 * (self.axis.cross(across) - self.w * across)
+    }
+}
+
+impl Since {
+    /// Bound on how far two points of the surfaces have moved against each other, m.
+    pub(crate) fn way(&self) -> f32 {
+        self.way
+    }
+
+    /// Brings the distances of a kept manifold up to date.
+    ///
+    /// A point has gone with A and with B, by R_A a and R_B b with its arms a and b; along the normal they are apart by n·(R_A a − R_B b),
+    /// and a turned by R_A sees as much of n as a of n turned back.
+    #[inline]
+    pub(crate) fn refresh(&self, manifold: &mut Manifold) {
+        for patch in &manifold.patches {
+            let [a, b] = self.turns.each_ref().map(|turn| turn.back(patch.normal));
+            let (apart, tilted) = (
+                patch.normal.dot(self.shift) - b.dot(manifold.between),
+                a - b,
+            );
+            for point in &mut manifold.points[patch.range()] {
+                point.distance = point.detected + (apart + tilted.dot(point.arm));
             }
-            2.0 * (now * was.inverse()).xyz().length() * body.radius
-        };
-        (a.center - b.center - self.between).length()
-            + turned(a, self.rotations[0])
-            + turned(b, self.rotations[1])
+        }
     }
 
     /// The points that the two touched in, still within `limit` of each other, where parry has found none although nothing has moved
@@ -44,33 +132,17 @@ impl Stand {
         &self,
         old: &Manifold,
         cache: &NarrowphaseCache,
-        a: &BodyState,
-        b: &BodyState,
         limit: f32,
     ) -> Option<Manifold> {
         let found = |m: &ParryManifold| !m.points.is_empty();
-        if cache.manifolds.is_empty()
-            || cache.manifolds.iter().any(found)
-            || self.moved(a, b) > limit
-        {
+        let manifolds = &cache.parry.as_ref()?.manifolds;
+        if manifolds.is_empty() || manifolds.iter().any(found) || self.way > limit {
             return None;
         }
         let mut old = old.clone();
-        refresh(&mut old, a, b);
+        self.refresh(&mut old);
         let touches = old.points.iter().any(|point| point.distance <= limit);
         touches.then_some(old)
-    }
-
-    /// Nothing has moved by more than `limit`, and nothing that now counts lay beyond the reach of the search.
-    #[inline]
-    pub(crate) fn holds(&self, a: &BodyState, b: &BodyState, limit: f32, reach: f32) -> bool {
-        let moved = self.moved(a, b);
-        moved <= limit && reach + moved <= self.reach
-    }
-
-    /// They are farther apart than `reach` still, wherever they have moved.
-    fn is_apart(&self, a: &BodyState, b: &BodyState, reach: f32) -> bool {
-        self.apart > reach && reach + self.moved(a, b) < self.apart
     }
 }
 
@@ -85,19 +157,5 @@ pub(crate) fn are_apart(
     // No half-space has a sphere: it has no end.
     let touching = a.radius + b.radius + reach;
     (a.center - b.center).length_squared() > touching * touching
-        || cache.stand.is_some_and(|stand| stand.is_apart(a, b, reach))
-}
-
-/// Brings the distances of a kept manifold up to date.
-#[inline]
-pub(crate) fn refresh(manifold: &mut Manifold, a: &BodyState, b: &BodyState) {
-    let Manifold { patches, points } = manifold;
-    for patch in patches.iter() {
-        for point in &mut points[patch.range()] {
-            let on_a = a.pose.transform_point(point.local[0]);
-            let on_b = b.pose.transform_point(point.local[1]);
-            point.position = 0.5 * (on_a + on_b);
-            point.distance = point.detected + patch.normal.dot(on_a - on_b);
-        }
-    }
+        || cache.stand.is_apart(a, b, reach)
 }

@@ -2,6 +2,7 @@
 //! is the setting of the paper's Table 1. All of it may be changed between any two steps; what cannot be is refused (`StepError::InvalidSettings`).
 
 mod check;
+mod columns;
 mod narrowphase;
 mod preset;
 mod solver;

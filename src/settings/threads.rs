@@ -1,7 +1,7 @@
 //! Where physics runs.
 
+use super::columns::Columns;
 use bevy_ecs::prelude::*;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The threads that physics may use. By default rayon's global pool.
@@ -52,33 +52,21 @@ impl PhysicsThreads {
         items >= self.share_from && self.count() > 1
     }
 
-    /// Runs work on these threads, or on this one where sharing does not pay. Rayon's iterators in it must then be kept from
-    /// splitting: by [`Self::grain`], or by being plain ones.
-    pub fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
+    /// Runs work on these threads, or on this one where sharing does not pay. Nothing in it may be one of rayon's iterators then.
+    pub(crate) fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
             Some(pool) if self.share(items) => pool.install(work),
             _ => work(),
         }
     }
 
-    /// The least number of items that a thread takes of so many.
-    pub fn grain(&self, items: usize) -> usize {
-        if self.share(items) {
-            (self.share_from / 8).max(1)
-        } else {
-            usize::MAX
+    /// Does work on each row of some columns, side by side where there are enough.
+    pub(crate) fn each<C: Columns>(&self, columns: C, work: impl Fn(C::Row) + Sync) {
+        let rows = columns.rows();
+        match self.share(rows) {
+            true => self.run(rows, || columns.share((self.share_from / 8).max(1), &work)),
+            false => columns.for_each(&work),
         }
-    }
-
-    /// Does work on each of some items, side by side where there are enough.
-    pub fn each<Items: IntoParallelIterator<Iter: IndexedParallelIterator>>(
-        &self,
-        items: Items,
-        work: impl Fn(Items::Item) + Sync + Send,
-    ) {
-        let items = items.into_par_iter();
-        let (count, grain) = (items.len(), self.grain(items.len()));
-        self.run(count, || items.with_min_len(grain).for_each(work));
     }
 
     /// Fewer are not worth handing over: that takes 20 µs where the other threads are awake and 100 where they are not, as much as a

@@ -3,7 +3,7 @@
 use super::touch::Touch;
 use super::{Given, IslandReport};
 use crate::body::{BodyState, BodyTable, Velocity, limits};
-use crate::contact::{ContactImpulses, Impulse, PatchImpulse};
+use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::profile::SolveParts;
 use crate::solver::{Body, SolveReport};
 use bevy_ecs::prelude::*;
@@ -171,6 +171,7 @@ impl ContactImpulses {
     /// As if nothing had ever pushed.
     fn forget(&mut self) {
         self.points.fill(Impulse::default());
+        self.friction.fill(PointFriction::default());
         self.patches.fill(PatchImpulse::default());
     }
 }

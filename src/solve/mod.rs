@@ -13,7 +13,7 @@ mod patches;
 mod points;
 mod touch;
 
-use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Resting, Velocity};
+use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Resting, Velocity, limits};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::islands::Islands;
@@ -24,6 +24,7 @@ use crate::settings::{
 use crate::solver::SolveReport;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use glam::Vec3;
 use island::{Island, Rows};
 use order::{Member, Order};
 use patches::PatchRows;
@@ -241,15 +242,12 @@ impl Step<'_> {
             let Some(solved) = island.and_then(|island| island.bodies.get(local as usize)) else {
                 continue;
             };
-            let mut end = Velocity {
-                linear: solved.linear,
-                angular: solved.angular,
-            };
+            let mut end = dusted([solved.linear, solved.angular]);
             self.given.speeds.cap(&mut end);
             *velocity.bypass_change_detection() = end;
             *motion.bypass_change_detection() = match solved.motion {
-                Some([linear, angular]) => Motion::Mean {
-                    mean: Velocity { linear, angular },
+                Some(mean) => Motion::Mean {
+                    mean: dusted(mean),
                     end,
                 },
                 None if R::SUBSTEPS => {
@@ -262,6 +260,13 @@ impl Step<'_> {
             };
         }
     }
+}
+
+/// What a solver has found, but for what is next to nothing.
+#[inline]
+fn dusted(velocity: [Vec3; 2]) -> Velocity {
+    let [linear, angular] = velocity.map(|v| limits::dusted(v.extend(0.0)).truncate());
+    Velocity { linear, angular }
 }
 
 impl Said<'_, '_> {

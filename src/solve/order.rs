@@ -3,8 +3,9 @@
 use super::Pairs;
 use super::touch::{Touch, place};
 use crate::body::BodyTable;
+use crate::contact::is_edited;
 use crate::islands::Islands;
-use bevy_ecs::prelude::*;
+use bevy_ecs::change_detection::ContiguousMut;
 
 /// See the module's text.
 #[derive(Default)]
@@ -109,28 +110,50 @@ impl Order {
     pub fn touches<'a>(&mut self, pairs: &'a mut Pairs) -> (Vec<Touch<'a>>, bool) {
         let mut touches = reuse(std::mem::take(&mut self.spare));
         self.places.clear();
-        let mut wanted = self.pairs.iter().peekable();
-        for (number, (pair, manifold, targets, impulses)) in (0..).zip(pairs) {
-            let Some(&&(next, at)) = wanted.peek() else {
-                break;
-            };
-            if number != next {
-                continue;
-            }
-            wanted.next();
-            let place = &mut self.touches[at as usize];
-            let revision = place.revision.replace(pair.revision);
+        let mut wanted = self.pairs.iter().copied();
+        let mut next = wanted.next();
+        let mut first = 0;
+        for (pairs, manifolds, targets, impulses) in pairs
+            .contiguous_iter_mut()
+            .expect("pair components are stored in tables")
+        {
             // By a user, that is: our own stages bypass change detection, and count revisions.
-            let edited = pair.is_changed() || manifold.is_changed() || impulses.is_changed();
-            self.places.push(at);
-            touches.push(Touch {
-                island: place.island,
-                changed: edited || revision != Some(pair.revision),
-                pair: pair.into_inner(),
-                manifold: manifold.into_inner(),
-                targets,
-                impulses: impulses.into_inner(),
-            });
+            let edited = is_edited!(pairs) || is_edited!(manifolds) || is_edited!(impulses);
+            let edits: Vec<bool> = match edited {
+                true => (0..pairs.len())
+                    .map(|row| {
+                        is_edited!(pairs, row)
+                            || is_edited!(manifolds, row)
+                            || is_edited!(impulses, row)
+                    })
+                    .collect(),
+                false => Vec::new(),
+            };
+            let (pairs, manifolds) = (pairs.into_inner(), manifolds.into_inner());
+            let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
+            for (row, impulses) in impulses.iter_mut().enumerate() {
+                let Some((number, at)) = next else {
+                    break;
+                };
+                if first + row as u32 != number {
+                    continue;
+                }
+                next = wanted.next();
+                let pair = &pairs[row];
+                let place = &mut self.touches[at as usize];
+                let revision = place.revision.replace(pair.revision);
+                let edited = edits.get(row).copied().unwrap_or(false);
+                self.places.push(at);
+                touches.push(Touch {
+                    island: place.island,
+                    changed: edited || revision != Some(pair.revision),
+                    pair,
+                    manifold: &manifolds[row],
+                    targets: &targets[row],
+                    impulses,
+                });
+            }
+            first += pairs.len() as u32;
         }
         let complete = touches.len() == self.touches.len();
         if !complete {

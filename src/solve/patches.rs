@@ -71,6 +71,8 @@ impl Rows for PatchRows {
         let dt = given.time.dt;
         let store_one = |(touch, &first): (&mut Touch, &u32)| {
             let impulses = &mut *touch.impulses;
+            // They are a point solver's.
+            impulses.friction.clear();
             let patches = touch.manifold.patches.iter().zip(&mut impulses.patches);
             for ((patch, kept), found) in patches.zip(&self.patches[first as usize..]) {
                 let points = &self.points[found.range()];
@@ -79,7 +81,7 @@ impl Rows for PatchRows {
             }
         };
         if given.threads.share(self.points.len() / LARGE) {
-            given.threads.each((touches, &self.firsts), store_one);
+            given.threads.each((touches, &*self.firsts), store_one);
         } else {
             touches.iter_mut().zip(&self.firsts).for_each(store_one);
         }
@@ -155,16 +157,17 @@ impl Touch<'_> {
         let ideal = given.stabilization.rest_distance();
         kept.slip = self.targets.patches[i];
         let held = if kept.slip.is_some() { time.dt } else { 0.0 };
-        kept.warm_tangential = kept.warm_tangential / last * time.carried();
-        kept.warm_twist = kept.warm_twist / last * time.carried();
-        kept.warm_rolling = kept.warm_rolling / last * time.carried();
-        kept.load_tangential = kept.load_tangential / last * held;
-        kept.load_twist = kept.load_twist / last * held;
+        let (rate, carried) = (1.0 / last, time.carried());
+        kept.warm_tangential = kept.warm_tangential * rate * carried;
+        kept.warm_twist = kept.warm_twist * rate * carried;
+        kept.warm_rolling = kept.warm_rolling * rate * carried;
+        kept.load_tangential = kept.load_tangential * rate * held;
+        kept.load_twist = kept.load_twist * rate * held;
         kept.dragged = Default::default();
         kept.tangential = Vec3::ZERO;
         let held = if patch.curved { 0.0 } else { time.dt };
         for (kept, point) in points.iter_mut().zip(&self.manifold.points[patch.range()]) {
-            let (warm, load) = (kept.warm_normal / last, kept.load / last);
+            let (warm, load) = (kept.warm_normal * rate, kept.load * rate);
             kept.separation = point.distance - ideal;
             kept.warm_normal = to_start_from(warm, load, time);
             kept.normal = 0.0;
@@ -182,14 +185,13 @@ impl Touch<'_> {
         let time = &*given.time;
         let ideal = given.stabilization.rest_distance();
         let points = &self.manifold.points[patch.range()];
-        let center = ManifoldPatch::center(points);
         let impulse = self.impulses.patches[i];
         let slip = self.targets.patches[i];
         // What friction holds on to is given up with its anchor.
         let held = if slip.is_some() { time.dt } else { 0.0 };
         let constraint = PatchConstraint {
             normal: patch.normal,
-            arms: [center, points[0].arms[1] + center - points[0].arms[0]],
+            arms: [patch.center, patch.center + self.manifold.between],
             friction: self.pair.friction,
             restitution: self.pair.restitution,
             slip,
@@ -211,7 +213,7 @@ impl Touch<'_> {
         let solved = &self.impulses.points[patch.range()];
         let points = points.iter().zip(solved);
         let points = points.map(move |(point, impulse)| PatchPoint {
-            offset: point.arms[0] - center,
+            offset: point.arm - patch.center,
             separation: point.distance - ideal,
             warm_normal: impulse.normal_to_start_from(time),
             normal: 0.0,
@@ -221,7 +223,6 @@ impl Touch<'_> {
     }
 }
 
-/// Each point is told the share of its patch's friction that it has in the load.
 fn store(
     found: &PatchConstraint,
     points: &[PatchPoint],
@@ -229,23 +230,21 @@ fn store(
     impulses: &mut [Impulse],
     dt: f32,
 ) {
+    let rate = 1.0 / dt;
     *kept = PatchImpulse {
-        warm_tangential: found.warm_tangential / dt,
-        warm_twist: found.warm_twist / dt,
-        warm_rolling: found.warm_rolling / dt,
-        load_tangential: found.load_tangential / dt,
-        load_twist: found.load_twist / dt,
+        tangential: found.tangential,
+        warm_tangential: found.warm_tangential * rate,
+        warm_twist: found.warm_twist * rate,
+        warm_rolling: found.warm_rolling * rate,
+        load_tangential: found.load_tangential * rate,
+        load_twist: found.load_twist * rate,
         dragged: found.dragged,
     };
-    let sum: f32 = points.iter().map(|point| point.normal).sum();
-    let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
     for (impulse, point) in impulses.iter_mut().zip(points) {
         *impulse = Impulse {
             normal: point.normal,
-            tangential: found.tangential * (point.normal * share),
-            warm_normal: point.warm_normal / dt,
-            warm_tangential: Vec3::ZERO,
-            load: point.load / dt,
+            warm_normal: point.warm_normal * rate,
+            load: point.load * rate,
         };
     }
 }

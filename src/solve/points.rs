@@ -3,7 +3,7 @@
 use super::Given;
 use super::island::Rows;
 use super::touch::Touch;
-use crate::contact::{Impulse, PatchImpulse};
+use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::settings::StepTime;
 use crate::solver::{
     Body, PatchFrame, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport,
@@ -74,15 +74,22 @@ impl Rows for PointRows {
         for touch in touches {
             // They are a patch solver's.
             touch.impulses.patches.fill(PatchImpulse::default());
-            for (impulse, constraint) in touch.impulses.points.iter_mut().zip(&mut solved) {
+            let ContactImpulses {
+                points, friction, ..
+            } = &mut *touch.impulses;
+            friction.resize(points.len(), PointFriction::default());
+            let points = points.iter_mut().zip(friction);
+            for ((impulse, friction), constraint) in points.zip(&mut solved) {
                 let (normal, tangential) = (constraint.impulse.x, constraint.impulse.with_x(0.0));
                 let tangential = constraint.world(tangential);
                 *impulse = Impulse {
                     normal,
-                    tangential,
                     warm_normal: normal / dt,
-                    warm_tangential: tangential / dt,
                     load: 0.0,
+                };
+                *friction = PointFriction {
+                    tangential,
+                    warm_tangential: tangential / dt,
                 };
             }
         }
@@ -103,15 +110,17 @@ impl Touch<'_> {
             for i in patch.range() {
                 let target = self.targets.points.get(i).copied().unwrap_or_default();
                 let impulse = self.impulses.points[i];
+                let friction = self.impulses.friction.get(i).copied();
+                let friction = friction.unwrap_or_default();
                 to.push(frame.prepare(&PointInput {
                     bodies: ends,
                     normal: patch.normal,
-                    arms: self.manifold.points[i].arms,
+                    arms: self.manifold.arms(i),
                     friction: self.pair.friction,
                     target_normal: target.normal,
                     target_tangential: target.tangential,
                     impulse_normal: impulse.normal_to_start_from(time),
-                    impulse_tangential: impulse.warm_tangential * time.carried(),
+                    impulse_tangential: friction.warm_tangential * time.carried(),
                 }));
             }
         }

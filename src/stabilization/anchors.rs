@@ -1,19 +1,19 @@
 //! The stage **anchors**: classifies every contact with the impulses just solved, equation (10), and writes or deletes anchors,
 //! equation (11), at the poses where the contacts were detected.
 
-use super::classifier::{classify, holds_twist, sticks};
+use super::classifier::{Given, classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Impulse, Manifold,
-    ManifoldPatch, PatchAnchor,
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PatchAnchor,
 };
 use crate::islands::Islands;
 use crate::settings::{
-    AnchorRule, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
+    AnchorRule, Classifier, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
 };
 use crate::solver::Slip;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
+use smallvec::SmallVec;
 
 /// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
 ///
@@ -34,12 +34,10 @@ pub fn write([a, b]: [&BodyState; 2], normal: Vec3, position: Vec3, slip: Vec3) 
 
 /// How A stands to B now.
 pub fn write_pose([a, b]: [&BodyState; 2]) -> PatchAnchor {
-    PatchAnchor {
-        sticking: true,
-        set: true,
-        position: b.pose.inverse_transform_point(a.pose.position),
-        rotation: b.pose.rotation.inverse() * a.pose.rotation,
-    }
+    PatchAnchor::new(
+        b.pose.inverse_transform_point(a.pose.position),
+        b.pose.rotation.inverse() * a.pose.rotation,
+    )
 }
 
 /// The anchor of a patch moved by so far about the patch's centre (world, m), as the solver has found it dragged.
@@ -47,9 +45,11 @@ fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by:
     let turn = Quat::from_axis_angle(normal, by.twist);
     let position = b.pose.transform_point(anchor.position);
     let position = center + by.shift + turn * (position - center);
-    let rotation = turn * b.pose.rotation * anchor.rotation;
-    anchor.position = b.pose.inverse_transform_point(position);
-    anchor.rotation = (b.pose.rotation.inverse() * rotation).normalize();
+    let rotation = turn * b.pose.rotation * anchor.rotation();
+    *anchor = PatchAnchor::new(
+        b.pose.inverse_transform_point(position),
+        (b.pose.rotation.inverse() * rotation).normalize(),
+    );
 }
 
 /// See the module's text.
@@ -87,7 +87,7 @@ pub fn anchors(
             if pair.idle && !woke {
                 return;
             }
-            let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
+            let Some([a, b]) = table.both(pair.slots) else {
                 return;
             };
             if !a.is_awake() && !b.is_awake() {
@@ -116,21 +116,34 @@ fn hold_points(
     anchors
         .points
         .resize(manifold.points.len(), Anchor::default());
-    for patch in &manifold.patches {
+    for (number, patch) in manifold.patches.iter().enumerate() {
         let range = patch.range();
         let held = &mut anchors.points[range.clone()];
-        let solved = &impulses.points[range.clone()];
-        classify(friction.classifier, pair.friction, solved, held);
+        let given: SmallVec<[Given; 8]> = given(impulses, patch, number).collect();
+        classify(friction.classifier, pair.friction, &given, held);
         for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
+            let position = bodies[0].center + point.arm;
             if !anchor.sticking {
                 *anchor = Anchor::default();
             } else if friction.anchors == AnchorRule::Literal {
-                *anchor = write(bodies, patch.normal, point.position, Vec3::ZERO);
+                *anchor = write(bodies, patch.normal, position, Vec3::ZERO);
             } else if !anchor.set {
-                *anchor = write(bodies, patch.normal, point.position, anchor.slip);
+                *anchor = write(bodies, patch.normal, position, anchor.slip);
             }
         }
     }
+}
+
+/// What the points of a patch were given.
+fn given<'a>(
+    impulses: &'a ContactImpulses,
+    patch: &'a ManifoldPatch,
+    number: usize,
+) -> impl Iterator<Item = Given> + 'a {
+    patch.range().map(move |point| Given {
+        normal: impulses.points[point].normal,
+        tangential: impulses.tangential_at(patch, number, point),
+    })
 }
 
 fn hold_patches(
@@ -144,18 +157,10 @@ fn hold_patches(
 ) {
     for (i, patch) in manifold.patches.iter().enumerate() {
         let anchor = &mut anchors.patches[i];
-        let solved = &impulses.points[patch.range()];
-        let points = &manifold.points[patch.range()];
-        let center = ManifoldPatch::center(points);
-        let lever = |(point, impulse): (&ContactPoint, &Impulse)| {
-            impulse.normal * (point.arms[0] - center).length()
-        };
-        let lever = points.iter().zip(solved).map(lever).sum();
         let was = anchor.sticking;
         let dragged = std::mem::take(&mut impulses.patches[i].dragged);
-        anchor.sticking = !patch.curved
-            && sticks(friction.classifier, pair.friction, solved, was)
-            && holds_twist(pair.friction, impulses.patches[i].warm_twist * dt, lever);
+        anchor.sticking =
+            !patch.curved && holds(friction.classifier, pair, manifold, impulses, i, was, dt);
         if !anchor.sticking {
             anchors.measured &= !anchor.set;
             *anchor = PatchAnchor::default();
@@ -167,8 +172,37 @@ fn hold_patches(
         }
         if dragged != Slip::default() {
             anchors.measured = false;
-            let center = bodies[0].center + center;
+            let center = bodies[0].center + patch.center;
             drag(bodies[1], anchor, patch.normal, center, dragged);
         }
     }
+}
+
+/// Whether a patch sticks, as a whole.
+#[inline]
+fn holds(
+    rule: Classifier,
+    pair: &ContactPair,
+    manifold: &Manifold,
+    impulses: &ContactImpulses,
+    number: usize,
+    was: bool,
+    dt: f32,
+) -> bool {
+    let patch = &manifold.patches[number];
+    let of_patch = &impulses.patches[number];
+    let (mut normal, mut lever) = (0.0, 0.0);
+    let solved = &impulses.points[patch.range()];
+    for (point, impulse) in manifold.points[patch.range()].iter().zip(solved) {
+        normal += impulse.normal;
+        lever += impulse.normal * (point.arm - patch.center).length();
+    }
+    let tangential = match impulses.friction.get(patch.range()) {
+        Some(points) => points.iter().map(|point| point.tangential).sum(),
+        None => of_patch.tangential,
+    };
+    let sum = Given { normal, tangential };
+    let each = given(impulses, patch, number);
+    sticks(rule, pair.friction, &sum, each, was)
+        && holds_twist(pair.friction, of_patch.warm_twist * dt, lever)
 }

@@ -3,8 +3,18 @@
 //! The paper judges each point for itself and calls that naive. Judged on the sums over a manifold a slab just below its
 //! critical slope creeps 300 times less, since the share of one corner in the load says little about the body.
 
-use crate::contact::{Anchor, Impulse};
+use crate::contact::Anchor;
 use crate::settings::Classifier;
+use glam::Vec3;
+
+/// What contact gave at a point: λ_n and λ_t, N·s.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Given {
+    /// λ_n
+    pub normal: f32,
+    /// λ_t
+    pub tangential: Vec3,
+}
 
 /// A solved sliding contact lies on the cone only up to rounding; sticking is below this share of it.
 const AT_THE_CONE: f32 = 0.999;
@@ -12,44 +22,52 @@ const AT_THE_CONE: f32 = 0.999;
 /// Where hysteresis lets sticking begin, as a share of the cone.
 const ENTER: f32 = 0.6;
 
-/// Sets `sticking` of every anchor of one manifold from the impulses of the last solve.
-pub fn classify(rule: Classifier, friction: f32, impulses: &[Impulse], anchors: &mut [Anchor]) {
+/// Sets `sticking` of every anchor of one manifold from what the last solve gave.
+pub fn classify(rule: Classifier, friction: f32, given: &[Given], anchors: &mut [Anchor]) {
     if rule == Classifier::PerPoint {
-        for (anchor, impulse) in anchors.iter_mut().zip(impulses) {
-            anchor.sticking = holds(friction, impulse, AT_THE_CONE);
+        for (anchor, given) in anchors.iter_mut().zip(given) {
+            anchor.sticking = holds(friction, given, AT_THE_CONE);
         }
         return;
     }
     let was = anchors.iter().any(|a| a.sticking);
-    let sticking = sticks(rule, friction, impulses, was);
+    let sum = Given {
+        normal: given.iter().map(|point| point.normal).sum(),
+        tangential: given.iter().map(|point| point.tangential).sum(),
+    };
+    let sticking = sticks(rule, friction, &sum, given.iter().copied(), was);
     anchors
         .iter_mut()
         .for_each(|anchor| anchor.sticking = sticking);
 }
 
-/// Whether a manifold sticks as a whole; `was`: it did before. [`Classifier::PerPoint`] then means that any of its points does.
+/// Whether a manifold sticks as a whole, by the sum of its points or by each; `was`: it did before. [`Classifier::PerPoint`] then means
+/// that any of its points does.
 #[inline]
-pub fn sticks(rule: Classifier, friction: f32, impulses: &[Impulse], was: bool) -> bool {
-    let sum = Impulse {
-        normal: impulses.iter().map(|i| i.normal).sum(),
-        tangential: impulses.iter().map(|i| i.tangential).sum(),
-        ..Default::default()
-    };
-    let point = |i: &Impulse| holds(friction, i, AT_THE_CONE);
+pub fn sticks(
+    rule: Classifier,
+    friction: f32,
+    sum: &Given,
+    mut points: impl Iterator<Item = Given>,
+    was: bool,
+) -> bool {
     match rule {
-        Classifier::PerPoint | Classifier::Any => impulses.iter().any(point),
-        Classifier::All => {
-            sum.normal > 0.0 && impulses.iter().filter(|i| i.normal > 0.0).all(point)
+        Classifier::PerPoint | Classifier::Any => {
+            points.any(|point| holds(friction, &point, AT_THE_CONE))
         }
-        Classifier::Sum => holds(friction, &sum, AT_THE_CONE),
-        Classifier::Hysteresis => holds(friction, &sum, if was { AT_THE_CONE } else { ENTER }),
+        Classifier::All => {
+            let mut loaded = points.filter(|point| point.normal > 0.0);
+            sum.normal > 0.0 && loaded.all(|point| holds(friction, &point, AT_THE_CONE))
+        }
+        Classifier::Sum => holds(friction, sum, AT_THE_CONE),
+        Classifier::Hysteresis => holds(friction, sum, if was { AT_THE_CONE } else { ENTER }),
     }
 }
 
 /// Equation (10), against a share of the cone.
 #[inline]
-fn holds(friction: f32, impulse: &Impulse, share: f32) -> bool {
-    impulse.normal > 0.0 && impulse.tangential.length() < share * friction * impulse.normal
+fn holds(friction: f32, given: &Given, share: f32) -> bool {
+    given.normal > 0.0 && given.tangential.length() < share * friction * given.normal
 }
 
 /// Whether the moment of friction about the normal of a patch is inside what its points can hold, `lever` = Σ λ_n r with r
@@ -62,15 +80,13 @@ pub fn holds_twist(friction: f32, twist: f32, lever: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     fn verdict(rule: Classifier, was: bool, impulses: &[(f32, f32)]) -> Vec<bool> {
-        let impulses: Vec<Impulse> = impulses
+        let impulses: Vec<Given> = impulses
             .iter()
-            .map(|&(normal, t)| Impulse {
+            .map(|&(normal, t)| Given {
                 normal,
                 tangential: Vec3::X * t,
-                ..Default::default()
             })
             .collect();
         let mut anchors = vec![

@@ -44,22 +44,21 @@ pub fn slip_correction(settings: &StabilizationSettings, error: Vec3, dt: f32) -
 /// How far a sticking point has slipped, m, world axes; `None` where its anchor no longer holds.
 ///
 /// Anchors are given up when they have come too far apart, along the surface or along the normal, and when the normal has
-/// turned in either body: that is rolling, which must not be undone. `last` is the length of the last step, s.
+/// turned in either body: that is rolling, which must not be undone. `position` is where the point is, m; `last` the length of the
+/// last step, s.
 pub fn slip(
     settings: &StabilizationSettings,
     anchor: &Anchor,
     normal: Vec3,
     curved: bool,
     [a, b]: [&BodyState; 2],
-    point: &ContactPoint,
+    position: Vec3,
     last: f32,
 ) -> Option<Vec3> {
     let friction = &settings.friction;
     let last_step = || {
-        project(
-            normal,
-            a.velocity_at(point.position) - b.velocity_at(point.position),
-        ) * last
+        let velocity = a.velocity_at(position) - b.velocity_at(position);
+        project(normal, velocity) * last
     };
     if friction.anchors == AnchorRule::Trackless {
         return Some(last_step());
@@ -97,16 +96,19 @@ pub fn pose_slip(
     center: Vec3,
 ) -> Option<PlanarSlip> {
     let friction = &settings.friction;
-    let held = b.pose.transform_point(
-        anchor.position + anchor.rotation * a.pose.inverse_transform_point(center),
-    );
-    let turned = a.pose.rotation * (b.pose.rotation * anchor.rotation).inverse();
-    let turned = 2.0 * turned.xyz() * turned.w.signum();
-    let shift = anchor_error(normal, center, held);
-    let parted = normal.dot(center - held).abs();
-    let holds = shift.length() <= friction.max_error
+    // How A has turned on B, and by how much its origin and its arm to the middle are not where B would have them.
+    let turned = a.pose.rotation * (b.pose.rotation * anchor.rotation()).inverse();
+    let (axis, w) = (turned.xyz(), turned.w);
+    let across = axis.cross(center - a.pose.position);
+    let carried = a.pose.position - b.pose.position - b.pose.rotation * anchor.position;
+    let way = carried + 2.0 * (w * across - axis.cross(across));
+    let turned = 2.0 * axis * w.signum();
+    let shift = project(normal, way);
+    let parted = normal.dot(way).abs();
+    let squared = |x: f32| x * x;
+    let holds = shift.length_squared() <= squared(friction.max_error)
         && parted <= friction.max_separation
-        && turned.length() <= friction.max_turn;
+        && turned.length_squared() <= squared(friction.max_turn);
     holds.then_some(PlanarSlip {
         center,
         shift,
@@ -181,16 +183,17 @@ fn measure_points(
         if !anchor.sticking {
             continue;
         }
+        let position = bodies[0].center + point.arm;
         match slip(
             settings,
             anchor,
             patch.normal,
             patch.curved,
             bodies,
-            point,
+            position,
             last,
         ) {
-            Some(error) => slips.push((point.position, error)),
+            Some(error) => slips.push((position, error)),
             None => *anchor = Anchor::default(),
         }
     }
@@ -217,7 +220,7 @@ fn measure(
     if !anchor.set {
         return None;
     }
-    let center = bodies[0].center + ManifoldPatch::center(points);
+    let center = bodies[0].center + patch.center;
     let slip = pose_slip(settings, anchor, patch.normal, bodies, center);
     if slip.is_none() {
         *anchor = PatchAnchor::default();
@@ -262,7 +265,7 @@ pub fn friction_error(
             if pair.idle && !rouse {
                 return;
             }
-            let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
+            let Some([a, b]) = table.both(pair.slots) else {
                 return;
             };
             if anchors.measured && !a.moved && !b.moved && !always {
@@ -287,18 +290,19 @@ pub fn friction_error(
                 targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
                 if by_points {
                     let targets = &mut targets.points[patch.range()];
-                    demand(settings, slip, points, held, targets, time.longest);
+                    let at = (a.center, points);
+                    demand(settings, slip, at, held, targets, time.longest);
                 }
             }
         });
     }
 }
 
-/// What points must do to undo the slip of their patch.
+/// What points must do to undo the slip of their patch; their arms begin at `center`.
 fn demand(
     settings: &StabilizationSettings,
     slip: Option<PlanarSlip>,
-    points: &[ContactPoint],
+    (center, points): (Vec3, &[ContactPoint]),
     anchors: &mut [Anchor],
     targets: &mut [Target],
     dt: f32,
@@ -313,7 +317,7 @@ fn demand(
     let each =
         friction.classifier == Classifier::PerPoint && friction.anchors != AnchorRule::PairPose;
     for (i, (point, target)) in points.iter().zip(targets).enumerate() {
-        let error = slip.at(point.position);
+        let error = slip.at(center + point.arm);
         let mut sticks = !each;
         if let Some(anchor) = anchors.get_mut(i) {
             anchor.slip = error;

@@ -101,7 +101,7 @@ pub fn normal_correction(
     {
         let columns = (pairs, manifolds, targets.bypass_change_detection());
         threads.each(columns, |(pair, manifold, targets)| {
-            let [Some(a), Some(b)] = pair.slots.map(|slot| table.get(slot)) else {
+            let Some([a, b]) = table.both(pair.slots) else {
                 return;
             };
             targets
@@ -111,7 +111,8 @@ pub fn normal_correction(
                 let points = &manifold.points[patch.range()];
                 let targets = &mut targets.points[patch.range()];
                 for (point, target) in points.iter().zip(targets) {
-                    let u = a.velocity_at(point.position) - b.velocity_at(point.position);
+                    let position = a.center + point.arm;
+                    let u = a.velocity_at(position) - b.velocity_at(position);
                     let u_n = u.dot(patch.normal);
                     // The share of the overlap that is taken back in this step.
                     let d = point.distance.max(rest + share * (point.distance - rest));

@@ -236,6 +236,8 @@ impl Site {
     fn misplaced(&self, joint: &Joint, manifold: &Manifold, sign: f32) -> Vec<String> {
         let mut flaws = Vec::new();
         let rotation = self.frame.rotation();
+        let first = joint.blocks[if sign > 0.0 { 0 } else { 1 }];
+        let origin = self.poses()[first].position;
         for patch in &manifold.patches {
             let normal = (sign * patch.normal).as_dvec3();
             let off = normal.angle_between(rotation * joint.normal.extend(0.0));
@@ -244,7 +246,7 @@ impl Site {
             }
         }
         for corner in Masonry::joint_corners(joint).map(|p| rotation * p) {
-            let away = |point: &ContactPoint| point.position.as_dvec3().distance(corner);
+            let away = |point: &ContactPoint| (origin + point.arm).as_dvec3().distance(corner);
             let nearest = manifold
                 .points
                 .iter()

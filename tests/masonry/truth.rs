@@ -70,15 +70,17 @@ fn of(joint: &Joint, blocks: [usize; 2], rotation: DQuat, poses: &[Pose]) -> Man
     for corner in Masonry::joint_corners(joint) {
         let position = (rotation * corner).as_vec3();
         manifold.points.push(ContactPoint {
-            position,
-            local: blocks.map(|i| poses[i].inverse_transform_point(position)),
-            arms: blocks.map(|i| position - poses[i].position),
+            arm: position - poses[blocks[0]].position,
             distance: 0.0,
             detected: 0.0,
             feature: FeatureId::NONE,
         });
     }
+    let arms = manifold.points.iter().map(|point| point.arm);
+    let center = arms.sum::<Vec3>() / 4.0;
+    manifold.between = poses[blocks[0]].position - poses[blocks[1]].position;
     manifold.patches.push(ManifoldPatch {
+        center,
         normal: (sign * (rotation * joint.normal.extend(0.0))).as_vec3(),
         first: 0,
         count: 4,

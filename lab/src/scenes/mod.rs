@@ -29,6 +29,10 @@ pub enum Scene {
     Arch(u32),
     /// Boxes of 0.5 m, jittered, dropped.
     Heap(u32),
+    /// Bodies of some 0.5 m, dropped into a bin of 3 × 3 m.
+    Pile(Grain, u32),
+    /// Plates 0.2 × 1 × 0.5 m in a row, 0.5 m apart, of which the first is struck.
+    Dominoes(u32),
     /// A slab on a slope of so many degrees.
     Incline(f32),
     /// A cube of so many times the mass on a stack of so many; `massratio:R` has five.
@@ -48,6 +52,19 @@ pub enum Scene {
     Overlap(f32),
     /// The task of the paper's Figure 1: a scripted hand builds a stack of n, presses on its top edge and tips it.
     Pressed(u32),
+}
+
+/// What a pile is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grain {
+    /// Radius 0.25 m.
+    Balls,
+    /// Radius 0.15 m, 0.8 m long.
+    Capsules,
+    /// Radius 0.2 m, 0.4 m long.
+    Cylinders,
+    /// Of twelve points on a ball of 0.22 m radius.
+    Hulls,
 }
 
 /// How a scene is laid out.
@@ -102,6 +119,8 @@ impl Scene {
             Self::Stack(n)
             | Self::Arch(n)
             | Self::Heap(n)
+            | Self::Pile(_, n)
+            | Self::Dominoes(n)
             | Self::Cantilever(n)
             | Self::Pressed(n) => count(n),
             Self::Incline(_) | Self::Rolling | Self::Sliding => 1,
@@ -114,7 +133,13 @@ impl Scene {
     pub fn stays(&self) -> bool {
         !matches!(
             self,
-            Self::Heap(_) | Self::Rolling | Self::Sliding | Self::Dropped | Self::Overlap(_)
+            Self::Heap(_)
+                | Self::Pile(..)
+                | Self::Dominoes(_)
+                | Self::Rolling
+                | Self::Sliding
+                | Self::Dropped
+                | Self::Overlap(_)
         )
     }
 
@@ -135,6 +160,8 @@ impl Scene {
             Self::Cantilever(n) => site.cantilever(n),
             Self::MassRatio(ratio, n) => site.mass_ratio(ratio, n),
             Self::Heap(n) => site.heap(n),
+            Self::Pile(grain, n) => site.pile(grain, n),
+            Self::Dominoes(n) => site.dominoes(n),
             Self::Incline(degrees) => site.incline(degrees),
             Self::Rolling => site.rolling(),
             Self::Sliding => site.sliding(),
@@ -170,6 +197,17 @@ impl Site<'_> {
             Collider::half_space(Vec3::Y),
             self.friction(),
             Transform::from_rotation(Quat::from_rotation_z(-slope)),
+        ));
+    }
+
+    /// A box that nothing moves.
+    fn fixed(&mut self, name: &str, size: Vec3, position: Vec3) {
+        self.world.spawn((
+            Name::new(name.to_owned()),
+            RigidBody::Static,
+            Collider::cuboid(size.x, size.y, size.z),
+            self.friction(),
+            Transform::from_translation(position),
         ));
     }
 

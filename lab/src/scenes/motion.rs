@@ -1,6 +1,6 @@
 //! What moves: heaps, slopes, rolling, sliding, dropped and overlapping bodies.
 
-use super::{Hand, Site};
+use super::{Grain, Hand, Site};
 use drystone::body::{Density, Pose, Velocity};
 use drystone::collider::Collider;
 use glam::{Quat, Vec3};
@@ -102,6 +102,76 @@ impl Site<'_> {
             };
             let cube = Collider::cuboid(0.5, 0.5, 0.5);
             self.exactly("box", cube, Density::DEFAULT, pose, Velocity::default());
+        }
+        None
+    }
+
+    /// Layers of five by five with room between them, turned at random.
+    pub(super) fn pile(&mut self, grain: Grain, n: u32) -> Option<Hand> {
+        const WIDE: f32 = 3.0;
+        self.ground(0.0);
+        let high = 0.58 * (n.div_ceil(25) + 2) as f32;
+        for side in [-1.0, 1.0] {
+            let off = side * 0.5 * (WIDE + 1.0);
+            let middle = 0.5 * high * Vec3::Y;
+            self.fixed(
+                "side",
+                Vec3::new(1.0, high, WIDE + 2.0),
+                middle + off * Vec3::X,
+            );
+            self.fixed("side", Vec3::new(WIDE, high, 1.0), middle + off * Vec3::Z);
+        }
+        for i in 0..n {
+            let grid = Vec3::new(
+                (i % 5) as f32 - 2.0,
+                (i / 25) as f32 + 0.8,
+                (i / 5 % 5) as f32 - 2.0,
+            );
+            let pose = Pose {
+                position: 0.58 * grid + self.noise(0.05),
+                rotation: Quat::from_scaled_axis(self.noise(1.5)),
+            };
+            let collider = match grain {
+                Grain::Balls => Collider::ball(0.25),
+                Grain::Capsules => Collider::capsule(0.15, 0.25),
+                Grain::Cylinders => Collider::cylinder(0.2, 0.4),
+                Grain::Hulls => self.stone(),
+            };
+            self.exactly(
+                "grain",
+                collider,
+                Density::DEFAULT,
+                pose,
+                Velocity::default(),
+            );
+        }
+        None
+    }
+
+    /// A hull of points on a ball.
+    fn stone(&mut self) -> Collider {
+        let point = |direction: Vec3| 0.22 * direction.normalize_or(Vec3::Y);
+        let points: Vec<Vec3> = (0..12).map(|_| point(self.noise(1.0))).collect();
+        Collider::convex_hull(&points).unwrap_or_else(|_| Collider::ball(0.22))
+    }
+
+    pub(super) fn dominoes(&mut self, n: u32) -> Option<Hand> {
+        self.ground(0.0);
+        for i in 0..n {
+            let pose = Pose {
+                position: Vec3::new(0.5 * i as f32, 0.5 + self.options.vertical_gap, 0.0),
+                rotation: Quat::IDENTITY,
+            };
+            // Tipped about its lower edge.
+            let velocity = match i {
+                0 => Velocity {
+                    linear: Vec3::X,
+                    angular: 2.0 * Vec3::NEG_Z,
+                },
+                _ => Velocity::default(),
+            };
+            let plate = Collider::cuboid(0.2, 1.0, 0.5);
+            self.exactly("domino", plate, Density::DEFAULT, pose, velocity);
         }
         None
     }

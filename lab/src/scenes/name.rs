@@ -1,13 +1,13 @@
 //! Scenes by name, there and back.
 
-use super::Scene;
+use super::{Grain, Scene};
 use std::fmt;
 use std::num::IntErrorKind;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// How every scene is called.
-pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, incline:DEG, massratio:R[xN], cardhouse:N, \
+pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
     cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N";
 
 /// A scene by name has at most so many bodies: more would not fit into memory, or not end in a day.
@@ -87,6 +87,18 @@ impl FromStr for Scene {
                 Self::Arch(n)
             }
             "heap" => Self::Heap(count()?),
+            "pile" => {
+                let (grain, n) = size.split_once(':').ok_or_else(unknown)?;
+                let grain = match grain {
+                    "balls" => Grain::Balls,
+                    "capsules" => Grain::Capsules,
+                    "cylinders" => Grain::Cylinders,
+                    "hulls" => Grain::Hulls,
+                    _ => return Err(unknown()),
+                };
+                Self::Pile(grain, count_of(n)?)
+            }
+            "dominoes" => Self::Dominoes(count()?),
             "incline" => Self::Incline(number(size, SLOPES)?),
             "massratio" => {
                 let (ratio, carriers) = match size.split_once('x') {
@@ -119,6 +131,16 @@ impl fmt::Display for Scene {
             Self::Pyramid(n) => write!(f, "pyramid:{n}"),
             Self::Arch(n) => write!(f, "arch:{n}"),
             Self::Heap(n) => write!(f, "heap:{n}"),
+            Self::Pile(grain, n) => {
+                let grain = match grain {
+                    Grain::Balls => "balls",
+                    Grain::Capsules => "capsules",
+                    Grain::Cylinders => "cylinders",
+                    Grain::Hulls => "hulls",
+                };
+                write!(f, "pile:{grain}:{n}")
+            }
+            Self::Dominoes(n) => write!(f, "dominoes:{n}"),
             Self::Incline(degrees) => write!(f, "incline:{degrees}"),
             Self::MassRatio(ratio, CARRIERS) => write!(f, "massratio:{ratio}"),
             Self::MassRatio(ratio, n) => write!(f, "massratio:{ratio}x{n}"),
@@ -145,6 +167,9 @@ mod tests {
             "pyramid:5",
             "arch:15",
             "heap:100",
+            "pile:balls:300",
+            "pile:hulls:7",
+            "dominoes:30",
             "incline:26.4",
             "massratio:100",
             "massratio:1000x3",
@@ -172,6 +197,9 @@ mod tests {
             "massratio:10x0",
             "massratio:x3",
             "cantilever:0",
+            "pile:300",
+            "pile:bricks:300",
+            "pile:balls:0",
             "",
         ] {
             let error = name.parse::<Scene>().unwrap_err().to_string();
@@ -192,6 +220,8 @@ mod tests {
             ("pyramid:447", "100000 bodies"),
             ("heap:100001", "100000 bodies"),
             ("cardhouse:4294967295", "100000 bodies"),
+            ("pile:balls:100001", "100000 bodies"),
+            ("dominoes:100001", "100000 bodies"),
             ("cantilever:100001", "100000 bodies"),
             ("pressed:100001", "100000 bodies"),
             ("massratio:2x100000", "100000 bodies"),

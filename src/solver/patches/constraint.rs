@@ -72,3 +72,6 @@ pub struct PatchPoint {
     /// A slow mean of λ_n, N·s over the step: what it carries at rest.
     pub load: f32,
 }
+
+/// A step walks them five times.
+const _: () = assert!(size_of::<PatchConstraint>() <= 160 && size_of::<PatchPoint>() <= 28);

@@ -6,17 +6,11 @@
 //! Impulses act through one wrench
 //! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
 //! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
+//!
+//! How patches come into a block and out of it again is [`carry`](super::carry)'s.
 
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
-use crate::solver::{PatchConstraint, PatchPoint, PatchProblem, Slip};
-use glam::{Mat3, Vec3};
 use std::cell::Cell;
-
-/// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
-const FRICTION: f32 = 0.3;
-
-/// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
-const ASIDE: f32 = 0.03;
 
 /// The radius of a point, as a share of the radius of gyration about its normal: what is pinched between two points turns about them,
 /// and without any friction there it would never come to rest.
@@ -207,155 +201,6 @@ impl<L: F32xN> Block<L> {
     /// Where its points are, and how many each lane has room for.
     pub fn place(&mut self, first: usize, count: u32) {
         (self.first, self.count) = (first as u32, count);
-    }
-
-    /// Puts a patch into a lane: what of it stays as long as it is not found anew. `stiffness` is what is left of a spring's when its
-    /// bodies share it.
-    pub fn load(
-        &mut self,
-        points: &mut [Points<L>],
-        lane: usize,
-        patch: &PatchConstraint,
-        problem: &PatchProblem,
-        stiffness: f32,
-    ) {
-        // Once, and not at each of a hundred numbers.
-        assert!(lane < L::LANES);
-        self.stiffness[lane] = stiffness;
-        self.normal.set(lane, patch.normal);
-        for side in 0..2 {
-            let body = &problem.bodies[patch.bodies[side] as usize];
-            L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
-            if body.inverse_mass > 0.0 {
-                L::set_body(&mut self.targets[side], lane, patch.bodies[side]);
-            }
-            self.arms[side].set(lane, patch.arms[side]);
-            self.inverse_mass[side][lane] = body.inverse_mass;
-            self.turn(lane, side, &body.inverse_inertia);
-        }
-        self.friction[lane] = patch.friction;
-        let (t1, t2) = patch.normal.any_orthonormal_pair();
-        self.tangent.set(lane, t1);
-        let rolls = patch.rolling_friction > 0.0;
-        let radius = if rolls { patch.rolling_radius } else { 0.0 };
-        self.rolls |= rolls;
-        self.rolling_radius[lane] = radius;
-        self.rolling_lever[lane] = patch.rolling_friction * radius;
-        let mine = &problem.points[patch.range()];
-        self.share[lane] = 1.0 / mine.len() as f32;
-        for (to, point) in points.iter_mut().zip(mine) {
-            to.x[lane] = t1.dot(point.offset);
-            to.y[lane] = t2.dot(point.offset);
-            // Marks the lane as used, until `prepare` puts the mass here.
-            to.mass[lane] = 1.0;
-        }
-    }
-
-    /// Takes over the inverse inertia of a body that has turned, 1/(kg·m²).
-    pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
-        assert!(lane < L::LANES);
-        self.inverse_inertia[side].set(lane, inverse_inertia);
-        self.stale = true;
-    }
-
-    /// Forgets what the last step gave.
-    pub fn begin(&mut self, points: &mut [Points<L>]) {
-        (self.given, self.dragged) = ([L::ZERO; 2], [L::ZERO; 2]);
-        self.dragged_twist = L::ZERO;
-        for point in points {
-            point.given = L::ZERO;
-        }
-    }
-
-    /// Takes over distances, slip, and impulses, which are cut into so many substeps.
-    pub fn refresh(
-        &mut self,
-        points: &mut [Points<L>],
-        lane: usize,
-        patch: &PatchConstraint,
-        patch_points: &[PatchPoint],
-        substeps: usize,
-    ) {
-        assert!(lane < L::LANES);
-        let share = 1.0 / substeps as f32;
-        let t1 = self.tangent.get(lane);
-        let t2 = patch.normal.cross(t1);
-        self.anchored[lane] = if patch.slip.is_some() { 1.0 } else { 0.0 };
-        let slip = patch.slip.unwrap_or_default();
-        self.slip[0][lane] = t1.dot(slip.shift);
-        self.slip[1][lane] = t2.dot(slip.shift);
-        self.slip_twist[lane] = slip.twist;
-        let held = if patch.slip.is_some() { share } else { 0.0 };
-        self.held[0][lane] = t1.dot(patch.load_tangential) * held;
-        self.held[1][lane] = t2.dot(patch.load_tangential) * held;
-        self.held_twist[lane] = patch.load_twist * held;
-        self.tangential[0][lane] = t1.dot(patch.warm_tangential) * share;
-        self.tangential[1][lane] = t2.dot(patch.warm_tangential) * share;
-        self.twist[lane] = patch.warm_twist * share;
-        if self.rolls {
-            let rolls = patch.rolling_friction > 0.0;
-            let rolling = if rolls {
-                patch.warm_rolling
-            } else {
-                Vec3::ZERO
-            };
-            self.rolling[0][lane] = t1.dot(rolling) * share;
-            self.rolling[1][lane] = t2.dot(rolling) * share;
-        }
-        let mean = patch_points.iter().map(|p| p.load).sum::<f32>() / patch_points.len() as f32;
-        let carries = mean > 0.0;
-        self.inverse_load[lane] = if carries { 1.0 / (mean * share) } else { 0.0 };
-        for (to, point) in points.iter_mut().zip(patch_points) {
-            to.load[lane] = point.load * share;
-            to.separation[lane] = point.separation;
-            to.impulse[lane] = point.warm_normal * share;
-        }
-    }
-
-    /// Sets a lane's fastest correction, m/s.
-    pub fn hasten(&mut self, lane: usize, max_speed: f32) {
-        self.max_speed[lane] = max_speed;
-    }
-
-    /// Takes a patch's impulses out of a lane again.
-    pub fn store(
-        &self,
-        points: &[Points<L>],
-        lane: usize,
-        patch: &mut PatchConstraint,
-        patch_points: &mut [PatchPoint],
-        substeps: usize,
-        rate: f32,
-    ) {
-        assert!(lane < L::LANES);
-        let whole = substeps as f32;
-        let t1 = self.tangent.get(lane);
-        let t2 = patch.normal.cross(t1);
-        patch.warm_tangential =
-            (t1 * self.tangential[0][lane] + t2 * self.tangential[1][lane]) * whole;
-        patch.warm_twist = self.twist[lane] * whole;
-        patch.warm_rolling = (t1 * self.rolling[0][lane] + t2 * self.rolling[1][lane]) * whole;
-        let [x, y] = [0, 1].map(|i| self.given[i][lane] + self.tangential[i][lane]);
-        patch.tangential = t1 * x + t2 * y;
-        patch.dragged = Slip {
-            shift: t1 * self.dragged[0][lane] + t2 * self.dragged[1][lane],
-            twist: self.dragged_twist[lane],
-        };
-        let share = 1.0 / patch_points.len() as f32;
-        let held = share * patch_points.iter().map(|p| p.load).sum::<f32>();
-        for (from, point) in points.iter().zip(&mut *patch_points) {
-            point.normal = from.given[lane] + from.impulse[lane];
-            point.warm_normal = from.impulse[lane] * whole;
-        }
-        let mean = share * patch_points.iter().map(|p| p.warm_normal).sum::<f32>();
-        for point in patch_points {
-            let aside = (point.warm_normal - mean) - (point.load - held);
-            let followed = rate * (mean - held + ASIDE * aside);
-            point.load = (point.load + followed).max(0.0);
-        }
-        let rate = FRICTION * rate;
-        patch.load_tangential += rate * (patch.warm_tangential - patch.load_tangential);
-        patch.load_twist += rate * (patch.warm_twist - patch.load_twist);
     }
 
     /// How the patch's relative motion answers to a wrench at its centre, world axes.
@@ -600,11 +445,12 @@ impl<L: F32xN> Points<L> {
         self.x.taken_from(normals.z, tilted)
     }
 
-    /// Adds its impulse to a wrench at the centre.
+    /// Adds its impulse to a wrench at the centre. Rounded twice: the same impulse on both sides of the centre leaves no moment then, and
+    /// a box that bounces straight bounces straight for ever.
     #[inline(always)]
     pub(super) fn push(&self, impulse: L, wrench: &mut SpatialVec<L>) {
         wrench.linear.x += impulse;
-        wrench.angular.y = self.y.mul_add(impulse, wrench.angular.y);
-        wrench.angular.z = self.x.taken_from(impulse, wrench.angular.z);
+        wrench.angular.y += self.y * impulse;
+        wrench.angular.z -= self.x * impulse;
     }
 }

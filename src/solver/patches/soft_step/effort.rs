@@ -6,7 +6,8 @@
 //! carried for long; one that followed impulses of the moment would excite what they shake.
 
 use super::SoftStep;
-use crate::solver::{Body, PatchProblem};
+use super::survey::{Footing, Survey};
+use crate::solver::PatchProblem;
 
 /// Substeps to one rigid sweep: most, and where so many courses stand on each other. Soft sweeps let disturbances grow from course
 /// to course: a pyramid of 100 trembles by 50 mm/s with three, and one of 50 by 2; of 20 it is steadier with three.
@@ -47,8 +48,13 @@ pub struct Effort {
 
 impl Effort {
     /// What a problem needs whose impulses are those it starts from.
-    pub fn new(settings: &SoftStep, problem: &PatchProblem, courses: &mut Vec<Course>) -> Self {
-        find_courses(problem, courses);
+    pub fn new(
+        settings: &SoftStep,
+        problem: &PatchProblem,
+        (survey, footing): (&Survey, &[Footing]),
+        courses: &mut Vec<Course>,
+    ) -> Self {
+        find_courses(problem, footing, courses);
         let courses = &*courses;
         let soft = match courses.len() {
             TALL.. => SUBSTEPS_PER_RIGID_SWEEP_IF_TALL,
@@ -57,7 +63,9 @@ impl Effort {
         let round = soft + 1;
         let usual = round as f32 / (soft as f32 * settings.longest_substep);
         let most = MOST * usual;
-        let Loads { unsettled, pressed } = Loads::of(problem);
+        let &Survey {
+            unsettled, pressed, ..
+        } = survey;
         let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
         let rate =
             (settings.sweeps_per_period * stable(problem, courses, pressed)).clamp(usual, most);
@@ -84,36 +92,7 @@ fn substeps(sweeps: usize, per_rigid_sweep: usize) -> usize {
     (sweeps / round * per_rigid_sweep + rest.saturating_sub(1)).max(1)
 }
 
-/// What the contacts of a problem carry.
-struct Loads {
-    /// The share of it that they have not carried for long, 0..1.
-    unsettled: f32,
-    /// The most that something has carried for long by its mass and size, 1/s².
-    pressed: f32,
-}
-
-impl Loads {
-    fn of(problem: &PatchProblem) -> Self {
-        let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
-        for patch in problem.patches.iter() {
-            let points = &problem.points[patch.range()];
-            let load: f32 = points.iter().map(|point| point.load).sum();
-            let impulse: f32 = points.iter().map(|point| point.warm_normal).sum();
-            new += (impulse - load).abs();
-            all += impulse.max(load);
-            let [a, b] = patch
-                .bodies
-                .map(|body| yielding(&problem.bodies[body as usize]));
-            pressed = pressed.max(load * a.max(b));
-        }
-        Self {
-            unsettled: if all > 0.0 { new / all } else { 1.0 },
-            pressed: pressed / problem.dt,
-        }
-    }
-}
-
-/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`Loads::pressed`]).
+/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`Survey::pressed`]).
 fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
     let mut above = 0.0;
     let mut most = pressed;
@@ -136,10 +115,10 @@ pub struct Course {
 }
 
 /// From the ground up.
-fn find_courses(problem: &PatchProblem, courses: &mut Vec<Course>) {
+fn find_courses(problem: &PatchProblem, footing: &[Footing], courses: &mut Vec<Course>) {
     courses.clear();
-    let moves = |body: &&Body| body.inverse_mass > 0.0;
-    for body in problem.bodies.iter().filter(moves) {
+    let bodies = problem.bodies.iter().zip(footing);
+    for (body, footing) in bodies.filter(|(body, _)| body.inverse_mass > 0.0) {
         let Some(course) = (body.level as usize).checked_sub(1) else {
             continue;
         };
@@ -149,16 +128,8 @@ fn find_courses(problem: &PatchProblem, courses: &mut Vec<Course>) {
         let course = &mut courses[course];
         course.bodies += 1;
         course.mass += 1.0 / body.inverse_mass;
-        course.yielding = course.yielding.max(yielding(body));
+        course.yielding = course.yielding.max(footing.yielding);
     }
-}
-
-/// 1/(mass · size), 1/(kg·m): its size is half the side of the cube that is as easy to turn.
-fn yielding(body: &Body) -> f32 {
-    let inertia = &body.inverse_inertia;
-    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    // That of a cube of side a is 18 / (m a²).
-    (body.inverse_mass * trace * (4.0 / 18.0)).sqrt()
 }
 
 #[cfg(test)]

@@ -29,12 +29,14 @@
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
 
 mod block;
+mod carry;
 mod cold_start;
 mod effort;
 mod halves;
 #[cfg(test)]
 mod masonry;
 mod pipeline;
+mod survey;
 mod visit;
 
 use super::{PatchConstraint, PatchProblem, PatchSolver, restitution};
@@ -45,12 +47,12 @@ use crate::solver::lanes::{F32x4, F32xN, Kernel, State, cells};
 use crate::solver::width::Width;
 use crate::solver::{Body, Lanes, SolveReport};
 use block::{Block, Pass, Points, Spring};
-use cold_start::Footing;
 use effort::{Course, Effort};
 use glam::{Mat3, Vec3, Vec4};
 use halves::Part;
 use pipeline::{Pipeline, Work};
 use std::f32::consts::TAU;
+use survey::{Footing, Survey};
 
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
 const CROWD: f32 = 6.0;
@@ -149,29 +151,77 @@ impl SoftStep {
     }
 
     fn solve_in<L: F32xN>(&self, problem: &mut PatchProblem) -> SolveReport {
-        let bounces = restitution::find(problem);
         let mut kept = problem.memory.take::<Island<L>>();
         let mut scratch = match &mut kept {
             Some((island, _)) => std::mem::take(&mut island.scratch),
             None => Scratch::default(),
         };
-        cold_start::cold_start::<L>(problem, &mut scratch.footing);
-        let effort = Effort::new(self, problem, &mut scratch.courses);
         let span = tracing::info_span!("refresh").entered();
-        let mut island = Island::<L>::of(kept, problem, self.lanes, effort.substeps);
+        let mut survey = Survey::of(problem, &mut scratch.footing);
+        let bounces = survey.bounces.then(|| restitution::find(problem));
+        if cold_start::cold_start::<L>(problem, &scratch.footing) {
+            survey = Survey::of(problem, &mut scratch.footing);
+        }
+        let effort = Effort::new(
+            self,
+            problem,
+            (&survey, &scratch.footing),
+            &mut scratch.courses,
+        );
+        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes);
+        let h = problem.dt / effort.substeps as f32;
+        let spring = Spring {
+            omega: TAU * effort.rate / self.sweeps_per_period,
+            damping_ratio: self.damping_ratio,
+            h,
+        };
+        self.plan(effort, h, &mut scratch.passes);
+        let free_merit = island.start(problem, &changed, effort.substeps, &spring, &scratch.passes);
         drop(span);
-        island.scratch = scratch;
         let span = tracing::info_span!("sweeps").entered();
-        let report = island.advance(self, effort, problem);
+        let mut report = SolveReport::new(free_merit, problem.record_history);
+        island.sweep(problem, &scratch.passes, |change| {
+            report.record(change.max(0.0).sqrt());
+        });
         drop(span);
         let _span = tracing::info_span!("store").entered();
         island.store(
             problem,
             (report.sweeps as f32 / self.preload_sweeps).min(1.0),
         );
+        island.scratch = scratch;
         problem.memory.keep(island);
-        restitution::bounce(problem, bounces, effort.substeps);
+        if let Some(bounces) = bounces {
+            restitution::bounce(problem, bounces, effort.substeps);
+        }
         report
+    }
+
+    /// The sweeps of a step in substeps of so many s, and what is done after each.
+    fn plan(&self, effort: Effort, h: f32, passes: &mut Vec<Pass>) {
+        passes.clear();
+        for substep in 1..=effort.substeps {
+            let last = substep == effort.substeps;
+            let soft = Pass {
+                soft: true,
+                first: substep == 1,
+                rate: 1.0 / h,
+                preload: self.preload,
+                drift: Some(h),
+                extrapolates: false,
+            };
+            passes.push(soft);
+            if substep % effort.substeps_per_rigid_sweep == 0 || last {
+                passes.push(Pass {
+                    soft: false,
+                    drift: None,
+                    ..soft
+                });
+            }
+            if let Some(pass) = passes.last_mut().filter(|_| !last) {
+                pass.extrapolates = true;
+            }
+        }
     }
 }
 
@@ -236,27 +286,20 @@ struct Island<L: F32xN> {
 }
 
 impl<L: F32xN> Island<L> {
-    /// That of the last step brought up to date, if it may be.
+    /// That of the last step, if it may be, and which of its patches were found anew since.
     fn of(
         kept: Option<(Box<Self>, Vec<u32>)>,
         problem: &PatchProblem,
         lanes: Lanes,
-        substeps: usize,
-    ) -> Box<Self> {
-        match kept {
-            Some((mut island, changed)) if island.fastest == problem.max_correction_speed => {
-                island.begin(problem, &changed, substeps);
-                island.lanes = lanes;
-                island
-            }
-            _ => Box::new(Self {
-                lanes,
-                ..Self::new(problem, substeps)
-            }),
-        }
+    ) -> (Box<Self>, Vec<u32>) {
+        let (mut island, changed) = kept
+            .filter(|(island, _)| island.fastest == problem.max_correction_speed)
+            .unwrap_or_else(|| (Box::new(Self::new(problem)), Vec::new()));
+        island.lanes = lanes;
+        (island, changed)
     }
 
-    fn new(problem: &PatchProblem, substeps: usize) -> Self {
+    fn new(problem: &PatchProblem) -> Self {
         let bodies = &*problem.bodies;
         let nobody = bodies.len() as u32;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
@@ -295,8 +338,8 @@ impl<L: F32xN> Island<L> {
                 block.hasten(lane, problem.max_correction_speed * hurry);
             }
         }
-        let mut island = Self {
-            substeps,
+        Self {
+            substeps: 1,
             lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
@@ -311,52 +354,19 @@ impl<L: F32xN> Island<L> {
             missing: Vec::new(),
             pipeline: None,
             scratch: Scratch::default(),
-        };
-        island.begin(problem, &[], substeps);
-        island
+        }
     }
 
-    /// Takes over a problem of which so many patches are new. To the bit what it would be if it were made anew: nobody must be able to
-    /// tell by what others do to a world.
+    /// Takes over a problem of which so many patches are new, cut into so many substeps. To the bit what it would be if it were made anew:
+    /// nobody must be able to tell by what others do to a world.
     fn begin(&mut self, problem: &PatchProblem, changed: &[u32], substeps: usize) {
         self.substeps = substeps;
         self.find_turned(problem.bodies);
-        let moved = self.turned.contains(&true);
         self.changed.clear();
         self.changed.resize(problem.patches.len(), false);
         for &patch in changed {
             self.changed[patch as usize] = true;
         }
-        let (batches, changed, turned) = (&self.batches, &self.changed, &self.turned);
-        let all = Part {
-            first: 0,
-            found: &mut vec![(); self.blocks.len()],
-            blocks: &mut self.blocks,
-            points: &mut self.points,
-        };
-        all.each(problem.threads, &|part| {
-            for i in 0..part.blocks.len() {
-                let points = part.points_of(i);
-                let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
-                block.begin(points);
-                for (lane, &number) in batches.block(part.first + i).iter().enumerate() {
-                    let patch = &problem.patches[number as usize];
-                    if changed[number as usize] {
-                        let stiffness = block.stiffness[lane];
-                        block.load(points, lane, patch, problem, stiffness);
-                    } else if moved {
-                        for (side, body) in patch.bodies.into_iter().enumerate() {
-                            if turned[body as usize] {
-                                let body = &problem.bodies[body as usize];
-                                block.turn(lane, side, &body.inverse_inertia);
-                            }
-                        }
-                    }
-                    let mine = &problem.points[patch.range()];
-                    block.refresh(points, lane, patch, mine, substeps);
-                }
-            }
-        });
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));
@@ -365,6 +375,59 @@ impl<L: F32xN> Island<L> {
         self.before.clone_from(&self.velocities);
         self.motions.clear();
         self.motions.resize(self.velocities.len(), State::default());
+    }
+
+    /// Bodies feel so much of this step's forces.
+    fn push(&mut self, bodies: &[Body], share: f32) {
+        for (state, body) in self.velocities.iter_mut().zip(bodies) {
+            for (velocity, push) in state.iter_mut().zip(body.push()) {
+                *velocity += (push * share).extend(0.0);
+            }
+        }
+    }
+
+    /// Brings all blocks up to date with the problem that it has begun; what the free motion misses in each is found.
+    fn refresh(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass, closed: f32) {
+        self.missing.resize(self.blocks.len(), L::ZERO);
+        let fresh = Fresh {
+            problem,
+            batches: &self.batches,
+            changed: &self.changed,
+            turned: self.turned.contains(&true).then_some(&*self.turned),
+            substeps: self.substeps,
+            velocities: &self.velocities,
+            spring,
+            pass,
+            closed,
+        };
+        let all = Part {
+            first: 0,
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            found: &mut self.missing,
+        };
+        all.each(problem.threads, &|part| {
+            L::run(Refresh {
+                part,
+                fresh: &fresh,
+            });
+        });
+    }
+
+    /// Ready for the first sweep: with effective masses, a substep's forces, and the impulses that contacts start with. The merit of the
+    /// free motion, √J.
+    fn start(
+        &mut self,
+        problem: &PatchProblem,
+        changed: &[u32],
+        substeps: usize,
+        spring: &Spring,
+        passes: &[Pass],
+    ) -> f32 {
+        self.begin(problem, changed, substeps);
+        self.push(problem.bodies, 1.0 / substeps as f32);
+        self.refresh(problem, spring, &passes[0], f32::INFINITY);
+        L::run(Start { island: self }).sqrt()
     }
 
     /// Whose inverse inertia is not that of the last step.
@@ -376,76 +439,6 @@ impl<L: F32xN> Island<L> {
             *before = body.inverse_inertia;
             turned
         }));
-    }
-
-    fn advance(
-        &mut self,
-        settings: &SoftStep,
-        effort: Effort,
-        problem: &mut PatchProblem,
-    ) -> SolveReport {
-        let h = problem.dt / self.substeps as f32;
-        let spring = Spring {
-            omega: TAU * effort.rate / settings.sweeps_per_period,
-            damping_ratio: settings.damping_ratio,
-            h,
-        };
-        let mut passes = std::mem::take(&mut self.scratch.passes);
-        self.plan(settings, effort, h, &mut passes);
-        let free_merit = self.start(problem, &spring, &passes[0]);
-        let mut report = SolveReport::new(free_merit, problem.record_history);
-        self.sweep(problem, &passes, |change| {
-            report.record(change.max(0.0).sqrt());
-        });
-        self.scratch.passes = passes;
-        report
-    }
-
-    /// Effective masses of all blocks, and what the free motion misses in each.
-    fn prepare(&mut self, spring: &Spring, pass: &Pass, threads: usize) {
-        self.missing.resize(self.blocks.len(), L::ZERO);
-        let velocities = &*self.velocities;
-        let all = Part {
-            first: 0,
-            blocks: &mut self.blocks,
-            points: &mut self.points,
-            found: &mut self.missing,
-        };
-        all.each(threads, &|part| {
-            L::run(Prepare {
-                part,
-                velocities,
-                spring,
-                pass,
-            });
-        });
-    }
-
-    /// The sweeps of a step, and what is done after each.
-    fn plan(&self, settings: &SoftStep, effort: Effort, h: f32, passes: &mut Vec<Pass>) {
-        passes.clear();
-        for substep in 1..=self.substeps {
-            let last = substep == self.substeps;
-            let soft = Pass {
-                soft: true,
-                first: substep == 1,
-                rate: 1.0 / h,
-                preload: settings.preload,
-                drift: Some(h),
-                extrapolates: false,
-            };
-            passes.push(soft);
-            if substep % effort.substeps_per_rigid_sweep == 0 || last {
-                passes.push(Pass {
-                    soft: false,
-                    drift: None,
-                    ..soft
-                });
-            }
-            if let Some(pass) = passes.last_mut().filter(|_| !last) {
-                pass.extrapolates = true;
-            }
-        }
     }
 
     /// All sweeps: over the blocks from the first to the last each, of the bodies that came into the world first, from the ground up.
@@ -473,7 +466,8 @@ impl<L: F32xN> Island<L> {
             true => L::run(Sweep::<L, true> { island: self, pass }),
             false => L::run(Sweep::<L, false> { island: self, pass }),
         };
-        let states = cells(&mut self.velocities).iter();
+        let bodies = self.inertias.len();
+        let states = cells(&mut self.velocities).iter().take(bodies);
         let others = cells(&mut self.before).iter().zip(cells(&mut self.motions));
         for (velocity, (before, motion)) in states.zip(others) {
             pass.end(velocity, before, motion);
@@ -518,27 +512,12 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Effective masses; forces and last step's impulses for the first substep. The merit of the free motion, √J.
-    fn start(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass) -> f32 {
-        let share = 1.0 / self.substeps as f32;
-        for (state, body) in self.velocities.iter_mut().zip(&*problem.bodies) {
-            for (velocity, push) in state.iter_mut().zip(body.push()) {
-                *velocity += (push * share).extend(0.0);
-            }
-        }
-        self.prepare(spring, pass, problem.threads);
-        L::run(Start { island: self }).sqrt()
-    }
-
     fn store(&self, problem: &mut PatchProblem, rate: f32) {
-        for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
-            let from = &self.points[block.range()];
-            for (lane, &patch) in patches.iter().enumerate() {
-                let patch = &mut problem.patches[patch as usize];
-                let points = &mut problem.points[patch.range()];
-                block.store(from, lane, patch, points, self.substeps, rate);
-            }
-        }
+        L::run(End {
+            island: self,
+            problem,
+            rate,
+        });
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
             [body.linear, body.angular] = velocity.map(Vec4::truncate);
@@ -574,33 +553,87 @@ impl<L: F32xN> Kernel for Start<'_, L> {
     }
 }
 
-/// Prepares some blocks, and finds what the free motion misses there, J.
-struct Prepare<'a, L: F32xN> {
-    part: Part<'a, L, L>,
+/// What blocks are brought up to date by.
+struct Fresh<'a, 'p> {
+    problem: &'a PatchProblem<'p>,
+    batches: &'a Batches,
+    /// By patch: it was found anew.
+    changed: &'a [bool],
+    /// By body, where any has turned.
+    turned: Option<&'a [bool]>,
+    substeps: usize,
+    /// Of the free motion.
     velocities: &'a [State],
     spring: &'a Spring,
     pass: &'a Pass,
+    /// Points farther apart than this have no part, m.
+    closed: f32,
 }
 
-impl<L: F32xN> Kernel for Prepare<'_, L> {
+/// Brings some blocks up to date, and finds what the free motion misses there, J. In one go, while a block is at hand.
+struct Refresh<'a, 'p, L: F32xN> {
+    part: Part<'a, L, L>,
+    fresh: &'a Fresh<'a, 'p>,
+}
+
+impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { part, fresh } = self;
+        let problem = fresh.problem;
+        let mut i = 0;
+        while i < part.blocks.len() {
+            let points = part.points_of(i);
+            let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
+            let patches = fresh.batches.block(part.first + i);
+            for (lane, &number) in patches.iter().enumerate() {
+                let patch = &problem.patches[number as usize];
+                if fresh.changed[number as usize] {
+                    let stiffness = block.stiffness[lane];
+                    block.load(points, lane, patch, problem, stiffness);
+                } else if let Some(turned) = fresh.turned {
+                    for (side, body) in patch.bodies.into_iter().enumerate() {
+                        if turned[body as usize] {
+                            let body = &problem.bodies[body as usize];
+                            block.turn(lane, side, &body.inverse_inertia);
+                        }
+                    }
+                }
+            }
+            block.begin(points, patches, problem, fresh.substeps);
+            if fresh.closed < f32::INFINITY {
+                block.rest(points, fresh.closed);
+            }
+            block.prepare(points);
+            block.soften(fresh.spring);
+            part.found[i] = block.missing(points, fresh.velocities, fresh.pass);
+            i += 1;
+        }
+    }
+}
+
+/// Gives impulses back to the problem.
+struct End<'a, 'p, L: F32xN> {
+    island: &'a Island<L>,
+    problem: &'a mut PatchProblem<'p>,
+    rate: f32,
+}
+
+impl<L: F32xN> Kernel for End<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self {
-            part,
-            velocities,
-            spring,
-            pass,
+            island,
+            problem,
+            rate,
         } = self;
-        let mut i = 0;
-        while i < part.blocks.len() {
-            let points = part.points_of(i);
-            let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
-            block.prepare(points);
-            block.soften(spring);
-            part.found[i] = block.missing(points, velocities, pass);
-            i += 1;
+        for (block, patches) in island.blocks.iter().zip(island.batches.iter()) {
+            let points = &island.points[block.range()];
+            block.end(points, patches, problem, island.substeps, rate);
         }
     }
 }

@@ -124,7 +124,11 @@ impl<L: F32xN> Block<L> {
                     visit,
                 });
             }
-            relax_normals_rigidly(points, &mut visit, pass);
+            let rows = Rigid {
+                rate: L::splat(pass.rate),
+            };
+            let mut normals = on_normals_local(&visit.velocity);
+            relax_points::<_, _, false>(&rows, points, &mut normals, &mut visit);
             visit.follow_normals(self);
             self.relax_friction::<SOFT>(&Carried::by(points), &mut visit, &Hold::RIGID);
         }
@@ -303,17 +307,12 @@ impl<L: F32xN> Springs<L> {
             });
         }
         let mut normals = on_normals_local(&visit.velocity);
-        for point in points.iter_mut() {
-            let (mass, constant) = self.row(point);
-            let approach = point.approach(&normals);
-            let step = mass.mul_add(approach, constant);
-            let taken = point.take(step, &mut normals, &mut visit.wrench);
-            visit.change = taken.mul_add(approach, visit.change);
-        }
+        relax_points::<_, _, false>(self, points, &mut normals, &mut visit);
         visit
     }
+}
 
-    /// What is to be taken from a point's impulse is mass · approach + constant.
+impl<L: F32xN> Rows<L> for Springs<L> {
     #[inline(always)]
     fn row(&self, point: &mut Points<L>) -> (L, L) {
         let s = point.separation + point.approach(&self.moved);
@@ -334,15 +333,88 @@ impl<L: F32xN> Springs<L> {
     }
 }
 
+/// The rows of a patch's normals.
+trait Rows<L> {
+    /// What is to be taken from a point's impulse is mass · approach + constant.
+    fn row(&self, point: &mut Points<L>) -> (L, L);
+}
+
+/// Those that only stop motion, or bring together what a spring no longer reaches.
+struct Rigid<L> {
+    /// 1/s: of one substep.
+    rate: L,
+}
+
+impl<L: F32xN> Rows<L> for Rigid<L> {
+    #[inline(always)]
+    fn row(&self, point: &mut Points<L>) -> (L, L) {
+        (point.mass, point.mass * point.gap * self.rate)
+    }
+}
+
+/// Visits the points of a patch one after another. By fours, and the same for a point however many its block has.
 #[inline(always)]
-fn relax_normals_rigidly<L: F32xN>(points: &mut [Points<L>], visit: &mut Visit<L>, pass: &Pass) {
-    let mut normals = on_normals_local(&visit.velocity);
-    let rate = L::splat(pass.rate);
-    for point in points.iter_mut() {
-        let approach = point.approach(&normals);
-        let step = point.mass * point.gap.mul_add(rate, approach);
-        let taken = point.take(step, &mut normals, &mut visit.wrench);
-        visit.change = taken.mul_add(approach, visit.change);
+fn relax_points<L: F32xN, R: Rows<L>, const ON: bool>(
+    rows: &R,
+    mut points: &mut [Points<L>],
+    normals: &mut Vec3xN<L>,
+    visit: &mut Visit<L>,
+) {
+    while points.len() > 4 {
+        let (some, others) = points.split_at_mut(4);
+        relax_so_many::<_, _, 4, true>(rows, some, normals, visit);
+        points = others;
+    }
+    match points.len() {
+        4 => relax_so_many::<_, _, 4, ON>(rows, points, normals, visit),
+        3 => relax_so_many::<_, _, 3, ON>(rows, points, normals, visit),
+        2 => relax_so_many::<_, _, 2, ON>(rows, points, normals, visit),
+        1 => relax_so_many::<_, _, 1, ON>(rows, points, normals, visit),
+        _ => (),
+    }
+}
+
+/// What a point gives is told at once to the impulses that those after it shall have: each then waits for three operations of the one
+/// before, where it would wait for seven by way of the patch's motion. A stack, in which nothing else is to be done meanwhile, feels it.
+/// The motion itself follows where somebody goes `ON` with it.
+#[inline(always)]
+fn relax_so_many<L: F32xN, R: Rows<L>, const N: usize, const ON: bool>(
+    rows: &R,
+    points: &mut [Points<L>],
+    normals: &mut Vec3xN<L>,
+    visit: &mut Visit<L>,
+) {
+    let Ok(points): Result<&mut [Points<L>; N], _> = points.try_into() else {
+        unreachable!("so many there are");
+    };
+    let (mut wanted, mut masses) = ([L::ZERO; N], [L::ZERO; N]);
+    let mut approaches = [L::ZERO; N];
+    let mut i = 0;
+    while i < N {
+        let (mass, constant) = rows.row(&mut points[i]);
+        approaches[i] = points[i].approach(normals);
+        wanted[i] = mass.taken_from(approaches[i], points[i].impulse - constant);
+        masses[i] = mass;
+        i += 1;
+    }
+    i = 0;
+    while i < N {
+        let left = wanted[i].max(L::ZERO);
+        let taken = points[i].impulse - left;
+        points[i].impulse = left;
+        let mut j = i + 1;
+        while j < N {
+            let seen = points[j].approach(&points[i].effect);
+            wanted[j] = (masses[j] * seen).mul_add(taken, wanted[j]);
+            approaches[j] = seen.taken_from(taken, approaches[j]);
+            j += 1;
+        }
+        if ON {
+            *normals = points[i].effect.scale_taken_from(taken, *normals);
+        }
+        visit.change = taken.mul_add(approaches[i], visit.change);
+        points[i].push(-taken, &mut visit.wrench);
+        i += 1;
     }
 }
 
@@ -507,16 +579,15 @@ impl<L: F32xN> Kernel for Land<'_, L> {
         } = self;
         let mut normals = on_normals_local(&visit.velocity);
         springs.stop_together(points, &mut normals, &mut visit.wrench, lands);
-        let mut counts = L::ONE;
-        for _ in 0..LANDING_VISITS {
+        relax_points::<_, _, true>(&springs, points, &mut normals, &mut visit);
+        for _ in 1..LANDING_VISITS {
             for point in points.iter_mut() {
                 let (mass, constant) = springs.row(point);
                 let approach = point.approach(&normals);
-                let step = counts * mass.mul_add(approach, constant);
+                let step = lands * mass.mul_add(approach, constant);
                 let taken = point.take(step, &mut normals, &mut visit.wrench);
                 visit.change = taken.mul_add(approach, visit.change);
             }
-            counts = lands;
         }
         visit
     }
@@ -597,9 +668,7 @@ impl<L: F32xN> Points<L> {
         let taken = self.impulse - left;
         self.impulse = left;
         *normals = self.effect.scale_taken_from(taken, *normals);
-        wrench.linear.x -= taken;
-        wrench.angular.y = self.y.taken_from(taken, wrench.angular.y);
-        wrench.angular.z = self.x.mul_add(taken, wrench.angular.z);
+        self.push(-taken, wrench);
         taken
     }
 }

@@ -8,7 +8,7 @@
 use super::super::block::{Pass, Spring};
 use super::super::{Island, Start};
 use crate::solver::PatchProblem;
-use crate::solver::lanes::{F32xN, Kernel, cells};
+use crate::solver::lanes::{F32xN, Kernel, State, cells};
 
 /// It ends when a sweep makes less than this share of the difference that gravity makes.
 const STILL: f32 = 3e-4;
@@ -183,19 +183,11 @@ impl Pass {
 impl<L: F32xN> Island<L> {
     /// As if everything stood still and touched where it is not open; and what the forces do unopposed, J.
     fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
-        let mut island = Self::new(problem, 1);
-        for (velocity, body) in island.velocities.iter_mut().zip(&*problem.bodies) {
-            *velocity = body.push().map(|push| push.extend(0.0));
-        }
-        for point in &mut island.points {
-            for lane in 0..L::LANES {
-                if point.separation[lane] > closed {
-                    (point.mass[lane], point.impulse[lane]) = (0.0, 0.0);
-                }
-            }
-            (point.separation, point.gap) = (L::ZERO, L::ZERO);
-        }
-        island.prepare(&Spring::default(), pass, 1);
+        let mut island = Self::new(problem);
+        island.begin(problem, &[], 1);
+        island.velocities.fill(State::default());
+        island.push(problem.bodies, 1.0);
+        island.refresh(problem, &Spring::default(), pass, closed);
         let free = L::run(Start {
             island: &mut island,
         });

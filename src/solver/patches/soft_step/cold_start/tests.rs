@@ -2,11 +2,16 @@ use super::*;
 use crate::solver::Memory;
 use crate::solver::lanes::F32x4;
 use crate::solver::patches::soft_step::masonry::{DT, G, Masonry};
+use crate::solver::patches::soft_step::survey::Survey;
 use glam::Vec3;
 
 impl Masonry {
     fn start(&mut self) {
-        cold_start::<F32x4>(&mut self.problem(&mut Memory::default()), &mut Vec::new());
+        let mut memory = Memory::default();
+        let mut problem = self.problem(&mut memory);
+        let mut footing = Vec::new();
+        Survey::of(&problem, &mut footing);
+        cold_start::<F32x4>(&mut problem, &footing);
     }
 
     /// The greatest acceleration that is left, as a share of gravity; turns on an arm of a metre.

@@ -27,7 +27,7 @@ fn shaken() -> Masonry {
 
 fn started<L: F32xN>(problem: &PatchProblem) -> (Island<L>, Vec<Pass>) {
     let settings = SoftStep::default();
-    let mut island = Island::<L>::new(problem, 7);
+    let mut island = Island::<L>::new(problem);
     let effort = Effort {
         substeps: 7,
         substeps_per_rigid_sweep: 3,
@@ -35,13 +35,13 @@ fn started<L: F32xN>(problem: &PatchProblem) -> (Island<L>, Vec<Pass>) {
     };
     let h = DT / 7.0;
     let mut passes = Vec::new();
-    island.plan(&settings, effort, h, &mut passes);
+    settings.plan(effort, h, &mut passes);
     let spring = Spring {
         omega: 300.0,
         damping_ratio: 5.0,
         h,
     };
-    island.start(problem, &spring, &passes[0]);
+    island.start(problem, &[], 7, &spring, &passes);
     (island, passes)
 }
 

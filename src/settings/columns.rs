@@ -1,0 +1,110 @@
+//! Columns of a table side by side, row by row, on one thread or on several.
+
+/// Lists of the same length.
+pub trait Columns: Sized + Send {
+    /// One of each.
+    type Row;
+
+    /// How many rows there are.
+    fn rows(&self) -> usize;
+
+    /// Those before a row, and those from it on.
+    fn split_at(self, row: usize) -> [Self; 2];
+
+    /// Does work on each row, from the first.
+    fn for_each(self, work: &impl Fn(Self::Row));
+
+    /// The same on several threads, so many rows at least on each.
+    fn share(self, grain: usize, work: &(impl Fn(Self::Row) + Sync)) {
+        let rows = self.rows();
+        if rows / 2 < grain {
+            return self.for_each(work);
+        }
+        let [one, other] = self.split_at(rows / 2);
+        rayon::join(|| one.share(grain, work), || other.share(grain, work));
+    }
+}
+
+/// One of them.
+pub trait Column: Sized + Send + IntoIterator {
+    /// How many it has.
+    fn rows(&self) -> usize;
+
+    /// Those before one, and those from it on.
+    fn split_at_row(self, row: usize) -> (Self, Self);
+}
+
+impl<T: Sync> Column for &[T] {
+    fn rows(&self) -> usize {
+        self.len()
+    }
+
+    fn split_at_row(self, row: usize) -> (Self, Self) {
+        self.split_at(row)
+    }
+}
+
+impl<T: Send> Column for &mut [T] {
+    fn rows(&self) -> usize {
+        self.len()
+    }
+
+    fn split_at_row(self, row: usize) -> (Self, Self) {
+        self.split_at_mut(row)
+    }
+}
+
+macro_rules! columns {
+    ($first:ident $($other:ident)+) => {
+        #[expect(non_snake_case, reason = "a column is named as its type is")]
+        impl<$first: Column, $($other: Column),+> Columns for ($first, $($other),+) {
+            type Row = ($first::Item, $($other::Item),+);
+
+            fn rows(&self) -> usize {
+                self.0.rows()
+            }
+
+            fn split_at(self, row: usize) -> [Self; 2] {
+                let ($first, $($other),+) = self;
+                let $first = $first.split_at_row(row);
+                $(let $other = $other.split_at_row(row);)+
+                [($first.0, $($other.0),+), ($first.1, $($other.1),+)]
+            }
+
+            #[inline]
+            fn for_each(self, work: &impl Fn(Self::Row)) {
+                let ($first, $($other),+) = self;
+                $(let mut $other = $other.into_iter();)+
+                for $first in $first {
+                    $(let Some($other) = $other.next() else { return };)+
+                    work(($first, $($other),+));
+                }
+            }
+        }
+    };
+}
+
+columns!(A B);
+columns!(A B C);
+columns!(A B C D);
+columns!(A B C D E F);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_visited_once_however_they_are_shared() {
+        let numbers: Vec<u32> = (0..1000).collect();
+        for grain in [1, 7, 400, usize::MAX / 2] {
+            let mut found = vec![0; 1000];
+            (&*numbers, &mut *found).share(grain, &|(number, found)| *found += number + 1);
+            assert!(
+                found
+                    .iter()
+                    .zip(1..)
+                    .all(|(&found, wanted)| found == wanted)
+            );
+        }
+    }
+}

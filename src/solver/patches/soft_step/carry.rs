@@ -1,0 +1,263 @@
+//! What goes into a block as a step begins, and out of it again as it ends: lane by lane as it stands in memory, and all lanes at once
+//! where something is to be computed.
+
+use super::block::{Block, Points};
+use crate::solver::lanes::{F32xN, Frame, Vec3xN};
+use crate::solver::{PatchConstraint, PatchProblem, Slip};
+use glam::Mat3;
+
+/// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
+const FRICTION: f32 = 0.3;
+
+/// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
+const ASIDE: f32 = 0.03;
+
+/// What patches begin a step with, as their problem tells it.
+#[derive(Default)]
+struct Fresh<L> {
+    /// 1 where friction is anchored.
+    anchored: L,
+    slip: Vec3xN<L>,
+    slip_twist: L,
+    tangential: Vec3xN<L>,
+    twist: L,
+    rolling: Vec3xN<L>,
+    load: Vec3xN<L>,
+    load_twist: L,
+}
+
+/// What patches end it with.
+struct Found<L> {
+    given: Vec3xN<L>,
+    tangential: Vec3xN<L>,
+    twist: L,
+    rolling: Vec3xN<L>,
+    dragged: Vec3xN<L>,
+    dragged_twist: L,
+}
+
+impl<L: F32xN> Block<L> {
+    /// Puts a patch into a lane: what of it stays as long as it is not found anew. `stiffness` is what is left of a spring's when its
+    /// bodies share it.
+    pub fn load(
+        &mut self,
+        points: &mut [Points<L>],
+        lane: usize,
+        patch: &PatchConstraint,
+        problem: &PatchProblem,
+        stiffness: f32,
+    ) {
+        // Once, and not at each of a hundred numbers.
+        assert!(lane < L::LANES);
+        self.stiffness[lane] = stiffness;
+        self.normal.set(lane, patch.normal);
+        for side in 0..2 {
+            let body = &problem.bodies[patch.bodies[side] as usize];
+            L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
+            if body.inverse_mass > 0.0 {
+                L::set_body(&mut self.targets[side], lane, patch.bodies[side]);
+            }
+            self.arms[side].set(lane, patch.arms[side]);
+            self.inverse_mass[side][lane] = body.inverse_mass;
+            self.turn(lane, side, &body.inverse_inertia);
+        }
+        self.friction[lane] = patch.friction;
+        let (t1, t2) = patch.normal.any_orthonormal_pair();
+        self.tangent.set(lane, t1);
+        let rolls = patch.rolling_friction > 0.0;
+        let radius = if rolls { patch.rolling_radius } else { 0.0 };
+        self.rolls |= rolls;
+        self.rolling_radius[lane] = radius;
+        self.rolling_lever[lane] = patch.rolling_friction * radius;
+        let mine = &problem.points[patch.range()];
+        self.share[lane] = 1.0 / mine.len() as f32;
+        for (to, point) in points.iter_mut().zip(mine) {
+            to.x[lane] = t1.dot(point.offset);
+            to.y[lane] = t2.dot(point.offset);
+            // Marks the lane as used, until `prepare` puts the mass here.
+            to.mass[lane] = 1.0;
+        }
+    }
+
+    /// Takes over the inverse inertia of a body that has turned, 1/(kg·m²).
+    pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
+        assert!(lane < L::LANES);
+        self.inverse_inertia[side].set(lane, inverse_inertia);
+        self.stale = true;
+    }
+
+    /// Sets a lane's fastest correction, m/s.
+    pub fn hasten(&mut self, lane: usize, max_speed: f32) {
+        self.max_speed[lane] = max_speed;
+    }
+
+    /// Takes over distances, slips, and impulses, which are cut into so many substeps, and forgets what the last step gave.
+    #[inline(always)]
+    pub fn begin(
+        &mut self,
+        points: &mut [Points<L>],
+        patches: &[u32],
+        problem: &PatchProblem,
+        substeps: usize,
+    ) {
+        let mut fresh = Fresh::default();
+        for (lane, &number) in patches.iter().enumerate() {
+            fresh.read(points, lane, &problem.patches[number as usize], problem);
+        }
+        let share = L::splat(1.0 / substeps as f32);
+        let Frame { t1, t2, .. } = self.frame();
+        self.anchored = fresh.anchored;
+        self.slip = [t1.dot(fresh.slip), t2.dot(fresh.slip)];
+        self.slip_twist = fresh.slip_twist;
+        let held = share * fresh.anchored;
+        self.held = [held * t1.dot(fresh.load), held * t2.dot(fresh.load)];
+        self.held_twist = held * fresh.load_twist;
+        let tangential = fresh.tangential;
+        self.tangential = [share * t1.dot(tangential), share * t2.dot(tangential)];
+        self.twist = share * fresh.twist;
+        if self.rolls {
+            self.rolling = [share * t1.dot(fresh.rolling), share * t2.dot(fresh.rolling)];
+        }
+        let mut load = L::ZERO;
+        for point in points {
+            point.load = share * point.load;
+            point.impulse = share * point.impulse;
+            point.given = L::ZERO;
+            load += point.load;
+        }
+        self.inverse_load = (self.share * load).inverse();
+        (self.given, self.dragged) = ([L::ZERO; 2], [L::ZERO; 2]);
+        self.dragged_twist = L::ZERO;
+    }
+
+    /// As if everything stood still and touched where it is no farther apart than `closed` m; what is has no part.
+    #[inline(always)]
+    pub fn rest(&mut self, points: &mut [Points<L>], closed: f32) {
+        let closed = L::splat(closed);
+        for point in points {
+            point.mass = point.separation.select_above(closed, L::ZERO, point.mass);
+            point.impulse = point
+                .separation
+                .select_above(closed, L::ZERO, point.impulse);
+            (point.separation, point.gap) = (L::ZERO, L::ZERO);
+        }
+    }
+
+    /// Gives impulses back, of so many substeps; what patches carry at rest follows them by that share.
+    #[inline(always)]
+    pub fn end(
+        &self,
+        points: &[Points<L>],
+        patches: &[u32],
+        problem: &mut PatchProblem,
+        substeps: usize,
+        rate: f32,
+    ) {
+        let whole = L::splat(substeps as f32);
+        let found = self.found(whole);
+        for (lane, &number) in patches.iter().enumerate() {
+            found.write(lane, &mut problem.patches[number as usize], FRICTION * rate);
+        }
+        let (mut held, mut mean) = (L::ZERO, L::ZERO);
+        for point in points {
+            held += point.load;
+            mean += point.impulse;
+        }
+        let to_whole = self.share * whole;
+        let (held, mean) = (to_whole * held, to_whole * mean);
+        let (rate, aside) = (L::splat(rate), L::splat(ASIDE));
+        for (number, point) in points.iter().enumerate() {
+            let normal = point.given + point.impulse;
+            let (warm, load) = (whole * point.impulse, whole * point.load);
+            let off = aside * ((warm - mean) - (load - held));
+            let load = rate.mul_add((mean - held) + off, load).max(L::ZERO);
+            for (lane, &patch) in patches.iter().enumerate() {
+                let patch = &problem.patches[patch as usize];
+                if number < patch.count as usize {
+                    let to = &mut problem.points[patch.first as usize + number];
+                    to.normal = normal[lane];
+                    to.warm_normal = warm[lane];
+                    to.load = load[lane];
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn found(&self, whole: L) -> Found<L> {
+        let Frame { t1, t2, .. } = self.frame();
+        let carried = [whole * self.tangential[0], whole * self.tangential[1]];
+        Found {
+            given: along(
+                t1,
+                t2,
+                [
+                    self.given[0] + self.tangential[0],
+                    self.given[1] + self.tangential[1],
+                ],
+            ),
+            tangential: along(t1, t2, carried),
+            twist: whole * self.twist,
+            rolling: along(t1, t2, [whole * self.rolling[0], whole * self.rolling[1]]),
+            dragged: along(t1, t2, self.dragged),
+            dragged_twist: self.dragged_twist,
+        }
+    }
+}
+
+/// So much of both tangents.
+#[inline(always)]
+fn along<L: F32xN>(t1: Vec3xN<L>, t2: Vec3xN<L>, [x, y]: [L; 2]) -> Vec3xN<L> {
+    t2.scale_add(y, t1.scale(x))
+}
+
+impl<L: F32xN> Fresh<L> {
+    /// Puts one patch into its lane, and its points into theirs.
+    #[inline(always)]
+    fn read(
+        &mut self,
+        points: &mut [Points<L>],
+        lane: usize,
+        patch: &PatchConstraint,
+        problem: &PatchProblem,
+    ) {
+        // Once, and not at each of a hundred numbers.
+        assert!(lane < L::LANES);
+        if let Some(slip) = patch.slip {
+            self.anchored[lane] = 1.0;
+            self.slip.set(lane, slip.shift);
+            self.slip_twist[lane] = slip.twist;
+        }
+        self.tangential.set(lane, patch.warm_tangential);
+        self.twist[lane] = patch.warm_twist;
+        if patch.rolling_friction > 0.0 {
+            self.rolling.set(lane, patch.warm_rolling);
+        }
+        self.load.set(lane, patch.load_tangential);
+        self.load_twist[lane] = patch.load_twist;
+        for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
+            to.load[lane] = point.load;
+            to.separation[lane] = point.separation;
+            to.impulse[lane] = point.warm_normal;
+        }
+    }
+}
+
+impl<L: F32xN> Found<L> {
+    /// Takes one patch out of its lane; what it carries at rest follows by that share. (Of the patch's own: in a lane is none of what is not
+    /// anchored yet.)
+    #[inline(always)]
+    fn write(&self, lane: usize, patch: &mut PatchConstraint, rate: f32) {
+        assert!(lane < L::LANES);
+        patch.tangential = self.given.get(lane);
+        patch.warm_tangential = self.tangential.get(lane);
+        patch.warm_twist = self.twist[lane];
+        patch.warm_rolling = self.rolling.get(lane);
+        patch.load_tangential += rate * (patch.warm_tangential - patch.load_tangential);
+        patch.load_twist += rate * (patch.warm_twist - patch.load_twist);
+        patch.dragged = Slip {
+            shift: self.dragged.get(lane),
+            twist: self.dragged_twist[lane],
+        };
+    }
+}

@@ -1,0 +1,85 @@
+//! What a problem's bodies stand on and its contacts carry, as a step begins: found in one pass over them.
+
+use crate::solver::{Body, PatchProblem};
+
+/// What bears so many times what a body is pressed down with still bears what is gone.
+const UNLOADED: f32 = 2.0;
+
+/// See the module's text.
+#[derive(Clone, Copy, Debug)]
+pub struct Survey {
+    /// The share of what contacts carry that they have not carried for long, 0..1.
+    pub unsettled: f32,
+    /// The most that something has carried for long by its mass and size, 1/s².
+    pub pressed: f32,
+    /// Something may bounce.
+    pub bounces: bool,
+}
+
+/// What holds a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Footing {
+    /// Something has pushed on it before.
+    pub carries: bool,
+    /// What has long pushed on it upwards, and downwards, or does so now, N·s: what is round holds no load, and yet weighs.
+    up: f32,
+    down: f32,
+    /// 1/(mass · size), 1/(kg·m): its size is half the side of the cube that is as easy to turn.
+    pub yielding: f32,
+}
+
+impl Survey {
+    /// Of a problem, and of each of its bodies.
+    pub fn of(problem: &PatchProblem, footing: &mut Vec<Footing>) -> Self {
+        let up = -problem.gravity.normalize_or_zero();
+        footing.clear();
+        footing.extend(problem.bodies.iter().map(Footing::of));
+        let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
+        let mut bounces = false;
+        for patch in problem.patches.iter() {
+            bounces |= patch.restitution > 0.0;
+            let (mut load, mut impulse) = (0.0, 0.0);
+            for point in &problem.points[patch.range()] {
+                load += point.load;
+                impulse += point.warm_normal;
+            }
+            new += (impulse - load).abs();
+            all += impulse.max(load);
+            let carries = load.max(impulse) > 0.0;
+            let along = up.dot(patch.normal);
+            let long = along * load + up.dot(patch.load_tangential);
+            let now = along * impulse + up.dot(patch.warm_tangential);
+            for (body, sign) in patch.bodies.into_iter().zip([1.0, -1.0]) {
+                let (long, now) = (sign * long, sign * now);
+                let footing = &mut footing[body as usize];
+                footing.carries |= carries;
+                footing.up += long.max(0.0);
+                footing.down -= long.min(now).min(0.0);
+                pressed = pressed.max(load * footing.yielding);
+            }
+        }
+        Self {
+            unsettled: if all > 0.0 { new / all } else { 1.0 },
+            pressed: pressed / problem.dt,
+            bounces,
+        }
+    }
+}
+
+impl Footing {
+    fn of(body: &Body) -> Self {
+        let inertia = &body.inverse_inertia;
+        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        Self {
+            // That of a cube of side a is 18 / (m a²).
+            yielding: (body.inverse_mass * trace * (4.0 / 18.0)).sqrt(),
+            ..Default::default()
+        }
+    }
+
+    /// What lay on it is gone, and what bore that would throw it.
+    pub fn is_unloaded(&self, body: &Body, problem: &PatchProblem) -> bool {
+        let weight = problem.gravity.length() * problem.dt / body.inverse_mass;
+        self.up > UNLOADED * (self.down + weight)
+    }
+}

@@ -345,3 +345,21 @@ fn a_heap_of_1000_comes_to_rest() {
     assert!(speed < 1.0, "{speed} mm/s");
     assert!(overlap < 1.2, "{overlap} mm");
 }
+
+/// Not even in the last bit of a pose: what rests has no way to drift, and nobody who watches its `Transform` is told that it moved.
+#[test]
+fn what_was_built_exactly_stays_to_the_bit() {
+    for scene in ["wall:10x10", "stack:20", "pyramid:10"] {
+        let mut experiment = Experiment::new(scene.parse().unwrap(), Preset::Default);
+        experiment.sleeping.enabled = false;
+        let mut run = experiment.start();
+        for _ in 0..120 {
+            run.step();
+        }
+        let poses = run.poses();
+        for _ in 0..240 {
+            run.step();
+        }
+        assert!(run.poses() == poses, "{scene} moves");
+    }
+}

@@ -415,7 +415,7 @@ impl Patches {
         off / fastest.max(1e-3)
     }
 
-    /// All that a solve has found, to the bit.
+    /// All that a solve has found, to the bit, but for the sign of zeros, which says nothing.
     fn bits(&self) -> Vec<u32> {
         let bodies = self.bodies.iter().flat_map(|body| {
             let [v, w] = body.motion.unwrap_or_default();
@@ -426,7 +426,7 @@ impl Patches {
         let vectors = bodies.chain(patches).flat_map(|v| v.to_array());
         let twists = self.patches.iter().map(|patch| patch.warm_twist);
         let numbers = vectors.chain(twists).chain(points);
-        numbers.map(f32::to_bits).collect()
+        numbers.map(|x| (x + 0.0).to_bits()).collect()
     }
 }
 

@@ -10,53 +10,102 @@
 //! front, and behind it all is done: taken wave by wave, blocks that share a body stand near each other, where taken in their order the
 //! first courses would fill blocks along the whole wall before the next have room. How near decides how closely sweeps can follow each
 //! other ([`super::patches`]'s pipeline).
+//!
+//! What stands in a row, as a stack does, fills one lane in a block, since each contact waits for the one before. There the sequence of blocks is *folded*:
+//! cut into laps of the same length, which lie side by side, each a sweep behind the one below it
+//! ([`super::patches`]'s laps).
 
 use super::Body;
 
 /// The contacts of each block.
 pub struct Batches {
     lanes: usize,
-    /// By block and lane; those of a block are filled from the first on.
+    laps: usize,
+    /// Lanes of a lap.
+    share: usize,
+    /// By block and lane: the contact there, or [`NONE`].
     slots: Vec<u32>,
-    filled: Vec<u8>,
+    contacts: usize,
 }
+
+/// Where a lane has no contact.
+const NONE: u32 = u32::MAX;
+
+/// A sequence of blocks is folded where its sweeps take less than this share of the time then.
+const WORTH: f32 = 0.85;
+
+/// What a visit to lanes that do different things takes, where one to lanes that do the same takes 1.
+const MIXED: f32 = 1.3;
+
+/// Sweeps of a step, about.
+const SWEEPS: usize = 16;
 
 impl Batches {
     /// Of contacts between such pairs, in the order of the sweep, into blocks of so many lanes.
     pub fn of(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-        Self::new(lanes, pairs, bodies.len(), moves)
+        let pairs: Vec<[u32; 2]> = pairs.collect();
+        let waves = Waves::of(&pairs, bodies.len(), moves);
+        Self::new(lanes, &pairs, &waves, bodies.len(), moves)
     }
 
-    /// The same; `moves` tells which bodies contacts can change, the only ones that must not be shared.
+    /// The same, folded where that is worth it.
+    pub fn folded(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
+        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+        let pairs: Vec<[u32; 2]> = pairs.collect();
+        let waves = Waves::of(&pairs, bodies.len(), moves);
+        let whole = Self::new(lanes, &pairs, &waves, bodies.len(), moves);
+        let fewest = pairs.len().div_ceil(lanes);
+        let time = |blocks: usize, laps: usize| (blocks * (SWEEPS + laps - 1)) as f32 * MIXED;
+        let mut least = WORTH * (whole.blocks() * SWEEPS) as f32;
+        if time(fewest.max(2), 2) > least {
+            return whole;
+        }
+        let mut best = whole;
+        let mut width = lanes / 2;
+        while width > 0 {
+            let narrow = Self::new(width, &pairs, &waves, bodies.len(), moves);
+            let blocks = narrow.lap(lanes, &pairs, bodies.len(), moves);
+            let laps = narrow.blocks().div_ceil(blocks);
+            let time = time(blocks, laps);
+            if time < least {
+                least = time;
+                best = narrow.fold(lanes, blocks);
+            }
+            width /= 2;
+        }
+        best
+    }
+
+    /// `moves` tells which bodies contacts can change, the only ones that must not be shared.
     fn new(
         lanes: usize,
-        pairs: impl Iterator<Item = [u32; 2]>,
+        pairs: &[[u32; 2]],
+        waves: &Waves,
         bodies: usize,
         moves: impl Fn(u32) -> bool,
     ) -> Self {
-        let pairs: Vec<[u32; 2]> = pairs.collect();
-        let mut batches = Self {
-            lanes,
-            slots: Vec::with_capacity(2 * pairs.len()),
-            filled: Vec::new(),
-        };
+        let mut slots: Vec<u32> = Vec::with_capacity(2 * pairs.len());
+        let mut filled: Vec<u8> = Vec::with_capacity(2 * pairs.len() / lanes);
         // The first block that may hold a body next; and from each block the way to one with room.
         let mut after = vec![0u32; bodies];
         let mut next: Vec<u32> = Vec::new();
         let mut floor = 0;
-        for wave in Waves::of(&pairs, bodies, &moves).iter() {
-            let begun = batches.blocks() as u32;
+        for wave in waves.iter() {
+            let begun = filled.len() as u32;
             for &contact in wave {
                 let pair = pairs[contact as usize];
                 let free = pair.map(|body| after[body as usize]);
                 let block = with_room(&mut next, free[0].max(free[1]).max(floor));
-                if block as usize == batches.filled.len() {
-                    batches.filled.push(0);
-                    batches.slots.resize(batches.slots.len() + lanes, 0);
+                if block as usize == filled.len() {
+                    filled.push(0);
+                    slots.resize(slots.len() + lanes, NONE);
                     next.push(block);
                 }
-                if batches.fill(block as usize, contact) {
+                let fill = &mut filled[block as usize];
+                slots[block as usize * lanes + *fill as usize] = contact;
+                *fill += 1;
+                if *fill as usize == lanes {
                     next[block as usize] = block + 1;
                 }
                 for body in pair {
@@ -67,40 +116,94 @@ impl Batches {
             }
             floor = begun;
         }
-        batches
+        Self {
+            lanes,
+            laps: 1,
+            share: lanes,
+            slots,
+            contacts: pairs.len(),
+        }
     }
 
-    /// Whether the block is full with it.
-    fn fill(&mut self, block: usize, contact: u32) -> bool {
-        let fill = &mut self.filled[block];
-        self.slots[block * self.lanes + *fill as usize] = contact;
-        *fill += 1;
-        *fill as usize == self.lanes
+    /// The fewest blocks that a lap may have where laps lie side by side in so many lanes: none of them holds a body twice, and whoever comes to a body
+    /// for the first time in a sweep finds that the sweep before is done with it.
+    fn lap(
+        &self,
+        lanes: usize,
+        pairs: &[[u32; 2]],
+        bodies: usize,
+        moves: impl Fn(u32) -> bool,
+    ) -> usize {
+        let mut first = vec![u32::MAX; bodies];
+        let mut farthest = 0;
+        for (number, block) in (0..).zip(self.iter()) {
+            let bodies = block.flat_map(|(_, contact)| pairs[contact as usize]);
+            for body in bodies.filter(|&body| moves(body)) {
+                let first = &mut first[body as usize];
+                *first = number.min(*first);
+                farthest = farthest.max(number - *first);
+            }
+        }
+        let laps = lanes / self.lanes;
+        self.blocks().div_ceil(laps).max(farthest as usize + 1)
+    }
+
+    /// Laps of so many blocks side by side in so many lanes.
+    fn fold(&self, lanes: usize, blocks: usize) -> Self {
+        let mut slots = vec![NONE; blocks * lanes];
+        for (number, narrow) in self.slots.chunks_exact(self.lanes).enumerate() {
+            let (lap, block) = (number / blocks, number % blocks);
+            slots[block * lanes + lap * self.lanes..][..self.lanes].copy_from_slice(narrow);
+        }
+        Self {
+            lanes,
+            laps: self.blocks().div_ceil(blocks),
+            share: self.lanes,
+            slots,
+            contacts: self.contacts,
+        }
     }
 
     /// How many blocks there are.
     pub fn blocks(&self) -> usize {
-        self.filled.len()
+        self.slots.len() / self.lanes
+    }
+
+    /// How many laps lie side by side, at least 1.
+    pub fn laps(&self) -> usize {
+        self.laps
+    }
+
+    /// Of which lap a lane's contacts are.
+    pub fn lap_of(&self, lane: usize) -> usize {
+        lane / self.share
+    }
+
+    /// The lanes of all laps.
+    pub fn lanes_used(&self) -> usize {
+        self.laps * self.share
     }
 
     /// Whether the mean block holds so many contacts.
     #[cfg(target_arch = "x86_64")]
     pub fn holds(&self, contacts: usize) -> bool {
-        let all: usize = self.filled.iter().map(|&filled| filled as usize).sum();
-        all >= contacts * self.blocks()
+        self.contacts >= contacts * self.blocks()
     }
 
-    /// The contacts of one block, lane by lane.
-    pub fn block(&self, block: usize) -> &[u32] {
-        &self.slots[block * self.lanes..][..self.filled[block] as usize]
+    /// The contacts of one block, each with its lane.
+    pub fn block(&self, block: usize) -> impl Iterator<Item = (usize, u32)> + Clone {
+        contacts(&self.slots[block * self.lanes..][..self.lanes])
     }
 
-    /// The contacts of each block, lane by lane.
-    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        let slots = self.slots.chunks_exact(self.lanes);
-        let filled = slots.zip(&self.filled);
-        filled.map(|(slots, &filled)| &slots[..filled as usize])
+    /// The contacts of each block, each with its lane.
+    pub fn iter(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, u32)> + Clone> + Clone {
+        self.slots.chunks_exact(self.lanes).map(contacts)
     }
+}
+
+fn contacts(slots: &[u32]) -> impl Iterator<Item = (usize, u32)> + Clone {
+    let lanes = slots.iter().copied().enumerate();
+    lanes.filter(|&(_, contact)| contact != NONE)
 }
 
 /// Contacts by wave, and those of a wave in their order.
@@ -178,6 +281,16 @@ fn with_room(next: &mut [u32], mut block: u32) -> u32 {
 mod tests {
     use super::*;
 
+    fn of(
+        lanes: usize,
+        pairs: &[[u32; 2]],
+        bodies: usize,
+        moves: impl Fn(u32) -> bool + Copy,
+    ) -> Batches {
+        let waves = Waves::of(pairs, bodies, moves);
+        Batches::new(lanes, pairs, &waves, bodies, moves)
+    }
+
     #[test]
     fn contacts_that_share_a_body_keep_their_order_and_never_share_a_block() {
         let mut rng = fastrand::Rng::with_seed(1);
@@ -189,11 +302,11 @@ mod tests {
             .filter(|[a, b]| a != b)
             .collect();
         for lanes in [4, 8] {
-            let batches = Batches::new(lanes, pairs.iter().copied(), 201, |_| true);
+            let batches = of(lanes, &pairs, 201, |_| true);
             let mut block_of = vec![usize::MAX; pairs.len()];
             for (block, contacts) in batches.iter().enumerate() {
-                assert!((1..=lanes).contains(&contacts.len()));
-                for &contact in contacts {
+                assert!((1..=lanes).contains(&contacts.clone().count()));
+                for (_, contact) in contacts {
                     block_of[contact as usize] = block;
                 }
             }
@@ -211,8 +324,8 @@ mod tests {
     #[test]
     fn what_nothing_moves_may_be_shared() {
         for lanes in [4, 8] {
-            let on_ground = (1..=16).map(|body| [0, body]);
-            let batches = Batches::new(lanes, on_ground, 17, |body| body != 0);
+            let on_ground: Vec<_> = (1..=16).map(|body| [0, body]).collect();
+            let batches = of(lanes, &on_ground, 17, |body| body != 0);
             assert_eq!(batches.blocks(), 16 / lanes);
         }
     }

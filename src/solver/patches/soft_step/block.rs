@@ -9,6 +9,7 @@
 //!
 //! How patches come into a block and out of it again is [`carry`](super::carry)'s.
 
+use super::kinds::Kinds;
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -326,11 +327,12 @@ impl<L: F32xN> Block<L> {
 
     /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.
     #[inline(always)]
-    pub fn account(&mut self, points: &mut [Points<L>]) {
-        self.given[0] += self.tangential[0];
-        self.given[1] += self.tangential[1];
+    pub fn account<K: Kinds<L>>(&mut self, kinds: K, points: &mut [Points<L>]) {
+        for (given, now) in self.given.iter_mut().zip(self.tangential) {
+            *given = kinds.add_if_again(*given, now);
+        }
         for point in points {
-            point.given += point.impulse;
+            point.given = kinds.add_if_again(point.given, point.impulse);
         }
     }
 
@@ -350,13 +352,15 @@ impl<L: F32xN> Block<L> {
         missing
     }
 
-    /// Gives the bodies the impulses that the patches start with.
+    /// Gives the bodies the impulses that the patches start with in those lanes, 1 there and 0 in others.
     #[inline(always)]
-    pub fn warm_start(&self, points: &[Points<L>], velocities: &[Cell<State>]) {
-        let friction = [self.tangential[0], self.tangential[1], self.twist];
-        let mut wrench = wrench(friction, self.rolling);
+    pub fn warm_start(&self, points: &[Points<L>], velocities: &[Cell<State>], lanes: L) {
+        let [x, y] = self.tangential;
+        let friction = [lanes * x, lanes * y, lanes * self.twist];
+        let rolling = [lanes * self.rolling[0], lanes * self.rolling[1]];
+        let mut wrench = wrench(friction, rolling);
         for point in points {
-            point.push(point.impulse, &mut wrench);
+            point.push(lanes * point.impulse, &mut wrench);
         }
         self.give(wrench, velocities);
     }

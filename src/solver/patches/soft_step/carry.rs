@@ -96,12 +96,12 @@ impl<L: F32xN> Block<L> {
     pub fn begin(
         &mut self,
         points: &mut [Points<L>],
-        patches: &[u32],
+        patches: impl Iterator<Item = (usize, u32)>,
         problem: &PatchProblem,
         substeps: usize,
     ) {
         let mut fresh = Fresh::default();
-        for (lane, &number) in patches.iter().enumerate() {
+        for (lane, number) in patches {
             fresh.read(points, lane, &problem.patches[number as usize], problem);
         }
         let share = L::splat(1.0 / substeps as f32);
@@ -148,14 +148,14 @@ impl<L: F32xN> Block<L> {
     pub fn end(
         &self,
         points: &[Points<L>],
-        patches: &[u32],
+        patches: impl Iterator<Item = (usize, u32)> + Clone,
         problem: &mut PatchProblem,
         substeps: usize,
         rate: f32,
     ) {
         let whole = L::splat(substeps as f32);
         let found = self.found(whole);
-        for (lane, &number) in patches.iter().enumerate() {
+        for (lane, number) in patches.clone() {
             found.write(lane, &mut problem.patches[number as usize], FRICTION * rate);
         }
         let (mut held, mut mean) = (L::ZERO, L::ZERO);
@@ -171,7 +171,7 @@ impl<L: F32xN> Block<L> {
             let (warm, load) = (whole * point.impulse, whole * point.load);
             let off = aside * ((warm - mean) - (load - held));
             let load = rate.mul_add((mean - held) + off, load).max(L::ZERO);
-            for (lane, &patch) in patches.iter().enumerate() {
+            for (lane, patch) in patches.clone() {
                 let patch = &problem.patches[patch as usize];
                 if number < patch.count as usize {
                     let to = &mut problem.points[patch.first as usize + number];

@@ -1,5 +1,9 @@
 //! Stacks, walls and arches as problems, for tests.
 
+use super::block::{Pass, Spring};
+use super::{Effort, Island, SoftStep};
+use crate::solver::batches::Batches;
+use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::PI;
@@ -126,6 +130,22 @@ impl Masonry {
         masonry
     }
 
+    /// Shaken, so that friction slides, normals land and impulses grow.
+    pub fn shaken(mut self) -> Self {
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut random = |most: f32| most * (2.0 * rng.f32() - 1.0);
+        for body in self.bodies.iter_mut().skip(1) {
+            body.start = [0.3, 0.5].map(|most| Vec3::from_array([0; 3].map(|_| random(most))));
+            body.linear += body.start[0];
+            body.angular += body.start[1];
+        }
+        for point in &mut self.points {
+            point.separation = random(2e-3);
+            point.warm_normal = 5.0 + random(5.0);
+        }
+        self
+    }
+
     /// The problem of one step.
     pub fn problem<'a>(&'a mut self, memory: &'a mut Memory) -> PatchProblem<'a> {
         PatchProblem {
@@ -141,4 +161,24 @@ impl Masonry {
             memory,
         }
     }
+}
+
+/// In such blocks, ready for the first sweep; and the sweeps.
+pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>, Vec<Pass>) {
+    let mut island = Island::<L>::new(problem, batches);
+    let effort = Effort {
+        substeps: 7,
+        substeps_per_rigid_sweep: 3,
+        rate: 700.0,
+    };
+    let h = DT / 7.0;
+    let mut passes = Vec::new();
+    SoftStep::default().plan(effort, h, &mut passes);
+    let spring = Spring {
+        omega: 300.0,
+        damping_ratio: 5.0,
+        h,
+    };
+    island.start(problem, &[], 7, &spring, &passes);
+    (island, passes)
 }

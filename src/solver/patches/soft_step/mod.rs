@@ -23,7 +23,7 @@
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose patches share no body
-//!   ([`batches`](crate::solver::batches)).
+//!   ([`batches`](crate::solver::batches)); of what stands in a row, each in a sweep of its own ([`laps`]).
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
@@ -33,6 +33,8 @@ mod carry;
 mod cold_start;
 mod effort;
 mod halves;
+mod kinds;
+mod laps;
 #[cfg(test)]
 mod masonry;
 mod pipeline;
@@ -50,6 +52,8 @@ use block::{Block, Pass, Points, Spring};
 use effort::{Course, Effort};
 use glam::{Mat3, Vec3, Vec4};
 use halves::Part;
+use kinds::{Kinds, Rigid, Soft};
+use laps::Laps;
 use pipeline::{Pipeline, Work};
 use std::f32::consts::TAU;
 use survey::{Footing, Survey};
@@ -127,30 +131,36 @@ impl PatchSolver for SoftStep {
     }
 
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport {
-        match self.width(problem) {
+        let mut found = None;
+        match self.width(problem, &mut found) {
             #[cfg(target_arch = "x86_64")]
-            Width::Eight => self.solve_in::<F32x8>(problem),
-            Width::Four => self.solve_in::<F32x4>(problem),
+            Width::Eight => self.solve_in::<F32x8>(problem, found),
+            Width::Four => self.solve_in::<F32x4>(problem, None),
         }
     }
 }
 
 impl SoftStep {
-    /// The width for a problem: what it was in the last step, where the patches are the same.
+    /// The width for a problem: what it was in the last step, where the patches are the same. If that is eight for the first time, the
+    /// blocks are `found` on the way.
     #[cfg(target_arch = "x86_64")]
-    fn width(&self, problem: &PatchProblem) -> Width {
+    fn width(&self, problem: &PatchProblem, found: &mut Option<Batches>) -> Width {
         self.lanes.width(|| {
-            was_auto::<F32x8>(problem) || !was_auto::<F32x4>(problem) && fills_eight(problem)
+            was_auto::<F32x8>(problem) || !was_auto::<F32x4>(problem) && fills_eight(problem, found)
         })
     }
 
     /// The width for a problem.
     #[cfg(not(target_arch = "x86_64"))]
-    fn width(&self, _: &PatchProblem) -> Width {
+    fn width(&self, _: &PatchProblem, _: &mut Option<Batches>) -> Width {
         Width::Four
     }
 
-    fn solve_in<L: F32xN>(&self, problem: &mut PatchProblem) -> SolveReport {
+    fn solve_in<L: F32xN>(
+        &self,
+        problem: &mut PatchProblem,
+        batches: Option<Batches>,
+    ) -> SolveReport {
         let mut kept = problem.memory.take::<Island<L>>();
         let mut scratch = match &mut kept {
             Some((island, _)) => std::mem::take(&mut island.scratch),
@@ -168,7 +178,7 @@ impl SoftStep {
             (&survey, &scratch.footing),
             &mut scratch.courses,
         );
-        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes);
+        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches);
         let h = problem.dt / effort.substeps as f32;
         let spring = Spring {
             omega: TAU * effort.rate / self.sweeps_per_period,
@@ -242,18 +252,39 @@ fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
 
 /// A visit to a block of eight costs 1.1 times one of four, and a stack fills one lane of either.
 #[cfg(target_arch = "x86_64")]
-fn fills_eight(problem: &PatchProblem) -> bool {
-    batches(F32x8::LANES, problem).holds(HALF_FULL)
+fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
+    if problem.patches.len() < HALF_FULL {
+        return false;
+    }
+    found
+        .insert(laps(F32x8::LANES, problem))
+        .holds(HALF_FULL)
 }
 
-/// Patches in the mean block of eight from which on they are the faster: those of a wall of
-/// 10 × 10 hold 4.5, those of an arch 1.8.
+/// Patches in the mean block of eight from which on they are the faster.
 #[cfg(target_arch = "x86_64")]
 const HALF_FULL: usize = 4;
 
 fn batches(lanes: usize, problem: &PatchProblem) -> Batches {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     Batches::of(lanes, patches, problem.bodies)
+}
+
+/// Folded where it may be.
+fn laps(lanes: usize, problem: &PatchProblem) -> Batches {
+    let patches = problem.patches.iter().map(|patch| patch.bodies);
+    match stands_by_itself(problem) {
+        true => Batches::folded(lanes, patches, problem.bodies),
+        false => Batches::of(lanes, patches, problem.bodies),
+    }
+}
+
+/// What contacts cannot change does not move either, so that sweeps may be at it all at once.
+fn stands_by_itself(problem: &PatchProblem) -> bool {
+    problem.bodies.iter().all(|body| {
+        body.inverse_mass > 0.0
+            || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
+    })
 }
 
 /// One island on its way through a step.
@@ -263,6 +294,8 @@ struct Island<L: F32xN> {
     lanes: Lanes,
     /// Fastest correction, m/s.
     fastest: f32,
+    /// See [`stands_by_itself`].
+    alone: bool,
     /// By body, 1/(kg·m²): with which blocks were prepared.
     inertias: Vec<Mat3>,
     /// By body: its inverse inertia is not that of the last step.
@@ -282,6 +315,8 @@ struct Island<L: F32xN> {
     missing: Vec<L>,
     /// Made when there are threads for it.
     pipeline: Option<Pipeline>,
+    /// Made where blocks are folded.
+    laps: Option<Laps>,
     scratch: Scratch,
 }
 
@@ -291,15 +326,22 @@ impl<L: F32xN> Island<L> {
         kept: Option<(Box<Self>, Vec<u32>)>,
         problem: &PatchProblem,
         lanes: Lanes,
+        batches: Option<Batches>,
     ) -> (Box<Self>, Vec<u32>) {
+        let alone = stands_by_itself(problem);
         let (mut island, changed) = kept
-            .filter(|(island, _)| island.fastest == problem.max_correction_speed)
-            .unwrap_or_else(|| (Box::new(Self::new(problem)), Vec::new()));
+            .filter(|(island, _)| {
+                island.fastest == problem.max_correction_speed && island.alone == alone
+            })
+            .unwrap_or_else(|| {
+                let batches = batches.unwrap_or_else(|| laps(L::LANES, problem));
+                (Box::new(Self::new(problem, batches)), Vec::new())
+            });
         island.lanes = lanes;
         (island, changed)
     }
 
-    fn new(problem: &PatchProblem) -> Self {
+    fn new(problem: &PatchProblem, batches: Batches) -> Self {
         let bodies = &*problem.bodies;
         let nobody = bodies.len() as u32;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
@@ -313,24 +355,21 @@ impl<L: F32xN> Island<L> {
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
-        let batches = batches(L::LANES, problem);
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
         // Block by block: one that is filled patch by patch leaves the cache in between.
-        for patches in batches.iter() {
-            let patches = || {
-                patches
-                    .iter()
-                    .map(|&patch| &problem.patches[patch as usize])
-            };
-            let count = patches().map(|patch| patch.count).max().unwrap_or(0);
+        for lanes in batches.iter() {
+            let patches =
+                lanes.map(|(lane, patch)| (lane, &problem.patches[patch as usize]));
+            let counts = patches.clone().map(|(_, patch)| patch.count);
+            let count = counts.max().unwrap_or(0);
             let first = points.len();
             points.resize(first + count as usize, Points::default());
             let nowhere = nobody + 1 + blocks.len() as u32;
             blocks.push(Block::<L>::new(nobody, nowhere));
             let block = blocks.last_mut().expect("it was just added");
             block.place(first, count);
-            for (lane, patch) in patches().enumerate() {
+            for (lane, patch) in patches {
                 let shared = shared(patch);
                 block.load(&mut points[first..], lane, patch, problem, shared);
                 // What lies inside many others would be thrown out by the sum of their corrections.
@@ -342,6 +381,7 @@ impl<L: F32xN> Island<L> {
             substeps: 1,
             lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
+            alone: stands_by_itself(problem),
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
             turned: Vec::new(),
             changed: Vec::new(),
@@ -353,6 +393,7 @@ impl<L: F32xN> Island<L> {
             motions: Vec::new(),
             missing: Vec::new(),
             pipeline: None,
+            laps: None,
             scratch: Scratch::default(),
         }
     }
@@ -427,7 +468,23 @@ impl<L: F32xN> Island<L> {
         self.begin(problem, changed, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
         self.refresh(problem, spring, &passes[0], f32::INFINITY);
-        L::run(Start { island: self }).sqrt()
+        self.warm_start().sqrt()
+    }
+
+    /// Lets bodies feel the impulses that contacts start with, in the order of the sweep. What the free motion misses in all, J.
+    fn warm_start(&mut self) -> f32 {
+        let mut missing = 0.0;
+        for lap in 0..self.batches.laps() {
+            let mut lanes = L::ZERO;
+            for lane in 0..L::LANES {
+                if self.batches.lap_of(lane) == lap {
+                    lanes[lane] = 1.0;
+                }
+            }
+            let island = &mut *self;
+            missing = L::run(Start { island, lanes });
+        }
+        missing
     }
 
     /// Whose inverse inertia is not that of the last step.
@@ -444,8 +501,11 @@ impl<L: F32xN> Island<L> {
     /// All sweeps: over the blocks from the first to the last each, of the bodies that came into the world first, from the ground up.
     /// Back and forth shook stacks and pyramids. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
     fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
+        if self.batches.laps() > 1 {
+            return self.sweep_in_laps(problem, passes, tell);
+        }
         let pipeline = self.pipeline.take();
-        let pipeline = match problem.threads > 1 && self.stands_by_itself(problem) {
+        let pipeline = match problem.threads > 1 && self.alone {
             true => pipeline.or_else(|| Some(self.find_pipeline(problem))),
             false => None,
         };
@@ -463,8 +523,12 @@ impl<L: F32xN> Island<L> {
     /// One sweep, and what is done after it.
     fn sweep_alone(&mut self, pass: &Pass) -> f32 {
         let change = match pass.soft {
-            true => L::run(Sweep::<L, true> { island: self, pass }),
-            false => L::run(Sweep::<L, false> { island: self, pass }),
+            true => L::run(Sweep {
+                island: self,
+                kinds: Soft { first: pass.first },
+                pass,
+            }),
+            false => self.sweep_rigidly(pass),
         };
         let bodies = self.inertias.len();
         let states = cells(&mut self.velocities).iter().take(bodies);
@@ -476,23 +540,18 @@ impl<L: F32xN> Island<L> {
     }
 
     /// One rigid sweep, after which nothing else happens.
-    fn sweep_rigidly(&mut self, pass: &Pass) {
-        L::run(Sweep::<L, false> { island: self, pass });
-    }
-
-    /// What contacts cannot change does not move either.
-    fn stands_by_itself(&self, problem: &PatchProblem) -> bool {
-        let mut bodies = problem.bodies.iter().zip(&self.velocities);
-        bodies.all(|(body, velocity)| {
-            body.inverse_mass > 0.0
-                || *velocity == State::default() && body.push() == [Vec3::ZERO; 2]
+    fn sweep_rigidly(&mut self, pass: &Pass) -> f32 {
+        L::run(Sweep {
+            island: self,
+            kinds: Rigid,
+            pass,
         })
     }
 
     fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {
-        let bodies = |&patch: &u32| problem.patches[patch as usize].bodies;
+        let bodies = |(_, patch): (usize, u32)| problem.patches[patch as usize].bodies;
         let blocks = self.batches.iter();
-        let blocks = blocks.map(|patches| patches.iter().flat_map(bodies));
+        let blocks = blocks.map(|patches| patches.flat_map(bodies));
         let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
         Pipeline::new(blocks, problem.bodies.len(), moves)
     }
@@ -526,9 +585,11 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// Lets bodies feel the impulses that contacts start with. What the free motion misses in all, J.
+/// Lets bodies feel the impulses that contacts in some lanes start with. What the free motion misses in all lanes, J.
 struct Start<'a, L: F32xN> {
     island: &'a mut Island<L>,
+    /// 1 in those.
+    lanes: L,
 }
 
 impl<L: F32xN> Kernel for Start<'_, L> {
@@ -546,7 +607,7 @@ impl<L: F32xN> Kernel for Start<'_, L> {
         let velocities = cells(velocities);
         let mut all = L::ZERO;
         for (block, missing) in blocks.iter().zip(missing.iter()) {
-            block.warm_start(&points[block.range()], velocities);
+            block.warm_start(&points[block.range()], velocities, self.lanes);
             all += *missing;
         }
         all.sum()
@@ -588,7 +649,7 @@ impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
             let points = part.points_of(i);
             let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
             let patches = fresh.batches.block(part.first + i);
-            for (lane, &number) in patches.iter().enumerate() {
+            for (lane, number) in patches.clone() {
                 let patch = &problem.patches[number as usize];
                 if fresh.changed[number as usize] {
                     let stiffness = block.stiffness[lane];
@@ -639,12 +700,13 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
 }
 
 /// One sweep from the first block to the last. Σ Wᵢᵢ Δλᵢ², J.
-struct Sweep<'a, L: F32xN, const SOFT: bool> {
+struct Sweep<'a, L: F32xN, K> {
     island: &'a mut Island<L>,
+    kinds: K,
     pass: &'a Pass,
 }
 
-impl<L: F32xN, const SOFT: bool> Kernel for Sweep<'_, L, SOFT> {
+impl<L: F32xN, K: Kinds<L>> Kernel for Sweep<'_, L, K> {
     type Output = f32;
 
     #[inline(always)]
@@ -660,7 +722,7 @@ impl<L: F32xN, const SOFT: bool> Kernel for Sweep<'_, L, SOFT> {
         let mut change = L::ZERO;
         for block in blocks.iter_mut() {
             let points = &mut points[block.range()];
-            change += block.relax::<SOFT>(points, velocities, motions, self.pass);
+            change += block.relax(self.kinds, points, velocities, motions, self.pass);
         }
         change.sum()
     }

@@ -19,6 +19,7 @@
 )]
 
 use super::block::{Block, Pass, Points};
+use super::kinds::{Rigid, Soft};
 use crate::solver::lanes::{F32xN, Kernel, State};
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -351,7 +352,13 @@ impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
         let range = block.range();
         // SAFETY: see `Chase`; points are their block's alone.
         let points = unsafe { points.range(range.start, range.end) };
-        let change = block.relax::<SOFT>(points, velocities, motions, pass);
+        let change = match SOFT {
+            true => {
+                let kinds = Soft { first: pass.first };
+                block.relax(kinds, points, velocities, motions, pass)
+            }
+            false => block.relax(Rigid, points, velocities, motions, pass),
+        };
         let first = match number {
             0 => 0,
             _ => pipeline.ends[number - 1] as usize,

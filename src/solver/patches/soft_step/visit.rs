@@ -1,6 +1,7 @@
 //! One visit to a block: what its rows find, and what that does to the bodies.
 
 use super::block::{Block, Pass, Points, on_normals_local};
+use super::kinds::Kinds;
 use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN, square_length, squared};
 use std::cell::Cell;
 
@@ -54,7 +55,7 @@ struct Hold<L> {
 }
 
 /// The springs of a patch's points in one visit.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Springs<L> {
     /// How far the patch has moved since detection, as normals see it.
     moved: Vec3xN<L>,
@@ -70,17 +71,16 @@ struct Springs<L> {
     preload: L,
     /// What a spring's load times this is, is its reach times its mass, s.
     reach: L,
-    /// 1/s: of one substep.
-    rate: L,
 }
 
 impl<L: F32xN> Block<L> {
-    /// One projected Gauss–Seidel visit. With `SOFT` rows are springs and take errors back, friction before normals, which matter
-    /// more. Without, they are rigid and only stop the motion, normals before friction, which so ends in its cone. The change
+    /// One projected Gauss–Seidel visit. Where lanes are soft, rows are springs and take errors back, friction before normals, which matter
+    /// more. Where they are rigid, rows only stop the motion, normals before friction, which so ends in its cone. The change
     /// of the normals, Σ W Δλ², J.
     #[inline(always)]
-    pub fn relax<const SOFT: bool>(
+    pub fn relax<K: Kinds<L>>(
         &mut self,
+        kinds: K,
         points: &mut [Points<L>],
         velocities: &[Cell<State>],
         motions: &[Cell<State>],
@@ -94,43 +94,40 @@ impl<L: F32xN> Block<L> {
             wrench: SpatialVec::default(),
             change: L::ZERO,
         };
-        if SOFT {
-            if !pass.first {
-                self.account(points);
-            }
+        let mut rows = Rows {
+            kinds,
+            springs: Springs::default(),
+            rate: L::splat(pass.rate),
+        };
+        if K::SOFT {
+            self.account(kinds, points);
             let moved_a = L::gather(motions, &self.bodies[0]);
             let moved_b = L::gather(motions, &self.bodies[1]);
             let moved = self.relative(&frame, moved_a, moved_b);
             let carried = Carried::by(points);
-            self.drag(&carried, &moved);
-            self.relax_friction::<SOFT>(&carried, &mut visit, &self.spring(&moved));
+            self.drag(kinds, &carried, &moved);
+            let hold = self.spring(&moved);
+            self.relax_friction::<_, true>(kinds, &carried, &mut visit, &hold);
             visit.follow_friction(self);
-            if self.rolls {
-                visit = L::run_rarely(Roll {
-                    block: self,
-                    carried,
-                    visit,
-                });
-            }
-            let springs = self.springs(&carried, &moved, pass);
-            visit = springs.relax_normals(points, visit);
-            self.confine(Carried::by(points).all, &mut visit);
-        } else {
-            if self.rolls {
-                let carried = Carried::by(points);
-                visit = L::run_rarely(Roll {
-                    block: self,
-                    carried,
-                    visit,
-                });
-            }
-            let rows = Rigid {
-                rate: L::splat(pass.rate),
-            };
-            let mut normals = on_normals_local(&visit.velocity);
-            relax_points::<_, _, false>(&rows, points, &mut normals, &mut visit);
+            rows.springs = self.springs(kinds, &carried, &moved, pass);
+        }
+        if self.rolls {
+            let carried = Carried::by(points);
+            visit = L::run_rarely(Roll {
+                block: self,
+                kinds,
+                carried,
+                visit,
+            });
+        }
+        visit = rows.relax_normals(points, visit);
+        if K::SOFT {
+            self.confine(kinds, Carried::by(points).all, &mut visit);
+        }
+        if K::RIGID {
             visit.follow_normals(self);
-            self.relax_friction::<SOFT>(&Carried::by(points), &mut visit, &Hold::RIGID);
+            let carried = Carried::by(points);
+            self.relax_friction::<_, false>(kinds, &carried, &mut visit, &Hold::RIGID);
         }
         self.push(&frame, visit.wrench, a, b, velocities);
         visit.change
@@ -168,7 +165,7 @@ impl<L: F32xN> Block<L> {
     /// patch can hold them with what it carries. Else what slides and stops inside one step, and so counts as sticking, would be
     /// drawn back by all that it slid.
     #[inline(always)]
-    fn drag(&mut self, carried: &Carried<L>, moved: &SpatialVec<L>) {
+    fn drag<K: Kinds<L>>(&mut self, kinds: K, carried: &Carried<L>, moved: &SpatialVec<L>) {
         let pull = [
             self.compliance.mul_sub(self.held[0], self.slip[0]) - moved.linear.y,
             self.compliance.mul_sub(self.held[1], self.slip[1]) - moved.linear.z,
@@ -182,6 +179,7 @@ impl<L: F32xN> Block<L> {
         if square_length(pull).any_above(squared(play)) || turned.any_above(play) {
             L::run_rarely(Drag {
                 block: self,
+                kinds,
                 carried: *carried,
                 pull,
                 pull_twist,
@@ -189,10 +187,11 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Twist, then both tangents, within what the normals carry now.
+    /// Twist, then both tangents, within what the normals carry now, of lanes that are `SOFT` or those that are not.
     #[inline(always)]
-    fn relax_friction<const SOFT: bool>(
+    fn relax_friction<K: Kinds<L>, const SOFT: bool>(
         &mut self,
+        kinds: K,
         carried: &Carried<L>,
         visit: &mut Visit<L>,
         hold: &Hold<L>,
@@ -206,7 +205,7 @@ impl<L: F32xN> Block<L> {
         let limit = self.most_twist(carried);
         let twist = mass.taken_from(visit.velocity.angular.x, start);
         let twist = twist.min(limit - self.twist).max(-limit - self.twist);
-        let found = self.twist + twist;
+        let found = of::<_, _, SOFT>(kinds, self.twist + twist, self.twist);
         let twist = found - self.twist;
         self.twist = found;
 
@@ -244,8 +243,12 @@ impl<L: F32xN> Block<L> {
                 isotropic_mass: self.isotropic_mass,
             });
         }
-        let change = [found[0] - self.tangential[0], found[1] - self.tangential[1]];
-        self.tangential = found;
+        let [x, y] = self.tangential;
+        self.tangential = [
+            of::<_, _, SOFT>(kinds, found[0], x),
+            of::<_, _, SOFT>(kinds, found[1], y),
+        ];
+        let change = [self.tangential[0] - x, self.tangential[1] - y];
 
         visit.wrench.linear.y += change[0];
         visit.wrench.linear.z += change[1];
@@ -255,7 +258,7 @@ impl<L: F32xN> Block<L> {
     /// Soft friction was found for what normals carried before them. Where they have let go since, as after a blow, friction of the
     /// blow would be given twice.
     #[inline(always)]
-    fn confine(&mut self, carried: L, visit: &mut Visit<L>) {
+    fn confine<K: Kinds<L>>(&mut self, kinds: K, carried: L, visit: &mut Visit<L>) {
         let limit = L::splat(STALE) * self.friction * carried;
         let [x, y] = self.tangential;
         if square_length([x, y]).any_above(squared(limit)) {
@@ -263,15 +266,23 @@ impl<L: F32xN> Block<L> {
                 vector: [x, y],
                 limit,
             });
-            self.tangential = found;
-            visit.wrench.linear.y += found[0] - x;
-            visit.wrench.linear.z += found[1] - y;
+            self.tangential = [kinds.soft(found[0], x), kinds.soft(found[1], y)];
+            visit.wrench.linear.y += self.tangential[0] - x;
+            visit.wrench.linear.z += self.tangential[1] - y;
         }
     }
 
+    /// Rigid lanes have springs that give way by nothing and hold nothing, and what rests has none.
     #[inline(always)]
-    fn springs(&self, carried: &Carried<L>, moved: &SpatialVec<L>, pass: &Pass) -> Springs<L> {
+    fn springs<K: Kinds<L>>(
+        &self,
+        kinds: K,
+        carried: &Carried<L>,
+        moved: &SpatialVec<L>,
+        pass: &Pass,
+    ) -> Springs<L> {
         let soft = &self.softness;
+        let impulse_scale = kinds.if_soft(soft.impulse_scale);
         let left = carried.all * self.share * self.inverse_load;
         // Of the load, held at most.
         let most = (left * L::splat(UNLOADED)).min(L::ONE);
@@ -279,32 +290,79 @@ impl<L: F32xN> Block<L> {
             moved: on_normals_local(moved),
             bias_rate: soft.bias_rate,
             fastest: -self.max_speed,
-            mass_scale: soft.mass_scale,
-            impulse_scale: soft.impulse_scale,
+            mass_scale: kinds.soft(soft.mass_scale, kinds.if_rigid(L::ONE)),
+            impulse_scale,
             left: left.min(L::ONE),
-            held: soft.impulse_scale * most,
-            preload: soft.impulse_scale * L::splat(pass.preload),
-            reach: most * self.gives,
-            rate: L::splat(pass.rate),
+            held: impulse_scale * most,
+            preload: impulse_scale * L::splat(pass.preload),
+            reach: kinds.if_soft(most * self.gives),
         }
     }
 }
 
-impl<L: F32xN> Springs<L> {
+/// The rows of a patch's normals.
+#[derive(Clone, Copy)]
+struct Rows<L, K> {
+    kinds: K,
+    /// Of lanes that are soft.
+    springs: Springs<L>,
+    /// 1/s: of one substep.
+    rate: L,
+}
+
+impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
+    /// What is to be taken from a point's impulse is mass · approach + constant.
+    #[inline(always)]
+    fn row(&self, point: &mut Points<L>) -> (L, L) {
+        match K::SOFT {
+            true => self.spring(point),
+            // It only stops motion, or brings together what a spring no longer reaches.
+            false => (point.mass, point.mass * point.gap * self.rate),
+        }
+    }
+
+    #[inline(always)]
+    fn spring(&self, point: &mut Points<L>) -> (L, L) {
+        let springs = &self.springs;
+        let mut s = point.separation + point.approach(&springs.moved);
+        if K::RIGID {
+            s = self.kinds.soft(s, self.kinds.if_rigid(point.gap));
+        }
+        let lost = point
+            .load
+            .mul_sub(springs.left, point.impulse)
+            .max(L::ZERO);
+        let soft_mass = springs.mass_scale * point.mass;
+        let held = springs
+            .held
+            .taken_from(point.load, springs.impulse_scale * point.impulse);
+        let held = springs.preload.mul_add(lost, held);
+        let closed = soft_mass.mul_add((springs.bias_rate * s).max(springs.fastest), held);
+        // The spring rests where the surfaces meet, with all of its load, and reaches as far beyond as that stretches it.
+        let (stretch, reach) = (s * point.mass, springs.reach * point.load);
+        point.gap = stretch.select_above(reach, s, L::ZERO);
+        (
+            stretch.select_above(reach, point.mass, soft_mass),
+            stretch.select_above(reach, stretch * self.rate, closed),
+        )
+    }
+
     #[inline(always)]
     fn relax_normals(&self, points: &mut [Points<L>], mut visit: Visit<L>) -> Visit<L> {
-        // The patches beside it must find what they would find alone.
-        let u = visit.velocity.linear.x;
-        let lands = u.max(-u);
-        let landing = L::splat(LANDING);
-        if lands.any_above(landing) {
-            let lands = lands.select_above(landing, L::ONE, L::ZERO);
-            return L::run_rarely(Land {
-                springs: *self,
-                points,
-                visit,
-                lands,
-            });
+        if K::SOFT {
+            // The patches beside it must find what they would find alone.
+            let u = visit.velocity.linear.x;
+            let lands = self.kinds.soft(u.max(-u), L::ZERO);
+            let landing = L::splat(LANDING);
+            if lands.any_above(landing) {
+                let lands = lands.select_above(landing, L::ONE, L::ZERO);
+                return L::run_rarely(Land {
+                    rows: *self,
+                    points,
+                    visit,
+                    lands,
+                });
+            }
         }
         let mut normals = on_normals_local(&visit.velocity);
         relax_points::<_, _, false>(self, points, &mut normals, &mut visit);
@@ -312,50 +370,19 @@ impl<L: F32xN> Springs<L> {
     }
 }
 
-impl<L: F32xN> Rows<L> for Springs<L> {
-    #[inline(always)]
-    fn row(&self, point: &mut Points<L>) -> (L, L) {
-        let s = point.separation + point.approach(&self.moved);
-        let lost = point.load.mul_sub(self.left, point.impulse).max(L::ZERO);
-        let soft_mass = self.mass_scale * point.mass;
-        let held = self
-            .held
-            .taken_from(point.load, self.impulse_scale * point.impulse);
-        let held = self.preload.mul_add(lost, held);
-        let closed = soft_mass.mul_add((self.bias_rate * s).max(self.fastest), held);
-        // The spring rests where the surfaces meet, with all of its load, and reaches as far beyond as that stretches it.
-        let (stretch, reach) = (s * point.mass, self.reach * point.load);
-        point.gap = stretch.select_above(reach, s, L::ZERO);
-        (
-            stretch.select_above(reach, point.mass, soft_mass),
-            stretch.select_above(reach, stretch * self.rate, closed),
-        )
-    }
-}
-
-/// The rows of a patch's normals.
-trait Rows<L> {
-    /// What is to be taken from a point's impulse is mass · approach + constant.
-    fn row(&self, point: &mut Points<L>) -> (L, L);
-}
-
-/// Those that only stop motion, or bring together what a spring no longer reaches.
-struct Rigid<L> {
-    /// 1/s: of one substep.
-    rate: L,
-}
-
-impl<L: F32xN> Rows<L> for Rigid<L> {
-    #[inline(always)]
-    fn row(&self, point: &mut Points<L>) -> (L, L) {
-        (point.mass, point.mass * point.gap * self.rate)
+/// `new` in lanes that are `SOFT`, or in those that are not, else `old`.
+#[inline(always)]
+fn of<L: F32xN, K: Kinds<L>, const SOFT: bool>(kinds: K, new: L, old: L) -> L {
+    match SOFT {
+        true => kinds.soft(new, old),
+        false => kinds.rigid(new, old),
     }
 }
 
 /// Visits the points of a patch one after another. By fours, and the same for a point however many its block has.
 #[inline(always)]
-fn relax_points<L: F32xN, R: Rows<L>, const ON: bool>(
-    rows: &R,
+fn relax_points<L: F32xN, K: Kinds<L>, const ON: bool>(
+    rows: &Rows<L, K>,
     mut points: &mut [Points<L>],
     normals: &mut Vec3xN<L>,
     visit: &mut Visit<L>,
@@ -378,8 +405,8 @@ fn relax_points<L: F32xN, R: Rows<L>, const ON: bool>(
 /// before, where it would wait for seven by way of the patch's motion. A stack, in which nothing else is to be done meanwhile, feels it.
 /// The motion itself follows where somebody goes `ON` with it.
 #[inline(always)]
-fn relax_so_many<L: F32xN, R: Rows<L>, const N: usize, const ON: bool>(
-    rows: &R,
+fn relax_so_many<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
+    rows: &Rows<L, K>,
     points: &mut [Points<L>],
     normals: &mut Vec3xN<L>,
     visit: &mut Visit<L>,
@@ -419,20 +446,22 @@ fn relax_so_many<L: F32xN, R: Rows<L>, const N: usize, const ON: bool>(
 }
 
 /// See [`Block::drag`].
-struct Drag<'a, L: F32xN> {
+struct Drag<'a, L: F32xN, K> {
     block: &'a mut Block<L>,
+    kinds: K,
     carried: Carried<L>,
     pull: [L; 2],
     pull_twist: L,
 }
 
-impl<L: F32xN> Kernel for Drag<'_, L> {
+impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self {
             block,
+            kinds,
             carried,
             pull,
             pull_twist,
@@ -443,13 +472,13 @@ impl<L: F32xN> Kernel for Drag<'_, L> {
             .compliance_twist
             .mul_add(limit, play * block.radius.inverse());
         let angle = pull_twist.max(-pull_twist);
-        let cut = (reach * angle.inverse()).min(L::ONE) - L::ONE;
+        let cut = kinds.soft((reach * angle.inverse()).min(L::ONE) - L::ONE, L::ZERO);
         block.slip_twist = cut.taken_from(pull_twist, block.slip_twist);
         block.dragged_twist = cut.mul_add(pull_twist, block.dragged_twist);
 
         let length = square_length(pull).sqrt();
         let reach = (block.compliance * block.friction).mul_add(carried.all, play);
-        let cut = (reach * length.inverse()).min(L::ONE) - L::ONE;
+        let cut = kinds.soft((reach * length.inverse()).min(L::ONE) - L::ONE, L::ZERO);
         let anchors = block.slip.iter_mut().zip(&mut block.dragged);
         for ((slip, dragged), pull) in anchors.zip(pull) {
             *slip = cut.taken_from(pull, *slip);
@@ -511,19 +540,21 @@ fn shorten<L: F32xN>(vector: [L; 2], limit: L) -> [L; 2] {
 }
 
 /// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.
-struct Roll<'a, L: F32xN> {
+struct Roll<'a, L: F32xN, K> {
     block: &'a mut Block<L>,
+    kinds: K,
     carried: Carried<L>,
     visit: Visit<L>,
 }
 
-impl<L: F32xN> Kernel for Roll<'_, L> {
+impl<L: F32xN, K: Kinds<L>> Kernel for Roll<'_, L, K> {
     type Output = Visit<L>;
 
     #[inline(always)]
     fn run(self) -> Visit<L> {
         let Self {
             block,
+            kinds,
             carried,
             mut visit,
         } = self;
@@ -539,8 +570,12 @@ impl<L: F32xN> Kernel for Roll<'_, L> {
             block.rolling[1] - xy.mul_add(spin[0], yy * spin[1]),
         ];
         let found = shorten(exact, limit);
-        let change = [found[0] - block.rolling[0], found[1] - block.rolling[1]];
-        block.rolling = found;
+        let [x, y] = block.rolling;
+        block.rolling = [
+            kinds.soft(found[0], kinds.rigid(found[0], x)),
+            kinds.soft(found[1], kinds.rigid(found[1], y)),
+        ];
+        let change = [block.rolling[0] - x, block.rolling[1] - y];
 
         visit.wrench.angular.y += change[0];
         visit.wrench.angular.z += change[1];
@@ -558,31 +593,31 @@ impl<L: F32xN> Kernel for Roll<'_, L> {
 
 /// What lands on a face, or still has the impulse of landing, would be turned by the point that is visited first. So all its
 /// points are stopped together before, and visited more often.
-struct Land<'a, L: F32xN> {
-    springs: Springs<L>,
+struct Land<'a, L: F32xN, K> {
+    rows: Rows<L, K>,
     points: &'a mut [Points<L>],
     visit: Visit<L>,
     /// 1 where it does.
     lands: L,
 }
 
-impl<L: F32xN> Kernel for Land<'_, L> {
+impl<L: F32xN, K: Kinds<L>> Kernel for Land<'_, L, K> {
     type Output = Visit<L>;
 
     #[inline(always)]
     fn run(self) -> Visit<L> {
         let Self {
-            springs,
+            rows,
             points,
             mut visit,
             lands,
         } = self;
         let mut normals = on_normals_local(&visit.velocity);
-        springs.stop_together(points, &mut normals, &mut visit.wrench, lands);
-        relax_points::<_, _, true>(&springs, points, &mut normals, &mut visit);
+        rows.stop_together(points, &mut normals, &mut visit.wrench, lands);
+        relax_points::<_, _, true>(&rows, points, &mut normals, &mut visit);
         for _ in 1..LANDING_VISITS {
             for point in points.iter_mut() {
-                let (mass, constant) = springs.row(point);
+                let (mass, constant) = rows.row(point);
                 let approach = point.approach(&normals);
                 let step = lands * mass.mul_add(approach, constant);
                 let taken = point.take(step, &mut normals, &mut visit.wrench);
@@ -593,7 +628,7 @@ impl<L: F32xN> Kernel for Land<'_, L> {
     }
 }
 
-impl<L: F32xN> Springs<L> {
+impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
     #[inline(always)]
     fn stop_together(
         &self,
@@ -621,7 +656,7 @@ impl<L: F32xN> Springs<L> {
     /// The share of a point in what stops the patch, in proportion to what it lacks or gives already; and what it lacks, m/s.
     #[inline(always)]
     fn lack(&self, point: &Points<L>, normals: &Vec3xN<L>, lands: L) -> (L, L) {
-        let s = point.separation + point.approach(&self.moved);
+        let s = point.separation + point.approach(&self.springs.moved);
         let lack = -s.max(L::ZERO).mul_add(self.rate, point.approach(normals));
         let used = point.mass.select_above(L::ZERO, lands, L::ZERO);
         let share = lack.max(point.impulse).select_above(L::ZERO, used, L::ZERO);

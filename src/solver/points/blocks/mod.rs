@@ -49,7 +49,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
         let mut points = Vec::with_capacity(constraints.len() / L::LANES * 5 / 4);
         for block_pairs in batches.iter() {
             let mut block = Block::<L>::new(nobody, nowhere, patches.len());
-            for (lane, &pair) in block_pairs.iter().enumerate() {
+            for (lane, pair) in block_pairs.clone() {
                 let runs = runs(&constraints[range(&pairs[pair as usize])]);
                 for (run, number) in runs.zip(block.first_patch()..) {
                     if number == patches.len() {
@@ -65,7 +65,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
                 patch.place(points.len());
                 points.resize(patch.points().end, Points::default());
             }
-            for (lane, &pair) in block_pairs.iter().enumerate() {
+            for (lane, pair) in block_pairs.clone() {
                 let runs = runs(&constraints[range(&pairs[pair as usize])]);
                 for (patch, run) in patches[block.patches()].iter_mut().zip(runs) {
                     let points = &mut points[patch.points()];
@@ -112,7 +112,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
     /// Gives impulses and velocities back.
     pub fn store(&self, problem: &mut PointProblem) {
         for (block, block_pairs) in self.blocks.iter().zip(self.batches.iter()) {
-            for (lane, &pair) in block_pairs.iter().enumerate() {
+            for (lane, pair) in block_pairs {
                 let constraints = &mut problem.constraints[range(&self.pairs[pair as usize])];
                 let runs = constraints.chunk_by_mut(of_one_patch);
                 for (patch, run) in self.patches[block.patches()].iter().zip(runs) {

@@ -6,7 +6,8 @@
 //! any equilibrium is as good as another; so what stands without friction stays without.
 
 use super::super::block::{Pass, Spring};
-use super::super::{Island, Start};
+use super::super::kinds::Rigid;
+use super::super::{Island, batches};
 use crate::solver::PatchProblem;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 
@@ -161,7 +162,7 @@ impl<L: F32xN> Kernel for SweepBack<'_, L> {
         let (velocities, motions) = (cells(velocities), cells(motions));
         for block in blocks.iter_mut().rev() {
             let points = &mut points[block.range()];
-            block.relax::<false>(points, velocities, motions, self.pass);
+            block.relax(Rigid, points, velocities, motions, self.pass);
         }
     }
 }
@@ -183,14 +184,12 @@ impl Pass {
 impl<L: F32xN> Island<L> {
     /// As if everything stood still and touched where it is not open; and what the forces do unopposed, J.
     fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
-        let mut island = Self::new(problem);
+        let mut island = Self::new(problem, batches(L::LANES, problem));
         island.begin(problem, &[], 1);
         island.velocities.fill(State::default());
         island.push(problem.bodies, 1.0);
         island.refresh(problem, &Spring::default(), pass, closed);
-        let free = L::run(Start {
-            island: &mut island,
-        });
+        let free = island.warm_start();
         (island, free)
     }
 
@@ -211,7 +210,7 @@ impl<L: F32xN> Island<L> {
     fn keep(&self, problem: &mut PatchProblem) {
         for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
             let found = &self.points[block.range()];
-            for (lane, &patch) in patches.iter().enumerate() {
+            for (lane, patch) in patches {
                 let patch = &mut problem.patches[patch as usize];
                 let t1 = block.tangent.get(lane);
                 let t2 = patch.normal.cross(t1);

@@ -2,48 +2,10 @@ use super::*;
 use crate::solver::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
-use crate::solver::patches::soft_step::masonry::{DT, Masonry};
-use crate::solver::patches::soft_step::{Effort, Island, SoftStep, Spring};
-use crate::solver::{Memory, PatchProblem};
-use glam::Vec3;
+use crate::solver::patches::soft_step::masonry::{Masonry, started};
+use crate::solver::patches::soft_step::{Island, batches};
+use crate::solver::Memory;
 use std::time::Duration;
-
-/// A wall that is shaken, so that friction slides, normals land and impulses grow.
-fn shaken() -> Masonry {
-    let mut rng = fastrand::Rng::with_seed(7);
-    let mut wall = Masonry::wall(40, 12, 0.1);
-    let mut random = |most: f32| most * (2.0 * rng.f32() - 1.0);
-    for body in wall.bodies.iter_mut().skip(1) {
-        body.start = [0.3, 0.5].map(|most| Vec3::from_array([0; 3].map(|_| random(most))));
-        body.linear += body.start[0];
-        body.angular += body.start[1];
-    }
-    for point in &mut wall.points {
-        point.separation = random(2e-3);
-        point.warm_normal = 5.0 + random(5.0);
-    }
-    wall
-}
-
-fn started<L: F32xN>(problem: &PatchProblem) -> (Island<L>, Vec<Pass>) {
-    let settings = SoftStep::default();
-    let mut island = Island::<L>::new(problem);
-    let effort = Effort {
-        substeps: 7,
-        substeps_per_rigid_sweep: 3,
-        rate: 700.0,
-    };
-    let h = DT / 7.0;
-    let mut passes = Vec::new();
-    settings.plan(effort, h, &mut passes);
-    let spring = Spring {
-        omega: 300.0,
-        damping_ratio: 5.0,
-        h,
-    };
-    island.start(problem, &[], 7, &spring, &passes);
-    (island, passes)
-}
 
 /// All that sweeps change, and what they tell.
 fn bits<L: F32xN>(island: &Island<L>, bodies: usize, changes: &[f32]) -> Vec<u32> {
@@ -58,11 +20,11 @@ fn bits<L: F32xN>(island: &Island<L>, bodies: usize, changes: &[f32]) -> Vec<u32
 }
 
 fn equal<L: F32xN>() {
-    let mut wall = shaken();
+    let mut wall = Masonry::wall(40, 12, 0.1).shaken();
     let mut memory = Memory::default();
     let problem = wall.problem(&mut memory);
     let count = problem.bodies.len();
-    let (mut alone, passes) = started::<L>(&problem);
+    let (mut alone, passes) = started::<L>(&problem, batches(L::LANES, &problem));
     let changes: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
     let expected = bits(&alone, count, &changes);
     assert!(alone.motions[1..count].iter().any(|m| m[0].length() > 1e-4));
@@ -72,7 +34,7 @@ fn equal<L: F32xN>() {
         let pool = pool(threads).unwrap();
         for group in [1, 2, 3, MOST] {
             for seed in 0..3 {
-                let (mut island, passes) = started::<L>(&problem);
+                let (mut island, passes) = started::<L>(&problem, batches(L::LANES, &problem));
                 let pipeline = island.find_pipeline(&problem);
                 let calls = AtomicUsize::new(seed);
                 // Sometimes somebody else gets the processor.
@@ -134,7 +96,7 @@ fn a_long_wall_gains_by_threads_and_what_fits_their_caches_does_not() {
     let mut wall = Masonry::wall(200, 20, 0.0);
     let mut memory = Memory::default();
     let problem = wall.problem(&mut memory);
-    let (island, passes) = started::<F32x4>(&problem);
+    let (island, passes) = started::<F32x4>(&problem, batches(F32x4::LANES, &problem));
     let pipeline = island.find_pipeline(&problem);
     let sweeps = passes.len();
     let shares = pipeline.share(2, sweeps, island.bytes()).unwrap();

@@ -1,0 +1,197 @@
+//! Sweeps through blocks that are folded, several at once in the lanes of one visit.
+//!
+//! Where contacts stand in a row, as in a stack, no two of them may be relaxed side by side in one sweep. Yet the next sweep may follow this
+//! one up the row, and it is the next sweep that has the lanes beside it: the sequence of blocks is cut into *laps* ([`Batches::folded`]), each
+//! of which is a sweep behind the one before it. In a *turn*, all blocks are visited once; so a lap does one sweep of its part, takes up what
+//! the lap before left in the last turn, and finds what the lap behind it has left in the sweep before. What is done to a body between two sweeps is done
+//! right after the last block that holds it. The result is that of sweeps one after the other, to the bit.
+
+use super::Island;
+use super::block::Pass;
+use super::kinds::{Kinds, Mixed, Rigid, Soft};
+use crate::solver::PatchProblem;
+use crate::solver::batches::Batches;
+use crate::solver::lanes::{F32xN, Kernel, State, cells};
+use std::cell::Cell;
+
+/// After which visits bodies are done with a sweep, found once for the blocks of an island.
+#[derive(Default)]
+pub struct Laps {
+    /// Bodies that move, in the order of the last block of their last lap.
+    bodies: Vec<Last>,
+    /// By block: where its bodies end in `bodies`.
+    ends: Vec<u32>,
+    /// Σ Wᵢᵢ Δλᵢ² of each sweep, J.
+    changes: Vec<f32>,
+}
+
+/// The passes that laps are in, where they are at work.
+type AtWork<'a> = [Option<&'a Pass>; MOST];
+
+/// Laps, at most: one lane each.
+const MOST: usize = 8;
+
+/// A body, and the lap of the last of its contacts.
+#[derive(Clone, Copy)]
+struct Last {
+    body: u32,
+    lap: u32,
+}
+
+impl Laps {
+    fn new(batches: &Batches, problem: &PatchProblem) -> Self {
+        // A body without contacts is done with at once.
+        let mut last = vec![(0, 0); problem.bodies.len()];
+        for (block, lanes) in (0..).zip(batches.iter()) {
+            for (lane, patch) in lanes {
+                let lap = batches.lap_of(lane) as u32;
+                for body in problem.patches[patch as usize].bodies {
+                    let last = &mut last[body as usize];
+                    *last = (lap, block).max(*last);
+                }
+            }
+        }
+        let moves = |body: &u32| problem.bodies[*body as usize].inverse_mass > 0.0;
+        let mut bodies: Vec<u32> = (0..last.len() as u32).filter(moves).collect();
+        bodies.sort_by_key(|&body| last[body as usize].1);
+        let ends = (0..batches.blocks() as u32)
+            .map(|block| bodies.partition_point(|&body| last[body as usize].1 <= block) as u32);
+        Self {
+            ends: ends.collect(),
+            bodies: bodies
+                .iter()
+                .map(|&body| Last {
+                    body,
+                    lap: last[body as usize].0,
+                })
+                .collect(),
+            changes: Vec::new(),
+        }
+    }
+
+    /// The bodies that are done with after a block.
+    #[inline(always)]
+    fn done(&self, block: usize) -> &[Last] {
+        let first = match block {
+            0 => 0,
+            _ => self.ends[block - 1],
+        };
+        &self.bodies[first as usize..self.ends[block] as usize]
+    }
+}
+
+/// The sweep that a lap is in, if any.
+fn sweep_of(lap: usize, turn: usize, passes: &[Pass]) -> Option<usize> {
+    let sweep = turn.checked_sub(lap)?;
+    (sweep < passes.len()).then_some(sweep)
+}
+
+impl<L: F32xN> Island<L> {
+    /// All sweeps. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
+    pub fn sweep_in_laps(
+        &mut self,
+        problem: &PatchProblem,
+        passes: &[Pass],
+        tell: impl FnMut(f32),
+    ) {
+        let laps = self.laps.take();
+        let mut laps = laps.unwrap_or_else(|| Laps::new(&self.batches, problem));
+        laps.changes.clear();
+        laps.changes.resize(passes.len(), 0.0);
+        for turn in 0..passes.len() + self.batches.laps() - 1 {
+            let mut at_work = [None; MOST];
+            for (lap, pass) in at_work.iter_mut().take(self.batches.laps()).enumerate() {
+                *pass = sweep_of(lap, turn, passes).map(|sweep| &passes[sweep]);
+            }
+            let change = self.turn(&laps, &at_work);
+            for lane in 0..L::LANES {
+                if let Some(sweep) = sweep_of(self.batches.lap_of(lane), turn, passes) {
+                    laps.changes[sweep] += change[lane];
+                }
+            }
+        }
+        laps.changes.iter().copied().for_each(tell);
+        self.laps = Some(laps);
+    }
+
+    /// One visit to each block. Σ Wᵢᵢ Δλᵢ², J.
+    fn turn(&mut self, laps: &Laps, passes: &AtWork) -> L {
+        let mine = &passes[..self.batches.laps()];
+        let all = |is: fn(&Pass) -> bool| mine.iter().all(|pass| pass.is_some_and(is));
+        if all(|pass| !pass.soft) {
+            self.turn_as(laps, passes, Rigid)
+        } else if all(|pass| pass.soft && !pass.first) {
+            self.turn_as(laps, passes, Soft { first: false })
+        } else {
+            let lanes = |is: fn(&Pass) -> bool| {
+                let mut lanes = L::ZERO;
+                for lane in 0..self.batches.lanes_used() {
+                    if passes[self.batches.lap_of(lane)].is_some_and(is) {
+                        lanes[lane] = 1.0;
+                    }
+                }
+                lanes
+            };
+            let kinds = Mixed {
+                soft: lanes(|pass| pass.soft),
+                rigid: lanes(|pass| !pass.soft),
+                soft_again: lanes(|pass| pass.soft && !pass.first),
+            };
+            self.turn_as(laps, passes, kinds)
+        }
+    }
+
+    fn turn_as<K: Kinds<L>>(&mut self, laps: &Laps, passes: &AtWork, kinds: K) -> L {
+        L::run(Turn {
+            island: self,
+            laps,
+            passes,
+            kinds,
+        })
+    }
+}
+
+/// One visit to each block. Σ Wᵢᵢ Δλᵢ², J.
+struct Turn<'a, L: F32xN, K> {
+    island: &'a mut Island<L>,
+    laps: &'a Laps,
+    passes: &'a AtWork<'a>,
+    kinds: K,
+}
+
+impl<L: F32xN, K: Kinds<L>> Kernel for Turn<'_, L, K> {
+    type Output = L;
+
+    #[inline(always)]
+    fn run(self) -> L {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            before,
+            motions,
+            ..
+        } = self.island;
+        let states: [&[Cell<State>]; 3] = [cells(velocities), cells(before), cells(motions)];
+        let [velocities, before, motions] = states;
+        // What differs between passes is said by kinds of lanes, and after visits.
+        let Some(any) = self.passes.iter().flatten().next() else {
+            return L::ZERO;
+        };
+        let mut change = L::ZERO;
+        for (number, block) in blocks.iter_mut().enumerate() {
+            let points = &mut points[block.range()];
+            change += block.relax(self.kinds, points, velocities, motions, any);
+            for &Last { body, lap } in self.laps.done(number) {
+                if let Some(pass) = self.passes[lap as usize] {
+                    let body = body as usize;
+                    pass.end(&velocities[body], &before[body], &motions[body]);
+                }
+            }
+        }
+        change
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,96 @@
+use crate::solver::Memory;
+use crate::solver::lanes::F32x4;
+#[cfg(target_arch = "x86_64")]
+use crate::solver::lanes::F32x8;
+use crate::solver::lanes::F32xN;
+use crate::solver::patches::soft_step::masonry::{Masonry, started};
+use crate::solver::patches::soft_step::{Island, batches, laps};
+use glam::Vec3;
+
+/// All that sweeps find; what a zero's sign is says nothing.
+fn found<L: F32xN>(island: &Island<L>, mut masonry: Masonry) -> Vec<f32> {
+    let mut memory = Memory::default();
+    island.store(&mut masonry.problem(&mut memory), 0.01);
+    let mut numbers = Vec::new();
+    let mut add = |vectors: &[Vec3]| numbers.extend(vectors.iter().flat_map(|v| v.to_array()));
+    for body in &masonry.bodies[1..] {
+        add(&[body.linear, body.angular]);
+        add(&body.motion.unwrap());
+    }
+    for patch in &masonry.patches {
+        let twists = Vec3::new(patch.warm_twist, patch.dragged.twist, 0.0);
+        add(&[patch.tangential, patch.warm_tangential, patch.warm_rolling]);
+        add(&[patch.load_tangential, patch.dragged.shift, twists]);
+    }
+    for point in &masonry.points {
+        add(&[Vec3::new(point.normal, point.warm_normal, point.load)]);
+    }
+    numbers
+}
+
+fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
+    let shaken = || {
+        let mut masonry = masonry().shaken();
+        for patch in masonry.patches.iter_mut().step_by(3) {
+            (patch.rolling_friction, patch.rolling_radius) = (0.01, 0.3);
+        }
+        masonry
+    };
+    let mut given = shaken();
+    let mut memory = Memory::default();
+    let problem = given.problem(&mut memory);
+
+    let (mut alone, passes) = started::<L>(&problem, batches(L::LANES, &problem));
+    let one_by_one: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
+    let (mut folded, passes) = started::<L>(&problem, laps(L::LANES, &problem));
+    assert!(folded.batches.laps() > 1, "{name} in {} lanes", L::LANES);
+    assert!(folded.blocks.len() < alone.blocks.len());
+    let mut at_once = Vec::new();
+    folded.sweep(&problem, &passes, |change| at_once.push(change));
+
+    // Lanes are added up in another order.
+    for (sweep, (a, b)) in one_by_one.iter().zip(&at_once).enumerate() {
+        assert!((a - b).abs() <= 1e-5 * a, "{name}: {a} or {b} J in sweep {sweep}");
+    }
+    assert_eq!(one_by_one.len(), at_once.len());
+    assert!(
+        found(&folded, shaken()) == found(&alone, shaken()),
+        "{name} in {} lanes",
+        L::LANES
+    );
+}
+
+#[test]
+fn sweeps_in_laps_are_sweeps_one_by_one() {
+    let rows: [(&str, fn() -> Masonry); 4] = [
+        ("a stack of 5", || Masonry::stack(5, 0.1)),
+        ("a stack of 23", || Masonry::stack(23, 0.0)),
+        ("an arch", || Masonry::arch(15, 0.05)),
+        ("a low wall", || Masonry::wall(9, 3, 0.1)),
+    ];
+    for (name, masonry) in rows {
+        equal::<F32x4>(name, masonry);
+        #[cfg(target_arch = "x86_64")]
+        if F32x8::is_available() {
+            equal::<F32x8>(name, masonry);
+        }
+    }
+}
+
+#[test]
+fn what_fills_its_lanes_is_not_folded() {
+    let mut wall = Masonry::wall(40, 12, 0.0);
+    let mut memory = Memory::default();
+    let problem = wall.problem(&mut memory);
+    for lanes in [4, 8] {
+        assert_eq!(laps(lanes, &problem).laps(), 1);
+    }
+}
+
+#[test]
+fn nothing_is_folded_beside_what_moves_by_itself() {
+    let mut stack = Masonry::stack(20, 0.0);
+    stack.bodies[0].start[0] = Vec3::X;
+    let mut memory = Memory::default();
+    assert_eq!(laps(4, &stack.problem(&mut memory)).laps(), 1);
+}

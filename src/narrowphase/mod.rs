@@ -128,7 +128,8 @@ fn look(
     // In a heap that falls most pairs are such, and ask for no more of their columns. Farther than a search would go: what is hit in
     // the step goes farther than it looked.
     let search = reach + little;
-    if pair.empty && !rules.edited && recycling::are_apart(a, b, cache, search) {
+    let stand = cache.stand;
+    if pair.empty && !rules.edited && stand.is_apart(a, b, search, || stand.since(a, b)) {
         return;
     }
     pair.detected = true;
@@ -144,7 +145,7 @@ fn look(
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
     let since = stand.since(a, b);
-    if manifold.points.is_empty() && recycling::are_apart(a, b, cache, search) {
+    if manifold.points.is_empty() && stand.is_apart(a, b, search, || since) {
         // Nothing was there, nor can be.
     } else if stand.holds(since.way(), limit, reach) {
         if a.moved || b.moved || rules.edited {
@@ -225,11 +226,11 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
     } else {
         b.radius
     };
-    moved + turned * radius > NOTHING + 8.0 * f32::EPSILON * farthest
+    moved + turned * radius > ROUNDING + 8.0 * f32::EPSILON * farthest
 }
 
 /// Less than this, m, is rounding.
-const NOTHING: f32 = 1e-5;
+const ROUNDING: f32 = 1e-5;
 
 /// Bound on how far two surfaces can come nearer within the step, m, from the velocities before forces.
 fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {

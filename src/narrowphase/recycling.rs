@@ -71,13 +71,24 @@ impl Stand {
         moved <= limit && reach + moved <= self.reach
     }
 
-    /// They are farther apart than `reach` still, wherever they have moved.
-    fn is_apart(&self, a: &BodyState, b: &BodyState, reach: f32) -> bool {
-        self.apart > reach && reach + self.since(a, b).way < self.apart
+    /// True where the two are known to be farther apart than `reach`, m: the spheres that hold them are, or they were when they were last
+    /// searched and have moved too little `since`.
+    pub(crate) fn is_apart(
+        &self,
+        a: &BodyState,
+        b: &BodyState,
+        reach: f32,
+        since: impl FnOnce() -> Since,
+    ) -> bool {
+        // No half-space has a sphere: it has no end.
+        let touching = a.radius + b.radius + reach;
+        (a.center - b.center).length_squared() > touching * touching
+            || self.apart > reach && reach + since().way < self.apart
     }
 }
 
 /// How two bodies have moved against each other since their manifold was detected.
+#[derive(Clone, Copy)]
 pub(crate) struct Since {
     /// Of A's centre of mass against B's, m.
     shift: Vec3,
@@ -144,18 +155,4 @@ impl Since {
         let touches = old.points.iter().any(|point| point.distance <= limit);
         touches.then_some(old)
     }
-}
-
-/// True where two bodies are known to be farther apart than `reach`, m: the spheres that hold them are, or they were when they were
-/// last searched and have moved too little since.
-pub(crate) fn are_apart(
-    a: &BodyState,
-    b: &BodyState,
-    cache: &NarrowphaseCache,
-    reach: f32,
-) -> bool {
-    // No half-space has a sphere: it has no end.
-    let touching = a.radius + b.radius + reach;
-    (a.center - b.center).length_squared() > touching * touching
-        || cache.stand.is_apart(a, b, reach)
 }

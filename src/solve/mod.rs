@@ -75,8 +75,8 @@ pub struct Given<'w> {
     profile: Res<'w, Profile>,
 }
 
-/// An island is worth several threads from so many times as many points on as items are otherwise. A wall of 1 000 bricks, 12 000 points, took a twentieth longer on two: its
-/// contacts are in the cache of the core that found them.
+/// An island is worth several threads from so many times as many points on as items are otherwise. A wall of 1 000 bricks, 12 000 points,
+/// took a twentieth longer on two: its contacts are in the cache of the core that found them.
 const LARGE: usize = 8;
 
 /// What is said of a step's solves.
@@ -242,12 +242,12 @@ impl Step<'_> {
             let Some(solved) = island.and_then(|island| island.bodies.get(local as usize)) else {
                 continue;
             };
-            let mut end = dusted([solved.linear, solved.angular]);
+            let mut end = clean([solved.linear, solved.angular]);
             self.given.speeds.cap(&mut end);
             *velocity.bypass_change_detection() = end;
             *motion.bypass_change_detection() = match solved.motion {
                 Some(mean) => Motion::Mean {
-                    mean: dusted(mean),
+                    mean: clean(mean),
                     end,
                 },
                 None if R::SUBSTEPS => {
@@ -264,7 +264,7 @@ impl Step<'_> {
 
 /// What a solver has found, but for what is next to nothing.
 #[inline]
-fn dusted(velocity: [Vec3; 2]) -> Velocity {
+fn clean(velocity: [Vec3; 2]) -> Velocity {
     let [linear, angular] = velocity.map(|v| limits::dusted(v.extend(0.0)).truncate());
     Velocity { linear, angular }
 }

@@ -11,8 +11,8 @@
 //! first courses would fill blocks along the whole wall before the next have room. How near decides how closely sweeps can follow each
 //! other ([`super::patches`]'s pipeline).
 //!
-//! What stands in a row, as a stack does, fills one lane in a block, since each contact waits for the one before. There the sequence of blocks is *folded*:
-//! cut into laps of the same length, which lie side by side, each a sweep behind the one below it
+//! What stands in a row, as a stack does, fills one lane in a block, since each contact waits for the one before. There the sequence of
+//! blocks is *folded*: cut into laps of the same length, which lie side by side, each a sweep behind the one before it
 //! ([`super::patches`]'s laps).
 
 use super::Body;
@@ -28,7 +28,7 @@ pub struct Batches {
     contacts: usize,
 }
 
-/// Where a lane has no contact.
+/// In a lane without a contact.
 const NONE: u32 = u32::MAX;
 
 /// A sequence of blocks is folded where its sweeps take less than this share of the time then.
@@ -125,8 +125,8 @@ impl Batches {
         }
     }
 
-    /// The fewest blocks that a lap may have where laps lie side by side in so many lanes: none of them holds a body twice, and whoever comes to a body
-    /// for the first time in a sweep finds that the sweep before is done with it.
+    /// The fewest blocks that a lap may have where laps lie side by side in so many lanes: none of them holds a body twice, and whoever
+    /// comes to a body for the first time in a sweep finds that the sweep before is done with it.
     fn lap(
         &self,
         lanes: usize,

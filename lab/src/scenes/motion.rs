@@ -152,7 +152,7 @@ impl Site<'_> {
     fn stone(&mut self) -> Collider {
         let point = |direction: Vec3| 0.22 * direction.normalize_or(Vec3::Y);
         let points: Vec<Vec3> = (0..12).map(|_| point(self.noise(1.0))).collect();
-        Collider::convex_hull(&points).unwrap_or_else(|_| Collider::ball(0.22))
+        Collider::convex_hull(&points).expect("twelve points on a ball span a hull")
     }
 
     pub(super) fn dominoes(&mut self, n: u32) -> Option<Hand> {

@@ -449,8 +449,8 @@ impl<L: F32xN> Points<L> {
         self.x.taken_from(normals.z, tilted)
     }
 
-    /// Adds its impulse to a wrench at the centre. Rounded twice: the same impulse on both sides of the centre leaves no moment then, and
-    /// a box that bounces straight bounces straight for ever.
+    /// Adds its impulse to a wrench at the centre. Rounded twice: the same impulse on both sides of the centre leaves no moment then, by
+    /// which a box that bounces straight would begin to turn.
     #[inline(always)]
     pub(super) fn push(&self, impulse: L, wrench: &mut SpatialVec<L>) {
         wrench.linear.x += impulse;

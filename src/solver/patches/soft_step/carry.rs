@@ -14,7 +14,7 @@ const ASIDE: f32 = 0.03;
 
 /// What patches begin a step with, as their problem tells it.
 #[derive(Default)]
-struct Fresh<L> {
+struct Beginning<L> {
     /// 1 where friction is anchored.
     anchored: L,
     slip: Vec3xN<L>,
@@ -100,23 +100,23 @@ impl<L: F32xN> Block<L> {
         problem: &PatchProblem,
         substeps: usize,
     ) {
-        let mut fresh = Fresh::default();
+        let mut found = Beginning::default();
         for (lane, number) in patches {
-            fresh.read(points, lane, &problem.patches[number as usize], problem);
+            found.read(points, lane, &problem.patches[number as usize], problem);
         }
         let share = L::splat(1.0 / substeps as f32);
         let Frame { t1, t2, .. } = self.frame();
-        self.anchored = fresh.anchored;
-        self.slip = [t1.dot(fresh.slip), t2.dot(fresh.slip)];
-        self.slip_twist = fresh.slip_twist;
-        let held = share * fresh.anchored;
-        self.held = [held * t1.dot(fresh.load), held * t2.dot(fresh.load)];
-        self.held_twist = held * fresh.load_twist;
-        let tangential = fresh.tangential;
+        self.anchored = found.anchored;
+        self.slip = [t1.dot(found.slip), t2.dot(found.slip)];
+        self.slip_twist = found.slip_twist;
+        let held = share * found.anchored;
+        self.held = [held * t1.dot(found.load), held * t2.dot(found.load)];
+        self.held_twist = held * found.load_twist;
+        let tangential = found.tangential;
         self.tangential = [share * t1.dot(tangential), share * t2.dot(tangential)];
-        self.twist = share * fresh.twist;
+        self.twist = share * found.twist;
         if self.rolls {
-            self.rolling = [share * t1.dot(fresh.rolling), share * t2.dot(fresh.rolling)];
+            self.rolling = [share * t1.dot(found.rolling), share * t2.dot(found.rolling)];
         }
         let mut load = L::ZERO;
         for point in points {
@@ -211,7 +211,7 @@ fn along<L: F32xN>(t1: Vec3xN<L>, t2: Vec3xN<L>, [x, y]: [L; 2]) -> Vec3xN<L> {
     t2.scale_add(y, t1.scale(x))
 }
 
-impl<L: F32xN> Fresh<L> {
+impl<L: F32xN> Beginning<L> {
     /// Puts one patch into its lane, and its points into theirs.
     #[inline(always)]
     fn read(

@@ -1,10 +1,11 @@
 //! Sweeps through blocks that are folded, several at once in the lanes of one visit.
 //!
-//! Where contacts stand in a row, as in a stack, no two of them may be relaxed side by side in one sweep. Yet the next sweep may follow this
-//! one up the row, and it is the next sweep that has the lanes beside it: the sequence of blocks is cut into *laps* ([`Batches::folded`]), each
-//! of which is a sweep behind the one before it. In a *turn*, all blocks are visited once; so a lap does one sweep of its part, takes up what
-//! the lap before left in the last turn, and finds what the lap behind it has left in the sweep before. What is done to a body between two sweeps is done
-//! right after the last block that holds it. The result is that of sweeps one after the other, to the bit.
+//! Where contacts stand in a row, as in a stack, no two of them may be relaxed side by side in one sweep. Yet the next sweep may follow
+//! this one up the row, in the lanes beside it: the sequence of blocks is cut into *laps* ([`Batches::folded`]), each of which is a sweep
+//! behind the one before it. In a *turn* all blocks are visited once, and each lap does its part of the sweep that it is in: contacts that
+//! share a body come in the same order as in sweeps one after the other, those of one lap because they do so in the turn, those of two
+//! because a lap is no shorter than a body's first and last contact are apart. What is done to a body between two sweeps is done right
+//! after the last block that holds it. So the result is that of sweeps one after the other, to the bit.
 
 use super::Island;
 use super::block::Pass;

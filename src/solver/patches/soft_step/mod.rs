@@ -22,8 +22,8 @@
 //!   would throw what a long one has let sink.
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
-//! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose patches share no body
-//!   ([`batches`](crate::solver::batches)); of what stands in a row, each in a sweep of its own ([`laps`]).
+//! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose
+//!   patches share no body ([`batches`](crate::solver::batches)); where patches stand in a row, those of several sweeps ([`laps`]).
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
@@ -256,9 +256,7 @@ fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
     if problem.patches.len() < HALF_FULL {
         return false;
     }
-    found
-        .insert(laps(F32x8::LANES, problem))
-        .holds(HALF_FULL)
+    found.insert(laps(F32x8::LANES, problem)).holds(HALF_FULL)
 }
 
 /// Patches in the mean block of eight from which on they are the faster.
@@ -282,8 +280,7 @@ fn laps(lanes: usize, problem: &PatchProblem) -> Batches {
 /// What contacts cannot change does not move either, so that sweeps may be at it all at once.
 fn stands_by_itself(problem: &PatchProblem) -> bool {
     problem.bodies.iter().all(|body| {
-        body.inverse_mass > 0.0
-            || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
+        body.inverse_mass > 0.0 || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
     })
 }
 
@@ -359,8 +356,7 @@ impl<L: F32xN> Island<L> {
         let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
         // Block by block: one that is filled patch by patch leaves the cache in between.
         for lanes in batches.iter() {
-            let patches =
-                lanes.map(|(lane, patch)| (lane, &problem.patches[patch as usize]));
+            let patches = lanes.map(|(lane, patch)| (lane, &problem.patches[patch as usize]));
             let counts = patches.clone().map(|(_, patch)| patch.count);
             let count = counts.max().unwrap_or(0);
             let first = points.len();

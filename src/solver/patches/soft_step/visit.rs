@@ -328,10 +328,7 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
         if K::RIGID {
             s = self.kinds.soft(s, self.kinds.if_rigid(point.gap));
         }
-        let lost = point
-            .load
-            .mul_sub(springs.left, point.impulse)
-            .max(L::ZERO);
+        let lost = point.load.mul_sub(springs.left, point.impulse).max(L::ZERO);
         let soft_mass = springs.mass_scale * point.mass;
         let held = springs
             .held

@@ -50,7 +50,10 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
 
     // Lanes are added up in another order.
     for (sweep, (a, b)) in one_by_one.iter().zip(&at_once).enumerate() {
-        assert!((a - b).abs() <= 1e-5 * a, "{name}: {a} or {b} J in sweep {sweep}");
+        assert!(
+            (a - b).abs() <= 1e-5 * a,
+            "{name}: {a} or {b} J in sweep {sweep}"
+        );
     }
     assert_eq!(one_by_one.len(), at_once.len());
     assert!(

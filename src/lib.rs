@@ -39,14 +39,14 @@
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
-//! | islands | [`islands`] | | pairs, manifolds | which bodies wake, and which rest; [`Sleeping`](sleeping::Sleeping), [`Resting`](body::Resting) |
+//! | islands | [`islands`] | | pairs, manifolds | which bodies wake, and which rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
 //! | solve | [`solve`], [`solver`] | (1), (4) | pairs, velocities, last impulses | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
-//! | sleeping | [`sleeping`] | | `Velocity` | [`Sleeping`](sleeping::Sleeping) |
+//! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
 //! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`] and [`grab`].
@@ -74,7 +74,6 @@ mod plugin;
 pub mod profile;
 pub mod schedule;
 pub mod settings;
-pub mod sleeping;
 pub mod solve;
 pub mod solver;
 pub mod stabilization;
@@ -86,7 +85,7 @@ pub use schedule::{advance, step};
 pub mod prelude {
     pub use crate::body::{
         Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-        GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Teleport, Velocity,
+        GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
     };
     pub use crate::collider::{
         Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
@@ -100,7 +99,6 @@ pub mod prelude {
         ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
         StabilizationSettings,
     };
-    pub use crate::sleeping::Sleeping;
     pub use crate::{DrystonePlugins, step};
     pub use glam::{Quat, Vec3};
 }

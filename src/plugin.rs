@@ -13,7 +13,7 @@ use crate::settings::{
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
-use crate::{integration, islands, narrowphase, sleeping, solve};
+use crate::{integration, islands, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
@@ -246,7 +246,7 @@ pub struct SleepingPlugin;
 
 impl Plugin for SleepingPlugin {
     fn build(&self, app: &mut App) {
-        stages!(app, Sleeping: "sleeping" sleeping::sleeping);
+        stages!(app, Sleeping: "sleeping" islands::sleeping);
     }
 }
 

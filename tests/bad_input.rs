@@ -5,6 +5,7 @@ mod support;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
+use drystone::body::Sleeping;
 use drystone::body::{
     AngularInertia, CenterOfMass, Density, ExternalForce, ExternalImpulse, Mass, Pose, Quarantined,
     RigidBody, Velocity,
@@ -12,7 +13,6 @@ use drystone::body::{
 use drystone::collider::{Collider, Friction, Restitution};
 use drystone::diagnosis::{BodyProblem, StepError};
 use drystone::settings::SleepSettings;
-use drystone::sleeping::Sleeping;
 use glam::{Quat, Vec3};
 use support::*;
 

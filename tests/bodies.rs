@@ -4,13 +4,13 @@ mod support;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
+use drystone::body::Sleeping;
 use drystone::body::{
     AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse, GravityScale,
     Mass, Pose, RigidBody,
 };
 use drystone::collider::{Collider, CollisionLayers, CombineRule, Friction, Restitution};
 use drystone::settings::{Gravity, SleepSettings};
-use drystone::sleeping::Sleeping;
 use drystone::solve::SolveReports;
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};

@@ -6,6 +6,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
+use drystone::body::Sleeping;
 use drystone::body::{
     BodyIndex, CenterOfMass, Damping, Density, ExternalForce, GravityScale, Mass, MassProperties,
     RigidBody, Velocity,
@@ -16,7 +17,6 @@ use drystone::contact::{
     ContactTargets, Manifold,
 };
 use drystone::settings::SleepSettings;
-use drystone::sleeping::Sleeping;
 use glam::{Quat, Vec3};
 use support::*;
 

@@ -6,6 +6,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
+use drystone::body::Sleeping;
 use drystone::body::{
     BodyIndex, Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Resting,
     RigidBody, Velocity,
@@ -13,7 +14,6 @@ use drystone::body::{
 use drystone::collider::{Collider, CollisionLayers, Friction};
 use drystone::contact::ContactPair;
 use drystone::grab::Grab;
-use drystone::sleeping::Sleeping;
 use glam::{Quat, Vec3};
 use support::*;
 

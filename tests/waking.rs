@@ -4,6 +4,7 @@ mod support;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
+use drystone::body::Sleeping;
 use drystone::body::{ExternalForce, Velocity};
 use drystone::collider::Collider;
 use drystone::grab::Grab;
@@ -11,7 +12,6 @@ use drystone::settings::{
     ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings,
     StabilizationSettings,
 };
-use drystone::sleeping::Sleeping;
 use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;

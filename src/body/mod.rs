@@ -15,6 +15,7 @@ mod placement;
 mod prepare;
 mod quarantine;
 mod resting;
+mod sleeping;
 mod table;
 
 pub use age::Age;
@@ -27,10 +28,10 @@ pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
 pub use quarantine::{Quarantined, quarantine};
 pub use resting::Resting;
+pub use sleeping::Sleeping;
 pub use table::{BodyIndex, BodyState, BodyTable};
 pub(crate) use table::{lost_description, lost_parent};
 
-use crate::sleeping::Sleeping;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;

@@ -7,11 +7,11 @@ use super::{
     Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     MassProperties, Pose, Quarantined, Resting, RigidBody, Teleport, Velocity, limits,
 };
+use crate::body::Sleeping;
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
-use crate::sleeping::Sleeping;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};

@@ -5,8 +5,8 @@
 //! else. It runs before contacts are looked for and once more after forces, before anything is solved with them.
 
 use super::{BodyIndex, BodyTable, Resting};
+use crate::body::Sleeping;
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
-use crate::sleeping::Sleeping;
 use bevy_ecs::{name::Name, prelude::*};
 use bevy_reflect::Reflect;
 

@@ -10,10 +10,10 @@ use super::{
     Age, AngularInertia, BodyIndex, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
     GravityScale, Mass, Pose, Quarantined, RigidBody, Velocity,
 };
+use crate::body::Sleeping;
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::ContactEvents;
 use crate::grab::Grab;
-use crate::sleeping::Sleeping;
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;

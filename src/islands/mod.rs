@@ -1,18 +1,19 @@
-//! The stage **islands**: groups bodies that push on each other, finds what stands on what (its level of support), and wakes islands that may not
-//! sleep on. It comes before forces, so that what wakes has all of its weight when it is first solved.
+//! The stage **islands**: groups bodies that push on each other, finds what stands on what (its level of support), and wakes islands that
+//! may not sleep on. It comes before forces, so that what wakes has all of its weight when it is first solved.
 //!
 //! Static and kinematic bodies do not connect islands. Islands that sleep go to [rest](crate::body::Resting).
 
 mod graph;
 mod order;
 mod rest;
+mod sleeping;
 
 pub use rest::rouse;
+pub use sleeping::sleeping;
 
-use crate::body::{Age, BodyState, BodyTable, Resting, Velocity};
+use crate::body::{Age, BodyState, BodyTable, Resting, Sleeping, Velocity};
 use crate::contact::{ContactPair, Manifold};
 use crate::settings::StepTime;
-use crate::sleeping::Sleeping;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use graph::Graph;

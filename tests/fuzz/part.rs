@@ -5,6 +5,7 @@ use crate::shape::Shape;
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::world::EntityWorldMut;
+use drystone::body::Sleeping;
 use drystone::body::{
     Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
     GravityScale, Mass, RigidBody, Teleport, Velocity,
@@ -14,7 +15,6 @@ use drystone::collider::{
 };
 use drystone::contact::ContactEvents;
 use drystone::grab::Grab;
-use drystone::sleeping::Sleeping;
 use glam::Vec3;
 
 macro_rules! parts {

@@ -268,7 +268,7 @@ impl Site {
         // Between two half-spaces there may be no place at all.
         self.plain &= !matches!(spawn.shape, Shape::HalfSpace(_));
         if spawn.asleep {
-            guest.insert(drystone::sleeping::Sleeping {
+            guest.insert(drystone::body::Sleeping {
                 asleep: true,
                 ..Default::default()
             });

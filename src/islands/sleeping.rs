@@ -3,54 +3,12 @@
 //! A sleeping body keeps its contacts, impulses and anchors as they are, so that it wakes exactly where it lay, and goes to
 //! [rest](crate::body::Resting) in the next step. It wakes
 //! when the user moves, pushes, holds or changes it, when settings change, when something awake comes into its island, and when
-//! a body that it touched goes: in [`crate::islands`].
+//! a body that it touched goes: in [`islands`](super::islands).
 
-use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Resting, Velocity};
-use crate::islands::Islands;
+use super::Islands;
+use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Resting, Sleeping, Velocity};
 use crate::settings::{SleepSettings, StepTime};
-use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;
-use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-
-/// Whether a body sleeps, and may. A body may be spawned asleep, or put to sleep. A copy of it is awake.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
-#[component(clone_behavior = Custom(copy_awake), summary_tick)]
-pub struct Sleeping {
-    /// Now asleep.
-    pub asleep: bool,
-    /// How long it has been still, s.
-    pub still_for: f32,
-    /// False keeps it, and every island it is in, awake.
-    pub allowed: bool,
-}
-
-/// It lies where the original lies, and must get out of its way.
-fn copy_awake(source: &SourceComponent, context: &mut ComponentCloneCtx) {
-    if let Some(&original) = source.read::<Sleeping>() {
-        let mut copy = original;
-        copy.wake();
-        context.write_target_component(copy);
-    }
-}
-
-impl Default for Sleeping {
-    fn default() -> Self {
-        Self {
-            asleep: false,
-            still_for: 0.0,
-            allowed: true,
-        }
-    }
-}
-
-impl Sleeping {
-    /// Wakes the body.
-    pub fn wake(&mut self) {
-        self.asleep = false;
-        self.still_for = 0.0;
-    }
-}
 
 /// See the module's text.
 pub fn sleeping(

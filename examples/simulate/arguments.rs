@@ -8,7 +8,7 @@ use drystone::settings::{
 };
 use drystone::solver::{FrictionCone, Lanes, Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
-use drystone_lab::scenes::{KNOWN, Scene};
+use drystone_lab::scenes::{Ground, KNOWN, Scene};
 use std::f32::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -70,6 +70,9 @@ pub struct Arguments {
     /// Seeds of the noise, one run each.
     #[arg(long, value_delimiter = ',', default_value = "1")]
     pub seeds: Vec<u64>,
+    /// What scenes stand on: half-space, mesh, height-field.
+    #[arg(long, default_value_t)]
+    ground: Ground,
     /// Gap between neighbours in a course, m.
     #[arg(long, value_parser = number(LENGTH), allow_hyphen_values = true)]
     gap: Option<f32>,
@@ -252,6 +255,7 @@ impl Arguments {
             experiment.threads =
                 PhysicsThreads::new(n).map_err(|e| format!("--threads {n}: {e}"))?;
         }
+        experiment.options.ground = self.ground;
         experiment.options.lateral_gap = self.gap.unwrap_or(experiment.options.lateral_gap);
         if let Some(Noise { position, angle }) = self.noise {
             experiment.options.noise_position = position;
@@ -303,6 +307,7 @@ mod tests {
         refuses(&["--threads", "0"], "1..=256");
         refuses(&["--threads", "100000"], "1..=256");
         refuses(&["--solver", "gauss"], "soft-step, pgs, nncg");
+        refuses(&["--ground", "sand"], "half-space, mesh, height-field");
     }
 
     #[test]
@@ -331,6 +336,7 @@ mod tests {
             "--threads=2",
             "--warm-start=0.5",
             "--lanes=four",
+            "--ground=mesh",
         ];
         let experiment = parse(&options).unwrap().experiment().unwrap();
         let ContactSolver::SoftStep(soft_step) = experiment.solver.solver else {
@@ -341,6 +347,7 @@ mod tests {
         assert_eq!(experiment.options.noise_position, 0.002);
         assert_eq!(experiment.options.noise_angle, 0.01);
         assert_eq!(experiment.options.lateral_gap, 0.036);
+        assert_eq!(experiment.options.ground, Ground::Mesh);
         assert_eq!((experiment.dt, experiment.threads.count()), (0.1, 2));
     }
 

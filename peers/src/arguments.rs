@@ -6,7 +6,7 @@ use crate::rapier;
 use crate::scene::Conditions;
 use crate::table::Table;
 use clap::{Args, Parser, Subcommand};
-use drystone_lab::scenes::{KNOWN, Scene};
+use drystone_lab::scenes::{Ground, KNOWN, Scene};
 
 /// Simulates scenes in drystone and in other engines and prints what became of them.
 #[derive(Parser)]
@@ -50,6 +50,9 @@ pub struct RunArguments {
     /// Length of a step, s.
     #[arg(long, default_value_t = 1.0 / 60.0, value_parser = length)]
     dt: f32,
+    /// What scenes stand on.
+    #[arg(long, default_value_t)]
+    ground: Ground,
     /// Threads of each engine; of Rapier more than one with the feature `parallel`.
     #[arg(long, default_value_t = 1, value_parser = threads)]
     threads: usize,
@@ -66,6 +69,7 @@ impl RunArguments {
         Conditions {
             dt: self.dt,
             threads: self.threads,
+            ground: self.ground,
         }
     }
 

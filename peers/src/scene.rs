@@ -10,7 +10,7 @@ use drystone::prelude::{
 };
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone_lab::experiment::{Experiment, Run};
-use drystone_lab::scenes::Scene;
+use drystone_lab::scenes::{Ground, Scene};
 
 /// Half the edges of the slab, m, that stands for a half-space where an engine has none, or none that it likes. Thin, because depths
 /// are found in its frame: in single precision and 1 km from its middle they would come in steps of 0.06 mm.
@@ -35,6 +35,8 @@ pub struct Conditions {
     pub dt: f32,
     /// Threads of each engine.
     pub threads: usize,
+    /// What the scene stands on.
+    pub ground: Ground,
 }
 
 /// Builds a scene in drystone, at its default settings but for sleeping: a body asleep costs nothing and does not creep, so
@@ -46,6 +48,7 @@ pub fn build(scene: Scene, seed: u64, conditions: Conditions) -> Result<(Run, Ve
     let threads = conditions.threads;
     let mut experiment = Experiment::new(scene, Preset::Default).with_seed(seed);
     experiment.dt = conditions.dt;
+    experiment.options.ground = conditions.ground;
     experiment.sleeping.enabled = false;
     experiment.threads =
         PhysicsThreads::new(threads).map_err(|e| format!("--threads {threads}: {e}"))?;

@@ -23,6 +23,7 @@ use std::path::PathBuf;
 const CONDITIONS: Conditions = Conditions {
     dt: 1.0 / 60.0,
     threads: 1,
+    ground: Ground::HalfSpace,
 };
 
 const G: f32 = 9.81;
@@ -293,8 +294,8 @@ fn into_box3d(bodies: &[Body], threads: usize) -> Result<Box<dyn Engine>, String
         bodies,
         gravity: Vec3::NEG_Y * G,
         conditions: Conditions {
-            dt: CONDITIONS.dt,
             threads,
+            ..CONDITIONS
         },
     };
     Peer::Box3d.start(&start, options(Ground::Slab))

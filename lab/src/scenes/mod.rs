@@ -1,12 +1,14 @@
 //! Scenes that examples, benches and tests share, by name: `"wall:40x25".parse::<Scene>()`.
 //!
-//! All stand on a half-space with its surface at y = 0. Densities are 1000 kg/m³ unless said.
+//! All stand on a plane, y = 0. Densities are 1000 kg/m³ unless said.
 
+mod ground;
 mod hand;
 mod masonry;
 mod motion;
 mod name;
 
+pub use ground::Ground;
 pub use hand::{Hand, Phase};
 pub use name::{KNOWN, MAX_BODIES, SceneError};
 
@@ -82,6 +84,8 @@ pub struct SceneOptions {
     pub vertical_gap: f32,
     /// Coefficient of every surface.
     pub friction: f32,
+    /// What it stands on.
+    pub ground: Ground,
 }
 
 impl Default for SceneOptions {
@@ -94,6 +98,7 @@ impl Default for SceneOptions {
             lateral_gap: 0.0,
             vertical_gap: 0.0,
             friction: 0.5,
+            ground: Ground::HalfSpace,
         }
     }
 }
@@ -189,12 +194,12 @@ impl Site<'_> {
         Friction::new(self.options.friction)
     }
 
-    /// The half-space below y = 0, tilted about z.
+    /// The plane y = 0, tilted about z.
     fn ground(&mut self, slope: f32) {
         self.world.spawn((
             Name::new("ground"),
             RigidBody::Static,
-            Collider::half_space(Vec3::Y),
+            self.options.ground.collider(),
             self.friction(),
             Transform::from_rotation(Quat::from_rotation_z(-slope)),
         ));

@@ -4,12 +4,12 @@ mod support;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::Sleeping;
 use drystone::body::{
     AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse, GravityScale,
-    Mass, Pose, RigidBody,
+    Mass, Pose, RigidBody, Sleeping,
 };
 use drystone::collider::{Collider, CollisionLayers, CombineRule, Friction, Restitution};
+use drystone::contact::Manifold;
 use drystone::settings::{Gravity, SleepSettings};
 use drystone::solve::SolveReports;
 use glam::{Mat3, Quat, Vec3};
@@ -110,6 +110,25 @@ fn every_shape_falls_on_every_ground_and_rests_at_its_height() {
             let went = now.with_y(0.0).length();
             assert!(went < 0.05, "{shape} on {ground}: {now}");
         }
+    }
+}
+
+/// Its triangles are one face to what lies on several of them, and what lies still there is not looked for again.
+#[test]
+fn a_cube_meets_a_plane_of_triangles_in_four_points_and_stays_to_the_bit() {
+    for (ground, surface, at) in grounds() {
+        let mut lab = Lab::shipped(1.0 / 60.0);
+        lab.spawn((RigidBody::Static, surface, Transform::from_translation(at)));
+        // It covers parts of eight triangles.
+        let cube = lab.cube(Vec3::new(-0.1, 0.5, -0.2));
+        lab.run(0.5);
+        let mut manifolds = lab.world.query::<&Manifold>();
+        let of_cube: Vec<_> = manifolds.iter(&lab.world).collect();
+        let (patches, points) = (of_cube[0].patches.len(), of_cube[0].points.len());
+        assert_eq!((of_cube.len(), patches, points), (1, 1, 4), "{ground}");
+        let before = lab.pose(cube);
+        lab.run(2.0);
+        assert_eq!(lab.pose(cube), before, "{ground}");
     }
 }
 

@@ -132,7 +132,12 @@ impl BodyState {
         self.curved = collider.is_some_and(Collider::is_curved);
         self.half = collider.map_or(Vec3::ZERO, Collider::half_extents);
         self.radius = radius;
-        self.size = radius.min(THICKNESS * self.half.min_element());
+        // What is behind a surface does not count: a floor of triangles is not thin.
+        let is_surface = !self.is_dynamic() && collider.is_some_and(Collider::is_surface);
+        self.size = match is_surface {
+            true => radius,
+            false => radius.min(THICKNESS * self.half.min_element()),
+        };
     }
 
     /// What is small against its face towards a direction in the world: how thick the body is behind it does not count.

@@ -14,7 +14,9 @@ use crate::body::MassProperties;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
-use parry3d::shape::{Cone, Cylinder, HeightField, HeightFieldFlags, SharedShape, TriMeshFlags};
+use parry3d::shape::{
+    Cone, Cylinder, HeightField, HeightFieldFlags, Shape, ShapeType, SharedShape, TriMeshFlags,
+};
 use parry3d::utils::Array2;
 use solid::Solid;
 use std::fmt;
@@ -302,6 +304,11 @@ impl Collider {
         self.shape.compute_local_aabb().half_extents()
     }
 
+    /// True of meshes and height fields.
+    pub(crate) fn is_surface(&self) -> bool {
+        is_surface(&*self.shape)
+    }
+
     /// True where the surface is curved, so that a rolling contact point moves over it.
     pub(crate) fn is_curved(&self) -> bool {
         use parry3d::shape::ShapeType as S;
@@ -310,4 +317,12 @@ impl Collider {
             S::Ball | S::Capsule | S::Cylinder | S::Cone | S::RoundCylinder | S::RoundCone
         )
     }
+}
+
+/// True of what has triangles and nothing behind them.
+pub(crate) fn is_surface(shape: &dyn Shape) -> bool {
+    matches!(
+        shape.shape_type(),
+        ShapeType::TriMesh | ShapeType::HeightField
+    )
 }

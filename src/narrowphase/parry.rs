@@ -6,10 +6,12 @@ use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::reduction;
 use crate::body::BodyState;
+use crate::collider::is_surface;
 use crate::contact::{Manifold, NarrowphaseCache, ParryCache};
 use glam::Vec3;
 use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
 use parry3d::shape::PackedFeatureId;
+use smallvec::SmallVec;
 
 /// Points of a patch nearer to each other than this share of the smaller face's size become one.
 const MERGE: f32 = 0.05;
@@ -48,6 +50,11 @@ pub(super) fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
+    // Which of the two is a surface, whose triangles lie beside each other.
+    let surface = [shape_a, shape_b]
+        .iter()
+        .position(|shape| is_surface(*shape));
+    let mut faces: SmallVec<[Face; 4]> = SmallVec::new();
     for found in manifolds.iter() {
         let (sub_a, sub_b) = (
             found.subshape_pos1().copied(),
@@ -59,7 +66,12 @@ pub(super) fn detect(
         let normal = normal.try_normalize().unwrap_or(Vec3::Y);
 
         let size = a.face_size(normal).min(b.face_size(normal));
-        let mut candidates = Candidates::new();
+        let mut face = Face {
+            normal,
+            size,
+            height: None,
+            candidates: Candidates::new(),
+        };
         for contact in &found.points {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
             let local_b = sub_b.map_or(contact.local_p2, |sub| sub * contact.local_p2);
@@ -67,7 +79,8 @@ pub(super) fn detect(
                 a.pose.transform_point(local_a),
                 b.pose.transform_point(local_b),
             ];
-            candidates.push(Candidate {
+            face.height = surface.map(|side| normal.dot(on[side] - a.center));
+            face.candidates.push(Candidate {
                 position: 0.5 * (on[0] + on[1]),
                 distance: contact.dist,
                 feature: match curved && contact.fid2 != PackedFeatureId::UNKNOWN {
@@ -77,9 +90,21 @@ pub(super) fn detect(
                 },
             });
         }
-        candidates.retain(|c| c.distance.is_finite() && c.distance <= reach);
+        face.candidates
+            .retain(|c| c.distance.is_finite() && c.distance <= reach);
+        match faces.iter_mut().find(|other| other.goes_on_in(&face)) {
+            Some(other) => other.candidates.extend(face.candidates),
+            None => faces.push(face),
+        }
+    }
+    for face in faces {
+        let Face {
+            normal,
+            size,
+            mut candidates,
+            ..
+        } = face;
         merge(&mut candidates, MERGE * size);
-
         // A round side touches along a line, whose middle adds nothing and comes and goes.
         let rolls = curved && reduction::is_line(&candidates, size);
         if rolls {
@@ -89,6 +114,31 @@ pub(super) fn detect(
             reduction::reduce(&mut candidates, normal);
         }
         push(manifold, [a, b], normal, rolls, candidates);
+    }
+}
+
+/// Normals whose cosine is above this are one, and planes nearer to each other than this share of the smaller face's size.
+const PARALLEL: f32 = 1.0 - 1e-6;
+const EVEN: f32 = 1e-3;
+
+/// Where the two touch in one plane: one patch, over however many triangles it goes.
+struct Face {
+    normal: Vec3,
+    /// Of the smaller face, m.
+    size: f32,
+    /// Of a surface's plane along the normal, m.
+    height: Option<f32>,
+    candidates: Candidates,
+}
+
+impl Face {
+    /// The plane of a surface is the same.
+    fn goes_on_in(&self, other: &Self) -> bool {
+        let (Some(here), Some(there)) = (self.height, other.height) else {
+            return false;
+        };
+        self.normal.dot(other.normal) > PARALLEL
+            && (here - there).abs() <= EVEN * self.size.min(other.size)
     }
 }
 

@@ -7,7 +7,7 @@
 
 use drystone::body::Pose;
 use glam::{DVec3, Quat, Vec3};
-use parry3d::shape::{Shape, SharedShape};
+use parry3d::shape::{Shape, ShapeType, SharedShape};
 use std::f32::consts::FRAC_PI_4;
 
 /// A body in the world.
@@ -42,6 +42,20 @@ impl Placed {
         self.shape.as_convex_polyhedron().is_some()
     }
 
+    /// The normal of a ground, in its own frame: a half-space, or a mesh or height field that is flat.
+    fn upwards(&self) -> Option<Vec3> {
+        let shape = &*self.shape;
+        let is_surface = matches!(
+            shape.shape_type(),
+            ShapeType::TriMesh | ShapeType::HeightField
+        );
+        let is_flat = || shape.compute_local_aabb().half_extents().y == 0.0;
+        match shape.as_halfspace() {
+            Some(half_space) => Some(half_space.normal),
+            None => (is_surface && is_flat()).then_some(Vec3::Y),
+        }
+    }
+
     /// The furthest along a direction, m, from an origin: from one of the two, or digits would be lost.
     fn reach(&self, way: Vec3, origin: Vec3) -> f32 {
         let shape = self.shape.as_support_map().expect("a convex shape");
@@ -52,13 +66,13 @@ impl Placed {
 /// How deep two are in each other, m; 0 where they are apart.
 ///
 /// # Panics
-/// Of what is neither convex nor a half-space.
+/// Of what is neither convex nor a half-space nor a flat mesh or height field.
 pub fn between(a: &Placed, b: &Placed) -> f32 {
-    match (a.shape.as_halfspace(), b.shape.as_halfspace()) {
+    match (a.upwards(), b.upwards()) {
         // Two grounds.
         (Some(_), Some(_)) => 0.0,
-        (Some(plane), None) => below(a, plane.normal, b),
-        (None, Some(plane)) => below(b, plane.normal, a),
+        (Some(normal), None) => below(a, normal, b),
+        (None, Some(normal)) => below(b, normal, a),
         (None, None) => match between_polyhedra(a, b) {
             Some(overlap) => overlap.max(0.0) as f32,
             None => least_way(a, b).min(by_hints(a, b)).max(0.0),
@@ -66,7 +80,7 @@ pub fn between(a: &Placed, b: &Placed) -> f32 {
     }
 }
 
-/// How deep a body is in a half-space, m.
+/// How deep a body is in a ground, m.
 fn below(ground: &Placed, normal: Vec3, body: &Placed) -> f32 {
     let up = ground.at.rotation * normal;
     body.reach(-up, ground.position()).max(0.0)
@@ -179,6 +193,7 @@ fn descend(a: &Placed, b: &Placed, mut best: (f32, Vec3)) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::Ground;
     use crate::scenes::{Scene, SceneOptions};
     use bevy_ecs::prelude::World;
     use bevy_transform::components::Transform;
@@ -283,26 +298,28 @@ mod tests {
 
     #[test]
     fn what_is_in_the_ground() {
-        let ground = Collider::half_space(Vec3::Y);
         let cube = Collider::cuboid(1.0, 1.0, 1.0);
         let ball = Collider::ball(0.5);
         let on_edge = Quat::from_rotation_z(FRAC_PI_4);
-        for (body, turn, half) in [
-            (&cube, UPRIGHT, 0.5),
-            (&cube, on_edge, 0.5 * 2f32.sqrt()),
-            (&ball, UPRIGHT, 0.5),
-        ] {
-            for (depth, expected) in [(0.01, 0.01), (-0.01, 0.0)] {
-                let at = Vec3::new(2.0, half - depth, -1.0);
-                is((&ground, ORIGIN, UPRIGHT), (body, at, turn), expected, 2e-6);
+        let grounds = [Ground::HalfSpace, Ground::Mesh, Ground::HeightField];
+        for ground in grounds.map(Ground::collider) {
+            for (body, turn, half) in [
+                (&cube, UPRIGHT, 0.5),
+                (&cube, on_edge, 0.5 * 2f32.sqrt()),
+                (&ball, UPRIGHT, 0.5),
+            ] {
+                for (depth, expected) in [(0.01, 0.01), (-0.01, 0.0)] {
+                    let at = Vec3::new(2.0, half - depth, -1.0);
+                    is((&ground, ORIGIN, UPRIGHT), (body, at, turn), expected, 2e-6);
+                }
             }
+            is(
+                (&ground, ORIGIN, UPRIGHT),
+                (&ground, Vec3::NEG_Y, UPRIGHT),
+                0.0,
+                1e-9,
+            );
         }
-        is(
-            (&ground, ORIGIN, UPRIGHT),
-            (&ground, Vec3::NEG_Y, UPRIGHT),
-            0.0,
-            1e-9,
-        );
     }
 
     #[test]

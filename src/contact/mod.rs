@@ -260,8 +260,8 @@ pub struct PatchImpulse {
     pub dragged: Slip,
 }
 
-/// True where some of a column, or one row of it, were written since the system at hand ran last, by somebody who did not bypass change detection, as
-/// drystone's stages do.
+/// True where some of a column, or one row of it, were written since the system at hand ran last, by somebody who did not bypass change
+/// detection, as drystone's stages do.
 macro_rules! is_edited {
     ($column:expr, $row:expr) => {{
         let (last, this) = ($column.last_run_tick(), $column.this_run_tick());

@@ -5,6 +5,7 @@ use super::classifier::{Given, classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PatchAnchor,
+    is_edited,
 };
 use crate::islands::Islands;
 use crate::settings::{
@@ -60,7 +61,7 @@ pub fn anchors(
     mut pairs: Query<
         (
             &ContactPair,
-            &Manifold,
+            Ref<Manifold>,
             &mut ContactImpulses,
             &mut ContactAnchors,
         ),
@@ -76,15 +77,16 @@ pub fn anchors(
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
     {
+        let edited = is_edited!(manifolds);
         let columns = (
             pairs,
-            manifolds,
+            &*manifolds,
             impulses.bypass_change_detection(),
             anchors.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, impulses, anchors)| {
             // What is not solved sticks or slides as it did.
-            if pair.idle && !woke {
+            if pair.idle && !woke || pair.empty && !edited {
                 return;
             }
             let Some([a, b]) = table.both(pair.slots) else {

@@ -262,7 +262,7 @@ pub fn friction_error(
             targets.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, anchors, targets)| {
-            if pair.idle && !rouse {
+            if pair.idle && !rouse || pair.empty && !always {
                 return;
             }
             let Some([a, b]) = table.both(pair.slots) else {

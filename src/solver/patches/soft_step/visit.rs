@@ -613,12 +613,18 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Land<'_, L, K> {
         rows.stop_together(points, &mut normals, &mut visit.wrench, lands);
         relax_points::<_, _, true>(&rows, points, &mut normals, &mut visit);
         for _ in 1..LANDING_VISITS {
+            let mut most = L::ZERO;
             for point in points.iter_mut() {
                 let (mass, constant) = rows.row(point);
                 let approach = point.approach(&normals);
                 let step = lands * mass.mul_add(approach, constant);
                 let taken = point.take(step, &mut normals, &mut visit.wrench);
                 visit.change = taken.mul_add(approach, visit.change);
+                most = most.max(taken.max(-taken));
+            }
+            // Then it would be so every time, as where what comes is not there yet.
+            if !most.any_above(L::ZERO) {
+                break;
             }
         }
         visit

@@ -322,6 +322,51 @@ mod tests {
     }
 
     #[test]
+    fn folded_contacts_that_share_a_body_keep_their_order_from_sweep_to_sweep() {
+        let mut rng = fastrand::Rng::with_seed(2);
+        for length in [12, 40, 100] {
+            // A chain with some cross links, on a ground that nothing moves.
+            let links = (1..length).flat_map(|a| {
+                let across = rng.u8(..4) == 0;
+                [Some([a, a + 1]), across.then_some([a, a + 2])]
+            });
+            let links: Vec<_> = links.flatten().collect();
+            let grounded = (1..length).step_by(7).map(|a| [0, a]);
+            let pairs: Vec<[u32; 2]> = grounded.chain(links).collect();
+            let mut bodies = vec![Body::default(); length as usize + 2];
+            for body in &mut bodies[1..] {
+                body.inverse_mass = 1.0;
+            }
+            for lanes in [4, 8] {
+                let folded = Batches::folded(lanes, pairs.iter().copied(), &bodies);
+                let blocks = folded.blocks();
+                let whole = of(lanes, &pairs, bodies.len(), |body| body > 0);
+                assert!(
+                    folded.laps() > 1 && blocks < whole.blocks(),
+                    "{length} in {lanes}"
+                );
+                // When a sweep comes to a contact, in visits since it began.
+                let mut visit_of = vec![usize::MAX; pairs.len()];
+                for (block, contacts) in folded.iter().enumerate() {
+                    for (lane, contact) in contacts {
+                        assert!(folded.lap_of(lane) < folded.laps());
+                        visit_of[contact as usize] = folded.lap_of(lane) * blocks + block;
+                    }
+                }
+                for (i, one) in pairs.iter().enumerate() {
+                    for (j, other) in pairs[..i].iter().enumerate() {
+                        if one.iter().any(|body| *body > 0 && other.contains(body)) {
+                            let (later, earlier) = (visit_of[i], visit_of[j]);
+                            // And the next sweep comes to the earlier one after this one has come to the later.
+                            assert!((earlier + 1..earlier + blocks).contains(&later));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn what_nothing_moves_may_be_shared() {
         for lanes in [4, 8] {
             let on_ground: Vec<_> = (1..=16).map(|body| [0, body]).collect();

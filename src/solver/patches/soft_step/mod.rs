@@ -243,14 +243,16 @@ struct Scratch {
     passes: Vec<Pass>,
 }
 
-/// It was so in the last step, by itself.
+/// It was so in the last step, by itself, and for what is still so.
 #[cfg(target_arch = "x86_64")]
 fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
     let kept = problem.memory.peek::<Island<L>>();
-    kept.is_some_and(|island| island.lanes == Lanes::Auto)
+    kept.is_some_and(|island| {
+        island.lanes == Lanes::Auto && island.alone == stands_by_itself(problem)
+    })
 }
 
-/// A visit to a block of eight costs 1.1 times one of four, and a stack fills one lane of either.
+/// A visit to a block of eight costs 1.1 times one of four.
 #[cfg(target_arch = "x86_64")]
 fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
     if problem.patches.len() < HALF_FULL {

@@ -1,7 +1,6 @@
 //! Part of the stage *prepare*: what every body must have, and somebody took off, is put back.
 
-use super::{Age, BodyIndex, MassProperties, Pose, RigidBody, Velocity, local_pose};
-use crate::body::Sleeping;
+use super::{Age, BodyIndex, MassProperties, Pose, RigidBody, Sleeping, Velocity, local_pose};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 

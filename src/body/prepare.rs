@@ -5,9 +5,8 @@ use super::placement::{Placed, user_pose};
 use super::resting::{RestingBodies, RestingChildren, Rests, find_carried, find_written};
 use super::{
     Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
-    MassProperties, Pose, Quarantined, Resting, RigidBody, Teleport, Velocity, limits,
+    MassProperties, Pose, Quarantined, Resting, RigidBody, Sleeping, Teleport, Velocity, limits,
 };
-use crate::body::Sleeping;
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;

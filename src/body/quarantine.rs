@@ -4,8 +4,7 @@
 //! outside the simulation until the marker is taken off. Nothing of it is lost, and what touched it loses a neighbour and nothing
 //! else. It runs before contacts are looked for and once more after forces, before anything is solved with them.
 
-use super::{BodyIndex, BodyTable, Resting};
-use crate::body::Sleeping;
+use super::{BodyIndex, BodyTable, Resting, Sleeping};
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use bevy_ecs::{name::Name, prelude::*};
 use bevy_reflect::Reflect;

@@ -8,9 +8,8 @@
 use super::placement::{Placed, user_pose};
 use super::{
     Age, AngularInertia, BodyIndex, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-    GravityScale, Mass, Pose, Quarantined, RigidBody, Velocity,
+    GravityScale, Mass, Pose, Quarantined, RigidBody, Sleeping, Velocity,
 };
-use crate::body::Sleeping;
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::ContactEvents;
 use crate::grab::Grab;

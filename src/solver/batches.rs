@@ -34,7 +34,8 @@ const NONE: u32 = u32::MAX;
 /// A sequence of blocks is folded where its sweeps take less than this share of the time then.
 const WORTH: f32 = 0.85;
 
-/// What a visit to lanes that do different things takes, where one to lanes that do the same takes 1.
+/// What a visit takes whose lanes are full and in different sweeps, where one to half as many in one sweep takes 1: in a wall of 10 × 10
+/// 140 ns instead of 111.
 const MIXED: f32 = 1.3;
 
 /// Sweeps of a step, about.

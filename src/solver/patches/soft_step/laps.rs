@@ -7,8 +7,8 @@
 //! because a lap is no shorter than a body's first and last contact are apart. What is done to a body between two sweeps is done right
 //! after the last block that holds it. So the result is that of sweeps one after the other, to the bit.
 
-use super::Island;
 use super::block::Pass;
+use super::island::Island;
 use super::kinds::{Kinds, Mixed, Rigid, Soft};
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;

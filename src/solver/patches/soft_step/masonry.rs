@@ -1,7 +1,8 @@
 //! Stacks, walls and arches as problems, for tests.
 
 use super::block::{Pass, Spring};
-use super::{Effort, Island, SoftStep};
+use super::island::Island;
+use super::{Effort, SoftStep};
 use crate::solver::batches::Batches;
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem};

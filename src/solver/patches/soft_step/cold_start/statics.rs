@@ -6,8 +6,8 @@
 //! any equilibrium is as good as another; so what stands without friction stays without.
 
 use super::super::block::{Pass, Spring};
+use super::super::island::{Island, batches};
 use super::super::kinds::Rigid;
-use super::super::{Island, batches};
 use crate::solver::PatchProblem;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 

@@ -3,8 +3,8 @@ use crate::solver::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
 use crate::solver::lanes::F32xN;
+use crate::solver::patches::soft_step::island::{Island, batches, laps};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
-use crate::solver::patches::soft_step::{Island, batches, laps};
 use glam::Vec3;
 
 /// All that sweeps find; what a zero's sign is says nothing.

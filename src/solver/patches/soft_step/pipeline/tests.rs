@@ -3,8 +3,8 @@ use crate::solver::Memory;
 use crate::solver::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
+use crate::solver::patches::soft_step::island::{Island, batches};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
-use crate::solver::patches::soft_step::{Island, batches};
 use std::time::Duration;
 
 /// All that sweeps change, and what they tell.

@@ -1,0 +1,93 @@
+//! Blocks are brought up to date as a step begins, and give back what they have found as it ends.
+
+use super::block::{Pass, Spring};
+use super::halves::Part;
+use super::island::Island;
+use crate::solver::PatchProblem;
+use crate::solver::batches::Batches;
+use crate::solver::lanes::{F32xN, Kernel, State};
+
+/// What blocks are brought up to date by.
+pub struct Fresh<'a, 'p> {
+    pub problem: &'a PatchProblem<'p>,
+    pub batches: &'a Batches,
+    /// By patch: it was found anew.
+    pub changed: &'a [bool],
+    /// By body, where any has turned.
+    pub turned: Option<&'a [bool]>,
+    pub substeps: usize,
+    /// Of the free motion.
+    pub velocities: &'a [State],
+    pub spring: &'a Spring,
+    pub pass: &'a Pass,
+    /// Points farther apart than this have no part, m.
+    pub closed: f32,
+}
+
+/// Brings some blocks up to date, and finds what the free motion misses there, J. In one go, while a block is at hand.
+pub struct Refresh<'a, 'p, L: F32xN> {
+    pub part: Part<'a, L, L>,
+    pub fresh: &'a Fresh<'a, 'p>,
+}
+
+impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { part, fresh } = self;
+        let problem = fresh.problem;
+        let mut i = 0;
+        while i < part.blocks.len() {
+            let points = part.points_of(i);
+            let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
+            let patches = fresh.batches.block(part.first + i);
+            for (lane, number) in patches.clone() {
+                let patch = &problem.patches[number as usize];
+                if fresh.changed[number as usize] {
+                    let stiffness = block.stiffness[lane];
+                    block.load(points, lane, patch, problem, stiffness);
+                } else if let Some(turned) = fresh.turned {
+                    for (side, body) in patch.bodies.into_iter().enumerate() {
+                        if turned[body as usize] {
+                            let body = &problem.bodies[body as usize];
+                            block.turn(lane, side, &body.inverse_inertia);
+                        }
+                    }
+                }
+            }
+            block.begin(points, patches, problem, fresh.substeps);
+            if fresh.closed < f32::INFINITY {
+                block.rest(points, fresh.closed);
+            }
+            block.prepare(points);
+            block.soften(fresh.spring);
+            part.found[i] = block.missing(points, fresh.velocities, fresh.pass);
+            i += 1;
+        }
+    }
+}
+
+/// Gives impulses back to the problem.
+pub struct End<'a, 'p, L: F32xN> {
+    pub island: &'a Island<L>,
+    pub problem: &'a mut PatchProblem<'p>,
+    pub rate: f32,
+}
+
+impl<L: F32xN> Kernel for End<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            island,
+            problem,
+            rate,
+        } = self;
+        for (block, patches) in island.blocks.iter().zip(island.batches.iter()) {
+            let points = &island.points[block.range()];
+            block.end(points, patches, problem, island.substeps, rate);
+        }
+    }
+}

@@ -17,13 +17,14 @@ use drystone::prelude::{Collider, Friction, Pose, Quat, RigidBody, Vec3, Velocit
 use drystone::settings::Gravity;
 use drystone_lab::experiment::Run;
 use drystone_lab::metrics::Displacement;
+use drystone_lab::scenes;
 use std::fs;
 use std::path::PathBuf;
 
 const CONDITIONS: Conditions = Conditions {
     dt: 1.0 / 60.0,
     threads: 1,
-    ground: Ground::HalfSpace,
+    ground: scenes::Ground::HalfSpace,
 };
 
 const G: f32 = 9.81;

@@ -467,12 +467,10 @@ fn touch() -> impl Strategy<Value = Touch> {
                 warm_twist: start.1,
                 ..Default::default()
             };
-            // A single one is the centre.
-            let spread = if points.len() == 1 { 0.0 } else { 1.0 };
             let points = points
                 .into_iter()
-                .map(move |(offset, separation, impulse, load)| PatchPoint {
-                    offset: spread * flat(offset),
+                .map(|(offset, separation, impulse, load)| PatchPoint {
+                    offset: flat(offset),
                     separation,
                     warm_normal: impulse.max(0.0),
                     normal: 0.0,

@@ -126,7 +126,7 @@ impl BodyState {
         self.velocity.at(point - self.center)
     }
 
-    /// Takes over its shape, of which the rest depends.
+    /// Takes over its shape, and what follows from it and its kind, which it must have.
     pub(super) fn set_shape(&mut self, collider: Option<&Collider>, radius: f32) {
         self.collider = collider.cloned();
         self.curved = collider.is_some_and(Collider::is_curved);

@@ -7,8 +7,17 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// How every scene is called.
-pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
+pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, \
+    pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
     cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N";
+
+/// What piles are of.
+const GRAINS: [(Grain, &str); 4] = [
+    (Grain::Balls, "balls"),
+    (Grain::Capsules, "capsules"),
+    (Grain::Cylinders, "cylinders"),
+    (Grain::Hulls, "hulls"),
+];
 
 /// A scene by name has at most so many bodies: more would not fit into memory, or not end in a day.
 pub const MAX_BODIES: u64 = 100_000;
@@ -89,14 +98,9 @@ impl FromStr for Scene {
             "heap" => Self::Heap(count()?),
             "pile" => {
                 let (grain, n) = size.split_once(':').ok_or_else(unknown)?;
-                let grain = match grain {
-                    "balls" => Grain::Balls,
-                    "capsules" => Grain::Capsules,
-                    "cylinders" => Grain::Cylinders,
-                    "hulls" => Grain::Hulls,
-                    _ => return Err(unknown()),
-                };
-                Self::Pile(grain, count_of(n)?)
+                let known = GRAINS.iter().find(|(_, known)| *known == grain);
+                let (grain, _) = known.ok_or_else(unknown)?;
+                Self::Pile(*grain, count_of(n)?)
             }
             "dominoes" => Self::Dominoes(count()?),
             "incline" => Self::Incline(number(size, SLOPES)?),
@@ -132,13 +136,8 @@ impl fmt::Display for Scene {
             Self::Arch(n) => write!(f, "arch:{n}"),
             Self::Heap(n) => write!(f, "heap:{n}"),
             Self::Pile(grain, n) => {
-                let grain = match grain {
-                    Grain::Balls => "balls",
-                    Grain::Capsules => "capsules",
-                    Grain::Cylinders => "cylinders",
-                    Grain::Hulls => "hulls",
-                };
-                write!(f, "pile:{grain}:{n}")
+                let known = GRAINS.iter().find(|(known, _)| known == grain);
+                write!(f, "pile:{}:{n}", known.map_or("", |(_, name)| name))
             }
             Self::Dominoes(n) => write!(f, "dominoes:{n}"),
             Self::Incline(degrees) => write!(f, "incline:{degrees}"),

@@ -223,16 +223,22 @@ impl<L: F32xN> Island<L> {
     pub fn warm_start(&mut self) -> f32 {
         let mut missing = 0.0;
         for lap in 0..self.batches.laps() {
-            let mut lanes = L::ZERO;
-            for lane in 0..L::LANES {
-                if self.batches.lap_of(lane) == lap {
-                    lanes[lane] = 1.0;
-                }
-            }
+            let lanes = self.lanes_of(|of| of == lap);
             let island = &mut *self;
             missing = L::run(Start { island, lanes });
         }
         missing
+    }
+
+    /// 1 in the lanes of such laps, else 0.
+    pub fn lanes_of(&self, is: impl Fn(usize) -> bool) -> L {
+        let mut lanes = L::ZERO;
+        for lane in 0..self.batches.lanes_used() {
+            if is(self.batches.lap_of(lane)) {
+                lanes[lane] = 1.0;
+            }
+        }
+        lanes
     }
 
     /// Whose inverse inertia is not that of the last step.

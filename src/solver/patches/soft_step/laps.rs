@@ -124,15 +124,7 @@ impl<L: F32xN> Island<L> {
         } else if all(|pass| pass.soft && !pass.first) {
             self.turn_as(laps, passes, Soft { first: false })
         } else {
-            let lanes = |is: fn(&Pass) -> bool| {
-                let mut lanes = L::ZERO;
-                for lane in 0..self.batches.lanes_used() {
-                    if passes[self.batches.lap_of(lane)].is_some_and(is) {
-                        lanes[lane] = 1.0;
-                    }
-                }
-                lanes
-            };
+            let lanes = |is: fn(&Pass) -> bool| self.lanes_of(|lap| passes[lap].is_some_and(is));
             let kinds = Mixed {
                 soft: lanes(|pass| pass.soft),
                 rigid: lanes(|pass| !pass.soft),

@@ -375,19 +375,23 @@ impl Patches {
             lanes,
             ..every_sweep(iterations)
         };
-        method.solve(&mut PatchProblem {
-            bodies: &mut solved.bodies,
-            patches: &mut solved.patches,
-            points: &mut solved.points,
+        method.solve(&mut solved.problem(&mut Memory::default()));
+        solved
+    }
+
+    fn problem<'a>(&'a mut self, memory: &'a mut Memory) -> PatchProblem<'a> {
+        PatchProblem {
+            bodies: &mut self.bodies,
+            patches: &mut self.patches,
+            points: &mut self.points,
             dt: DT,
             longest: DT,
             gravity: self.gravity,
             max_correction_speed: 2.0,
             record_history: false,
             threads: 1,
-            memory: &mut Memory::default(),
-        });
-        solved
+            memory,
+        }
     }
 
     /// Linear momentum and angular momentum about the origin with these velocities, and the size of what they are sums of.
@@ -463,10 +467,12 @@ fn touch() -> impl Strategy<Value = Touch> {
                 warm_twist: start.1,
                 ..Default::default()
             };
+            // A single one is the centre.
+            let spread = if points.len() == 1 { 0.0 } else { 1.0 };
             let points = points
                 .into_iter()
-                .map(|(offset, separation, impulse, load)| PatchPoint {
-                    offset: flat(offset),
+                .map(move |(offset, separation, impulse, load)| PatchPoint {
+                    offset: spread * flat(offset),
                     separation,
                     warm_normal: impulse.max(0.0),
                     normal: 0.0,
@@ -639,6 +645,29 @@ proptest! {
         }
     }
 
+    /// Those that get as many sweeps lie side by side.
+    #[test]
+    fn problems_solved_together_are_what_each_is_alone_to_the_bit(groups in groups()) {
+        for lanes in [Lanes::Four, Lanes::Eight].into_iter().filter(can) {
+            let method = SoftStep { lanes, ..Default::default() };
+            let mut together = groups.clone();
+            let mut memories: Vec<Memory> = groups.iter().map(|_| Memory::default()).collect();
+            let mut problems: Vec<PatchProblem> = together
+                .iter_mut()
+                .zip(&mut memories)
+                .map(|(group, memory)| group.problem(memory))
+                .collect();
+            let reports = method.solve_each(&mut problems);
+            for ((group, found), report) in groups.iter().zip(&together).zip(reports) {
+                let mut alone = group.clone();
+                let told = method.solve(&mut alone.problem(&mut Memory::default()));
+                prop_assert_eq!(found.bits(), alone.bits());
+                prop_assert_eq!(report.sweeps, told.sweeps);
+                prop_assert!((report.residual - told.residual).abs() <= 1e-4 * told.residual);
+            }
+        }
+    }
+
     /// But for the rounding, which sweeps may multiply.
     #[test]
     fn all_widths_find_the_same(problem in patches(true, Vec3::NEG_Y * 9.81), iterations in 1usize..8) {
@@ -651,15 +680,17 @@ proptest! {
     }
 }
 
+/// This processor has them.
+fn can(lanes: &Lanes) -> bool {
+    let method = SoftStep {
+        lanes: *lanes,
+        ..Default::default()
+    };
+    method.problem().is_none()
+}
+
 /// Those of this processor.
 fn widths() -> impl Iterator<Item = Lanes> {
-    let can = |lanes: &Lanes| {
-        let method = SoftStep {
-            lanes: *lanes,
-            ..Default::default()
-        };
-        method.problem().is_none()
-    };
     [Lanes::Four, Lanes::Eight].into_iter().filter(can)
 }
 

@@ -29,8 +29,31 @@ pub(super) trait Rows: Default + Send + Sync {
 
     fn solve(&mut self, solver: &Self::Solver, bodies: &mut [Body], given: &Given) -> SolveReport;
 
+    /// An island of such touches is best solved together with others of its kind.
+    fn is_small(touches: &[Touch]) -> bool;
+
+    /// Solves several that were gathered, of small islands.
+    fn solve_each(
+        solver: &Self::Solver,
+        islands: &mut [(&mut Self, &mut [Body])],
+        given: &Given,
+    ) -> Vec<SolveReport>;
+
     /// Gives the impulses back to the pairs they were gathered from.
     fn store(&self, touches: &mut [Touch], given: &Given);
+}
+
+/// An island and its touches.
+pub(super) type Work<'a, 't, R> = (&'a mut Island<R>, &'a mut [Touch<'t>]);
+
+/// What islands are gathered from.
+pub(super) struct From<'a> {
+    pub table: &'a BodyTable,
+    /// By slot.
+    pub velocities: &'a [Velocity],
+    /// By slot: its place in its island.
+    pub local: &'a [u32],
+    pub given: &'a Given<'a>,
 }
 
 /// Scratch for one island.
@@ -90,23 +113,54 @@ impl<R: Rows> Island<R> {
     }
 
     /// From components to impulses and back.
-    pub fn solve(
-        &mut self,
-        solver: &R::Solver,
-        touches: &mut [Touch],
-        local: &[u32],
-        (table, velocities): (&BodyTable, &[Velocity]),
-        given: &Given,
-    ) {
-        if self.ends.is_empty() {
-            self.find_ends(touches, local);
-        }
+    pub fn solve(&mut self, solver: &R::Solver, touches: &mut [Touch], from: &From) {
         let start = Instant::now();
-        self.add_copies(table, velocities);
-        self.rows.gather(touches, &self.ends, &self.bodies, given);
+        self.gather(touches, from);
         let gathered = Instant::now();
-        self.report = self.rows.solve(solver, &mut self.bodies, given);
+        self.report = self.rows.solve(solver, &mut self.bodies, from.given);
         let solved = Instant::now();
+        self.store(touches, from.given);
+        from.given.profile.add_solve(SolveParts {
+            gather: gathered - start,
+            solver: solved - gathered,
+            store: solved.elapsed(),
+        });
+    }
+
+    /// The same of several that are small.
+    pub fn solve_each(solver: &R::Solver, islands: &mut [Work<R>], from: &From) {
+        let start = Instant::now();
+        for (island, touches) in islands.iter_mut() {
+            island.gather(touches, from);
+        }
+        let gathered = Instant::now();
+        let mut rows: Vec<_> = islands
+            .iter_mut()
+            .map(|(island, _)| (&mut island.rows, &mut *island.bodies))
+            .collect();
+        let reports = R::solve_each(solver, &mut rows, from.given);
+        let solved = Instant::now();
+        for ((island, touches), report) in islands.iter_mut().zip(reports) {
+            island.report = report;
+            island.store(touches, from.given);
+        }
+        from.given.profile.add_solve(SolveParts {
+            gather: gathered - start,
+            solver: solved - gathered,
+            store: solved.elapsed(),
+        });
+    }
+
+    fn gather(&mut self, touches: &[Touch], from: &From) {
+        if self.ends.is_empty() {
+            self.find_ends(touches, from.local);
+        }
+        self.add_copies(from.table, from.velocities);
+        self.rows
+            .gather(touches, &self.ends, &self.bodies, from.given);
+    }
+
+    fn store(&mut self, touches: &mut [Touch], given: &Given) {
         self.diverged = !self.bodies.iter().all(is_sound);
         if self.diverged {
             for body in &mut self.bodies {
@@ -118,11 +172,6 @@ impl<R: Rows> Island<R> {
         } else {
             self.rows.store(touches, given);
         }
-        given.profile.add_solve(SolveParts {
-            gather: gathered - start,
-            solver: solved - gathered,
-            store: solved.elapsed(),
-        });
     }
 
     fn find_ends(&mut self, touches: &[Touch], local: &[u32]) {

@@ -5,7 +5,7 @@ use super::touch::{Touch, to_start_from};
 use super::{Given, LARGE};
 use crate::contact::{Impulse, ManifoldPatch, PatchImpulse};
 use crate::solver::{
-    Body, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
+    Body, FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
 };
 use glam::Vec3;
 
@@ -49,22 +49,23 @@ impl Rows for PatchRows {
         bodies: &mut [Body],
         given: &Given,
     ) -> SolveReport {
-        let threads = match given.threads.share(self.points.len() / LARGE) {
-            true => given.threads.count(),
-            false => 1,
-        };
-        solver.solve(&mut PatchProblem {
-            bodies,
-            patches: &mut self.patches,
-            points: &mut self.points,
-            dt: given.time.dt,
-            longest: given.time.longest,
-            gravity: given.gravity.0,
-            max_correction_speed: given.stabilization.max_correction_speed,
-            record_history: given.solver.record_history,
-            threads,
-            memory: &mut self.memory,
-        })
+        solver.solve(&mut self.problem(bodies, given))
+    }
+
+    fn is_small(touches: &[Touch]) -> bool {
+        let patches = touches.iter().map(|touch| touch.manifold.patches.len());
+        touches.len() < FEW && patches.sum::<usize>() < FEW
+    }
+
+    fn solve_each(
+        solver: &dyn PatchSolver,
+        islands: &mut [(&mut Self, &mut [Body])],
+        given: &Given,
+    ) -> Vec<SolveReport> {
+        let problems = islands.iter_mut();
+        let problems = problems.map(|(rows, bodies)| rows.problem(bodies, given));
+        let mut problems: Vec<PatchProblem> = problems.collect();
+        solver.solve_each(&mut problems)
     }
 
     fn store(&self, touches: &mut [Touch], given: &Given) {
@@ -89,6 +90,25 @@ impl Rows for PatchRows {
 }
 
 impl PatchRows {
+    fn problem<'a>(&'a mut self, bodies: &'a mut [Body], given: &Given) -> PatchProblem<'a> {
+        let threads = match given.threads.share(self.points.len() / LARGE) {
+            true => given.threads.count(),
+            false => 1,
+        };
+        PatchProblem {
+            bodies,
+            patches: &mut self.patches,
+            points: &mut self.points,
+            dt: given.time.dt,
+            longest: given.time.longest,
+            gravity: given.gravity.0,
+            max_correction_speed: given.stabilization.max_correction_speed,
+            record_history: given.solver.record_history,
+            threads,
+            memory: &mut self.memory,
+        }
+    }
+
     fn rebuild(&mut self, touches: &[Touch], ends: &[[u32; 2]], given: &Given) {
         for (touch, ends) in touches.iter().zip(ends) {
             self.firsts.push(self.patches.len() as u32);

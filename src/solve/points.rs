@@ -68,6 +68,21 @@ impl Rows for PointRows {
         solver.solve(&mut problem)
     }
 
+    fn is_small(_: &[Touch]) -> bool {
+        false
+    }
+
+    fn solve_each(
+        solver: &Self::Solver,
+        islands: &mut [(&mut Self, &mut [Body])],
+        given: &Given,
+    ) -> Vec<SolveReport> {
+        let islands = islands.iter_mut();
+        islands
+            .map(|(rows, bodies)| rows.solve(solver, bodies, given))
+            .collect()
+    }
+
     fn store(&self, touches: &mut [Touch], given: &Given) {
         let dt = given.time.dt;
         let mut solved = self.constraints.iter();

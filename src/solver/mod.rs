@@ -12,7 +12,9 @@ mod report;
 mod width;
 
 pub use body::Body;
-pub use patches::{Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep};
+pub use patches::{
+    FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
+};
 pub(crate) use points::PatchFrame;
 pub use points::{
     Direction, FrictionCone, Grouping, Nncg, Pgs, PointConstraint, PointInput, PointProblem,

@@ -23,6 +23,13 @@ impl SolveReport {
         }
     }
 
+    /// Of a solve that is over: the merits of the free motion and of the last of so many sweeps, √J.
+    pub fn of(free_merit: f32, sweeps: usize, merit: f32) -> Self {
+        let mut report = Self::new(free_merit, false);
+        report.record(merit);
+        Self { sweeps, ..report }
+    }
+
     /// Notes a sweep whose merit was √(Σ Wᵢᵢ Δλᵢ²) = `merit`, √J; returns the residual.
     pub fn record(&mut self, merit: f32) -> f32 {
         self.sweeps += 1;

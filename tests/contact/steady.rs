@@ -150,3 +150,43 @@ fn a_seam_is_no_wall() {
         assert!(touches(from, DVec3::new(1.299, 0.2, 0.0)), "in the way");
     }
 }
+
+/// A brick that rights itself on another: what it has stood on most is not dropped from under it. So it was once it was no longer clearly
+/// the deepest, and the brick sank, and rose, and rocked for ever.
+#[test]
+fn a_corner_that_bears_stays() {
+    let mut dice = Dice(Rng::with_seed(9));
+    let brick = Shape::cuboid("brick", Vec3::new(0.2, 0.15, 0.175));
+    let (mut dropped, mut deepest_known) = (0, 0);
+    for _ in 0..2000 {
+        let mut one = |most: f32| most * (2.0 * dice.0.f32() - 1.0);
+        let (yaw, over) = (one(0.8), one(std::f32::consts::PI));
+        let at = Vec3::new(one(0.15), 0.297, one(0.12));
+        let mut known: Vec<FeatureId> = Vec::new();
+        for step in (1..=40).rev() {
+            let tilt = 2e-3 * step as f32 * Vec3::new(over.cos(), 0.0, over.sin());
+            let turn = Quat::from_scaled_axis(tilt) * Quat::from_rotation_y(yaw);
+            let search = Search {
+                reach: 0.05,
+                graze: f64::NEG_INFINITY,
+            };
+            let poses = [(at, turn), (Vec3::ZERO, Quat::IDENTITY)];
+            let whole = contact(&brick.body, &brick.body, poses, search, &mut Axis::Unknown);
+            let mut few = whole.clone();
+            few.simplify(4, |name| known.contains(&name));
+            let mut by_depth = whole.points.to_vec();
+            by_depth.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+            if let [deepest, next, ..] = by_depth[..]
+                && next.distance - deepest.distance > 1e-3 * area(&whole).sqrt()
+                && known.contains(&deepest.feature)
+            {
+                deepest_known += 1;
+                dropped += usize::from(!names(&few).contains(&deepest.feature));
+            }
+            known = names(&few);
+        }
+    }
+    println!("{dropped} of {deepest_known} dropped");
+    assert!(deepest_known > 1000, "{deepest_known}");
+    assert_eq!(dropped, 0);
+}

@@ -19,6 +19,9 @@ const SMALL: f64 = 0.05;
 /// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
 const DEEP: f64 = 0.005;
 
+/// … or that so much less: dropped under its load, it would let go what stands on it, which sinks, and rises, and rocks for ever.
+const LOADED: f64 = 0.1;
+
 /// Two quadrilaterals have no more corners in common.
 const MANY: usize = 8;
 
@@ -59,7 +62,7 @@ impl Contact {
         }
         let clearly = DEEP * whole.sqrt();
         loop {
-            if let Some(deepest) = clearly_deepest(points, clearly) {
+            if let Some(deepest) = clearly_deepest(points, clearly, &known) {
                 losses[deepest] = f64::INFINITY;
             }
             let mut least = 0;
@@ -81,7 +84,8 @@ impl Contact {
         if let Some(all) = all
             && points.len() > 2
         {
-            exchange(points, &all, clearly, counts);
+            let deepest = clearly_deepest(points, clearly, &known);
+            exchange(points, &all, deepest, counts);
         }
     }
 }
@@ -90,11 +94,10 @@ impl Contact {
 fn exchange(
     points: &mut Points,
     all: &[Point],
-    clearly: f64,
+    deepest: Option<usize>,
     counts: impl Fn(&Point, &Point, &Point) -> f64,
 ) {
     let (count, around) = (points.len(), all.len());
-    let deepest = clearly_deepest(points, clearly);
     for i in (0..ROUNDS * count).map(|i| i % count) {
         if Some(i) == deepest {
             continue;
@@ -117,7 +120,7 @@ fn exchange(
 }
 
 /// The corner that is deeper than all others by so much, m.
-fn clearly_deepest(points: &Points, by: f64) -> Option<usize> {
+fn clearly_deepest(points: &Points, by: f64, known: impl Fn(FeatureId) -> bool) -> Option<usize> {
     let (mut deepest, mut least, mut second) = (0, f64::INFINITY, f64::INFINITY);
     for (i, point) in points.iter().enumerate() {
         if point.distance < least {
@@ -126,5 +129,9 @@ fn clearly_deepest(points: &Points, by: f64) -> Option<usize> {
             second = second.min(point.distance);
         }
     }
+    let by = match known(points[deepest].feature) {
+        true => LOADED * by,
+        false => by,
+    };
     (least + by < second).then_some(deepest)
 }

@@ -15,6 +15,9 @@ use glam::Vec3;
 pub use memory::Memory;
 pub use soft_step::SoftStep;
 
+/// Islands of fewer patches than this are solved together.
+pub const FEW: usize = 4;
+
 /// A method that finds the impulses of patches. Must be deterministic; islands are solved side by side.
 pub trait PatchSolver: Send + Sync {
     /// A short name for reports.
@@ -27,6 +30,14 @@ pub trait PatchSolver: Send + Sync {
 
     /// Finds impulses, velocities and motions.
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport;
+
+    /// Solves several problems of [few](FEW) patches each. What it finds of each must be what [`Self::solve`] would.
+    fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
+        problems
+            .iter_mut()
+            .map(|problem| self.solve(problem))
+            .collect()
+    }
 }
 
 /// One island, ready to be solved.

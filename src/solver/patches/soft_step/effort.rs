@@ -47,6 +47,14 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// An order in which those that are the same stand together.
+    pub fn compare(&self, other: &Self) -> std::cmp::Ordering {
+        let whole = |effort: &Self| (effort.substeps, effort.substeps_per_rigid_sweep);
+        whole(self)
+            .cmp(&whole(other))
+            .then(self.rate.total_cmp(&other.rate))
+    }
+
     /// What a problem needs whose impulses are those it starts from.
     pub fn new(
         settings: &SoftStep,

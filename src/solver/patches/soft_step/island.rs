@@ -62,6 +62,8 @@ pub struct Island<L: F32xN> {
     pub(super) motions: Vec<State>,
     /// By block: what the free motion misses, J.
     pub(super) missing: Vec<L>,
+    /// By block: Σ W Δλ² of the last sweep, J.
+    pub(super) changes: Vec<L>,
     /// Made when there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
     /// Made where blocks are folded.
@@ -140,6 +142,7 @@ impl<L: F32xN> Island<L> {
             before: Vec::new(),
             motions: Vec::new(),
             missing: Vec::new(),
+            changes: Vec::new(),
             pipeline: None,
             laps: None,
             scratch: Scratch::default(),
@@ -162,6 +165,7 @@ impl<L: F32xN> Island<L> {
         let further = self.velocities.len() + 1 + self.blocks.len();
         self.velocities.resize(further, State::default());
         self.before.clone_from(&self.velocities);
+        self.changes.resize(self.blocks.len(), L::ZERO);
         self.motions.clear();
         self.motions.resize(self.velocities.len(), State::default());
     }
@@ -385,14 +389,16 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Sweep<'_, L, K> {
             points,
             velocities,
             motions,
+            changes,
             ..
         } = self.island;
         let (velocities, motions) = (cells(velocities), cells(motions));
-        let mut change = L::ZERO;
-        for block in blocks.iter_mut() {
+        let mut sum = L::ZERO;
+        for (block, change) in blocks.iter_mut().zip(changes.iter_mut()) {
             let points = &mut points[block.range()];
-            change += block.relax(self.kinds, points, velocities, motions, self.pass);
+            *change = block.relax(self.kinds, points, velocities, motions, self.pass);
+            sum += *change;
         }
-        change.sum()
+        sum.sum()
     }
 }

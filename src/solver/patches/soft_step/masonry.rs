@@ -172,13 +172,11 @@ pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>
         substeps_per_rigid_sweep: 3,
         rate: 700.0,
     };
-    let h = DT / 7.0;
-    let mut passes = Vec::new();
-    SoftStep::default().plan(effort, h, &mut passes);
+    let passes = SoftStep::default().plan(effort, DT);
     let spring = Spring {
         omega: 300.0,
         damping_ratio: 5.0,
-        h,
+        h: DT / 7.0,
     };
     island.start(problem, &[], 7, &spring, &passes);
     (island, passes)

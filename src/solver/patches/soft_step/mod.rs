@@ -41,9 +41,11 @@ mod masonry;
 mod pipeline;
 mod refresh;
 mod survey;
+mod together;
 mod visit;
 
-use super::{PatchProblem, PatchSolver, restitution};
+use super::restitution::{self, Bounces};
+use super::{PatchProblem, PatchSolver};
 use crate::solver::batches::Batches;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
@@ -135,6 +137,18 @@ impl PatchSolver for SoftStep {
             Width::Four => self.solve_in::<F32x4>(problem, None),
         }
     }
+
+    fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
+        // Of many at once nobody knows what each was after each sweep.
+        if problems.iter().any(|problem| problem.record_history) {
+            return problems.iter_mut().map(|one| self.solve(one)).collect();
+        }
+        match self.lanes.width(|| false) {
+            #[cfg(target_arch = "x86_64")]
+            Width::Eight => self.solve_together::<F32x8>(problems),
+            Width::Four => self.solve_together::<F32x4>(problems),
+        }
+    }
 }
 
 impl SoftStep {
@@ -164,25 +178,10 @@ impl SoftStep {
             None => Scratch::default(),
         };
         let span = tracing::info_span!("refresh").entered();
-        let mut survey = Survey::of(problem, &mut scratch.footing);
-        let bounces = survey.bounces.then(|| restitution::find(problem));
-        if cold_start::cold_start::<L>(problem, &scratch.footing) {
-            survey = Survey::of(problem, &mut scratch.footing);
-        }
-        let effort = Effort::new(
-            self,
-            problem,
-            (&survey, &scratch.footing),
-            &mut scratch.courses,
-        );
+        let (effort, bounces) = self.begin::<L>(problem, &mut scratch);
         let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches);
-        let h = problem.dt / effort.substeps as f32;
-        let spring = Spring {
-            omega: TAU * effort.rate / self.sweeps_per_period,
-            damping_ratio: self.damping_ratio,
-            h,
-        };
-        self.plan(effort, h, &mut scratch.passes);
+        let spring = self.spring(effort, problem.dt);
+        self.plan_in(effort, problem.dt, &mut scratch.passes);
         let free_merit = island.start(problem, &changed, effort.substeps, &spring, &scratch.passes);
         drop(span);
         let span = tracing::info_span!("sweeps").entered();
@@ -192,20 +191,61 @@ impl SoftStep {
         });
         drop(span);
         let _span = tracing::info_span!("store").entered();
-        island.store(
-            problem,
-            (report.sweeps as f32 / self.preload_sweeps).min(1.0),
-        );
+        island.store(problem, self.followed(report.sweeps));
         island.scratch = scratch;
         problem.memory.keep(island);
-        if let Some(bounces) = bounces {
-            restitution::bounce(problem, bounces, effort.substeps);
-        }
+        self.end(problem, bounces, effort.substeps);
         report
     }
 
-    /// The sweeps of a step in substeps of so many s, and what is done after each.
-    fn plan(&self, effort: Effort, h: f32, passes: &mut Vec<Pass>) {
+    /// What a problem needs, and what will bounce in it; contacts that carry nothing yet are given what they will carry.
+    fn begin<L: F32xN>(
+        &self,
+        problem: &mut PatchProblem,
+        scratch: &mut Scratch,
+    ) -> (Effort, Option<Bounces>) {
+        let Scratch {
+            footing, courses, ..
+        } = scratch;
+        let mut survey = Survey::of(problem, footing);
+        let bounces = survey.bounces.then(|| restitution::find(problem));
+        if cold_start::cold_start::<L>(problem, footing) {
+            survey = Survey::of(problem, footing);
+        }
+        let effort = Effort::new(self, problem, (&survey, &*footing), courses);
+        (effort, bounces)
+    }
+
+    /// After its sweeps.
+    fn end(&self, problem: &mut PatchProblem, bounces: Option<Bounces>, substeps: usize) {
+        if let Some(bounces) = bounces {
+            restitution::bounce(problem, bounces, substeps);
+        }
+    }
+
+    fn spring(&self, effort: Effort, dt: f32) -> Spring {
+        Spring {
+            omega: TAU * effort.rate / self.sweeps_per_period,
+            damping_ratio: self.damping_ratio,
+            h: dt / effort.substeps as f32,
+        }
+    }
+
+    /// The share by which loads at rest follow what was found in so many sweeps.
+    fn followed(&self, sweeps: usize) -> f32 {
+        (sweeps as f32 / self.preload_sweeps).min(1.0)
+    }
+
+    /// The sweeps of a step of `dt` s, and what is done after each.
+    fn plan(&self, effort: Effort, dt: f32) -> Vec<Pass> {
+        let mut passes = Vec::new();
+        self.plan_in(effort, dt, &mut passes);
+        passes
+    }
+
+    /// The same in a list that is there.
+    fn plan_in(&self, effort: Effort, dt: f32, passes: &mut Vec<Pass>) {
+        let h = dt / effort.substeps as f32;
         passes.clear();
         for substep in 1..=effort.substeps {
             let last = substep == effort.substeps;

@@ -469,13 +469,17 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
             .compliance_twist
             .mul_add(limit, play * block.radius.inverse());
         let angle = pull_twist.max(-pull_twist);
-        let cut = kinds.soft((reach * angle.inverse()).min(L::ONE) - L::ONE, L::ZERO);
+        let cut = (reach * angle.inverse()).min(L::ONE) - L::ONE;
+        // The patches beside what slips must find what they would find alone.
+        let cut = (angle * block.radius).select_above(play, cut, L::ZERO);
+        let cut = kinds.soft(cut, L::ZERO);
         block.slip_twist = cut.taken_from(pull_twist, block.slip_twist);
         block.dragged_twist = cut.mul_add(pull_twist, block.dragged_twist);
 
-        let length = square_length(pull).sqrt();
+        let square = square_length(pull);
         let reach = (block.compliance * block.friction).mul_add(carried.all, play);
-        let cut = kinds.soft((reach * length.inverse()).min(L::ONE) - L::ONE, L::ZERO);
+        let cut = (reach * square.sqrt().inverse()).min(L::ONE) - L::ONE;
+        let cut = kinds.soft(square.select_above(squared(play), cut, L::ZERO), L::ZERO);
         let anchors = block.slip.iter_mut().zip(&mut block.dragged);
         for ((slip, dragged), pull) in anchors.zip(pull) {
             *slip = cut.taken_from(pull, *slip);

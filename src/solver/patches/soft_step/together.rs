@@ -1,0 +1,160 @@
+//! Small islands side by side, in the blocks of one problem.
+//!
+//! What lies alone on the ground fills one lane of four. So the small islands of a step that get the same sweeps are put into one problem,
+//! where their patches lie beside each other. They share no body that moves, and each island's patches keep their order: what is found
+//! of each is what would be found of it alone, to the bit, but for the sign of zeros.
+
+use super::SoftStep;
+use super::effort::Effort;
+use super::island::{Island, batches};
+use crate::solver::lanes::F32xN;
+use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
+
+/// Several problems in one.
+#[derive(Default)]
+struct Joint {
+    bodies: Vec<Body>,
+    patches: Vec<PatchConstraint>,
+    points: Vec<PatchPoint>,
+    /// By patch: which of the problems it is of.
+    owners: Vec<u32>,
+}
+
+impl Joint {
+    fn of<'a, 'p: 'a>(problems: impl Iterator<Item = &'a PatchProblem<'p>>) -> Self {
+        let mut joint = Self::default();
+        for (owner, problem) in (0..).zip(problems) {
+            let (body, point) = (joint.bodies.len() as u32, joint.points.len() as u32);
+            let patches = problem.patches.iter().map(|patch| PatchConstraint {
+                bodies: patch.bodies.map(|of| of + body),
+                first: patch.first + point,
+                ..*patch
+            });
+            joint.patches.extend(patches);
+            joint.owners.resize(joint.patches.len(), owner);
+            joint.bodies.extend_from_slice(problem.bodies);
+            joint.points.extend_from_slice(problem.points);
+        }
+        joint
+    }
+
+    /// Solved under what holds for all of them.
+    fn problem<'a>(&'a mut self, like: &PatchProblem, memory: &'a mut Memory) -> PatchProblem<'a> {
+        PatchProblem {
+            bodies: &mut self.bodies,
+            patches: &mut self.patches,
+            points: &mut self.points,
+            memory,
+            threads: 1,
+            ..*like
+        }
+    }
+
+    /// Gives each problem what was found of it.
+    fn give_back<'a, 'p: 'a>(&self, problems: impl Iterator<Item = &'a mut PatchProblem<'p>>) {
+        let (mut bodies, mut patches) = (&*self.bodies, &*self.patches);
+        let mut points = &*self.points;
+        for problem in problems {
+            problem
+                .bodies
+                .copy_from_slice(next(&mut bodies, problem.bodies.len()));
+            problem
+                .points
+                .copy_from_slice(next(&mut points, problem.points.len()));
+            let found = next(&mut patches, problem.patches.len());
+            for (patch, found) in problem.patches.iter_mut().zip(found) {
+                *patch = PatchConstraint {
+                    bodies: patch.bodies,
+                    first: patch.first,
+                    ..*found
+                };
+            }
+        }
+    }
+}
+
+/// Takes so many off the front.
+fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
+    let (first, rest) = list.split_at(count);
+    *list = rest;
+    first
+}
+
+impl SoftStep {
+    /// Solves each, those that get the same sweeps together.
+    pub(super) fn solve_together<L: F32xN>(
+        &self,
+        problems: &mut [PatchProblem],
+    ) -> Vec<SolveReport> {
+        let mut begun: Vec<_> = problems
+            .iter_mut()
+            .map(|problem| {
+                // What was kept of it alone is not what it will be after this step.
+                problem.memory.forget();
+                self.begin::<L>(problem, &mut Default::default())
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..problems.len()).collect();
+        order.sort_by(|&a, &b| begun[a].0.compare(&begun[b].0));
+        let mut reports = vec![SolveReport::default(); problems.len()];
+        for group in order.chunk_by(|&a, &b| begun[a].0 == begun[b].0) {
+            let effort = begun[group[0]].0;
+            let mut joint = Joint::of(group.iter().map(|&i| &problems[i]));
+            let found = self.solve_joint::<L>(&mut joint, &problems[group[0]], effort, group.len());
+            let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
+            let members = group.iter().filter_map(|&i| members[i].take());
+            joint.give_back(members);
+            for (&i, report) in group.iter().zip(found) {
+                reports[i] = report;
+            }
+        }
+        for (problem, (effort, bounces)) in problems.iter_mut().zip(&mut begun) {
+            self.end(problem, bounces.take(), effort.substeps);
+        }
+        reports
+    }
+
+    fn solve_joint<L: F32xN>(
+        &self,
+        joint: &mut Joint,
+        like: &PatchProblem,
+        effort: Effort,
+        count: usize,
+    ) -> Vec<SolveReport> {
+        let mut memory = Memory::default();
+        let owners = std::mem::take(&mut joint.owners);
+        let mut problem = joint.problem(like, &mut memory);
+        let batches = batches(L::LANES, &problem);
+        let mut island = Island::<L>::new(&problem, batches);
+        let (spring, passes) = (
+            self.spring(effort, problem.dt),
+            self.plan(effort, problem.dt),
+        );
+        island.start(&problem, &[], effort.substeps, &spring, &passes);
+        for pass in &passes {
+            island.sweep_alone(pass);
+        }
+        island.store(&mut problem, self.followed(passes.len()));
+        let (free, last) = (
+            island.by_owner(&island.missing, &owners, count),
+            island.by_owner(&island.changes, &owners, count),
+        );
+        let merits = free.into_iter().zip(last);
+        merits
+            .map(|(free, last)| SolveReport::of(free.sqrt(), passes.len(), last.max(0.0).sqrt()))
+            .collect()
+    }
+}
+
+impl<L: F32xN> Island<L> {
+    /// What stands in the lanes, summed up over the patches of each problem.
+    fn by_owner(&self, lanes: &[L], owners: &[u32], count: usize) -> Vec<f32> {
+        let mut sums = vec![0.0; count];
+        for (found, patches) in lanes.iter().zip(self.batches.iter()) {
+            for (lane, patch) in patches {
+                sums[owners[patch as usize] as usize] += found[lane];
+            }
+        }
+        sums
+    }
+}

@@ -49,7 +49,8 @@
 //! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
-//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`] and [`grab`].
+//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`], [`grab`], [`query`], which asks the world, and [`preview`], which
+//! says what would happen.
 //! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.
 
 #![warn(missing_docs)]
@@ -71,7 +72,9 @@ pub mod integration;
 pub mod islands;
 pub mod narrowphase;
 mod plugin;
+pub mod preview;
 pub mod profile;
+pub mod query;
 pub mod schedule;
 pub mod settings;
 pub mod solve;
@@ -90,10 +93,19 @@ pub mod prelude {
     pub use crate::collider::{
         Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
     };
-    pub use crate::contact::{ContactEnded, ContactEvents, ContactPair, ContactStarted};
+    pub use crate::contact::{
+        Bearing, ContactEnded, ContactEvents, ContactPair, ContactStarted, Contacts, FaceForce,
+        Load, NoBody, Supports,
+    };
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::Grab;
+    pub use crate::preview::{
+        Edit, Moved, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
+    };
     pub use crate::profile::Profile;
+    pub use crate::query::{
+        CastHit, Dir3, PointHit, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery,
+    };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{
         ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,

@@ -172,6 +172,12 @@ impl Plugin for CollisionPlugin {
                 .in_set(PhysicsSystems::Broadphase),
         );
         stages!(app, Narrowphase: "narrowphase" narrowphase::narrowphase);
+        app.add_systems(
+            PhysicsSchedule,
+            timed(&profile, "broadphase", broadphase::outrun)
+                .after(PhysicsSystems::Integration)
+                .before(PhysicsSystems::Sleeping),
+        );
     }
 }
 
@@ -260,6 +266,7 @@ impl Plugin for ContactEventsPlugin {
             PhysicsSchedule,
             (
                 timed(&profile, "contact_events", contact::whole_step),
+                timed(&profile, "contact_events", contact::loads),
                 timed(&profile, "contact_events", contact::contact_events),
             )
                 .chain()

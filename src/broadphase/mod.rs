@@ -5,8 +5,10 @@
 //! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
 //! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
 
+mod outrun;
 mod pairs;
 
+pub use outrun::outrun;
 pub(crate) use pairs::Pairs;
 
 use crate::body::{BodyState, BodyTable};
@@ -55,12 +57,24 @@ pub struct Broadphase {
     untidy: usize,
     /// Slots to give back once no pair names them.
     removed: Vec<u32>,
+    /// Slots of bodies that have [left their box](outrun()) in the last step, in order.
+    outrun: Vec<u32>,
 }
 
 impl Broadphase {
     /// Number of pairs alive.
     pub fn pair_count(&self) -> usize {
         self.pairs.count()
+    }
+
+    /// The boxes that bodies were in at the start of the last step, by slot.
+    pub(crate) fn tree(&self) -> &Bvh {
+        &self.tree
+    }
+
+    /// Slots of bodies that are not in their box in the tree, or have none.
+    pub(crate) fn outside(&self) -> impl Iterator<Item = u32> {
+        self.unbounded.iter().chain(&self.outrun).copied()
     }
 
     fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
@@ -112,6 +126,7 @@ pub fn broadphase(
         stirred,
         untidy,
         removed,
+        outrun: _,
         lost: _,
     } = &mut *broadphase;
     fat.resize(table.slots(), None);
@@ -230,15 +245,19 @@ fn tight_box(
     gravity: Vec3,
     dt: f32,
 ) -> Aabb {
+    let reach = settings.outer_distance().max(0.0) + meant_way(body, gravity, dt);
+    let shape = collider.shape();
+    shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
+}
+
+/// How far a point of a body comes in the step if nothing but gravity changes its velocity, m.
+fn meant_way(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
     let fall = if body.is_dynamic() {
         (gravity * body.gravity_scale).length() * dt
     } else {
         0.0
     };
-    let way = (body.velocity.linear.length() + fall) * dt + body.turns_by;
-    let reach = settings.outer_distance().max(0.0) + way;
-    let shape = collider.shape();
-    shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
+    (body.velocity.linear.length() + fall) * dt + body.turns_by
 }
 
 /// A pair's entity is gone, or is a pair no more: by [`pair_changes`], or by a user. The hook of [`ContactPair`].

@@ -5,12 +5,16 @@
 //! disables or takes a component off is made anew in the next step.
 
 mod events;
+mod forces;
+mod supports;
 mod whole_step;
 
 pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
+pub use forces::{Contacts, FaceForce, Load, NoBody, loads};
+pub use supports::{Bearing, Supports};
 pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 
@@ -93,6 +97,13 @@ impl ContactPair {
         self.restitution = a.restitution.combine(b.restitution);
         self.rolling_friction = a.rolling.combine(b.rolling);
         self.rolling_radius = a.rolling_radius().min(b.rolling_radius());
+    }
+
+    /// Is between the bodies that the other is between.
+    pub(crate) fn take_ends(&mut self, other: &Self) {
+        self.bodies = other.bodies;
+        self.slots = other.slots;
+        self.ages = other.ages;
     }
 
     /// True where A (0) or B (1) is this body, and not another in the same slot.
@@ -367,6 +378,15 @@ pub(crate) struct ParryCache {
 }
 
 impl NarrowphaseCache {
+    /// A copy of it, in which parry begins anew.
+    pub(crate) fn without_parry(&self) -> Self {
+        Self {
+            stand: self.stand,
+            axis: self.axis,
+            parry: None,
+        }
+    }
+
     /// What is found next is found anew.
     pub(crate) fn forget(&mut self) {
         self.stand.forget();

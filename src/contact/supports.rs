@@ -1,0 +1,285 @@
+//! What carries what: [`Supports`], a parameter of a system.
+//!
+//! A body bears another where it pushes it against gravity, over all their faces together, by more than a thousandth of the other's weight.
+//! That is read off the forces of the last step ([`Contacts`]); nothing is moved or guessed, so that nothing is said of what would happen if
+//! something were taken away: what is borne by two may fall when it loses one.
+//!
+//! ```
+//! use bevy_ecs::prelude::*;
+//! use bevy_ecs::system::RunSystemOnce;
+//! use bevy_transform::components::Transform;
+//! use drystone::prelude::*;
+//!
+//! # let mut app = bevy_app::App::new();
+//! # app.add_plugins(DrystonePlugins::default());
+//! # let world = app.world_mut();
+//! let ground = world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y))).id();
+//! let mut brick = |x, y| {
+//!     let at = Transform::from_xyz(x, y, 0.0);
+//!     world.spawn((RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), at)).id()
+//! };
+//! // Two with a gap between them, one across, and one on that.
+//! let [left, right] = [-0.6, 0.6].map(|x| brick(x, 0.25));
+//! let [across, top] = [0.75, 1.25].map(|y| brick(0.0, y));
+//! for _ in 0..60 {
+//!     drystone::step(world, 1.0 / 60.0).unwrap();
+//! }
+//! let tell = move |supports: Supports| {
+//!     let under = supports.supported_by(across).unwrap();
+//!     assert_eq!(under.iter().map(|bearing| bearing.below).collect::<Vec<_>>(), [left, right]);
+//!     assert!((under[0].share - 0.5).abs() < 0.01);
+//!     assert_eq!(supports.hanging_on(across).unwrap(), [top]);
+//!     assert_eq!(supports.hanging_on(left).unwrap(), []);
+//!     let path = supports.load_path(top).unwrap();
+//!     assert_eq!(path.len(), 5);
+//!     let to_the_ground = path.iter().filter(|bearing| bearing.below == ground);
+//!     assert!((to_the_ground.map(|bearing| bearing.share).sum::<f32>() - 1.0).abs() < 1e-3);
+//! };
+//! world.run_system_once(tell).unwrap();
+//! ```
+
+use super::{Contacts, NoBody};
+use crate::settings::Gravity;
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use std::collections::VecDeque;
+use std::ops::Range;
+
+/// Less of a body's weight than this share is noise.
+const NOISE: f32 = 1e-3;
+
+/// Of what bears itself in a circle, by friction, shares are found by so many rounds at most, or until they change by less than this.
+const ROUNDS: usize = 64;
+const STEADY: f32 = 1e-5;
+
+/// One body bears another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bearing {
+    /// What is borne.
+    pub above: Entity,
+    /// What bears it.
+    pub below: Entity,
+    /// With what force against gravity, N.
+    pub force: f32,
+    /// Of [`Supports::supported_by`] and [`Supports::supports`] the share in all that bears `above`; of [`Supports::load_path`] the share of the
+    /// weight asked for that goes this way.
+    pub share: f32,
+}
+
+/// See the module's text.
+#[derive(SystemParam)]
+pub struct Supports<'w, 's> {
+    contacts: Contacts<'w, 's>,
+    gravity: Res<'w, Gravity>,
+}
+
+impl Supports<'_, '_> {
+    /// What bears a body, the eldest first. Nothing bears what is static or kinematic.
+    ///
+    /// # Errors
+    /// Where it is no body.
+    pub fn supported_by(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+        let slot = self.contacts.slot(body)?;
+        let Some(least) = self.least(slot) else {
+            return Ok(Vec::new());
+        };
+        let up = -self.gravity.0.normalize_or_zero();
+        let neighbours = self.contacts.neighbours(slot).into_iter();
+        let forces = neighbours.map(|(by, force)| (by, force.dot(up)));
+        let bearing = |(below, force)| Bearing {
+            above: body,
+            below,
+            force,
+            share: 0.0,
+        };
+        let bearings = forces.filter(|&(_, force)| force > least).map(bearing);
+        let mut bearings: Vec<Bearing> = bearings.collect();
+        let sum: f32 = bearings.iter().map(|bearing| bearing.force).sum();
+        for bearing in &mut bearings {
+            bearing.share = bearing.force / sum;
+        }
+        Ok(bearings)
+    }
+
+    /// What a body bears, the eldest first.
+    ///
+    /// # Errors
+    /// Where it is no body.
+    pub fn supports(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+        let slot = self.contacts.slot(body)?;
+        let down = self.gravity.0.normalize_or_zero();
+        let mut bearings = Vec::new();
+        let neighbours = self.contacts.neighbours(slot).into_iter();
+        for (other, _) in neighbours.filter(|(_, force)| force.dot(down) > 0.0) {
+            let by = self.supported_by(other)?;
+            bearings.extend(by.into_iter().filter(|bearing| bearing.below == body));
+        }
+        Ok(bearings)
+    }
+
+    /// Less than this (N) is noise to the body in a slot; none bears what cannot fall.
+    fn least(&self, slot: u32) -> Option<f32> {
+        let body = self.contacts.table.get(slot)?;
+        let weight = self.gravity.0.length() * body.gravity_scale.abs() / body.mass.inverse_mass;
+        (body.is_dynamic() && weight.is_finite()).then_some(NOISE * weight)
+    }
+
+    /// The ways that the weight of a body takes to what cannot fall, from the top down: each bearing once, with the share of that weight
+    /// which it gets.
+    ///
+    /// # Errors
+    /// Where it is no body.
+    pub fn load_path(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+        let mut path = Vec::new();
+        // Where each body's bearings stand in the path, and how many bear on it.
+        let mut below: EntityHashMap<Range<usize>> = EntityHashMap::default();
+        let mut uppers: EntityHashMap<usize> = EntityHashMap::default();
+        let mut next = VecDeque::from([body]);
+        while let Some(body) = next.pop_front() {
+            if below.contains_key(&body) {
+                continue;
+            }
+            let first = path.len();
+            path.extend(self.supported_by(body)?);
+            below.insert(body, first..path.len());
+            for bearing in &path[first..] {
+                *uppers.entry(bearing.below).or_default() += 1;
+                next.push_back(bearing.below);
+            }
+        }
+        let (order, circles) = from_the_top(body, &path, &below, uppers);
+        let fractions: Vec<f32> = path.iter().map(|bearing| bearing.share).collect();
+        path.iter_mut().for_each(|bearing| bearing.share = 0.0);
+        let mut through = EntityHashMap::from_iter([(body, 1.0)]);
+        for _ in 0..if circles { ROUNDS } else { 1 } {
+            let mut change: f32 = 0.0;
+            for at in &order {
+                let here = through.get(at).copied().unwrap_or(0.0);
+                for i in below[at].clone() {
+                    let more = here * fractions[i] - path[i].share;
+                    path[i].share += more;
+                    *through.entry(path[i].below).or_default() += more;
+                    change = change.max(more.abs());
+                }
+            }
+            if change < STEADY {
+                break;
+            }
+        }
+        let place: EntityHashMap<usize> = order.iter().copied().zip(0..).collect();
+        path.sort_by_key(|bearing| place[&bearing.above]);
+        Ok(path)
+    }
+
+    /// The bodies that stand on this one and on nothing else: whatever way their weight takes leads through it. The eldest first.
+    ///
+    /// # Errors
+    /// Where it is no body.
+    pub fn hanging_on(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+        // All that puts some of its weight on the body, what bears those, and what they bear.
+        let mut under: EntityHashMap<Vec<Entity>> = EntityHashMap::default();
+        let mut over: EntityHashMap<Vec<Entity>> = EntityHashMap::default();
+        let down = self.gravity.0.normalize_or_zero();
+        let mut next = vec![body];
+        while let Some(lower) = next.pop() {
+            let slot = self.contacts.slot(lower)?;
+            let neighbours = self.contacts.neighbours(slot).into_iter();
+            for (above, _) in neighbours.filter(|(_, force)| force.dot(down) > 0.0) {
+                if above == body {
+                    continue;
+                }
+                if !under.contains_key(&above) {
+                    let by = self.supported_by(above)?;
+                    let by: Vec<Entity> = by.iter().map(|bearing| bearing.below).collect();
+                    // It may press by less than counts.
+                    if !by.contains(&lower) {
+                        continue;
+                    }
+                    under.insert(above, by);
+                    next.push(above);
+                }
+                if under[&above].contains(&lower) {
+                    over.entry(lower).or_default().push(above);
+                }
+            }
+        }
+        // What something else bears as well does not hang on it, nor what stands on such.
+        let stands = |by: &Entity| *by != body && !under.contains_key(by);
+        let held = under.iter().filter(|(_, by)| by.iter().any(stands));
+        let mut next: Vec<Entity> = held.map(|(&above, _)| above).collect();
+        while let Some(held) = next.pop() {
+            if under.remove(&held).is_some() {
+                next.extend(over.get(&held).into_iter().flatten());
+            }
+        }
+        Ok(self.by_age(under.into_keys()))
+    }
+
+    /// All that holds together with a body by touching: dynamic bodies, over whatever faces press. What cannot move ends it. The eldest
+    /// first.
+    ///
+    /// # Errors
+    /// Where it is no body.
+    pub fn structure(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+        let mut found = EntityHashSet::default();
+        let mut next = vec![body];
+        while let Some(body) = next.pop() {
+            let slot = self.contacts.slot(body)?;
+            let moves = self
+                .contacts
+                .table
+                .get(slot)
+                .is_some_and(|b| b.is_dynamic());
+            if moves && found.insert(body) {
+                next.extend(self.contacts.neighbours(slot).into_iter().map(|(by, _)| by));
+            }
+        }
+        Ok(self.by_age(found.into_iter()))
+    }
+
+    fn by_age(&self, bodies: impl Iterator<Item = Entity>) -> Vec<Entity> {
+        let mut bodies: Vec<Entity> = bodies.collect();
+        let age = |&body: &Entity| {
+            let slot = self.contacts.slot(body).ok()?;
+            Some(self.contacts.table.get(slot)?.age)
+        };
+        bodies.sort_by_cached_key(age);
+        bodies
+    }
+}
+
+/// Bodies, each after all that bear on it, and whether some bear themselves in a circle; those come as they stand in the path.
+fn from_the_top(
+    top: Entity,
+    path: &[Bearing],
+    below: &EntityHashMap<Range<usize>>,
+    mut uppers: EntityHashMap<usize>,
+) -> (Vec<Entity>, bool) {
+    let (mut order, mut circles) = (Vec::new(), false);
+    let mut taken = EntityHashSet::default();
+    let mut next = VecDeque::from([top]);
+    let mut all = path.iter().map(|bearing| bearing.above);
+    loop {
+        let Some(body) = next.pop_front() else {
+            match all.find(|body| !taken.contains(body)) {
+                Some(body) => next.push_back(body),
+                None => return (order, circles),
+            }
+            circles = true;
+            continue;
+        };
+        if !taken.insert(body) {
+            continue;
+        }
+        order.push(body);
+        for bearing in &path[below[&body].clone()] {
+            if let Some(left) = uppers.get_mut(&bearing.below) {
+                *left -= 1;
+                if *left == 0 {
+                    next.push_back(bearing.below);
+                }
+            }
+        }
+    }
+}

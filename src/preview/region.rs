@@ -1,0 +1,105 @@
+//! What is copied: structures, and what is near them.
+
+use super::PreviewError;
+use super::copy::{Contact, contact};
+use crate::body::{BodyIndex, BodyState, BodyTable};
+use crate::broadphase::Broadphase;
+use crate::contact::ContactPair;
+use bevy_ecs::prelude::*;
+use bevy_platform::collections::{HashMap, HashSet};
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+
+/// What is copied.
+pub(super) struct Region<'w> {
+    pub table: &'w BodyTable,
+    broadphase: &'w Broadphase,
+    /// In the order of their age.
+    pub slots: Vec<u32>,
+    /// Those of the structures.
+    pub structure: HashSet<u32>,
+}
+
+impl<'w> Region<'w> {
+    pub fn of(
+        world: &'w World,
+        bodies: &[Entity],
+        there: Option<Aabb>,
+    ) -> Result<Self, PreviewError> {
+        let table = world.resource::<BodyTable>();
+        let broadphase = world.resource::<Broadphase>();
+        let mut region = Self {
+            table,
+            broadphase,
+            slots: Vec::new(),
+            structure: HashSet::default(),
+        };
+        for &body in bodies {
+            let index = world.get::<BodyIndex>(body);
+            let index = index.filter(|index| table.holds(body, **index));
+            region.add(world, index.ok_or(PreviewError::NoBody(body))?.0);
+        }
+        // What comes there may touch several, or come to lie on them.
+        if let Some(there) = there {
+            for slot in broadphase.tree().intersect_aabb(&there) {
+                if table.get(slot).is_some_and(BodyState::is_dynamic) {
+                    region.add(world, slot);
+                }
+            }
+        }
+        let extent = |slot: &u32| {
+            let body = table.get(*slot)?;
+            Some(body.shape()?.compute_aabb(&body.pose.to_parry()))
+        };
+        let bounded = region.structure.iter().filter_map(extent);
+        let bounded = bounded.filter(|aabb| aabb.half_extents().is_finite());
+        let bounded = bounded.chain(there);
+        if let Some(aabb) = bounded.reduce(|a, b| a.merged(&b)) {
+            // What falls comes as far as it was high.
+            let near = aabb.loosened(aabb.extents().max_element());
+            region.slots.extend(broadphase.tree().intersect_aabb(&near));
+        }
+        region.slots.extend(&region.structure);
+        region.slots.extend(broadphase.outside());
+        region.slots.retain(|&slot| table.get(slot).is_some());
+        let age = |&slot: &u32| (table.get(slot).map(|body| body.age), slot);
+        region.slots.sort_unstable_by_key(age);
+        region.slots.dedup();
+        Ok(region)
+    }
+
+    /// Adds the structure that a body is in: what it touches, what that touches, up to what cannot be moved.
+    fn add(&mut self, world: &World, first: u32) {
+        let mut next = vec![first];
+        while let Some(slot) = next.pop() {
+            let Some(body) = self.table.get(slot) else {
+                continue;
+            };
+            let goes_on = body.is_dynamic() || slot == first;
+            if !self.structure.insert(slot) || !goes_on {
+                continue;
+            }
+            for pair in self.broadphase.pairs.of(slot) {
+                if let Some(pair) = world.get::<ContactPair>(pair)
+                    && pair.touching
+                {
+                    next.extend(pair.slots.iter().filter(|&&other| other != slot));
+                }
+            }
+        }
+    }
+
+    /// The contacts between what is copied.
+    pub fn contacts(
+        &self,
+        world: &World,
+        copies: &HashMap<Entity, Entity>,
+    ) -> HashMap<[Entity; 2], Contact> {
+        let mut contacts = HashMap::default();
+        for &slot in &self.slots {
+            for pair in self.broadphase.pairs.of(slot) {
+                contacts.extend(contact(world, pair, copies));
+            }
+        }
+        contacts
+    }
+}

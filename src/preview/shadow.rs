@@ -1,0 +1,176 @@
+//! A copy of part of a world.
+
+use super::copy::{Taken, copy, empty, to_transform};
+use super::region::Region;
+use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
+use crate::body::{Pose, RigidBody, Sleeping};
+use crate::collider::Collider;
+use crate::schedule::step;
+use crate::settings::StepTime;
+use bevy_ecs::prelude::*;
+use bevy_platform::collections::HashMap;
+use parry3d::bounding_volume::Aabb;
+
+/// What has been still for so long is taken to lie, s.
+const STILL: f32 = 0.25;
+
+/// A copy of part of a world, which takes steps by itself. It can be sent to another thread.
+pub struct Shadow {
+    world: World,
+    /// The eldest first.
+    bodies: Vec<Copied>,
+    /// The copy of what was moved or placed.
+    edited: Option<Entity>,
+    /// Length of the world's last step, s.
+    dt: f32,
+}
+
+/// A body and its copy.
+#[derive(Clone, Copy)]
+struct Copied {
+    original: Entity,
+    copy: Entity,
+    from: Pose,
+    radius: f32,
+    dynamic: bool,
+}
+
+impl Shadow {
+    /// Of the structures that an edit is about, with the edit made, and of what is as near to them as they are large.
+    ///
+    /// # Errors
+    /// As [`preview`](super::preview).
+    pub fn of(world: &World, edit: &Edit) -> Result<Self, PreviewError> {
+        match edit {
+            Edit::Take(bodies) => {
+                if bodies.is_empty() {
+                    return Err(PreviewError::Nothing);
+                }
+                let mut shadow = Self::around(world, bodies)?;
+                for &body in bodies {
+                    if let Some(copy) = shadow.copy_of(body) {
+                        shadow.world.despawn(copy);
+                    }
+                }
+                Ok(shadow)
+            }
+            Edit::Move(body, pose) => {
+                let collider = world.get::<Collider>(*body);
+                let there = collider
+                    .map(|collider| extent(collider, *pose))
+                    .transpose()?;
+                let mut shadow = Self::copied(world, &[*body], there)?;
+                shadow.edited = shadow.copy_of(*body);
+                if let Some(copy) = shadow.edited {
+                    shadow.world.entity_mut(copy).insert(to_transform(*pose));
+                }
+                Ok(shadow)
+            }
+            Edit::Place(collider, pose) => {
+                let mut shadow = Self::copied(world, &[], Some(extent(collider, *pose)?))?;
+                let body = (RigidBody::Dynamic, collider.clone(), to_transform(*pose));
+                shadow.edited = Some(shadow.world.spawn(body).id());
+                Ok(shadow)
+            }
+        }
+    }
+
+    /// Of the structures that some bodies are in, and of what is as near to them as they are large.
+    ///
+    /// # Errors
+    /// Where one of them is no body.
+    pub fn around(world: &World, bodies: &[Entity]) -> Result<Self, PreviewError> {
+        Self::copied(world, bodies, None)
+    }
+
+    /// The copy of a body.
+    pub fn copy_of(&self, body: Entity) -> Option<Entity> {
+        let mut bodies = self.bodies.iter();
+        Some(bodies.find(|copied| copied.original == body)?.copy)
+    }
+
+    /// The world that the copies are in, for edits of one's own.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// Takes steps until all lies still, or time is up.
+    ///
+    /// # Errors
+    /// Where the settings are invalid.
+    pub fn run(mut self, settings: &PreviewSettings) -> Result<Preview, PreviewError> {
+        settings.check()?;
+        let dt = settings.dt.unwrap_or(self.dt);
+        let mut time = 0.0;
+        let mut rests = false;
+        let mut sleepers = self.world.query::<(&RigidBody, &Sleeping)>();
+        while time < settings.longest && !rests {
+            step(&mut self.world, dt).expect("the length of a step has been checked");
+            time += dt;
+            let mut all = sleepers.iter(&self.world);
+            rests = all.all(|(kind, sleeping)| {
+                *kind != RigidBody::Dynamic || sleeping.asleep || sleeping.still_for >= STILL
+            });
+        }
+        let others = self.bodies.iter();
+        let others = others.filter(|body| body.dynamic && self.edited != Some(body.copy));
+        let moved = others.filter_map(|body| {
+            let to = *self.world.get::<Pose>(body.copy)?;
+            let far = to.position.distance(body.from.position)
+                + to.rotation.angle_between(body.from.rotation) * body.radius;
+            (far > settings.moved * body.radius).then_some(Moved {
+                body: body.original,
+                from: body.from,
+                to,
+            })
+        });
+        Ok(Preview {
+            moved: moved.collect(),
+            ends: self.edited.and_then(|copy| self.world.get(copy).copied()),
+            rests,
+            time,
+        })
+    }
+
+    /// Around some bodies, and around a box where something will be.
+    fn copied(world: &World, bodies: &[Entity], there: Option<Aabb>) -> Result<Self, PreviewError> {
+        let region = Region::of(world, bodies, there)?;
+        let mut shadow = Self {
+            world: empty(world),
+            bodies: Vec::new(),
+            edited: None,
+            dt: world.resource::<StepTime>().whole(),
+        };
+        let (mut copies, mut poses) = (HashMap::default(), HashMap::default());
+        for &slot in &region.slots {
+            let body = region.table.get(slot).expect("it is in the region");
+            let in_structure = region.structure.contains(&slot);
+            let copy = copy(world, body, &mut shadow.world, in_structure);
+            let from = world.get::<Pose>(body.entity).copied().unwrap_or(body.pose);
+            copies.insert(body.entity, copy);
+            poses.insert(copy, (from, from != body.pose));
+            shadow.bodies.push(Copied {
+                original: body.entity,
+                copy,
+                from,
+                radius: body.radius,
+                dynamic: body.is_dynamic(),
+            });
+        }
+        let contacts = region.contacts(world, &copies);
+        shadow.world.insert_resource(Taken { contacts, poses });
+        Ok(shadow)
+    }
+}
+
+/// The box that a collider will fill.
+fn extent(collider: &Collider, pose: Pose) -> Result<Aabb, PreviewError> {
+    let pose = pose.normalized();
+    if !pose.is_finite() {
+        return Err(PreviewError::NotFinite);
+    }
+    if collider.is_degenerate() || collider.shape().as_halfspace().is_some() {
+        return Err(PreviewError::InvalidShape);
+    }
+    Ok(collider.shape().compute_aabb(&pose.to_parry()))
+}

@@ -1,0 +1,155 @@
+//! What a shape bumps into on its way.
+
+use super::rays::at_most;
+use super::{QueryError, QueryFilter, SpatialQuery, Target};
+use crate::body::Pose;
+use crate::collider::Collider;
+use bevy_ecs::prelude::*;
+use bevy_math::Dir3;
+use glam::Vec3;
+use parry3d::bounding_volume::Aabb;
+use parry3d::partitioning::BvhNode;
+use parry3d::query::{Ray, RayCast, ShapeCastOptions, cast_shapes};
+
+/// Where a shape that moves on a straight way touches a body first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CastHit {
+    /// The body.
+    pub entity: Entity,
+    /// How far the shape has come, m; zero where it overlaps the body from the start.
+    pub distance: f32,
+    /// Where they touch, world, m.
+    pub point: Vec3,
+    /// Unit vector out of the body's surface there.
+    pub normal: Vec3,
+}
+
+/// A shape on its way.
+struct Cast<'a> {
+    collider: &'a Collider,
+    from: Pose,
+    direction: Vec3,
+    most: f32,
+    /// Its box.
+    aabb: Aabb,
+}
+
+impl<'a> Cast<'a> {
+    fn new(
+        collider: &'a Collider,
+        from: Pose,
+        direction: Dir3,
+        most: f32,
+    ) -> Result<Self, QueryError> {
+        if !direction.is_finite() {
+            return Err(QueryError::NotFinite("the direction"));
+        }
+        let from = posed(collider, from)?;
+        Ok(Self {
+            collider,
+            from,
+            direction: *direction,
+            most: at_most(most)?,
+            aabb: collider.shape().compute_aabb(&from.to_parry()),
+        })
+    }
+
+    /// How far its box comes until it touches another; [`f32::MAX`] where it does not.
+    fn way_to(&self, node: &BvhNode) -> f32 {
+        let half = self.aabb.half_extents();
+        let widened = Aabb::new(node.mins() - half, node.maxs() + half);
+        let ray = Ray::new(self.aabb.center(), self.direction);
+        widened
+            .cast_local_ray(&ray, self.most, true)
+            .unwrap_or(f32::MAX)
+    }
+
+    fn hit(&self, target: &Target, most: f32) -> Option<CastHit> {
+        let at = target.pose.to_parry();
+        let options = ShapeCastOptions {
+            max_time_of_impact: most,
+            ..Default::default()
+        };
+        let shape = &**self.collider.shape();
+        let from = self.from.to_parry();
+        let hit = cast_shapes(
+            &from,
+            self.direction,
+            shape,
+            &at,
+            Vec3::ZERO,
+            target.shape,
+            options,
+        );
+        let hit = hit.ok().flatten()?;
+        Some(CastHit {
+            entity: target.body.entity,
+            distance: hit.time_of_impact,
+            point: at.transform_point(hit.witness2),
+            normal: at.rotation * hit.normal2,
+        })
+    }
+}
+
+/// The pose of a shape to ask with, if both can be.
+pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError> {
+    if collider.shape().as_halfspace().is_some() {
+        return Err(QueryError::Unbounded);
+    }
+    if collider.is_degenerate() {
+        return Err(QueryError::DegenerateShape);
+    }
+    let pose = pose.normalized();
+    match pose.is_finite() {
+        true => Ok(pose),
+        false => Err(QueryError::NotFinite("the pose")),
+    }
+}
+
+impl SpatialQuery<'_, '_> {
+    /// The first body that a shape touches which begins at a pose and goes straight on, without turning, for less than `most` (m).
+    ///
+    /// # Errors
+    /// Where pose or direction are not finite, the distance is negative, or the shape has no volume or no end.
+    pub fn cast_shape(
+        &self,
+        collider: &Collider,
+        from: Pose,
+        direction: Dir3,
+        most: f32,
+        filter: &QueryFilter,
+    ) -> Result<Option<CastHit>, QueryError> {
+        let cast = Cast::new(collider, from, direction, most)?;
+        let hit = |slot, most| cast.hit(&self.target(slot, filter)?, most);
+        let distance = |slot, best| hit(slot, best).map(|hit| hit.distance);
+        let found = (self.broadphase.tree()).find_best(
+            cast.most,
+            |node: &BvhNode, _| cast.way_to(node),
+            distance,
+        );
+        Ok(self.nearest(found, cast.most, distance, |slot| hit(slot, cast.most)))
+    }
+
+    /// Whatever the shape would touch up to `most` (m), nearest first, as if it went through all of it.
+    ///
+    /// # Errors
+    /// As [`Self::cast_shape`].
+    pub fn cast_shape_through(
+        &self,
+        collider: &Collider,
+        from: Pose,
+        direction: Dir3,
+        most: f32,
+        filter: &QueryFilter,
+    ) -> Result<Vec<CastHit>, QueryError> {
+        let cast = Cast::new(collider, from, direction, most)?;
+        let tree = self.broadphase.tree();
+        let near = tree.leaves(|node| cast.way_to(node) < f32::MAX);
+        let hits = self.all(near, |slot| {
+            cast.hit(&self.target(slot, filter)?, cast.most)
+        });
+        let mut hits: Vec<CastHit> = hits.into_iter().map(|(_, hit)| hit).collect();
+        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        Ok(hits)
+    }
+}

@@ -1,0 +1,80 @@
+//! What is at a point, and what is nearest to it.
+
+use super::rays::at_most;
+use super::{QueryError, QueryFilter, SpatialQuery, Target};
+use bevy_ecs::prelude::*;
+use glam::Vec3;
+use parry3d::bounding_volume::Aabb;
+use parry3d::partitioning::BvhNode;
+use parry3d::query::PointQuery;
+
+/// The point of a body that is nearest to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointHit {
+    /// The body.
+    pub entity: Entity,
+    /// World, m; the point itself where that is inside.
+    pub point: Vec3,
+    /// How far it is, m; zero where the point is inside.
+    pub distance: f32,
+    /// The point is in the body. (A mesh or height field has no inside.)
+    pub is_inside: bool,
+}
+
+impl Target<'_> {
+    fn nearest_to(&self, point: Vec3) -> PointHit {
+        let found = (self.shape).project_point(&self.pose.to_parry(), point, true);
+        PointHit {
+            entity: self.body.entity,
+            point: found.point,
+            distance: found.point.distance(point),
+            is_inside: found.is_inside,
+        }
+    }
+}
+
+fn checked(point: Vec3) -> Result<Vec3, QueryError> {
+    match point.is_finite() {
+        true => Ok(point),
+        false => Err(QueryError::NotFinite("the point")),
+    }
+}
+
+impl SpatialQuery<'_, '_> {
+    /// The bodies that a point is in, the eldest first.
+    ///
+    /// # Errors
+    /// Where the point is not finite.
+    pub fn bodies_at(&self, point: Vec3, filter: &QueryFilter) -> Result<Vec<Entity>, QueryError> {
+        let point = checked(point)?;
+        let here = Aabb::new(point, point);
+        let near = self.broadphase.tree().intersect_aabb(&here);
+        let hits = self.all(near, |slot| {
+            let target = self.target(slot, filter)?;
+            let at = target.pose.to_parry();
+            target.shape.contains_point(&at, point).then_some(())
+        });
+        Ok(hits.into_iter().map(|(body, ())| body.entity).collect())
+    }
+
+    /// The nearest point of any body that is nearer than `most` (m).
+    ///
+    /// # Errors
+    /// Where the point is not finite or the distance negative.
+    pub fn closest_point(
+        &self,
+        point: Vec3,
+        most: f32,
+        filter: &QueryFilter,
+    ) -> Result<Option<PointHit>, QueryError> {
+        let (point, most) = (checked(point)?, at_most(most)?);
+        let hit = |slot| Some(self.target(slot, filter)?.nearest_to(point));
+        let distance = |slot, _| hit(slot).map(|hit| hit.distance);
+        let found = (self.broadphase.tree()).find_best(
+            most,
+            |node: &BvhNode, _| node.aabb().distance_to_local_point(point, true),
+            distance,
+        );
+        Ok(self.nearest(found, most, distance, hit))
+    }
+}

@@ -141,6 +141,7 @@ fn solvers(criterion: &mut Criterion) {
                         let mut problem = PointProblem {
                             bodies,
                             constraints,
+                            grips: &mut [],
                             dt: DT,
                             free_merit,
                             record_history: false,
@@ -205,6 +206,7 @@ fn soft_step(criterion: &mut Criterion) {
             bodies,
             patches,
             points,
+            grips: &mut [],
             dt: DT,
             longest: DT,
             gravity: Vec3::NEG_Y * 9.81,

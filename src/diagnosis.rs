@@ -95,10 +95,8 @@ impl fmt::Display for BodyProblem {
                 "its gravity scale is not finite or above {:.0e}",
                 limits::GRAVITY_SCALE
             ),
-            Self::InvalidGrab => write!(
-                f,
-                "its `Grab` has a point that is not finite, or a stiffness, damping or strength that is not between 0 and {:.0e}",
-                limits::STIFFNESS
+            Self::InvalidGrab => f.write_str(
+                "its `Grab` has a point or response that is not finite, a rotation that is not of unit length, or a speed, force or torque that is negative",
             ),
             Self::InvalidMass => write!(
                 f,

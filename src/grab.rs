@@ -1,77 +1,130 @@
-//! A hand: pulls a point of a body towards a target with a spring and damper, as a mouse or a script would. It pulls in the stage *forces*.
+//! Hands: [`Grab`] holds a body, with the force and torque of a hand, and is solved with the contacts; [`Hand`] turns a pointer's ray into one.
 
-use crate::body::{MassProperties, Pose, Velocity, limits};
+mod hand;
+
+pub use hand::{Grasp, Hand, HandPlugin, hands};
+
+use crate::body::{BodyState, Pose, limits};
+use crate::solver::Grip;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
-use bevy_reflect::Reflect;
-use glam::{Mat3, Vec3};
+use bevy_ecs::world::DeferredWorld;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::{Quat, Vec3};
 
-/// Holds a dynamic body by a spring, and awake. Take the component off to let go.
+/// Holds a point of a dynamic body where the hand is, and the body awake. Take the component off to let go.
+///
+/// The hand asks for a velocity, and gives the force that it takes, no more than it has. So it lifts a load without sagging, at any step;
+/// what is too heavy for it, or stuck, stays; and what it presses against something is held by that.
+///
+/// ```
+/// use bevy_transform::components::Transform;
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+/// let brick = (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), Mass(500.0));
+/// let brick = world.spawn((brick, Transform::from_xyz(0.0, 0.25, 0.0))).id();
+/// world.entity_mut(brick).insert(Grab::gentle(500.0, Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0)));
+/// for _ in 0..120 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// let height = world.get::<Transform>(brick).unwrap().translation.y;
+/// assert!((height - 2.0).abs() < 1e-3);
+/// let force = world.get::<HandForce>(brick).unwrap().force.y;
+/// assert!((force - 500.0 * 9.81).abs() < 1.0);
+/// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[component(on_remove = let_go)]
+#[require(HandForce)]
 pub struct Grab {
     /// Where the hand is, world, m.
     pub target: Vec3,
     /// The point of the body that it holds, in the body's frame, m.
     pub local_point: Vec3,
-    /// Stiffness of the spring, N/m.
-    pub stiffness: f32,
-    /// Damping of the spring, N·s/m.
-    pub damping: f32,
+    /// How it would have the body turned, world; where there is none, it shall only not spin.
+    pub rotation: Option<Quat>,
+    /// The time in which the body comes most of the way (1 − 1/e), s.
+    pub response: f32,
+    /// It pulls no faster than this, m/s.
+    pub max_speed: f32,
     /// The hand is no stronger than this, N.
     pub max_force: f32,
-    /// Damping of the body's spin while it is held, N·m·s/rad: fingers, not a thread.
-    pub angular_damping: f32,
+    /// It turns no harder than this, N·m: fingers, not a thread. With none the body swings freely about the point.
+    pub max_torque: f32,
+}
+
+/// What the hand that holds a body did in the last step; nothing where none does.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct HandForce {
+    /// At the held point, N, world.
+    pub force: Vec3,
+    /// Besides, N·m, world.
+    pub torque: Vec3,
+}
+
+/// Nothing is left of its force for the next who holds the body.
+fn let_go(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut force) = world.get_mut::<HandForce>(context.entity) {
+        *force = HandForce::default();
+    }
 }
 
 impl Grab {
-    /// A hand that carries a mass of `mass` kg steadily: a spring of 2 Hz, critically damped, up to five times the weight.
+    /// A hand that carries a mass of `mass` kg steadily: five times as strong as the weight, with a quarter of it at a metre to keep it from
+    /// spinning.
     pub fn gentle(mass: f32, local_point: Vec3, target: Vec3) -> Self {
-        let omega = 2.0 * std::f32::consts::TAU;
+        let weight = mass * 9.81;
         Self {
             target,
             local_point,
-            stiffness: mass * omega * omega,
-            damping: 2.0 * mass * omega,
-            max_force: 5.0 * mass * 9.81,
-            angular_damping: mass,
+            rotation: None,
+            response: 0.1,
+            max_speed: 4.0,
+            max_force: 5.0 * weight,
+            max_torque: 0.25 * weight,
         }
     }
 
-    /// True where it can be held so: places finite, stiffness, damping and strength not negative and within
-    /// [`limits`]. A hand may be of unlimited strength.
+    /// True where it can be held so: places finite and within [`limits`], nothing negative. A hand may be of unlimited strength and speed.
     pub fn is_valid(&self) -> bool {
+        let numbers = [
+            self.response,
+            self.max_speed,
+            self.max_force,
+            self.max_torque,
+        ];
         limits::within(self.target, limits::POSITION)
             && limits::within(self.local_point, limits::LARGEST)
-            && [self.stiffness, self.damping, self.angular_damping]
-                .into_iter()
-                .all(|number| limits::share_of(number, limits::STIFFNESS))
-            && self.max_force >= 0.0
+            && self.rotation.is_none_or(Quat::is_normalized)
+            && self.response.is_finite()
+            && numbers.into_iter().all(|number| number >= 0.0)
     }
 
-    /// Changes a body's velocity as the hand does in `h` s, with the spring taken implicitly, so that it is stable for any stiffness
-    /// and step: f = −(k x + (c + k h) v) / (1 + h (c + k h) W). The velocity holds all other forces, or the spring would give way to
-    /// them by more than k says.
-    pub(crate) fn pull(&self, pose: &Pose, mass: &MassProperties, velocity: &mut Velocity, h: f32) {
-        let point = pose.transform_point(self.local_point);
-        let arm = point - pose.transform_point(mass.local_center);
-        let inverse_inertia = mass.world_inverse_inertia(pose.rotation);
-        // W of the held point, 3 × 3.
-        let skew = Mat3::from_cols(arm.cross(Vec3::X), arm.cross(Vec3::Y), arm.cross(Vec3::Z));
-        let response = Mat3::from_diagonal(Vec3::splat(mass.inverse_mass))
-            + skew.transpose() * inverse_inertia * skew;
-        let gain = self.damping + self.stiffness * h;
-        let pull = -(self.stiffness * (point - self.target) + gain * velocity.at(arm));
-        let resists = Mat3::IDENTITY + response * (h * gain);
-        // To the size of one, or the determinant of the stiffest would be infinite.
-        let scale = resists
-            .to_cols_array()
-            .into_iter()
-            .fold(1.0, f32::max)
-            .recip();
-        let force = ((resists * scale).inverse() * (pull * scale)).clamp_length_max(self.max_force);
-        velocity.linear += h * mass.inverse_mass * force;
-        velocity.angular += h * (inverse_inertia * arm.cross(force));
-        let brake = Mat3::IDENTITY + inverse_inertia * (h * self.angular_damping);
-        velocity.angular = brake.inverse() * velocity.angular;
+    /// As a solver sees it, of a body that stands in a problem in the place `of`.
+    pub(crate) fn grip(&self, of: u32, body: &BodyState, force: &HandForce) -> Grip {
+        let Pose { rotation, .. } = body.pose;
+        let point = body.pose.transform_point(self.local_point);
+        let turn = self.rotation.map_or(Vec3::ZERO, |wanted| {
+            let turn = rotation * wanted.inverse();
+            // The shorter way round.
+            (turn * turn.w.signum()).to_scaled_axis()
+        });
+        Grip {
+            body: of,
+            arm: point - body.center,
+            error: point - self.target,
+            turn,
+            response: self.response,
+            max_speed: self.max_speed,
+            max_force: self.max_force,
+            max_torque: self.max_torque,
+            force: force.force,
+            torque: force.torque,
+        }
     }
 }

@@ -98,7 +98,7 @@ pub mod prelude {
         Load, NoBody, Supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
-    pub use crate::grab::Grab;
+    pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
     };

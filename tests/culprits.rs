@@ -133,15 +133,16 @@ fn hands_that_pull_nowhere() {
             lab.world.entity_mut(body).insert(grab);
         }
     };
-    let changes: [fn(&mut Grab); 8] = [
+    let changes: [fn(&mut Grab); 9] = [
         |grab| grab.local_point.x = f32::NAN,
         |grab| grab.target.y = f32::INFINITY,
-        |grab| grab.stiffness = f32::NAN,
-        |grab| grab.stiffness = 1e38,
-        |grab| grab.stiffness = -1.0,
-        |grab| grab.damping = 1e38,
+        |grab| grab.response = f32::NAN,
+        |grab| grab.response = f32::INFINITY,
+        |grab| grab.response = -1.0,
+        |grab| grab.max_speed = f32::NAN,
         |grab| grab.max_force = f32::NAN,
-        |grab| grab.angular_damping = f32::NAN,
+        |grab| grab.max_torque = -1.0,
+        |grab| grab.rotation = Some(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
     ];
     for (i, change) in changes.into_iter().enumerate() {
         spoil(&format!("hand {i}"), BodyProblem::InvalidGrab, hand(change));

@@ -123,6 +123,7 @@ fn solve_recording(graph: &Graph, solver: &dyn PointSolver, record_history: bool
     let report = solver.solve(&mut PointProblem {
         bodies: &mut bodies,
         constraints: &mut contacts,
+        grips: &mut [],
         dt: 1.0 / 60.0,
         free_merit,
         record_history,
@@ -384,6 +385,7 @@ impl Patches {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
+            grips: &mut [],
             dt: DT,
             longest: DT,
             gravity: self.gravity,

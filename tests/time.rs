@@ -128,7 +128,7 @@ fn impulses_are_the_whole_steps_whatever_the_substeps() {
 }
 
 #[test]
-fn a_hand_hangs_as_low_whatever_the_step() {
+fn what_is_held_does_not_sag_whatever_the_step() {
     for dt in [1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0, 0.1] {
         let mut lab = Lab::shipped(dt);
         let cube = lab.cube(Vec3::Y * 5.0);
@@ -137,13 +137,7 @@ fn a_hand_hangs_as_low_whatever_the_step() {
             .insert(Grab::gentle(1000.0, Vec3::ZERO, Vec3::Y * 5.0));
         lab.run(4.0);
         let low = 5.0 - lab.position(cube).y;
-        // g/ω² at 2 Hz.
-        assert_near(
-            low,
-            G / (4.0 * std::f32::consts::PI).powi(2),
-            0.01,
-            "hangs low",
-        );
+        assert!(low.abs() < 1e-4, "{low} m low at {dt} s");
     }
 }
 

@@ -4,7 +4,6 @@ use super::{
     BodyIndex, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting, Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
-use crate::grab::Grab;
 use crate::settings::{Gravity, SpeedLimits, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -81,7 +80,7 @@ impl Damping {
     }
 }
 
-/// The stage **forces**: gravity, external forces and impulses, damping, and last the hands.
+/// The stage **forces**: gravity, external forces and impulses, damping.
 ///
 /// It comes after the normal correction, which must see the velocities before it ([`crate::stabilization::normal`]). A body that
 /// forces make faster than anything may be is left as it was, and quarantined before anything is solved.
@@ -96,14 +95,13 @@ pub fn forces(
             Option<&mut ExternalImpulse>,
             Option<&Damping>,
             Option<&GravityScale>,
-            Option<&Grab>,
             &mut Velocity,
         ),
         (Without<Quarantined>, Without<Resting>),
     >,
 ) {
     let dt = time.dt;
-    for (of, force, impulse, damping, scale, grab, mut velocity) in &mut bodies {
+    for (of, force, impulse, damping, scale, mut velocity) in &mut bodies {
         let (entity, index, pose, mass) = of;
         let is_awake =
             |body: &BodyState| body.entity == entity && body.is_dynamic() && !body.asleep;
@@ -131,9 +129,6 @@ pub fn forces(
         if let Some(damping) = damping {
             velocity.linear /= 1.0 + dt * damping.linear;
             velocity.angular /= 1.0 + dt * damping.angular;
-        }
-        if let Some(grab) = grab {
-            grab.pull(pose, mass, velocity, dt);
         }
         if velocity.is_within_limits() {
             speeds.cap(velocity);

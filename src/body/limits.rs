@@ -34,8 +34,6 @@ pub const DAMPING: f32 = 1e9;
 pub const FRICTION: f32 = 1e6;
 /// Greatest coefficient of restitution.
 pub const RESTITUTION: f32 = 1.0;
-/// Stiffest and most damped spring of a hand, N/m and N·s/m.
-pub const STIFFNESS: f32 = 1e15;
 
 /// Finite, and no component beyond a bound either way.
 #[inline]

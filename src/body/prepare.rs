@@ -123,7 +123,8 @@ pub fn prepare(
         body.force = pushed.0.copied().unwrap_or_default();
         match describe(&mut body, description) {
             Ok(()) => {
-                body.set_velocity(*velocity, rules.time.dt);
+                let gains = gains(&body, pushed, &rules);
+                body.set_velocity(*velocity, gains, rules.time.dt);
                 // Spawned asleep it sleeps on; what comes back after it was disabled does not.
                 body.asleep = of.3.asleep && body.is_dynamic();
                 body.roused = is_stirred(&velocity, pushed) || *index != BodyIndex::NONE;
@@ -215,7 +216,7 @@ impl Visitor<'_, '_, '_> {
             self.suspects.0.push((entity, problem));
         }
         // Of a radius that may be new.
-        body.set_velocity(*velocity, time.dt);
+        body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
         body.roused = self.rules.in_force.changed
             || body.put_from.is_some()
             || body.renewed
@@ -262,6 +263,21 @@ fn is_stirred(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bo
     *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
 }
 
+/// By how much a body becomes faster in the step by what pushes it, at most, m/s.
+fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &Rules) -> f32 {
+    if !body.is_dynamic() {
+        return 0.0;
+    }
+    let dt = rules.time.dt;
+    let force = force.map_or(0.0, |force| force.force.length());
+    let impulse = impulse.map_or(0.0, |impulse| impulse.linear.length());
+    let hand = grab.map_or(0.0, |grab| {
+        (dt * body.mass.inverse_mass * grab.max_force).min(grab.max_speed)
+    });
+    let gained = body.mass.inverse_mass * (dt * force + impulse) + hand;
+    gained.min(rules.speeds.linear)
+}
+
 fn check(
     pose: &Pose,
     velocity: &Velocity,
@@ -300,7 +316,7 @@ impl BodyState {
             velocity,
             mass: MassProperties::default(),
             size: 0.0,
-            turns_by: 0.0,
+            comes_by: 0.0,
             curved: false,
             collider: None,
             friction: Friction::default(),

@@ -66,8 +66,9 @@ pub struct BodyState {
     pub velocity: Velocity,
     /// What is small against the body, m: its bounding radius, or less where it is thin.
     pub(crate) size: f32,
-    /// Bound on how far a point of its surface comes in the step by turning, m: never beyond the other side.
-    pub(crate) turns_by: f32,
+    /// Bound on how far a point of its surface comes in the step besides by its velocity and by gravity, m: by turning, never beyond
+    /// the other side, and by what pushes it.
+    pub(crate) comes_by: f32,
     /// How it answers to contact.
     pub kind: RigidBody,
     /// Asleep: its pairs keep what they have.
@@ -167,14 +168,15 @@ impl BodyState {
         self.curved
     }
 
-    /// Takes over its velocity at the start of a step of `dt` s.
-    pub(super) fn set_velocity(&mut self, velocity: Velocity, dt: f32) {
+    /// Takes over its velocity at the start of a step of `dt` s, in which it will be made faster by up to `gains` (m/s).
+    pub(super) fn set_velocity(&mut self, velocity: Velocity, gains: f32, dt: f32) {
         self.velocity = velocity;
-        self.turns_by = match velocity.angular.length() {
+        let turns = match velocity.angular.length() {
             // A half-space has no radius; it turns, or it doesn't.
             0.0 => 0.0,
             speed => (speed * dt).min(2.0) * self.radius,
         };
+        self.comes_by = turns + gains * dt;
     }
 
     /// True for a body that contacts move in this step.

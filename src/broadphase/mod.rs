@@ -250,14 +250,14 @@ fn tight_box(
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
 }
 
-/// How far a point of a body comes in the step if nothing but gravity changes its velocity, m.
+/// How far a point of a body comes in the step if nothing but gravity and what pushes it changes its velocity, m.
 fn meant_way(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
     let fall = if body.is_dynamic() {
         (gravity * body.gravity_scale).length() * dt
     } else {
         0.0
     };
-    (body.velocity.linear.length() + fall) * dt + body.turns_by
+    (body.velocity.linear.length() + fall) * dt + body.comes_by
 }
 
 /// A pair's entity is gone, or is a pair no more: by [`pair_changes`], or by a user. The hook of [`ContactPair`].

@@ -234,5 +234,5 @@ const ROUNDING: f32 = 1e-5;
 
 /// Bound on how far two surfaces can come nearer within the step, m, from the velocities before forces.
 fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
-    (a.velocity.linear - b.velocity.linear).length() * dt + a.turns_by + b.turns_by
+    (a.velocity.linear - b.velocity.linear).length() * dt + a.comes_by + b.comes_by
 }

@@ -5,7 +5,7 @@ use super::{Given, IslandReport};
 use crate::body::{BodyState, BodyTable, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::profile::SolveParts;
-use crate::solver::{Body, SolveReport};
+use crate::solver::{Body, Grip, SolveReport};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 use bevy_platform::time::Instant;
@@ -27,12 +27,18 @@ pub(super) trait Rows: Default + Send + Sync {
     /// touches between the same bodies, it may keep of them what has not changed.
     fn gather(&mut self, touches: &[Touch], ends: &[[u32; 2]], bodies: &[Body], given: &Given);
 
-    fn solve(&mut self, solver: &Self::Solver, bodies: &mut [Body], given: &Given) -> SolveReport;
+    fn solve(
+        &mut self,
+        solver: &Self::Solver,
+        bodies: &mut [Body],
+        grips: &mut [Grip],
+        given: &Given,
+    ) -> SolveReport;
 
     /// An island of such touches is best solved together with others of its kind.
     fn is_small(touches: &[Touch]) -> bool;
 
-    /// Solves several that were gathered, of small islands.
+    /// Solves several that were gathered, of small islands in which nobody is held.
     fn solve_each(
         solver: &Self::Solver,
         islands: &mut [(&mut Self, &mut [Body])],
@@ -65,6 +71,8 @@ pub(super) struct Island<R> {
     ends: Vec<[u32; 2]>,
     /// The slots of static and kinematic bodies, whose copies stand behind the dynamic ones; no impulse can change them.
     copies: Vec<u32>,
+    /// Hands that hold some of the bodies.
+    pub grips: Vec<Grip>,
     rows: R,
     report: SolveReport,
     /// The solve went wrong, and was taken back.
@@ -89,6 +97,7 @@ impl<R: Rows> Island<R> {
     /// Empties it, but for what is kept from the last step where who touches whom is as it was.
     pub fn begin(&mut self, kept: bool) {
         self.bodies.clear();
+        self.grips.clear();
         self.diverged = false;
         self.first = None;
         if !kept {
@@ -117,7 +126,8 @@ impl<R: Rows> Island<R> {
         let start = Instant::now();
         self.gather(touches, from);
         let gathered = Instant::now();
-        self.report = self.rows.solve(solver, &mut self.bodies, from.given);
+        let (bodies, grips) = (&mut self.bodies, &mut self.grips);
+        self.report = self.rows.solve(solver, bodies, grips, from.given);
         let solved = Instant::now();
         self.store(touches, from.given);
         from.given.profile.add_solve(SolveParts {
@@ -168,6 +178,9 @@ impl<R: Rows> Island<R> {
                 body.motion = Some([Vec3::ZERO; 2]);
             }
             self.rows.clear();
+            for grip in &mut self.grips {
+                (grip.force, grip.torque) = (Vec3::ZERO, Vec3::ZERO);
+            }
             touches.iter_mut().for_each(|touch| touch.impulses.forget());
         } else {
             self.rows.store(touches, given);

@@ -16,12 +16,13 @@ mod touch;
 use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Resting, Velocity, limits};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::diagnosis::{BodyProblem, Suspects};
+use crate::grab::{Grab, HandForce};
 use crate::islands::Islands;
 use crate::profile::Profile;
 use crate::settings::{
     Gravity, Method, PhysicsThreads, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
 };
-use crate::solver::SolveReport;
+use crate::solver::{Grip, SolveReport};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::Vec3;
@@ -115,12 +116,25 @@ type Bodies<'w, 's> = Query<
     (Without<Quarantined>, Without<Resting>),
 >;
 
+type Hands<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static BodyIndex,
+        &'static Grab,
+        &'static mut HandForce,
+    ),
+    (Without<Quarantined>, Without<Resting>),
+>;
+
 /// See the module's text.
 pub fn solve(
     (table, islands, given): (Res<BodyTable>, Res<Islands>, Given),
     (mut scratch, mut said): (Local<Scratch>, Said),
     mut pairs: Pairs,
     mut bodies: Bodies,
+    mut hands: Hands,
 ) {
     let step = Step {
         table: &table,
@@ -134,11 +148,25 @@ pub fn solve(
     match given.solver.solver.method() {
         Method::Points(solver) => {
             by_patches.order.forget();
-            step.take(solver, by_points, &mut pairs, &mut bodies, &mut said);
+            step.take(
+                solver,
+                by_points,
+                &mut pairs,
+                &mut bodies,
+                &mut hands,
+                &mut said,
+            );
         }
         Method::Patches(solver) => {
             by_points.order.forget();
-            step.take(solver, by_patches, &mut pairs, &mut bodies, &mut said);
+            step.take(
+                solver,
+                by_patches,
+                &mut pairs,
+                &mut bodies,
+                &mut hands,
+                &mut said,
+            );
         }
     }
 }
@@ -157,14 +185,17 @@ impl Step<'_> {
         problems: &mut Problems<R>,
         pairs: &mut Pairs,
         bodies: &mut Bodies,
+        hands: &mut Hands,
         said: &mut Said,
     ) {
         let kept = problems.order.keep(self.table, self.islands, pairs);
         let (mut touches, complete) = problems.order.touches(pairs);
         self.gather_bodies(problems, bodies, kept && complete);
+        let held = self.gather_grips(problems, hands);
         self.solve_each(solver, problems, &mut touches);
         problems.order.take_back(touches);
         self.store_bodies(problems, bodies);
+        store_grips(problems, &held, hands);
         said.report(&problems.islands);
     }
 
@@ -190,6 +221,33 @@ impl Step<'_> {
         }
     }
 
+    /// The hands on bodies that are awake, in the order of those; who is held, and in which island.
+    fn gather_grips<R: Rows>(
+        &self,
+        problems: &mut Problems<R>,
+        hands: &Hands,
+    ) -> Vec<(usize, u32, Entity)> {
+        let mut held: Vec<_> = hands
+            .iter()
+            .filter_map(|(entity, index, grab, force)| {
+                let body = self
+                    .table
+                    .get(index.0)
+                    .filter(|body| body.entity == entity)?;
+                let local = problems.order.local[index.0 as usize];
+                let island = self.islands.of(index.0).filter(|_| local != u32::MAX)?;
+                Some((island, local, entity, grab.grip(local, body, force)))
+            })
+            .collect();
+        held.sort_unstable_by_key(|&(island, local, ..)| (island, local));
+        for &(island, .., grip) in &held {
+            problems.islands[island].grips.push(grip);
+        }
+        let held = held.into_iter();
+        held.map(|(island, local, entity, _)| (island, local, entity))
+            .collect()
+    }
+
     /// Gathers, solves and stores every island that has contacts, side by side where there is enough to do.
     fn solve_each<R: Rows>(
         &self,
@@ -205,13 +263,15 @@ impl Step<'_> {
         let points = touches.iter().map(|touch| touch.manifold.points.len());
         let points = points.sum();
         let many = islands.len() > 1;
-        let mut islands = islands.iter_mut().enumerate();
-        let work = touches.chunk_by_mut(|a, b| a.island == b.island);
-        let work = work.map(|touches| {
-            let (_, island) = islands
-                .find(|(i, _)| *i == touches[0].island as usize)
-                .expect("touches stand in the order of their islands");
-            (island, touches)
+        let mut rest = touches;
+        let work = islands.iter_mut().enumerate();
+        let work = work.filter_map(|(i, island)| {
+            let touches = std::mem::take(&mut rest);
+            let count = touches.partition_point(|touch| touch.island as usize <= i);
+            let (touches, others) = touches.split_at_mut(count);
+            rest = others;
+            // What touches nothing and is held by nobody flies on.
+            (!touches.is_empty() || !island.grips.is_empty()).then_some((island, touches))
         });
         let from = From {
             table: self.table,
@@ -223,7 +283,7 @@ impl Step<'_> {
         let threads = &self.given.threads;
         if many {
             let (mut small, large): (Vec<_>, Vec<_>) =
-                work.partition(|(_, touches)| R::is_small(touches));
+                work.partition(|(island, touches)| island.grips.is_empty() && R::is_small(touches));
             let solve_small = |some: &mut [Work<R>]| match some {
                 [(island, touches)] => island.solve(solver, touches, &from),
                 _ => Island::solve_each(solver, some, &from),
@@ -276,6 +336,26 @@ impl Step<'_> {
                 }
                 None => Motion::Steady,
             };
+        }
+    }
+}
+
+/// What hands did.
+fn store_grips<R: Rows>(problems: &Problems<R>, held: &[(usize, u32, Entity)], hands: &mut Hands) {
+    for &(island, local, entity) in held {
+        let mut grips = problems.islands[island].grips.iter();
+        if let Some(grip) = grips.find(|grip| grip.body == local)
+            && let Ok((.., mut force)) = hands.get_mut(entity)
+        {
+            let Grip {
+                force: push,
+                torque,
+                ..
+            } = *grip;
+            force.set_if_neq(HandForce {
+                force: push,
+                torque,
+            });
         }
     }
 }

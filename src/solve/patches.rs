@@ -5,7 +5,7 @@ use super::touch::{Touch, to_start_from};
 use super::{Given, LARGE};
 use crate::contact::{Impulse, ManifoldPatch, PatchImpulse};
 use crate::solver::{
-    Body, FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
+    Body, FEW, Grip, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
 };
 use glam::Vec3;
 
@@ -47,9 +47,10 @@ impl Rows for PatchRows {
         &mut self,
         solver: &dyn PatchSolver,
         bodies: &mut [Body],
+        grips: &mut [Grip],
         given: &Given,
     ) -> SolveReport {
-        solver.solve(&mut self.problem(bodies, given))
+        solver.solve(&mut self.problem(bodies, grips, given))
     }
 
     fn is_small(touches: &[Touch]) -> bool {
@@ -63,7 +64,7 @@ impl Rows for PatchRows {
         given: &Given,
     ) -> Vec<SolveReport> {
         let problems = islands.iter_mut();
-        let problems = problems.map(|(rows, bodies)| rows.problem(bodies, given));
+        let problems = problems.map(|(rows, bodies)| rows.problem(bodies, &mut [], given));
         let mut problems: Vec<PatchProblem> = problems.collect();
         solver.solve_each(&mut problems)
     }
@@ -90,7 +91,12 @@ impl Rows for PatchRows {
 }
 
 impl PatchRows {
-    fn problem<'a>(&'a mut self, bodies: &'a mut [Body], given: &Given) -> PatchProblem<'a> {
+    fn problem<'a>(
+        &'a mut self,
+        bodies: &'a mut [Body],
+        grips: &'a mut [Grip],
+        given: &Given,
+    ) -> PatchProblem<'a> {
         let threads = match given.threads.share(self.points.len() / LARGE) {
             true => given.threads.count(),
             false => 1,
@@ -99,6 +105,7 @@ impl PatchRows {
             bodies,
             patches: &mut self.patches,
             points: &mut self.points,
+            grips,
             dt: given.time.dt,
             longest: given.time.longest,
             gravity: given.gravity.0,

@@ -6,7 +6,7 @@ use super::touch::Touch;
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::settings::StepTime;
 use crate::solver::{
-    Body, PatchFrame, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport,
+    Body, Grip, PatchFrame, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport,
 };
 use rayon::prelude::*;
 
@@ -55,11 +55,13 @@ impl Rows for PointRows {
         &mut self,
         solver: &dyn PointSolver,
         bodies: &mut [Body],
+        grips: &mut [Grip],
         given: &Given,
     ) -> SolveReport {
         let mut problem = PointProblem {
             bodies,
             constraints: &mut self.constraints,
+            grips,
             dt: given.time.dt,
             free_merit: 0.0,
             record_history: given.solver.record_history,
@@ -79,7 +81,7 @@ impl Rows for PointRows {
     ) -> Vec<SolveReport> {
         let islands = islands.iter_mut();
         islands
-            .map(|(rows, bodies)| rows.solve(solver, bodies, given))
+            .map(|(rows, bodies)| rows.solve(solver, bodies, &mut [], given))
             .collect()
     }
 

@@ -60,6 +60,13 @@ impl Body {
         self.angular += angular;
     }
 
+    /// Adds to the linear and angular velocity, m/s, rad/s.
+    #[inline]
+    pub(super) fn add(&mut self, [linear, angular]: [Vec3; 2]) {
+        self.linear += linear;
+        self.angular += angular;
+    }
+
     /// Inverse effective mass along a unit direction at an arm from the centre of mass, 1/kg.
     #[inline]
     pub fn response(&self, direction: Vec3, arm: Vec3) -> f32 {

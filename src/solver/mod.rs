@@ -5,6 +5,7 @@
 
 mod batches;
 mod body;
+mod grip;
 mod lanes;
 pub mod patches;
 pub mod points;
@@ -12,6 +13,7 @@ mod report;
 mod width;
 
 pub use body::Body;
+pub use grip::Grip;
 pub use patches::{
     FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
 };

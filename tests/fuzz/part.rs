@@ -15,7 +15,7 @@ use drystone::collider::{
 };
 use drystone::contact::ContactEvents;
 use drystone::grab::Grab;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 macro_rules! parts {
     ($($name:ident($value:ty => $component:ty)),+ $(,)?) => {
@@ -136,10 +136,13 @@ impl Part {
             16 => Self::Grab(Grab {
                 target: dice.vector(3.0),
                 local_point: dice.vector(0.3),
-                stiffness: dice.number(0.0, 1e5),
-                damping: dice.number(0.0, 1e4),
+                rotation: dice
+                    .chance(0.5)
+                    .then(|| Quat::from_scaled_axis(dice.vector(3.0))),
+                response: dice.number(0.0, 1.0),
+                max_speed: dice.number(0.0, 20.0),
                 max_force: dice.number(0.0, 1e5),
-                angular_damping: dice.number(0.0, 1e3),
+                max_torque: dice.number(0.0, 1e4),
             }),
             17 => Self::Age(Age(dice.pick(&[0, 1, 2, 1000, u64::MAX]))),
             18 => Self::Teleport(Teleport),

@@ -1,4 +1,4 @@
-//! The paper's predefined task, by a scripted hand with a spring: build a stack block by block, press on the edge of its
+//! The paper's predefined task, by a scripted hand: build a stack block by block, press on the edge of its
 //! top, tip it, let go.
 
 use super::Site;
@@ -101,12 +101,11 @@ impl Hand {
                     above.lerp(end, ((t - CARRY) / LOWER).min(1.0))
                 };
                 let held = t < CARRY + LOWER;
-                // The spring gives by m g / k under the block's weight.
-                let grab = Grab::gentle(mass, Vec3::ZERO, target);
-                let give = Vec3::Y * (mass * 9.81 / grab.stiffness);
+                // Quick, or the block would lag behind and strike what is built.
                 let grab = Grab {
-                    target: target + give,
-                    ..grab
+                    response: 0.08,
+                    max_speed: f32::INFINITY,
+                    ..Grab::gentle(mass, Vec3::ZERO, target)
                 };
                 hold(self.blocks[i], held.then_some(grab));
             }
@@ -125,12 +124,9 @@ impl Hand {
                 hold(
                     self.blocks[top],
                     Some(Grab {
-                        target,
-                        local_point: point,
-                        stiffness: 2.0 * PRESSURE * strength * mass * 9.81,
-                        damping: 0.0,
-                        max_force: PRESSURE * mass * 9.81,
-                        angular_damping: 0.0,
+                        max_force: PRESSURE * strength * mass * 9.81,
+                        max_torque: 0.0,
+                        ..Grab::gentle(mass, point, target)
                     }),
                 );
             }

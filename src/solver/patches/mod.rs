@@ -9,7 +9,7 @@ mod memory;
 mod restitution;
 mod soft_step;
 
-use super::{Body, SolveReport};
+use super::{Body, Grip, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 pub use memory::Memory;
@@ -31,7 +31,7 @@ pub trait PatchSolver: Send + Sync {
     /// Finds impulses, velocities and motions.
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport;
 
-    /// Solves several problems of [few](FEW) patches each. What it finds of each must be what [`Self::solve`] would.
+    /// Solves several problems of [few](FEW) patches each, in which nobody is held. What it finds of each must be what [`Self::solve`] would.
     fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
         problems
             .iter_mut()
@@ -48,6 +48,8 @@ pub struct PatchProblem<'a> {
     pub patches: &'a mut [PatchConstraint],
     /// The points of all patches.
     pub points: &'a mut [PatchPoint],
+    /// Hands that hold some of the bodies.
+    pub grips: &'a mut [Grip],
     /// Length of the step, s.
     pub dt: f32,
     /// The longest of recent steps, s; not shorter than this one. What is as stiff as the step allows must not become stiffer for one

@@ -43,11 +43,12 @@ pub mod merit;
 mod nncg;
 mod pgs;
 
+use super::grip::Held;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
 use super::lanes::{F32x4, F32xN};
 use super::width::Width;
-use super::{Body, Lanes, SolveReport};
+use super::{Body, Grip, Lanes, SolveReport};
 use blocks::{Cone, Disc, Square};
 pub(crate) use constraint::PatchFrame;
 pub use constraint::{PointConstraint, PointInput, tangents};
@@ -149,6 +150,8 @@ pub struct PointProblem<'a> {
     pub bodies: &'a mut [Body],
     /// All contact points, in the order in which they are swept.
     pub constraints: &'a mut [PointConstraint],
+    /// Hands that hold some of the bodies.
+    pub grips: &'a mut [Grip],
     /// Length of the step, s.
     pub dt: f32,
     /// The merit of the free motion, √J; what residuals are relative to. See [`merit`].
@@ -160,12 +163,25 @@ pub struct PointProblem<'a> {
 impl PointProblem<'_> {
     /// Takes over a share of the impulses that the constraints come with, and gives it to the bodies; measures the free motion before.
     pub fn warm_start(&mut self, share: f32) {
-        self.free_merit = merit::free_merit(self.bodies, self.constraints);
+        let contacts = merit::free_merit(self.bodies, self.constraints);
+        let alone = |grip: &Grip| {
+            let body = &self.bodies[grip.body as usize];
+            Held::new(grip, body, self.dt).missing([body.linear, body.angular])
+        };
+        let hands: f32 = self.grips.iter().map(alone).sum();
+        self.free_merit = (contacts * contacts + hands).sqrt();
         for constraint in &mut *self.constraints {
             constraint.impulse *= share;
             if share != 0.0 {
                 constraint.push(self.bodies, constraint.world(constraint.impulse));
             }
+        }
+        for grip in &mut *self.grips {
+            grip.force *= share;
+            grip.torque *= share;
+            let body = &mut self.bodies[grip.body as usize];
+            let held = Held::new(grip, body, self.dt);
+            body.add(held.warm_start());
         }
     }
 
@@ -174,10 +190,18 @@ impl PointProblem<'_> {
         SolveReport::new(self.free_merit, self.record_history)
     }
 
-    /// One projected Gauss–Seidel sweep over all contacts, pair after pair: Σ Wᵢᵢ Δλᵢ², J.
+    /// One projected Gauss–Seidel sweep over all hands and then all contacts, pair after pair: Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
         let bodies = &mut *self.bodies;
         let mut change = 0.0;
+        for grip in &mut *self.grips {
+            let body = &mut bodies[grip.body as usize];
+            let mut held = Held::new(grip, body, self.dt);
+            let (moved, changed) = held.relax([body.linear, body.angular]);
+            body.add(moved);
+            change += changed;
+            *grip = held.found();
+        }
         for pair in self.constraints.chunk_by_mut(|a, b| a.bodies == b.bodies) {
             match grouping {
                 Grouping::Pair => {

@@ -8,8 +8,9 @@ use super::laps::Laps;
 use super::pipeline::{Pipeline, Work};
 use super::refresh::{End, Fresh, Refresh};
 use crate::solver::batches::Batches;
+use crate::solver::grip::Held;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
-use crate::solver::{Body, Lanes, PatchConstraint, PatchProblem};
+use crate::solver::{Body, Grip, Lanes, PatchConstraint, PatchProblem};
 use glam::{Mat3, Vec3, Vec4};
 
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
@@ -29,11 +30,13 @@ pub fn laps(lanes: usize, problem: &PatchProblem) -> Batches {
     }
 }
 
-/// What contacts cannot change does not move either, so that sweeps may be at it all at once.
+/// What contacts cannot change does not move either, and nobody holds anything, so that sweeps may be at it all at once.
 pub fn stands_by_itself(problem: &PatchProblem) -> bool {
-    problem.bodies.iter().all(|body| {
-        body.inverse_mass > 0.0 || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
-    })
+    problem.grips.is_empty()
+        && problem.bodies.iter().all(|body| {
+            body.inverse_mass > 0.0
+                || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
+        })
 }
 
 /// One island on its way through a step.
@@ -64,6 +67,8 @@ pub struct Island<L: F32xN> {
     pub(super) missing: Vec<L>,
     /// By block: Σ W Δλ² of the last sweep, J.
     pub(super) changes: Vec<L>,
+    /// Hands, visited before the blocks: what they press against has the last word.
+    pub(super) grips: Vec<Held>,
     /// Made when there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
     /// Made where blocks are folded.
@@ -143,6 +148,7 @@ impl<L: F32xN> Island<L> {
             motions: Vec::new(),
             missing: Vec::new(),
             changes: Vec::new(),
+            grips: Vec::new(),
             pipeline: None,
             laps: None,
             scratch: Scratch::default(),
@@ -219,12 +225,19 @@ impl<L: F32xN> Island<L> {
     ) -> f32 {
         self.begin(problem, changed, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
+        let h = problem.dt / substeps as f32;
+        let held = |grip: &Grip| Held::new(grip, &problem.bodies[grip.body as usize], h);
+        self.grips.clear();
+        self.grips.extend(problem.grips.iter().map(held));
         self.refresh(problem, spring, &passes[0], f32::INFINITY);
         self.warm_start().sqrt()
     }
 
-    /// Lets bodies feel the impulses that contacts start with, in the order of the sweep. What the free motion misses in all, J.
+    /// Lets bodies feel the impulses that contacts and hands start with, in the order of the sweep. What the free motion misses in all, J.
     pub fn warm_start(&mut self) -> f32 {
+        for held in &self.grips {
+            held.start(&mut self.velocities);
+        }
         let mut missing = 0.0;
         for lap in 0..self.batches.laps() {
             let lanes = self.lanes_of(|of| of == lap);
@@ -280,6 +293,11 @@ impl<L: F32xN> Island<L> {
 
     /// One sweep, and what is done after it.
     pub fn sweep_alone(&mut self, pass: &Pass) -> f32 {
+        let mut held_change = 0.0;
+        for held in &mut self.grips {
+            held.aim(self.motions[held.grip.body as usize].map(Vec4::truncate));
+            held_change += held.visit(&mut self.velocities);
+        }
         let change = match pass.soft {
             true => L::run(Sweep {
                 island: self,
@@ -294,7 +312,7 @@ impl<L: F32xN> Island<L> {
         for (velocity, (before, motion)) in states.zip(others) {
             pass.end(velocity, before, motion);
         }
-        change
+        held_change + change
     }
 
     /// One rigid sweep, after which nothing else happens.
@@ -335,6 +353,9 @@ impl<L: F32xN> Island<L> {
             problem,
             rate,
         });
+        for (grip, held) in problem.grips.iter_mut().zip(&self.grips) {
+            *grip = held.found();
+        }
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
             [body.linear, body.angular] = velocity.map(Vec4::truncate);

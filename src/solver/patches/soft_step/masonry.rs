@@ -153,6 +153,7 @@ impl Masonry {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
+            grips: &mut [],
             dt: DT,
             longest: DT,
             gravity: self.gravity,

@@ -44,6 +44,7 @@ impl Joint {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
+            grips: &mut [],
             memory,
             threads: 1,
             ..*like

@@ -8,6 +8,7 @@ use super::visit::{Masses, Motion, Relax};
 use super::{Blocks, Cone, Points};
 use crate::solver::lanes::{F32xN, State, Vec3xN};
 use crate::solver::points::{Direction, PointProblem};
+use glam::Vec3;
 
 /// See the module's text.
 pub struct Conjugate<L: F32xN, C> {
@@ -16,6 +17,8 @@ pub struct Conjugate<L: F32xN, C> {
     steps: Vec<Steps<L>>,
     /// By body: q, and v before the last sweep.
     motions: Vec<[State; 2]>,
+    /// By hand: p, N·s and N·m·s, and λ before the last sweep.
+    grips: Vec<[[Vec3; 2]; 2]>,
     /// The share of the direction that points have yet to go.
     beta: f32,
 }
@@ -36,6 +39,11 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
         Self {
             steps: vec![Steps::default(); blocks.points.len()],
             motions: velocities.map(|&v| [State::default(), v]).collect(),
+            grips: blocks
+                .grips
+                .iter()
+                .map(|held| [[Vec3::ZERO; 2], held.impulse])
+                .collect(),
             blocks,
             beta: 0.0,
         }
@@ -54,6 +62,15 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
     /// Goes β of the way along the direction, and makes it β times itself and what the last sweep has changed.
     pub fn turn(&mut self, beta: f32) {
         self.beta = beta;
+        for (held, [direction, before]) in self.blocks.grips.iter_mut().zip(&mut self.grips) {
+            for i in 0..2 {
+                let gradient = held.impulse[i] - before[i];
+                let step = beta * direction[i];
+                held.impulse[i] += step;
+                direction[i] = step + gradient;
+                before[i] = held.impulse[i];
+            }
+        }
         for (velocity, [direction, before]) in
             self.blocks.velocities.iter_mut().zip(&mut self.motions)
         {

@@ -12,7 +12,9 @@ mod conjugate;
 mod visit;
 
 use super::{Direction, PointConstraint, PointProblem};
+use crate::solver::Grip;
 use crate::solver::batches::Batches;
+use crate::solver::grip::Held;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use block::{Block, Patches, Points};
 pub use cone::{Cone, Disc, Square};
@@ -35,6 +37,8 @@ pub struct Blocks<L: F32xN, C> {
     points: Vec<Points<L>>,
     /// By body; behind them one that nothing moves, for lanes without a pair, and one that nothing reads.
     velocities: Vec<State>,
+    /// Hands, visited before the blocks: what they press against has the last word.
+    grips: Vec<Held>,
     cone: PhantomData<C>,
 }
 
@@ -85,6 +89,9 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
             patches: &mut patches,
             points: &mut points,
         });
+        let grips = problem.grips.iter();
+        let held = |grip: &Grip| Held::new(grip, &bodies[grip.body as usize], problem.dt);
+        let grips = grips.map(held).collect();
         Self {
             batches,
             pairs,
@@ -92,6 +99,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
             patches,
             points,
             velocities,
+            grips,
             cone: PhantomData,
         }
     }
@@ -102,11 +110,14 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
     }
 
     fn sweep_by<R: Relax<L>>(&mut self, direction: Direction, relax: R) -> f32 {
-        L::run(Sweep {
+        let grips = self.grips.iter_mut();
+        let held: f32 = grips.map(|held| held.visit(&mut self.velocities)).sum();
+        let swept = L::run(Sweep {
             blocks: self,
             forwards: direction == Direction::Forwards,
             relax,
-        })
+        });
+        held + swept
     }
 
     /// Gives impulses and velocities back.
@@ -122,6 +133,9 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
                     }
                 }
             }
+        }
+        for (grip, held) in problem.grips.iter_mut().zip(&self.grips) {
+            *grip = held.found();
         }
         for (body, velocity) in problem.bodies.iter_mut().zip(&self.velocities) {
             if body.inverse_mass > 0.0 {

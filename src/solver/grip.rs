@@ -1,0 +1,189 @@
+//! A hand on a body, solved with its contacts: two constraints to the world, on the velocity of a held point and on the spin, whose
+//! impulses are limited.
+//!
+//! A hand wants its point to be elsewhere, and asks for the speed with which it would get there in time, by a law of first order, but
+//! no faster than it could still brake. That speed is held to with whatever force it takes, up to the hand's own; so a load does not make it sag,
+//! whatever the step, and what a body is pressed against holds it.
+
+use super::Body;
+use super::lanes::State;
+use glam::{Mat3, Vec3, Vec4};
+
+/// The share of a hand's strength that it counts on for braking; the rest may be bearing a load.
+const BRAKES: f32 = 0.5;
+
+/// What a solver is given of a hand, and what it finds. World axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Grip {
+    /// Index of the held body among the problem's.
+    pub body: u32,
+    /// From the centre of mass to the held point, m.
+    pub arm: Vec3,
+    /// From where the point should be to where it is, m.
+    pub error: Vec3,
+    /// The turn from how the body should be turned to how it is, rad; nothing where it only shall not spin.
+    pub turn: Vec3,
+    /// Time in which an error fades to 1/e, s.
+    pub response: f32,
+    /// The fastest that it goes, m/s.
+    pub max_speed: f32,
+    /// N
+    pub max_force: f32,
+    /// N·m
+    pub max_torque: f32,
+    /// On the body, N: what to start from, and what was found.
+    pub force: Vec3,
+    /// The same of its moment, N·m.
+    pub torque: Vec3,
+}
+
+/// A grip in a step, or in a substep, of `h` s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held {
+    pub grip: Grip,
+    h: f32,
+    /// Velocity of the point and spin that are asked for, m/s and rad/s.
+    wanted: [Vec3; 2],
+    /// Effective masses of the point and of the spin.
+    masses: [Mat3; 2],
+    /// The same in the direction in which it is least, at most.
+    least: [f32; 2],
+    inverse_mass: f32,
+    inverse_inertia: Mat3,
+    /// The fastest that it may go and still brake, from so far away: the factor of √distance, for the point and the spin.
+    braking: [f32; 2],
+    /// N·s and N·m·s in `h`.
+    pub impulse: [Vec3; 2],
+}
+
+impl Held {
+    pub fn new(grip: &Grip, body: &Body, h: f32) -> Self {
+        let arm = grip.arm;
+        let skew = Mat3::from_cols(arm.cross(Vec3::X), arm.cross(Vec3::Y), arm.cross(Vec3::Z));
+        let inertia = body.inverse_inertia;
+        let response =
+            Mat3::from_diagonal(Vec3::splat(body.inverse_mass)) + skew.transpose() * inertia * skew;
+        let eases = [body.inverse_mass, trace(&inertia) / 3.0];
+        let strengths = [grip.max_force, grip.max_torque];
+        let mut held = Self {
+            grip: *grip,
+            h,
+            wanted: [Vec3::ZERO; 2],
+            masses: [inverse(response), inverse(inertia)],
+            least: [response, inertia].map(|w| trace(&w).max(f32::MIN_POSITIVE).recip()),
+            inverse_mass: body.inverse_mass,
+            inverse_inertia: inertia,
+            braking: std::array::from_fn(|i| (2.0 * BRAKES * strengths[i] * eases[i]).sqrt()),
+            impulse: [h * grip.force, h * grip.torque],
+        };
+        held.aim([Vec3::ZERO; 2]);
+        held
+    }
+
+    /// Asks for the velocity that takes it where it should be, when it has moved and turned by so much since the step began.
+    pub fn aim(&mut self, [moved, turned]: [Vec3; 2]) {
+        let Grip {
+            arm, error, turn, ..
+        } = self.grip;
+        let time = self.grip.response.max(self.h);
+        let towards = |error: Vec3, braking: f32, fastest: f32| {
+            let distance = error.length();
+            let speed = (distance / time)
+                .min(braking * distance.sqrt())
+                .min(fastest);
+            match distance > 0.0 {
+                true => error * (-speed / distance),
+                false => Vec3::ZERO,
+            }
+        };
+        let error = error + moved + turned.cross(arm);
+        let spin = match turn == Vec3::ZERO {
+            true => Vec3::ZERO,
+            false => towards(turn + turned, self.braking[1], f32::INFINITY),
+        };
+        self.wanted = [towards(error, self.braking[0], self.grip.max_speed), spin];
+    }
+
+    /// Lets its body feel the impulses that it starts with.
+    pub fn start(&self, velocities: &mut [State]) {
+        add(&mut velocities[self.grip.body as usize], self.warm_start());
+    }
+
+    /// What its impulses do to the linear and angular velocity of its body.
+    pub fn warm_start(&self) -> [Vec3; 2] {
+        self.answer(self.impulse)
+    }
+
+    /// Changes its impulses to what the velocity of its body calls for. What that does to the velocity, and Σ W Δλ², J.
+    pub fn relax(&mut self, [linear, angular]: [Vec3; 2]) -> ([Vec3; 2], f32) {
+        let spun = self.give(1, self.wanted[1] - angular);
+        let turned = self.answer([Vec3::ZERO, spun]);
+        let velocity = linear + (angular + turned[1]).cross(self.grip.arm);
+        let pushed = self.give(0, self.wanted[0] - velocity);
+        let moved = self.answer([pushed, Vec3::ZERO]);
+        let change = spun.dot(turned[1]) + pushed.dot(moved[0] + moved[1].cross(self.grip.arm));
+        ([moved[0], turned[1] + moved[1]], change)
+    }
+
+    /// The same with the velocities of all bodies. Σ W Δλ², J.
+    pub fn visit(&mut self, velocities: &mut [State]) -> f32 {
+        let velocity = &mut velocities[self.grip.body as usize];
+        let (moved, change) = self.relax(velocity.map(Vec4::truncate));
+        add(velocity, moved);
+        change
+    }
+
+    /// What a visit would change if the hand had done nothing yet: Σ W Δλ², J.
+    pub fn missing(mut self, velocity: [Vec3; 2]) -> f32 {
+        self.impulse = [Vec3::ZERO; 2];
+        self.relax(velocity).1
+    }
+
+    /// The grip with the forces found.
+    pub fn found(&self) -> Grip {
+        Grip {
+            force: self.impulse[0] / self.h,
+            torque: self.impulse[1] / self.h,
+            ..self.grip
+        }
+    }
+
+    /// Adds to an impulse what a velocity that is missing calls for, and its strength allows; how much was added.
+    fn give(&mut self, i: usize, missing: Vec3) -> Vec3 {
+        let most = [self.grip.max_force, self.grip.max_torque][i] * self.h;
+        let before = self.impulse[i];
+        let mut after = before + self.masses[i] * missing;
+        if after.length_squared() > most * most {
+            // All that it has it gives in the direction of what is missing; an effective mass would turn it.
+            after = (before + self.least[i] * missing).clamp_length_max(most);
+        }
+        self.impulse[i] = after;
+        after - before
+    }
+
+    fn answer(&self, [push, twist]: [Vec3; 2]) -> [Vec3; 2] {
+        [
+            self.inverse_mass * push,
+            self.inverse_inertia * (self.grip.arm.cross(push) + twist),
+        ]
+    }
+}
+
+fn add(velocity: &mut State, change: [Vec3; 2]) {
+    for (velocity, change) in velocity.iter_mut().zip(change) {
+        *velocity += change.extend(0.0);
+    }
+}
+
+fn trace(matrix: &Mat3) -> f32 {
+    matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
+}
+
+/// Of a matrix of any size: the determinant of a small one would be nothing. Zero of what nothing moves.
+fn inverse(matrix: Mat3) -> Mat3 {
+    let scale = trace(&matrix);
+    if scale <= 0.0 {
+        return Mat3::ZERO;
+    }
+    (matrix * scale.recip()).inverse() * scale.recip()
+}

@@ -8,6 +8,7 @@ use bevy_app::{ScheduleRunnerPlugin, prelude::*};
 use bevy_ecs::prelude::*;
 use bevy_time::{TimePlugin, common_conditions::on_timer, prelude::*};
 use bevy_transform::prelude::*;
+use drystone::masonry::{Bond, Wall};
 use drystone::prelude::*;
 use std::time::Duration;
 
@@ -23,18 +24,13 @@ fn main() {
 
 fn build(mut commands: Commands) {
     commands.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
-    for course in 0..10 {
-        // Every other course is half a brick off, with a half brick at each end.
-        let shift = 0.5 * (course % 2) as f32;
-        for i in 0..10 + course % 2 {
-            let left = (i as f32 - shift).max(0.0);
-            let right = (i as f32 - shift + 1.0).min(10.0);
-            commands.spawn((
-                RigidBody::Dynamic,
-                Collider::cuboid(right - left, 0.5, 0.5),
-                Transform::from_xyz(0.5 * (left + right), 0.25 + 0.5 * course as f32, 0.0),
-            ));
-        }
+    let wall = Wall {
+        length: 10.0,
+        courses: 10,
+        ..Wall::new(Bond::Running)
+    };
+    for brick in wall.blocks().expect("there is room for it") {
+        commands.spawn(brick.bundle()); // RigidBody::Dynamic, Collider::cuboid(..), Transform
     }
 }
 

@@ -70,6 +70,7 @@ pub mod diagnostics;
 pub mod grab;
 pub mod integration;
 pub mod islands;
+pub mod masonry;
 pub mod narrowphase;
 mod plugin;
 pub mod preview;

@@ -97,6 +97,7 @@ fn what_falls_is_what_falls_at_60_hz() {
         "arch:15",
         "cardhouse:3",
         "stack:10",
+        "tower:6",
     ] {
         take_each(scene, None, |preview, moved, truth| {
             assert_eq!(places(moved), places(truth));

@@ -31,6 +31,7 @@ impl Plugin for HandPlugin {
 /// # let brick = (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), Mass(500.0));
 /// # let brick = world.spawn((brick, Transform::from_xyz(0.0, 0.25, 0.0))).id();
 /// # world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
 /// let pointer = Ray3d::new(Vec3::new(0.0, 0.3, 5.0), Dir3::NEG_Z);
 /// let hand = world.spawn(Hand { ray: Some(pointer), closed: true, ..Hand::new(10_000.0) }).id();
 /// # for _ in 0..2 { drystone::step(world, 1.0 / 60.0).unwrap(); }

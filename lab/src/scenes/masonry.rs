@@ -5,11 +5,8 @@ use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
 use drystone::body::{Density, Pose, RigidBody, Velocity};
 use drystone::collider::Collider;
+use drystone::masonry::{Arch, Block, Bond, CardHouse, MasonryError, Pyramid, Tower, Wall};
 use glam::{Quat, Vec3};
-use std::f32::consts::PI;
-
-/// A brick's length, height and depth, m.
-const BRICK: Vec3 = Vec3::new(1.0, 0.5, 0.5);
 
 /// How far a cantilever hangs over, as a share of the furthest at which it could stand.
 const DARING: f32 = 0.75;
@@ -17,27 +14,23 @@ const DARING: f32 = 0.75;
 impl Site<'_> {
     pub(super) fn wall(&mut self, width: u32, height: u32) -> Option<Hand> {
         self.ground(0.0);
-        let pitch = BRICK.x + self.options.lateral_gap;
-        for course in 0..height {
-            let y = self.course_height(course, BRICK.y);
-            let full = if course % 2 == 0 { width } else { width - 1 };
-            let end = 0.5 * (full as f32) * pitch;
-            if course % 2 == 1 {
-                self.brick(0.5, -end - 0.25 - 0.5 * self.options.lateral_gap, y);
-            }
-            for i in 0..full {
-                self.brick(1.0, (i as f32 + 0.5) * pitch - end, y);
-            }
-            if course % 2 == 1 {
-                self.brick(0.5, end + 0.25 + 0.5 * self.options.lateral_gap, y);
-            }
-        }
+        let wall = Wall {
+            length: width as f32,
+            courses: height,
+            lateral_gap: self.options.lateral_gap,
+            vertical_gap: self.options.vertical_gap,
+            ..Wall::new(Bond::Running)
+        };
+        self.lay("brick", wall.blocks());
         None
     }
 
-    fn brick(&mut self, share: f32, x: f32, y: f32) {
-        let collider = Collider::cuboid(share * BRICK.x, BRICK.y, BRICK.z);
-        self.place("brick", collider, Vec3::new(x, y, 0.0), Quat::IDENTITY);
+    /// What the library builds.
+    fn lay(&mut self, name: &str, blocks: Result<Vec<Block>, MasonryError>) {
+        for block in blocks.expect("scenes are of sizes that can be built") {
+            let Pose { position, rotation } = block.pose;
+            self.place(name, block.collider, position, rotation);
+        }
     }
 
     /// Height of the centres of a course of blocks.
@@ -102,83 +95,45 @@ impl Site<'_> {
 
     pub(super) fn pyramid(&mut self, base: u32) -> Option<Hand> {
         self.ground(0.0);
-        let pitch = 1.0 + self.options.lateral_gap;
-        for course in 0..base {
-            let y = self.course_height(course, 1.0);
-            let count = base - course;
-            for i in 0..count {
-                let x = (i as f32 - 0.5 * (count - 1) as f32) * pitch;
-                self.place(
-                    "cube",
-                    Collider::cuboid(1.0, 1.0, 1.0),
-                    Vec3::new(x, y, 0.0),
-                    Quat::IDENTITY,
-                );
-            }
-        }
+        let pyramid = Pyramid {
+            lateral_gap: self.options.lateral_gap,
+            vertical_gap: self.options.vertical_gap,
+            ..Pyramid::new(base)
+        };
+        self.lay("cube", pyramid.blocks());
+        None
+    }
+
+    pub(super) fn tower(&mut self, layers: u32) -> Option<Hand> {
+        self.ground(0.0);
+        let tower = Tower {
+            layers,
+            vertical_gap: self.options.vertical_gap,
+            ..Default::default()
+        };
+        self.lay("plank", tower.blocks());
         None
     }
 
     pub(super) fn arch(&mut self, n: u32) -> Option<Hand> {
         self.ground(0.0);
-        let (inner, outer, depth) = (2.7, 3.3, 1.0);
-        let angle = PI / n as f32;
-        let half = 0.5 * angle;
-        let corner = |radius: f32, side: f32, z: f32| {
-            let (sin, cos) = (side * half).sin_cos();
-            Vec3::new(radius * cos, radius * sin, z * 0.5 * depth)
+        let arch = Arch {
+            voussoirs: n,
+            gap: self.options.vertical_gap,
+            ..Default::default()
         };
-        // In a frame at the arch's centre with x through the voussoir's middle; then moved to the voussoir's own middle.
-        let middle = Vec3::X * 3.0;
-        let points: Vec<Vec3> = [-1.0, 1.0]
-            .iter()
-            .flat_map(|&z| {
-                [(inner, -1.0), (inner, 1.0), (outer, -1.0), (outer, 1.0)]
-                    .map(|(r, s)| corner(r, s, z) - middle)
-            })
-            .collect();
-        let voussoir = Collider::convex_hull(&points).expect("a wedge has volume");
-        // Moved out along its middle, each joint opens by the gap the method wants; lifted, so do the springers'.
-        let gap = self.options.vertical_gap;
-        let out = 0.5 * gap / half.sin();
-        for i in 0..n {
-            let rotation = Quat::from_rotation_z((i as f32 + 0.5) * angle);
-            let position = rotation * (middle + Vec3::X * out) + Vec3::Y * (0.5 * gap);
-            self.place("voussoir", voussoir.clone(), position, rotation);
-        }
+        self.lay("voussoir", arch.blocks());
         None
     }
 
-    /// Leaning pairs of cards; a flat card over each level but the last carries the next, which has one pair fewer.
     pub(super) fn card_house(&mut self, levels: u32) -> Option<Hand> {
         self.ground(0.0);
-        let (length, thickness, lean) = (1.0, 0.06, 15f32.to_radians());
-        let gap = self.options.vertical_gap;
-        let card = Collider::cuboid(thickness, length, 0.7);
-        // A leaning card's extent: half its height and half its width.
-        let rise = 0.5 * (length * lean.cos() + thickness * lean.sin());
-        let reach = 0.5 * (length * lean.sin() + thickness * lean.cos());
-        let pitch = 4.0 * reach + 0.1;
-        let mut y = 0.0;
-        for level in 0..levels {
-            let pairs = levels - level;
-            for i in 0..pairs {
-                let x = (i as f32 - 0.5 * (pairs - 1) as f32) * pitch;
-                for side in [-1.0, 1.0] {
-                    let position = Vec3::new(x + side * (reach + 0.5 * gap), y + gap + rise, 0.0);
-                    let rotation = Quat::from_rotation_z(side * lean);
-                    self.place("card", card.clone(), position, rotation);
-                }
-            }
-            y += gap + 2.0 * rise;
-            if pairs > 1 {
-                let span = (pairs - 1) as f32 * pitch + 4.0 * thickness;
-                let position = Vec3::Y * (y + gap + 0.5 * thickness);
-                let flat = Collider::cuboid(span, thickness, 0.7);
-                self.place("flat card", flat, position, Quat::IDENTITY);
-                y += gap + thickness;
-            }
-        }
+        let house = CardHouse {
+            levels,
+            gap: self.options.vertical_gap,
+            ..Default::default()
+        };
+        self.lay("card", house.blocks());
         None
     }
 }

@@ -27,6 +27,8 @@ pub enum Scene {
     Stack(u32),
     /// Rows of cubes of 1 m: n, n − 1, … 1.
     Pyramid(u32),
+    /// So many layers of three planks 0.75 × 0.15 × 0.245 m, each layer across the one below.
+    Tower(u32),
     /// Semicircular arch of n voussoirs, mean radius 3 m, thickness 0.6 m.
     Arch(u32),
     /// Boxes of 0.5 m, jittered, dropped.
@@ -119,6 +121,7 @@ impl Scene {
         match *self {
             Self::Wall(w, h) => count(w) * count(h) + count(h / 2),
             Self::Pyramid(n) => count(n) * (count(n) + 1) / 2,
+            Self::Tower(n) => 3 * count(n),
             Self::CardHouse(n) => count(n) * (count(n) + 1) + count(n - 1),
             Self::MassRatio(_, n) => count(n) + 1,
             Self::Stack(n)
@@ -160,6 +163,7 @@ impl Scene {
             Self::Wall(w, h) => site.wall(w, h),
             Self::Stack(n) => site.stack(n),
             Self::Pyramid(n) => site.pyramid(n),
+            Self::Tower(n) => site.tower(n),
             Self::Arch(n) => site.arch(n),
             Self::CardHouse(n) => site.card_house(n),
             Self::Cantilever(n) => site.cantilever(n),
@@ -269,6 +273,7 @@ mod tests {
             "wall:4x5",
             "stack:3",
             "pyramid:4",
+            "tower:5",
             "arch:7",
             "heap:9",
             "incline:20",

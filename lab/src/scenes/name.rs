@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// How every scene is called.
-pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, arch:N, heap:N, \
+pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, tower:N, arch:N, heap:N, \
     pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
     cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N";
 
@@ -90,6 +90,7 @@ impl FromStr for Scene {
             }
             "stack" => Self::Stack(count()?),
             "pyramid" => Self::Pyramid(count()?),
+            "tower" => Self::Tower(count()?),
             "arch" => {
                 let n = count()?;
                 within(n as f32, VOUSSOIRS)?;
@@ -133,6 +134,7 @@ impl fmt::Display for Scene {
             Self::Wall(w, h) => write!(f, "wall:{w}x{h}"),
             Self::Stack(n) => write!(f, "stack:{n}"),
             Self::Pyramid(n) => write!(f, "pyramid:{n}"),
+            Self::Tower(n) => write!(f, "tower:{n}"),
             Self::Arch(n) => write!(f, "arch:{n}"),
             Self::Heap(n) => write!(f, "heap:{n}"),
             Self::Pile(grain, n) => {

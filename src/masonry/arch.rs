@@ -1,0 +1,93 @@
+//! Arches of voussoirs.
+
+use super::{Block, MasonryError, error};
+use crate::body::Pose;
+use crate::collider::Collider;
+use glam::{Quat, Vec3};
+use std::f32::consts::PI;
+
+/// Part of a ring in the x–y plane, with radial joints, about the origin: semicircular unless said, springing from y = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arch {
+    /// Of the middle of the ring, m.
+    pub radius: f32,
+    /// Along the radius, m.
+    pub thickness: f32,
+    /// Along z, m.
+    pub depth: f32,
+    /// How many there are.
+    pub voussoirs: u32,
+    /// From springing to springing, rad; π is half a ring.
+    pub angle: f32,
+    /// Of each joint, and under both springers, m.
+    pub gap: f32,
+}
+
+impl Default for Arch {
+    fn default() -> Self {
+        Self {
+            radius: 3.0,
+            thickness: 0.6,
+            depth: 1.0,
+            voussoirs: 15,
+            angle: PI,
+            gap: 0.0,
+        }
+    }
+}
+
+impl Arch {
+    /// Its voussoirs, from the right springing to the left.
+    ///
+    /// # Errors
+    /// Where a size is no size, there are no voussoirs, or each takes half a ring or more.
+    pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
+        error::size("an arch's radius", self.radius)?;
+        error::size("an arch's thickness", self.thickness)?;
+        error::size("an arch's depth", self.depth)?;
+        error::size("an arch's angle", self.angle)?;
+        error::gap("an arch's gap", self.gap)?;
+        if self.thickness >= 2.0 * self.radius {
+            return Err(MasonryError::InvalidSize("the inner radius"));
+        }
+        if self.angle > 2.0 * PI {
+            return Err(MasonryError::InvalidSize("an arch's angle"));
+        }
+        if self.voussoirs == 0 {
+            return Err(MasonryError::Nothing("voussoirs"));
+        }
+        let angle = self.angle / self.voussoirs as f32;
+        let half = 0.5 * angle;
+        if half >= 0.49 * PI {
+            return Err(MasonryError::DegenerateBlock);
+        }
+        let reach = 0.5 * self.thickness;
+        let (inner, outer) = (self.radius - reach, self.radius + reach);
+        let corner = |radius: f32, side: f32, z: f32| {
+            let (sin, cos) = (side * half).sin_cos();
+            Vec3::new(radius * cos, radius * sin, z * 0.5 * self.depth)
+        };
+        // In a frame at the arch's centre with x through the voussoir's middle; then moved to the voussoir's own middle.
+        let middle = Vec3::X * self.radius;
+        let points: Vec<Vec3> = [-1.0, 1.0]
+            .iter()
+            .flat_map(|&z| {
+                [(inner, -1.0), (inner, 1.0), (outer, -1.0), (outer, 1.0)]
+                    .map(|(r, s)| corner(r, s, z) - middle)
+            })
+            .collect();
+        let voussoir = Collider::convex_hull(&points).map_err(|_| MasonryError::DegenerateBlock)?;
+        // Moved out along its middle, each joint opens by the gap; lifted, so do the springers'.
+        let out = 0.5 * self.gap / half.sin();
+        let first = 0.5 * (PI - self.angle);
+        let block = |i: u32| {
+            let rotation = Quat::from_rotation_z(first + (i as f32 + 0.5) * angle);
+            let position = rotation * (middle + Vec3::X * out) + Vec3::Y * (0.5 * self.gap);
+            Block {
+                collider: voussoir.clone(),
+                pose: Pose { position, rotation },
+            }
+        };
+        Ok((0..self.voussoirs).map(block).collect())
+    }
+}

@@ -1,0 +1,95 @@
+//! Domes of rings.
+
+use super::{Block, MasonryError, error};
+use crate::body::Pose;
+use crate::collider::Collider;
+use glam::{Quat, Vec3};
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+/// Part of a shell about the y axis, of rings of blocks, open at the top; a hemisphere that springs from y = 0 but for the opening. The blocks of a
+/// ring stand over those of the one below, so that all faces meet whole: half a block aside they would not, since a ring of flat faces is none of
+/// revolution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dome {
+    /// Of the middle of the shell, m.
+    pub radius: f32,
+    /// Along the radius, m.
+    pub thickness: f32,
+    /// One on the other.
+    pub rings: u32,
+    /// In each ring.
+    pub blocks: u32,
+    /// From the axis to the edge of the opening, rad.
+    pub opening: f32,
+}
+
+impl Default for Dome {
+    fn default() -> Self {
+        Self {
+            radius: 2.5,
+            thickness: 0.5,
+            rings: 6,
+            blocks: 16,
+            opening: 0.25,
+        }
+    }
+}
+
+impl Dome {
+    /// Its blocks, ring by ring from the ground.
+    ///
+    /// # Errors
+    /// Where a size is no size, there are fewer than three blocks in a ring or no ring, or the opening leaves no room for them.
+    pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
+        error::size("a dome's radius", self.radius)?;
+        error::size("a dome's thickness", self.thickness)?;
+        error::size("a dome's opening", self.opening)?;
+        if self.thickness >= 2.0 * self.radius {
+            return Err(MasonryError::InvalidSize("the inner radius"));
+        }
+        if self.opening >= FRAC_PI_2 {
+            return Err(MasonryError::InvalidSize("a dome's opening"));
+        }
+        if self.rings == 0 {
+            return Err(MasonryError::Nothing("rings"));
+        }
+        if self.blocks < 3 {
+            return Err(MasonryError::Nothing("blocks that close a ring"));
+        }
+        let rise = (FRAC_PI_2 - self.opening) / self.rings as f32;
+        let turn = TAU / self.blocks as f32;
+        let reach = 0.5 * self.thickness;
+        let radii = [self.radius - reach, self.radius + reach];
+        let mut blocks = Vec::new();
+        for ring in 0..self.rings {
+            let (low, high) = (ring as f32 * rise, (ring + 1) as f32 * rise);
+            // With x through its middle.
+            let corner = |radius: f32, up: f32, side: f32| {
+                let out = radius * up.cos();
+                let (sin, cos) = (0.5 * side * turn).sin_cos();
+                Vec3::new(out * cos, radius * up.sin(), out * sin)
+            };
+            let mut points = Vec::with_capacity(8);
+            for radius in radii {
+                for up in [low, high] {
+                    points.extend([-1.0, 1.0].map(|side| corner(radius, up, side)));
+                }
+            }
+            let middle = points.iter().sum::<Vec3>() / points.len() as f32;
+            points.iter_mut().for_each(|point| *point -= middle);
+            let block =
+                Collider::convex_hull(&points).map_err(|_| MasonryError::DegenerateBlock)?;
+            blocks.extend((0..self.blocks).map(|i| {
+                let rotation = Quat::from_rotation_y(i as f32 * turn);
+                Block {
+                    collider: block.clone(),
+                    pose: Pose {
+                        position: rotation * middle,
+                        rotation,
+                    },
+                }
+            }));
+        }
+        Ok(blocks)
+    }
+}

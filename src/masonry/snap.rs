@@ -1,0 +1,98 @@
+//! The place of a brick in a bond.
+
+use super::quarter_turn;
+use crate::body::Pose;
+use glam::{Quat, Vec3};
+
+/// A brick that lies beside another overlaps it by this share of the shorter of the two at least.
+const HOLD: f32 = 0.2;
+
+/// Where a brick would go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapped {
+    /// Its pose.
+    pub pose: Pose,
+    /// It is laid on top, and not beside.
+    pub on_top: bool,
+}
+
+/// The place for a box that somebody points at another with: on top of it, half a brick aside, flush or in the middle, whichever is nearest to
+/// the point; or beside it in the same course, face to face. None under it, and none where a number is not finite or a size not positive.
+///
+/// `brick` is the full size of what is laid, `turned` whether it is to lie across; `under` is the pose of the box pointed at, upright in its own
+/// frame, `size` its full size, and `point` and `normal` where it is pointed at and the surface there (world).
+///
+/// ```
+/// use drystone::masonry::{BRICK, snap};
+/// use drystone::prelude::*;
+///
+/// // A little right of the middle of a brick's top: in running bond half a brick aside.
+/// let lies = Pose { position: Vec3::new(0.0, 0.25, 0.0), ..Pose::default() };
+/// let place = snap(BRICK, false, &lies, BRICK, Vec3::new(0.3, 0.5, 0.1), Vec3::Y).unwrap();
+/// assert_eq!(place.pose.position, Vec3::new(0.5, 0.75, 0.0));
+/// // At its end: next to it.
+/// let place = snap(BRICK, false, &lies, BRICK, Vec3::new(0.5, 0.3, 0.1), Vec3::X).unwrap();
+/// assert_eq!(place.pose.position, Vec3::new(1.0, 0.25, 0.0));
+/// ```
+pub fn snap(
+    brick: Vec3,
+    turned: bool,
+    under: &Pose,
+    size: Vec3,
+    point: Vec3,
+    normal: Vec3,
+) -> Option<Snapped> {
+    let is_size = |size: Vec3| size.is_finite() && size.min_element() > 0.0;
+    if !is_size(brick) || !is_size(size) || !under.is_finite() || !point.is_finite() {
+        return None;
+    }
+    let turn = match turned {
+        true => quarter_turn(),
+        false => Quat::IDENTITY,
+    };
+    let own = match turned {
+        true => 0.5 * Vec3::new(brick.z, brick.y, brick.x),
+        false => 0.5 * brick,
+    };
+    let other = 0.5 * size;
+    let point = under.inverse_transform_point(point);
+    let normal = under.rotation.inverse() * normal.try_normalize()?;
+    let along = if size.x >= size.z { 0 } else { 2 };
+    let face = normal.abs().max_position();
+    let mut place = Vec3::ZERO;
+    for axis in 0..3 {
+        let (own, other, point) = (own[axis], other[axis], point[axis]);
+        place[axis] = match axis {
+            _ if axis == face => normal[axis].signum() * (own + other),
+            // Both stand on the same course.
+            1 => own - other,
+            _ if face == 1 && axis == along => nearest(own, other, own.min(other), point),
+            _ => nearest(own, other, 2.0 * own.min(other), point),
+        };
+    }
+    if face == 1 && normal.y < 0.0 {
+        return None;
+    }
+    Some(Snapped {
+        pose: Pose {
+            position: under.transform_point(place),
+            rotation: under.rotation * turn,
+        },
+        on_top: face == 1,
+    })
+}
+
+/// Of the places at which the ends of two stretches of half lengths `own` and `other` are flush, or so many steps aside, the nearest
+/// to a point.
+fn nearest(own: f32, other: f32, step: f32, point: f32) -> f32 {
+    let flush = other - own;
+    let most = own + other - 2.0 * HOLD * own.min(other);
+    let far = point.clamp(-most, most);
+    let place = flush + ((far - flush) / step).round() * step;
+    match place {
+        // The step beyond would lose hold.
+        place if place > most => place - step,
+        place if place < -most => place + step,
+        place => place,
+    }
+}

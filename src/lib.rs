@@ -80,6 +80,8 @@ pub mod schedule;
 pub mod settings;
 pub mod solve;
 pub mod solver;
+#[cfg(feature = "stability")]
+pub mod stability;
 pub mod stabilization;
 
 pub use plugin::*;

@@ -1,0 +1,57 @@
+//! What has no margin.
+
+use bevy_ecs::entity::Entity;
+use std::fmt;
+
+/// Why a margin cannot be told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StabilityError {
+    /// A structure of no bodies.
+    Nothing,
+    /// It is no body that simulation knows: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or has come since the last
+    /// step.
+    NoBody(Entity),
+    /// A static or kinematic body, which stands whatever is done to it.
+    Fixed(Entity),
+    /// What is pulled is not of the structure.
+    NotOfStructure(Entity),
+    /// A direction is zero or not finite, or for a tilt along gravity.
+    NoDirection,
+    /// Without gravity nothing is tilted.
+    NoGravity,
+    /// A point is not finite.
+    NotFinite,
+    /// It does not stand as it is: no forces in its joints balance its weight.
+    Falls,
+    /// The cone program was not solved: it is too large or too badly scaled.
+    Unsolved,
+}
+
+impl fmt::Display for StabilityError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nothing => f.write_str("a structure of no bodies has no margin"),
+            Self::NoBody(entity) => crate::contact::NoBody(*entity).fmt(f),
+            Self::Fixed(entity) => write!(
+                f,
+                "{entity} is static or kinematic: name the dynamic bodies of a structure only"
+            ),
+            Self::NotOfStructure(entity) => {
+                write!(f, "{entity}, which is pulled, is not of the structure")
+            }
+            Self::NoDirection => {
+                f.write_str("a direction that is zero, not finite, or for a tilt along gravity")
+            }
+            Self::NoGravity => f.write_str("without gravity nothing can be tilted"),
+            Self::NotFinite => f.write_str("the point at which it is pulled is not finite"),
+            Self::Falls => f.write_str(
+                "the structure does not stand as it is: no forces in its joints balance its weight",
+            ),
+            Self::Unsolved => f.write_str(
+                "the cone program of the structure was not solved: too large, or too badly scaled",
+            ),
+        }
+    }
+}
+
+impl std::error::Error for StabilityError {}

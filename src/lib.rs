@@ -62,6 +62,7 @@
 
 pub mod body;
 pub mod broadphase;
+pub mod collapse;
 pub mod collider;
 pub mod contact;
 pub mod diagnosis;
@@ -93,6 +94,7 @@ pub mod prelude {
         Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
         GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
     };
+    pub use crate::collapse::{Collapse, CollapsePlugin, GaveWay, Watch};
     pub use crate::collider::{
         Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
     };

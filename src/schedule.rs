@@ -4,6 +4,7 @@
 //! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`; replace one by taking its plugin out of
 //! [`DrystonePlugins`](crate::DrystonePlugins) and adding a system of your own to its set.
 
+use crate::collapse::Collapse;
 use crate::contact::{ContactEnded, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::profile::Profile;
@@ -91,6 +92,9 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<StepError>>().update();
     world.resource_mut::<Messages<ContactStarted>>().update();
     world.resource_mut::<Messages<ContactEnded>>().update();
+    if let Some(mut collapses) = world.get_resource_mut::<Messages<Collapse>>() {
+        collapses.update();
+    }
     let result = advance(world, dt);
     world.clear_trackers();
     result

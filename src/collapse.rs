@@ -1,8 +1,8 @@
 //! Telling when a structure loses its hold: [`Collapse`], one message for all of it, with the first body that gave way, and how.
 //!
 //! Put [`Watch`] on bodies, and add [`CollapsePlugin`]. A watched body that has been still for a moment stands where it is then, together with what
-//! it touches: a structure. When one that nobody holds has left its place, the structure has collapsed: the message names the first of it that
-//! did, be it held, and the rest follows without a word, until it stands again. That somebody takes a brick off the top is none.
+//! it touches: a structure. When one that nobody holds or pushes has left its place, the structure has collapsed: the message names the first of it that
+//! did, be it held or pushed, and the rest follows without a word, until it stands again. That somebody takes a brick off the top is none.
 //!
 //! ```
 //! use bevy_ecs::message::Messages;
@@ -210,7 +210,7 @@ pub fn collapses(
         }
         let went = pose.position - place.position;
         let turned = pose.rotation.angle_between(place.rotation) * body.radius;
-        let pushed = force.is_some_and(|force| *force != ExternalForce::default());
+        let held = grab.is_some() || force.is_some_and(|force| *force != ExternalForce::default());
         let crushed = !stands.crushed
             && watch.strength.is_finite()
             && contacts
@@ -224,12 +224,12 @@ pub fn collapses(
         stands.leave();
         let how = match () {
             () if crushed => GaveWay::Crushed,
-            () if pushed || grab.is_some() => GaveWay::Pulled,
+            () if held => GaveWay::Pulled,
             () if turned > went.length() => GaveWay::Tipped,
             () if went.dot(down) > 0.7 * went.length() => GaveWay::Fell,
             () => GaveWay::Slid,
         };
-        if grab.is_some() && !crushed {
+        if held && !crushed {
             let pulled = (entity, how, structures.now);
             structures.pulled.entry(structure).or_insert(pulled);
         } else {

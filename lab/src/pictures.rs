@@ -1,5 +1,6 @@
 //! Pictures of a scene on the CPU: `euc` fills triangles against a depth buffer, the ground is cast ray by ray.
 
+use crate::plots::Canvas;
 use drystone::body::Pose;
 use drystone::collider::Collider;
 use euc::buffer::Buffer2d;
@@ -8,6 +9,10 @@ use euc::{Pipeline, Target};
 use glam::camera::rh::proj::opengl::perspective;
 use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
+use plotters_backend::{DrawingBackend, DrawingErrorKind};
+use std::error::Error;
+use std::fs;
+use std::path::Path;
 
 /// Size of a frame, pixels.
 pub const SIZE: (u32, u32) = (400, 300);
@@ -50,6 +55,21 @@ impl Camera {
         perspective(Self::FIELD, aspect, near, 50.0 * self.height)
             * look_at_mat4(self.eye(), self.target, Vec3::Y)
     }
+}
+
+/// Writes a frame as a PNG, into a folder that is made where it is missing.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn save(path: &Path, pixels: &[u8]) -> Result<(), Box<dyn Error>> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let mut canvas = Canvas::new(path, SIZE);
+    let blit = |why: DrawingErrorKind<_>| format!("{}: {why}", path.display());
+    canvas.blit_bitmap((0, 0), SIZE, pixels).map_err(blit)?;
+    canvas.present().map_err(blit)?;
+    Ok(())
 }
 
 /// A corner of a triangle: where it is, m; the face's colour; distances to the triangle's three sides, m, infinite in

@@ -94,6 +94,11 @@ impl Shadow {
         &mut self.world
     }
 
+    /// That world, for steps of one's own.
+    pub fn into_world(self) -> World {
+        self.world
+    }
+
     /// Takes steps until all lies still, or time is up.
     ///
     /// # Errors

@@ -1,4 +1,5 @@
-//! What a question costs: of a place among ten thousand bricks, a wall of 400 × 25; of what carries what in a wall of 40 × 25.
+//! What a question costs: of a place among ten thousand bricks, a wall of 400 × 25; of what carries what in a wall of 40 × 25;
+//! of what would happen, and how safe it is, in a wall of 10 × 10 (the last with `--features stability`).
 //!
 //! ```text
 //! cargo bench --bench query
@@ -10,6 +11,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use drystone::collider::Collider;
 use drystone::contact::{Contacts, Supports};
 use drystone::prelude::{Pose, Quat, Vec3};
+use drystone::preview::{Edit, Shadow, preview};
 use drystone::query::{Dir3, QueryFilter, Ray3d, SpatialQuery};
 use drystone::settings::Preset;
 use drystone_lab::experiment::Experiment;
@@ -130,5 +132,32 @@ fn carrying(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, questions, carrying);
+/// Of a wall of 10 × 10.
+fn previews(criterion: &mut Criterion) {
+    let mut run = Experiment::new(Scene::Wall(10, 10), Preset::Default).start();
+    for _ in 0..60 {
+        run.step();
+    }
+    let mut group = criterion.benchmark_group("preview, 105 bricks");
+    for (name, brick) in [("nothing falls", 60), ("a corner falls", 0)] {
+        let edit = Edit::Take(vec![run.bodies[brick]]);
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| black_box(preview(&run.world, &edit)));
+        });
+    }
+    group.bench_function("the copy alone", |bencher| {
+        bencher.iter(|| black_box(Shadow::around(&run.world, &run.bodies).is_ok()));
+    });
+    group.finish();
+    #[cfg(feature = "stability")]
+    {
+        use drystone::stability::{Trial, stability};
+        criterion.bench_function("stability, 105 bricks, tilted", |bencher| {
+            let trial = Trial::Tilt(Vec3::Z);
+            bencher.iter(|| black_box(stability(&run.world, &run.bodies, &trial)));
+        });
+    }
+}
+
+criterion_group!(benches, questions, carrying, previews);
 criterion_main!(benches);

@@ -49,8 +49,9 @@
 //! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
-//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`], [`grab`], [`query`], which asks the world, and [`preview`], which
-//! says what would happen.
+//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`]; what a builder stands on: [`query`]
+//! asks the world, [`preview`] says what would happen, [`grab`] holds, [`masonry`] lays, [`collapse`] tells; and behind features of their names
+//! `stability`, `gizmos` and `picking`.
 //! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.
 
 #![warn(missing_docs)]
@@ -68,11 +69,15 @@ pub mod contact;
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
 pub mod diagnostics;
+#[cfg(feature = "gizmos")]
+pub mod gizmos;
 pub mod grab;
 pub mod integration;
 pub mod islands;
 pub mod masonry;
 pub mod narrowphase;
+#[cfg(feature = "picking")]
+pub mod picking;
 mod plugin;
 pub mod preview;
 pub mod profile;

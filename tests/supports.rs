@@ -36,6 +36,37 @@ fn names(bearings: &[Bearing], of: impl Fn(&Bearing) -> Entity) -> Vec<Entity> {
     bearings.iter().map(of).collect()
 }
 
+/// Awake, asleep, at rest, and where something that is awake touches what rests.
+#[test]
+fn a_structure_is_what_touches_in_whatever_state() {
+    let mut lab = Lab::new();
+    let ground = lab.ground();
+    let mut all: Vec<Entity> = pyramid(&mut lab, 4).into_iter().flatten().collect();
+    let other = brick(&mut lab, 8.0, 0);
+    let check = |lab: &mut Lab, all: &[Entity]| {
+        ask(lab, |supports| {
+            for &brick in all {
+                assert_eq!(supports.structure(brick).unwrap(), all);
+            }
+            assert_eq!(supports.structure(other).unwrap(), [other]);
+            assert_eq!(supports.structure(ground).unwrap(), []);
+        });
+    };
+    for seconds in [0.1, 0.3, 0.3, 2.0] {
+        lab.run(seconds);
+        check(&mut lab, &all);
+    }
+    all.push(brick(&mut lab, 1.5, 4));
+    for seconds in [0.1, 2.0] {
+        lab.run(seconds);
+        check(&mut lab, &all);
+    }
+    let gone = all.remove(3);
+    lab.world.despawn(gone);
+    lab.step();
+    check(&mut lab, &all);
+}
+
 #[test]
 fn a_stack_hangs_on_each_of_its_bricks() {
     let mut lab = Lab::new();

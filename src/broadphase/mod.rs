@@ -72,6 +72,12 @@ impl Broadphase {
         &self.tree
     }
 
+    /// The fat boxes of all bodies that have one.
+    #[cfg(feature = "gizmos")]
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = &Aabb> {
+        self.fat.iter().flatten()
+    }
+
     /// Slots of bodies that are not in their box in the tree, or have none.
     pub(crate) fn outside(&self) -> impl Iterator<Item = u32> {
         self.unbounded.iter().chain(&self.outrun).copied()

@@ -39,6 +39,8 @@
 //! ```
 
 use super::{Contacts, NoBody};
+use crate::body::BodyState;
+use crate::islands::Islands;
 use crate::settings::Gravity;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
@@ -71,6 +73,7 @@ pub struct Bearing {
 #[derive(SystemParam)]
 pub struct Supports<'w, 's> {
     contacts: Contacts<'w, 's>,
+    islands: Res<'w, Islands>,
     gravity: Res<'w, Gravity>,
 }
 
@@ -216,26 +219,22 @@ impl Supports<'_, '_> {
         Ok(self.by_age(under.into_keys()))
     }
 
-    /// All that holds together with a body by touching: dynamic bodies, over whatever faces press. What cannot move ends it. The eldest
-    /// first.
+    /// All that holds together with a body by touching: the dynamic bodies of its [island](crate::islands). What cannot move is in none.
+    /// The eldest first.
     ///
     /// # Errors
     /// Where it is no body.
     pub fn structure(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
-        let mut found = EntityHashSet::default();
-        let mut next = vec![body];
-        while let Some(body) = next.pop() {
-            let slot = self.contacts.slot(body)?;
-            let moves = self
-                .contacts
-                .table
-                .get(slot)
-                .is_some_and(|b| b.is_dynamic());
-            if moves && found.insert(body) {
-                next.extend(self.contacts.neighbours(slot).into_iter().map(|(by, _)| by));
-            }
+        let slot = self.contacts.slot(body)?;
+        let table = &*self.contacts.table;
+        if !table.get(slot).is_some_and(BodyState::is_dynamic) {
+            return Ok(Vec::new());
         }
-        Ok(self.by_age(found.into_iter()))
+        let members = self.islands.members(table, slot).into_iter();
+        let members = members.filter_map(|slot| table.get(slot));
+        let mut members: Vec<_> = members.map(|body| (body.age, body.entity)).collect();
+        members.sort_unstable_by_key(|&(age, _)| age);
+        Ok(members.into_iter().map(|(_, body)| body).collect())
     }
 
     fn by_age(&self, bodies: impl Iterator<Item = Entity>) -> Vec<Entity> {

@@ -181,6 +181,32 @@ impl Islands {
         self.graph.of(self.node(table, slot))
     }
 
+    /// The slots of all bodies in the island of a dynamic one, be they awake, asleep or at rest.
+    pub(crate) fn members(&self, table: &BodyTable, slot: u32) -> Vec<u32> {
+        let is_there = |(slot, entity): &(u32, Entity)| {
+            table.rests(*slot) && table.get(*slot).is_some_and(|body| body.entity == *entity)
+        };
+        let at_rest = |group: u32| {
+            let members = self
+                .resting
+                .members(group)
+                .iter()
+                .filter(|&one| is_there(one));
+            members.map(|&(slot, _)| slot)
+        };
+        let Some(island) = self.find(table, slot) else {
+            // Nothing that is active touches it.
+            let group = self.resting.of(slot).filter(|_| table.rests(slot));
+            return group.into_iter().flat_map(at_rest).collect();
+        };
+        let active = table.active().map(|(slot, _)| slot);
+        let active = active.filter(|&slot| self.graph.of(slot) == Some(island));
+        let groups = self.touched.iter().copied();
+        let groups =
+            groups.filter(|group| self.graph.of(table.slots() as u32 + group) == Some(island));
+        active.chain(groups.flat_map(at_rest)).collect()
+    }
+
     /// What bodies and contacts are solved in the order of.
     pub(crate) fn rank(&self, slot: u32, body: &BodyState) -> (u32, Age) {
         (self.levels.of(slot), body.age)

@@ -28,6 +28,11 @@ impl Groups {
         self.members.len()
     }
 
+    /// The bodies of an island. Some may have gone, and their slots to others.
+    pub fn members(&self, island: u32) -> &[(u32, Entity)] {
+        self.members.get(island as usize).map_or(&[], Vec::as_slice)
+    }
+
     /// Dissolves an island: its bodies. Some may have gone, and their slots to others.
     pub fn take(&mut self, island: u32) -> Vec<(u32, Entity)> {
         self.free.push(island);

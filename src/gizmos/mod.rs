@@ -1,0 +1,241 @@
+//! Looking inside: shapes, boxes, contacts, impulses, anchors, islands, sleep and loads as lines, through [`bevy_gizmos`].
+//!
+//! Add [`PhysicsGizmosPlugin`] to an app that draws gizmos; what is drawn says [`PhysicsGizmos`], a gizmo config group, of which each kind
+//! is switched by itself:
+//!
+//! ```no_run
+//! use bevy_app::prelude::*;
+//! use bevy_ecs::prelude::*;
+//! use bevy_gizmos::prelude::*;
+//! use drystone::gizmos::{PhysicsGizmos, PhysicsGizmosPlugin};
+//! use drystone::prelude::*;
+//!
+//! fn toggle(mut config: ResMut<GizmoConfigStore>) {
+//!     let (_, physics) = config.config_mut::<PhysicsGizmos>();
+//!     physics.contacts = !physics.contacts;
+//! }
+//!
+//! App::new()
+//!     .add_plugins((DrystonePlugins::default(), PhysicsGizmosPlugin))
+//!     .add_systems(Update, toggle)
+//!     .run();
+//! ```
+
+mod outline;
+
+use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, Sleeping};
+use crate::broadphase::Broadphase;
+use crate::collider::Collider;
+use crate::contact::{
+    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Contacts, Manifold,
+};
+use crate::islands::Islands;
+use crate::settings::Gravity;
+use bevy_app::{App, Plugin, PostUpdate};
+use bevy_color::{Alpha, Color};
+use bevy_ecs::prelude::*;
+use bevy_gizmos::AppGizmoBuilder;
+use bevy_gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
+use bevy_gizmos::gizmos::Gizmos;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use bevy_transform::TransformSystems;
+use glam::Vec3;
+
+/// Draws what [`PhysicsGizmos`] asks for, in `PostUpdate`. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins).
+pub struct PhysicsGizmosPlugin;
+
+impl Plugin for PhysicsGizmosPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_gizmo_group::<PhysicsGizmos>().add_systems(
+            PostUpdate,
+            (shapes, boxes, contacts).after(TransformSystems::Propagate),
+        );
+    }
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, GizmoConfigGroup)]
+#[reflect(Default)]
+pub struct PhysicsGizmos {
+    /// The outlines of all shapes.
+    pub shapes: bool,
+    /// What sleeps is paler.
+    pub sleep: bool,
+    /// Each island that is awake has a colour.
+    pub islands: bool,
+    /// What a body bears of others as a colour, from blue, nothing, to red, ten times its own weight.
+    pub loads: bool,
+    /// The boxes of the broadphase.
+    pub boxes: bool,
+    /// Contact points with their normals: green where they stick, red where they slip.
+    pub contacts: bool,
+    /// What presses at each point, and friction at each face, as rays.
+    pub impulses: bool,
+    /// From the middle of a face that is anchored, by how much it has slipped since.
+    pub anchors: bool,
+    /// How long a ray is for a force, m/N.
+    pub metres_per_newton: f32,
+    /// How many times as large slips are drawn.
+    pub slip_scale: f32,
+}
+
+impl Default for PhysicsGizmos {
+    /// Shapes and sleep.
+    fn default() -> Self {
+        Self {
+            shapes: true,
+            sleep: true,
+            islands: false,
+            loads: false,
+            boxes: false,
+            contacts: false,
+            impulses: false,
+            anchors: false,
+            metres_per_newton: 5e-5,
+            slip_scale: 100.0,
+        }
+    }
+}
+
+const DYNAMIC: Color = Color::srgb(0.95, 0.65, 0.25);
+const KINEMATIC: Color = Color::srgb(0.70, 0.45, 0.95);
+const STATIC: Color = Color::srgb(0.45, 0.50, 0.50);
+const BOX: Color = Color::srgb(0.30, 0.30, 0.60);
+const STICKS: Color = Color::srgb(0.20, 0.85, 0.30);
+const SLIPS: Color = Color::srgb(0.95, 0.20, 0.15);
+const PRESSES: Color = Color::srgb(0.95, 0.90, 0.30);
+const RUBS: Color = Color::srgb(0.30, 0.80, 0.95);
+const SLIPPED: Color = Color::srgb(0.95, 0.30, 0.85);
+
+/// Golden angle, °: neighbours in number are far apart in hue.
+const GOLDEN: f32 = 137.508;
+
+/// The half length of a point's cross and the length of its normal, m.
+const POINT: f32 = 0.02;
+const NORMAL: f32 = 0.1;
+
+/// Of bodies.
+pub fn shapes(
+    mut gizmos: Gizmos<PhysicsGizmos>,
+    config: Res<GizmoConfigStore>,
+    (islands, gravity, contacts): (Res<Islands>, Res<Gravity>, Contacts),
+    table: Res<BodyTable>,
+    bodies: Query<(Entity, &RigidBody, &BodyIndex, &Collider, &Pose, &Sleeping)>,
+) {
+    let (_, show) = config.config::<PhysicsGizmos>();
+    if !show.shapes {
+        return;
+    }
+    for (entity, kind, index, collider, pose, sleeping) in &bodies {
+        let mut color = match kind {
+            RigidBody::Dynamic => DYNAMIC,
+            RigidBody::Kinematic => KINEMATIC,
+            RigidBody::Static => STATIC,
+        };
+        if *kind == RigidBody::Dynamic {
+            if show.islands
+                && let Some(island) = islands.of(index.0)
+            {
+                color = Color::hsl(island as f32 * GOLDEN % 360.0, 0.8, 0.55);
+            }
+            if show.loads
+                && let Some(body) = table.get(index.0)
+            {
+                color = load_color(&contacts, &gravity, entity, body);
+            }
+            if show.sleep && sleeping.asleep {
+                color = color.with_alpha(0.35);
+            }
+        }
+        outline::lines(collider, |[a, b]| {
+            gizmos.line(pose.transform_point(a), pose.transform_point(b), color);
+        });
+    }
+}
+
+fn load_color(contacts: &Contacts, gravity: &Gravity, entity: Entity, body: &BodyState) -> Color {
+    let faces = contacts.on(entity).unwrap_or_default();
+    let down = gravity.0.normalize_or_zero();
+    let bears: f32 = faces.iter().map(|face| face.force.dot(down).max(0.0)).sum();
+    let weight = gravity.0.length() / body.mass.inverse_mass;
+    let share = match weight > 0.0 {
+        true => (bears / (10.0 * weight)).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    Color::hsl(240.0 * (1.0 - share.sqrt()), 0.9, 0.5)
+}
+
+/// Of the broadphase.
+pub fn boxes(
+    mut gizmos: Gizmos<PhysicsGizmos>,
+    config: Res<GizmoConfigStore>,
+    broadphase: Res<Broadphase>,
+) {
+    if !config.config::<PhysicsGizmos>().1.boxes {
+        return;
+    }
+    for aabb in broadphase.boxes() {
+        outline::box_lines(aabb.mins, aabb.maxs, |[a, b]| gizmos.line(a, b, BOX));
+    }
+}
+
+/// Of pairs: points, forces, slips.
+pub fn contacts(
+    mut gizmos: Gizmos<PhysicsGizmos>,
+    config: Res<GizmoConfigStore>,
+    table: Res<BodyTable>,
+    pairs: Query<(
+        &ContactPair,
+        &Manifold,
+        &ContactImpulses,
+        &ContactAnchors,
+        &ContactTargets,
+    )>,
+) {
+    let (_, show) = config.config::<PhysicsGizmos>();
+    if !(show.contacts || show.impulses || show.anchors) {
+        return;
+    }
+    for (pair, manifold, impulses, anchors, targets) in &pairs {
+        let Some(a) = table.get(pair.slots[0]) else {
+            continue;
+        };
+        for (number, patch) in manifold.patches.iter().enumerate() {
+            let sticks = match anchors.patches.get(number) {
+                Some(anchor) => anchor.sticking,
+                None => {
+                    let points = anchors.points.get(patch.range()).unwrap_or_default();
+                    points.iter().any(|anchor| anchor.sticking)
+                }
+            };
+            let color = if sticks { STICKS } else { SLIPS };
+            for i in patch.range() {
+                let point = a.center + manifold.points[i].arm;
+                if show.contacts {
+                    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                        gizmos.line(point - POINT * axis, point + POINT * axis, color);
+                    }
+                    gizmos.ray(point, NORMAL * patch.normal, color);
+                }
+                if show.impulses
+                    && let Some(impulse) = impulses.points.get(i)
+                {
+                    let force = impulse.warm_normal * show.metres_per_newton;
+                    gizmos.ray(point, force * patch.normal, PRESSES);
+                }
+            }
+            let center = a.center + patch.center;
+            if show.impulses
+                && let Some(impulse) = impulses.patches.get(number)
+            {
+                let force = impulse.warm_tangential * show.metres_per_newton;
+                gizmos.ray(center, force, RUBS);
+            }
+            if show.anchors
+                && let Some(Some(slip)) = targets.patches.get(number)
+            {
+                gizmos.ray(center, show.slip_scale * slip.shift, SLIPPED);
+            }
+        }
+    }
+}

@@ -7,9 +7,9 @@
 //!
 //! With c = 0 and μ' = μ that is the theorem of plasticity, in which what slides opens as well, by μ times as much: a brick between others
 //! would have to lift the wall to be pulled out of it, and would be held by far too much. So a cone is made as wide as what presses on the face
-//! makes it, c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the round before; but of the many N that balance a load their
-//! rounds find the one that helps most, a wall that hangs on the brick that is pulled. Here N is what presses now, and what the load adds to it if all gives way
-//! alike, which is least squares; rounds go on until the load does not change any more.
+//! makes it, c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the round before; but of the many N that balance
+//! a load their rounds find the one that helps most, a wall that hangs on the brick that is pulled. Here N is what presses now, and what the
+//! load adds to it if all gives way alike, which is least squares; rounds go on until the load does not change any more.
 
 use super::structure::{Joint, Structure};
 use super::{Giving, How, Margin, Moving, StabilityError};

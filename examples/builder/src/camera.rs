@@ -1,0 +1,174 @@
+//! A camera that orbits, and what the mouse points at.
+
+use crate::BuilderSystems;
+use crate::tools::Tool;
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseScrollUnit};
+use bevy::light::ShadowFilteringMethod;
+use bevy::pbr::{DistanceFog, FogFalloff};
+use bevy::prelude::*;
+use bevy::window::PrimaryWindow;
+use bevy_egui::input::EguiWantsInput;
+use drystone::prelude::*;
+
+/// The camera and the [`Pointer`].
+pub struct CameraPlugin;
+
+impl Plugin for CameraPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Pointer>()
+            .init_resource::<View>()
+            .add_systems(Startup, spawn)
+            .add_systems(
+                Update,
+                (orbit, place, point).chain().in_set(BuilderSystems::Point),
+            );
+    }
+}
+
+/// Where the camera looks from.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// What it looks at, m.
+    pub target: Vec3,
+    /// From there, m.
+    pub distance: f32,
+    /// About the vertical, from +z towards +x, rad.
+    pub yaw: f32,
+    /// Above the horizon, rad.
+    pub pitch: f32,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            target: Vec3::Y * 2.0,
+            distance: 14.0,
+            yaw: 0.45,
+            pitch: 0.3,
+        }
+    }
+}
+
+impl View {
+    /// The camera's transform.
+    pub fn transform(&self) -> Transform {
+        let turn = Quat::from_euler(EulerRot::YXZ, self.yaw, -self.pitch, 0.0);
+        Transform::from_translation(self.target + turn * Vec3::Z * self.distance)
+            .looking_at(self.target, Vec3::Y)
+    }
+}
+
+/// The builder's camera.
+#[derive(Component)]
+pub struct Eye;
+
+/// What the mouse points at.
+#[derive(Resource, Default)]
+pub struct Pointer {
+    /// None where it is outside of the window or over the panel.
+    pub ray: Option<Ray3d>,
+    /// The first body there.
+    pub hit: Option<RayHit>,
+    /// The first dynamic body there, if nothing is before it.
+    pub body: Option<Entity>,
+}
+
+/// What a camera needs besides where it looks, and at what.
+pub fn lens() -> impl Bundle {
+    (
+        Camera3d::default(),
+        Projection::Perspective(PerspectiveProjection {
+            fov: 0.7,
+            ..default()
+        }),
+        Tonemapping::AcesFitted,
+        ShadowFilteringMethod::Gaussian,
+        DistanceFog {
+            color: crate::stage::SKY,
+            falloff: FogFalloff::Linear {
+                start: 40.0,
+                end: 160.0,
+            },
+            ..default()
+        },
+        Eye,
+    )
+}
+
+fn spawn(mut commands: Commands, eyes: Query<(), With<Eye>>) {
+    // One that draws to an image is there already.
+    if eyes.is_empty() {
+        commands.spawn(lens());
+    }
+}
+
+/// The right button turns, the middle one shifts, the wheel goes nearer.
+fn orbit(
+    mut view: ResMut<View>,
+    buttons: Res<ButtonInput<MouseButton>>,
+    (motion, scroll): (Res<AccumulatedMouseMotion>, Res<AccumulatedMouseScroll>),
+    (panel, tool): (Option<Res<EguiWantsInput>>, Res<Tool>),
+) {
+    if panel.is_some_and(|panel| panel.wants_any_pointer_input()) {
+        return;
+    }
+    let turn = Quat::from_euler(EulerRot::YXZ, view.yaw, -view.pitch, 0.0);
+    if buttons.pressed(MouseButton::Right) {
+        view.yaw -= 0.006 * motion.delta.x;
+        view.pitch = (view.pitch + 0.006 * motion.delta.y).clamp(-0.05, 1.5);
+    }
+    if buttons.pressed(MouseButton::Middle) {
+        let shift = turn * Vec3::new(-motion.delta.x, motion.delta.y, 0.0);
+        let far = 0.0014 * view.distance;
+        view.target += far * shift;
+        view.target.y = view.target.y.max(0.0);
+    }
+    // A hand that holds something moves that with the wheel.
+    let holds = *tool == Tool::Hand && buttons.pressed(MouseButton::Left);
+    if scroll.delta.y != 0.0 && !holds {
+        let notches = notches(&scroll);
+        view.distance = (view.distance * 0.88f32.powf(notches)).clamp(1.5, 120.0);
+    }
+}
+
+/// Notches of the wheel, whatever it is.
+pub fn notches(scroll: &AccumulatedMouseScroll) -> f32 {
+    match scroll.unit {
+        MouseScrollUnit::Line => scroll.delta.y,
+        MouseScrollUnit::Pixel => scroll.delta.y / 50.0,
+    }
+}
+
+fn place(view: Res<View>, mut eyes: Query<&mut Transform, With<Eye>>) {
+    if view.is_changed() {
+        for mut eye in &mut eyes {
+            *eye = view.transform();
+        }
+    }
+}
+
+fn point(
+    mut pointer: ResMut<Pointer>,
+    world: SpatialQuery,
+    panel: Option<Res<EguiWantsInput>>,
+    windows: Query<&Window, With<PrimaryWindow>>,
+    eyes: Query<(&Camera, &GlobalTransform), With<Eye>>,
+    kinds: Query<&RigidBody>,
+) {
+    let over_panel = panel.is_some_and(|panel| panel.wants_any_pointer_input());
+    let cursor = windows.single().ok().and_then(Window::cursor_position);
+    let ray = eyes.single().ok().zip(cursor.filter(|_| !over_panel));
+    let ray = ray.and_then(|((camera, at), cursor)| camera.viewport_to_world(at, cursor).ok());
+    let hit = ray.and_then(|ray| {
+        let hit = world.cast_ray(ray, 500.0, &QueryFilter::default());
+        hit.ok().flatten()
+    });
+    let body = hit.map(|hit| hit.entity);
+    let is_dynamic = |body: &Entity| kinds.get(*body) == Ok(&RigidBody::Dynamic);
+    *pointer = Pointer {
+        ray,
+        hit,
+        body: body.filter(is_dynamic),
+    };
+}

@@ -1,0 +1,173 @@
+//! Edits: what they do to the world, that they can be taken back, and that they can be saved.
+
+use crate::clock::Clock;
+use crate::journal::{Entry, Journal};
+use crate::pieces::{Piece, to_transform};
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::prelude::*;
+use drystone::masonry::EditLog;
+use drystone::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The log of edits, and its keys.
+pub struct EditsPlugin;
+
+impl Plugin for EditsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<EditLog>()
+            .init_resource::<Edits>()
+            .init_resource::<SaveFile>();
+    }
+}
+
+/// How many edits there have been: what was asked of physics before one is old.
+#[derive(Resource, Default)]
+pub struct Edits(pub u64);
+
+/// Where scenes are saved.
+#[derive(Resource)]
+pub struct SaveFile(pub PathBuf);
+
+impl Default for SaveFile {
+    fn default() -> Self {
+        Self("builder.ron".into())
+    }
+}
+
+/// A piece and where it is, as it is saved.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    piece: Piece,
+    position: Vec3,
+    rotation: Quat,
+}
+
+/// With the log at hand.
+fn with_log<T>(
+    world: &mut World,
+    edit: impl FnOnce(&mut World, &mut EditLog) -> T,
+) -> T {
+    let done = world.resource_scope(|world, mut log: Mut<EditLog>| edit(world, &mut log));
+    world.resource_mut::<Edits>().0 += 1;
+    world.resource_mut::<Clock>().renew = true;
+    done
+}
+
+/// Lays a piece.
+///
+/// # Errors
+/// Where it has no size.
+pub fn place(world: &mut World, piece: &Piece, pose: Pose) -> Result<Entity> {
+    let body = world.spawn(piece.bundle(pose)?).id();
+    with_log(world, |world, log| log.placed(world, &[body]))?;
+    world.resource::<Journal>().say(&Entry::Placed {
+        body: body.to_string(),
+        at: pose.position,
+    });
+    Ok(body)
+}
+
+/// Puts a piece elsewhere.
+///
+/// # Errors
+/// Where it is gone.
+pub fn put(world: &mut World, body: Entity, pose: Pose) -> Result {
+    with_log(world, |world, log| log.put(world, body, to_transform(pose)))?;
+    world.resource::<Journal>().say(&Entry::Moved {
+        body: body.to_string(),
+        at: pose.position,
+    });
+    Ok(())
+}
+
+/// Takes pieces away.
+///
+/// # Errors
+/// Where one is gone already.
+pub fn take(world: &mut World, bodies: &[Entity]) -> Result {
+    with_log(world, |world, log| log.take(world, bodies))?;
+    world.resource::<Journal>().say(&Entry::Took {
+        bodies: bodies.iter().map(Entity::to_string).collect(),
+    });
+    Ok(())
+}
+
+/// Takes the last edit back.
+///
+/// # Errors
+/// Where a body of it is gone.
+pub fn undo(world: &mut World) -> Result {
+    if with_log(world, |world, log| log.undo(world))? {
+        world.resource::<Journal>().say(&Entry::Undid);
+    }
+    Ok(())
+}
+
+/// Makes the edit again that was taken back last.
+///
+/// # Errors
+/// Where a body of it is gone.
+pub fn redo(world: &mut World) -> Result {
+    if with_log(world, |world, log| log.redo(world))? {
+        world.resource::<Journal>().say(&Entry::Redid);
+    }
+    Ok(())
+}
+
+/// Takes all pieces away, for good.
+pub fn clear(world: &mut World) {
+    with_log(world, |world, log| log.clear(world));
+    let mut pieces = world.query_filtered::<Entity, (With<Piece>, Or<(With<Disabled>, Without<Disabled>)>)>();
+    let pieces: Vec<Entity> = pieces.iter(world).collect();
+    for piece in pieces {
+        world.despawn(piece);
+    }
+}
+
+/// Writes what there is to a file.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn save(world: &mut World, path: &Path) -> Result {
+    let mut pieces = world.query::<(&Piece, &Pose)>();
+    let saved = pieces.iter(world).map(|(piece, pose)| Saved {
+        piece: piece.clone(),
+        position: pose.position,
+        rotation: pose.rotation,
+    });
+    let saved: Vec<Saved> = saved.collect();
+    // First beside it: what was saved before is not lost where this fails.
+    let beside = path.with_extension("ron.new");
+    fs::write(&beside, ron::ser::to_string_pretty(&saved, default())?)?;
+    fs::rename(&beside, path)?;
+    let pieces = saved.len();
+    world.resource::<Journal>().say(&Entry::Saved { pieces });
+    Ok(())
+}
+
+/// Reads what there is from a file, instead of what is there now.
+///
+/// # Errors
+/// Where it cannot be read, or holds what is no piece; what is there stays then.
+pub fn load(world: &mut World, path: &Path) -> Result {
+    let saved = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let saved: Vec<Saved> = ron::from_str(&saved)?;
+    let mut bundles = Vec::with_capacity(saved.len());
+    for Saved {
+        piece,
+        position,
+        rotation,
+    } in saved
+    {
+        bundles.push(piece.bundle(Pose { position, rotation })?);
+    }
+    clear(world);
+    let pieces = bundles.len();
+    for bundle in bundles {
+        world.spawn(bundle);
+    }
+    world.resource::<Journal>().say(&Entry::Loaded { pieces });
+    Ok(())
+}

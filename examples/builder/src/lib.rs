@@ -1,0 +1,78 @@
+//! The builder: walls that one builds with the mouse, in an engine that knows what carries what.
+//!
+//! Each module is a plugin, and shows one thing of drystone at work; read the one that you need.
+//!
+//! | module | shows |
+//! |---|---|
+//! | [`stage`], [`camera`] | ground, sun, a camera that orbits, the ray under the mouse |
+//! | [`pieces`], [`look`] | what a body is spawned with, and what it looks like: meshes of colliders, interpolated motion |
+//! | [`gallery`] | scenes from `drystone::masonry` |
+//! | [`edits`] | placing, moving, taking, with undo and redo; saving and loading |
+//! | [`tools`] | what the left button does: build with snapping, move, lift with a hand, press, take, throw |
+//! | [`clock`] | pause, slow motion, single steps, the length of a step |
+//! | [`overlays`] | loads, friction, islands and sleep as colours; the load path, what falls, the margin of a structure |
+//! | [`compare`] | the same scene twice, at 60 and at 10 Hz |
+//! | [`panel`] | buttons, settings, the cost of every stage |
+//! | [`journal`] | what happens, line by line, for scripts |
+//! | [`pictures`] | screenshots and films, without a window too |
+
+pub mod camera;
+pub mod clock;
+pub mod compare;
+pub mod edits;
+pub mod gallery;
+pub mod journal;
+pub mod look;
+pub mod overlays;
+pub mod panel;
+pub mod pictures;
+pub mod pieces;
+pub mod stage;
+pub mod tools;
+
+use bevy::prelude::*;
+use bevy_transform_interpolation::prelude::TransformInterpolationPlugin;
+use drystone::gizmos::PhysicsGizmosPlugin;
+use drystone::prelude::*;
+
+/// Physics, and all of the builder but its window and its panel.
+pub struct BuilderPlugin;
+
+/// The order within `Update`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BuilderSystems {
+    /// What the mouse points at.
+    Point,
+    /// What the tools do there.
+    Act,
+    /// What is asked of physics.
+    Ask,
+    /// What is drawn.
+    Show,
+}
+
+impl Plugin for BuilderPlugin {
+    fn build(&self, app: &mut App) {
+        use BuilderSystems::{Act, Ask, Point, Show};
+        app.add_plugins((
+            DrystonePlugins::default(),
+            HandPlugin,
+            CollapsePlugin,
+            PhysicsGizmosPlugin,
+            TransformInterpolationPlugin::default(),
+        ))
+        .add_plugins((
+            stage::StagePlugin,
+            camera::CameraPlugin,
+            look::LookPlugin,
+            gallery::GalleryPlugin,
+            edits::EditsPlugin,
+            tools::ToolsPlugin,
+            clock::ClockPlugin,
+            overlays::OverlaysPlugin,
+            compare::ComparePlugin,
+            journal::JournalPlugin,
+        ))
+        .configure_sets(Update, (Point, Act, Ask, Show).chain());
+    }
+}

@@ -1,0 +1,115 @@
+//! What physics knows, made visible.
+
+mod falls;
+mod margin;
+mod paint;
+mod path;
+mod wireframes;
+
+pub use falls::Falls;
+pub use margin::{Margins, Weakest};
+
+use crate::BuilderSystems;
+use crate::tools::Tool;
+use bevy::prelude::*;
+
+/// Colours, lines, and what is asked for them.
+pub struct OverlaysPlugin;
+
+impl Plugin for OverlaysPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Overlays>()
+            .init_resource::<Falls>()
+            .init_resource::<Margins>()
+            .init_resource::<Legend>()
+            .init_gizmo_group::<path::PathGizmos>()
+            .add_systems(Startup, (path::config, wireframes::config))
+            .add_systems(
+                Update,
+                (falls::ask, margin::ask).in_set(BuilderSystems::Ask),
+            )
+            .add_systems(
+                Update,
+                (paint::paint, path::draw, wireframes::switch).in_set(BuilderSystems::Show),
+            );
+    }
+}
+
+/// What is shown.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overlays {
+    /// What colours mean.
+    pub paint: Paint,
+    /// Contacts: green where they stick, red where they slip, and what presses.
+    pub contacts: bool,
+    /// Anchors, and by how much they have slipped, a hundredfold.
+    pub anchors: bool,
+    /// The way of the weight of the piece under the mouse.
+    pub path: bool,
+    /// What falls if the piece under the mouse is taken.
+    pub falls: bool,
+    /// How far the structure under the mouse could be tilted, and what would go first.
+    pub margin: bool,
+    /// The cost of every stage.
+    pub costs: bool,
+    /// Keys.
+    pub help: bool,
+}
+
+/// What colours mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Paint {
+    /// Nothing: pieces have their own.
+    #[default]
+    Own,
+    /// What they carry.
+    Loads,
+    /// How much of the friction in their faces is used.
+    Friction,
+    /// What touches.
+    Islands,
+    /// What sleeps.
+    Sleep,
+}
+
+impl Paint {
+    /// All.
+    pub const ALL: [Self; 5] = [
+        Self::Own,
+        Self::Loads,
+        Self::Friction,
+        Self::Islands,
+        Self::Sleep,
+    ];
+
+    /// As it is shown.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Own => "none",
+            Self::Loads => "loads",
+            Self::Friction => "friction",
+            Self::Islands => "islands",
+            Self::Sleep => "sleep",
+        }
+    }
+}
+
+impl Overlays {
+    /// Shows these colours, or none where they are shown.
+    pub fn toggle(&mut self, paint: Paint) {
+        self.paint = if self.paint == paint {
+            Paint::Own
+        } else {
+            paint
+        };
+    }
+
+    /// Whether it is asked what falls.
+    pub fn asks_what_falls(&self, tool: Tool) -> bool {
+        self.falls || tool == Tool::Take
+    }
+}
+
+/// What the colours of the scale reach up to.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct Legend(pub Option<String>);

@@ -1,0 +1,65 @@
+//! Colours of pieces.
+
+use super::{Falls, Legend, Margins, Overlays, Paint};
+use crate::look::{Materials, Own};
+use bevy::prelude::*;
+use drystone::body::BodyIndex;
+use drystone::islands::Islands;
+use drystone::prelude::*;
+
+type Painted = (
+    Entity,
+    &'static RigidBody,
+    &'static BodyIndex,
+    &'static Sleeping,
+    &'static Load,
+    &'static Own,
+    &'static mut MeshMaterial3d<StandardMaterial>,
+);
+
+/// What would fall comes before what gives way first, and that before what is asked for.
+pub(super) fn paint(
+    overlays: Res<Overlays>,
+    materials: Res<Materials>,
+    islands: Res<Islands>,
+    (falls, margins): (Res<Falls>, Res<Margins>),
+    mut legend: ResMut<Legend>,
+    mut bodies: Query<Painted>,
+) {
+    let carries = bodies.iter().map(|body| body.4.carries);
+    let most = carries.fold(0.0, f32::max);
+    let text = match overlays.paint {
+        Paint::Loads => Some(format!("0 to {:.1} kN carried", 1e-3 * most)),
+        Paint::Friction => Some("0 to all of the friction used".into()),
+        Paint::Islands => Some("a colour for each island that is awake".into()),
+        Paint::Sleep => Some("grey sleeps, yellow is awake".into()),
+        Paint::Own => None,
+    };
+    legend.set_if_neq(Legend(text));
+    for (entity, kind, index, sleeping, load, own, mut material) in &mut bodies {
+        let is_dynamic = *kind == RigidBody::Dynamic;
+        let wanted = if falls.moves(entity) {
+            &materials.falls
+        } else if margins.moves(entity) {
+            &materials.gives
+        } else {
+            match overlays.paint {
+                // Most pieces carry little: the root spreads them out.
+                Paint::Loads if is_dynamic => {
+                    materials.shade((load.carries / most.max(1.0)).max(0.0).sqrt())
+                }
+                Paint::Friction if is_dynamic => materials.shade(load.friction_use),
+                Paint::Islands if is_dynamic => match islands.of(index.0) {
+                    Some(island) => &materials.hues[island % materials.hues.len()],
+                    None => &materials.asleep,
+                },
+                Paint::Sleep if sleeping.asleep => &materials.asleep,
+                Paint::Sleep if is_dynamic => &materials.awake,
+                _ => &own.0,
+            }
+        };
+        if material.0 != *wanted {
+            material.0 = wanted.clone();
+        }
+    }
+}

@@ -18,6 +18,7 @@ impl Plugin for CameraPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Pointer>()
             .init_resource::<View>()
+            .init_resource::<PanelWidth>()
             .add_systems(Startup, spawn)
             .add_systems(
                 Update,
@@ -63,6 +64,10 @@ impl View {
 #[derive(Component)]
 pub struct Eye;
 
+/// How wide the panel is at the left, logical pixels. What is behind it is not pointed at.
+#[derive(Resource, Default)]
+pub struct PanelWidth(pub f32);
+
 /// What the mouse points at.
 #[derive(Resource, Default)]
 pub struct Pointer {
@@ -85,7 +90,7 @@ pub fn lens() -> impl Bundle {
         Tonemapping::AcesFitted,
         ShadowFilteringMethod::Gaussian,
         DistanceFog {
-            color: crate::stage::SKY,
+            color: crate::stage::HAZE,
             falloff: FogFalloff::Linear {
                 start: 40.0,
                 end: 160.0,
@@ -108,9 +113,11 @@ fn orbit(
     mut view: ResMut<View>,
     buttons: Res<ButtonInput<MouseButton>>,
     (motion, scroll): (Res<AccumulatedMouseMotion>, Res<AccumulatedMouseScroll>),
-    (panel, tool): (Option<Res<EguiWantsInput>>, Res<Tool>),
+    (pointer, tool): (Res<Pointer>, Res<Tool>),
 ) {
-    if panel.is_some_and(|panel| panel.wants_any_pointer_input()) {
+    // Over the panel, or outside of the window; what began in the scene goes on.
+    let dragged = buttons.any_pressed([MouseButton::Right, MouseButton::Middle]);
+    if pointer.ray.is_none() && !dragged {
         return;
     }
     let turn = Quat::from_euler(EulerRot::YXZ, view.yaw, -view.pitch, 0.0);
@@ -151,14 +158,15 @@ fn place(view: Res<View>, mut eyes: Query<&mut Transform, With<Eye>>) {
 fn point(
     mut pointer: ResMut<Pointer>,
     world: SpatialQuery,
-    panel: Option<Res<EguiWantsInput>>,
+    (panel, width): (Option<Res<EguiWantsInput>>, Res<PanelWidth>),
     windows: Query<&Window, With<PrimaryWindow>>,
     eyes: Query<(&Camera, &GlobalTransform), With<Eye>>,
     kinds: Query<&RigidBody>,
 ) {
     let over_panel = panel.is_some_and(|panel| panel.wants_any_pointer_input());
     let cursor = windows.single().ok().and_then(Window::cursor_position);
-    let ray = eyes.single().ok().zip(cursor.filter(|_| !over_panel));
+    let cursor = cursor.filter(|cursor| !over_panel && cursor.x >= width.0);
+    let ray = eyes.single().ok().zip(cursor);
     let ray = ray.and_then(|((camera, at), cursor)| camera.viewport_to_world(at, cursor).ok());
     let hit = ray.and_then(|ray| {
         let hit = world.cast_ray(ray, 500.0, &QueryFilter::default());

@@ -326,7 +326,7 @@ fn open(world: &mut World) -> Result {
         world.spawn(piece.bundle(pose)?);
     }
     if scene == Scene::WreckingBall {
-        let ball = Piece::new(Shape::Ball(0.8), Finish::Iron);
+        let ball = Piece::new(Shape::Ball(0.55), Finish::Iron);
         let from = Vec3::new(0.0, 9.0, 0.0);
         let pose = Pose {
             position: from + 6.4 * Vec3::new(0.0, -0.42, 0.907),

@@ -3,7 +3,6 @@
 use crate::BuilderSystems;
 use crate::camera::Eye;
 use crate::pieces::Piece;
-use bevy::ecs::entity_disabling::Disabled;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use drystone::prelude::*;
@@ -18,7 +17,7 @@ impl Plugin for JournalPlugin {
             .init_resource::<Widgets>()
             .add_systems(
                 Update,
-                (rests, collapses, look.run_if(wants_to_look)).in_set(BuilderSystems::Show),
+                (collapses, look.run_if(wants_to_look)).in_set(BuilderSystems::Show),
             );
     }
 }
@@ -39,8 +38,6 @@ pub struct Widgets(pub HashMap<String, [f32; 2]>);
 pub enum Entry {
     /// A scene has been opened, with so many pieces.
     Opened { scene: String, pieces: usize },
-    /// All lies still.
-    Rests,
     /// The answer to the key `L`.
     Sees(Box<Sight>),
     /// A piece was laid.
@@ -80,6 +77,8 @@ pub enum Entry {
 /// Where everything is.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Sight {
+    /// All lies still.
+    pub rests: bool,
     /// Bodies, their places, m, and their turns.
     pub bodies: Vec<(String, Vec3, Quat)>,
     /// From the world to clip space.
@@ -111,21 +110,6 @@ impl Journal {
     }
 }
 
-fn rests(
-    journal: Res<Journal>,
-    mut rested: Local<bool>,
-    bodies: Query<(&RigidBody, &Sleeping), With<Piece>>,
-) {
-    let still = |(kind, sleeping): (&RigidBody, &Sleeping)| {
-        *kind != RigidBody::Dynamic || sleeping.asleep || sleeping.still_for > 0.25
-    };
-    let rests = bodies.iter().all(still);
-    if rests && !*rested {
-        journal.say(&Entry::Rests);
-    }
-    *rested = rests;
-}
-
 fn collapses(journal: Res<Journal>, mut messages: MessageReader<Collapse>) {
     for collapse in messages.read() {
         journal.say(&Entry::Collapsed {
@@ -142,13 +126,18 @@ fn wants_to_look(journal: Res<Journal>, keys: Res<ButtonInput<KeyCode>>) -> bool
 fn look(
     journal: Res<Journal>,
     widgets: Res<Widgets>,
-    bodies: Query<(Entity, &Pose), (With<Piece>, Without<Disabled>)>,
+    bodies: Query<(Entity, &RigidBody, &Pose, &Sleeping), With<Piece>>,
     eye: Single<(&Camera, &GlobalTransform), With<Eye>>,
 ) {
     let (camera, at) = *eye;
     let seen = bodies.iter();
-    let seen = seen.map(|(entity, pose)| (entity.to_string(), pose.position, pose.rotation));
+    let seen =
+        seen.map(|(entity, _, pose, _)| (entity.to_string(), pose.position, pose.rotation));
+    let rests = bodies.iter().all(|(_, kind, _, sleeping)| {
+        *kind != RigidBody::Dynamic || sleeping.asleep || sleeping.still_for > 0.25
+    });
     journal.say(&Entry::Sees(Box::new(Sight {
+        rests,
         bodies: seen.collect(),
         clip_from_world: camera.clip_from_view() * at.to_matrix().inverse(),
         viewport: camera.logical_viewport_size().unwrap_or_default(),

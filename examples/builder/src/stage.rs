@@ -11,11 +11,14 @@ use drystone::prelude::*;
 /// Ground, sun and sky.
 pub struct StagePlugin;
 
-/// The horizon, into which the ground fades.
+/// The sky.
 pub const SKY: Color = Color::srgb(0.66, 0.77, 0.88);
 
+/// Into which the ground fades; tone mapping, which leaves the sky alone, makes it that.
+pub const HAZE: Color = Color::srgb(0.76, 0.90, 1.04);
+
 /// Edge of the ground that is drawn, and of a flagstone, m.
-const GROUND: f32 = 400.0;
+const GROUND: f32 = 1600.0;
 const FLAG: f32 = 2.0;
 
 impl Plugin for StagePlugin {

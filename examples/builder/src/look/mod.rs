@@ -8,7 +8,6 @@ use crate::BuilderSystems;
 use crate::pieces::{Piece, Shape};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use drystone::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Gives every new [`Piece`] a mesh and a material.
@@ -52,14 +51,14 @@ impl Finish {
     fn tints(self) -> &'static [[f32; 3]] {
         match self {
             Self::Brick => &[
-                [12.0, 0.52, 0.40],
-                [16.0, 0.55, 0.45],
-                [9.0, 0.50, 0.34],
-                [20.0, 0.50, 0.50],
-                [14.0, 0.42, 0.38],
-                [24.0, 0.46, 0.54],
-                [6.0, 0.40, 0.31],
-                [18.0, 0.60, 0.42],
+                [13.0, 0.46, 0.42],
+                [15.0, 0.48, 0.45],
+                [11.0, 0.42, 0.38],
+                [18.0, 0.46, 0.48],
+                [14.0, 0.38, 0.40],
+                [20.0, 0.42, 0.51],
+                [9.0, 0.36, 0.36],
+                [16.0, 0.50, 0.43],
             ],
             Self::Stone => &[
                 [42.0, 0.24, 0.68],
@@ -199,11 +198,11 @@ fn dress(
     materials: Res<Materials>,
     mut meshes: ResMut<Meshes>,
     mut assets: ResMut<Assets<Mesh>>,
-    new: Query<(Entity, &Piece, &Pose), Without<Own>>,
+    new: Query<(Entity, &Piece, &Transform), Without<Own>>,
 ) {
-    for (entity, piece, pose) in &new {
+    for (entity, piece, at) in &new {
         // Neighbours differ, and a scene looks the same every time.
-        let [x, y, z] = (pose.position * 100.0).to_array().map(|x| x.round() as i64);
+        let [x, y, z] = (at.translation * 100.0).to_array().map(|x| x.round() as i64);
         let number = (x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663)) as usize
             ^ z.wrapping_mul(83_492_791) as usize;
         let own = materials.tint(piece.finish, (number >> 3) % 1_000_003);

@@ -5,7 +5,7 @@ mod settings;
 
 pub use settings::Physics;
 
-use crate::camera::Pointer;
+use crate::camera::{PanelWidth, Pointer};
 use crate::clock::Clock;
 use crate::compare::Comparison;
 use crate::edits::{self, SaveFile};
@@ -49,6 +49,7 @@ struct Set<'w> {
     physics: ResMut<'w, Physics>,
     overlays: ResMut<'w, Overlays>,
     widgets: ResMut<'w, Widgets>,
+    width: ResMut<'w, PanelWidth>,
 }
 
 /// All that it says.
@@ -81,6 +82,10 @@ fn side(
     known: Known,
 ) -> Result {
     let context = contexts.ctx_mut()?;
+    context.all_styles_mut(|style| {
+        let small = style.text_styles.get_mut(&egui::TextStyle::Small);
+        small.into_iter().for_each(|font| font.size = 11.0);
+    });
     let mut whole = egui::Ui::new(
         context.clone(),
         "whole".into(),
@@ -89,7 +94,7 @@ fn side(
             .max_rect(context.viewport_rect()),
     );
     let panel = egui::Panel::left("side").exact_size(236.0).resizable(false);
-    panel.show(&mut whole, |ui| {
+    let panel = panel.show(&mut whole, |ui| {
         egui::ScrollArea::vertical().show(ui, |ui| {
             scenes(ui, &mut set);
             tools(ui, &mut set);
@@ -100,6 +105,7 @@ fn side(
             edit(&mut set.physics, |physics| physics.show(ui));
         });
     });
+    set.width.0 = panel.response.rect.right();
     Ok(())
 }
 

@@ -9,6 +9,7 @@ use crate::gallery::Scene;
 use crate::overlays::{Overlays, Paint};
 use crate::pieces::Piece;
 use crate::pictures;
+use bevy::input::keyboard::{KeyboardFocusLost, KeyboardInput};
 use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 use drystone::prelude::*;
@@ -36,10 +37,31 @@ pub const HELP: &[(&str, &str)] = &[
     ("F1", "this"),
 ];
 
+/// Held while a key is pressed: in the order of events, since a frame may be longer than that.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Modifiers {
+    control: bool,
+    shift: bool,
+}
+
+impl Modifiers {
+    /// The key that was pressed, if one was that is no modifier.
+    fn follow(&mut self, event: &KeyboardInput) -> Option<KeyCode> {
+        let pressed = event.state.is_pressed();
+        match event.key_code {
+            KeyCode::ControlLeft | KeyCode::ControlRight => self.control = pressed,
+            KeyCode::ShiftLeft | KeyCode::ShiftRight => self.shift = pressed,
+            key => return (pressed && !event.repeat).then_some(key),
+        }
+        None
+    }
+}
+
 #[expect(clippy::too_many_arguments, reason = "keys are about everything")]
 pub(super) fn keys(
     mut commands: Commands,
-    keys: Res<ButtonInput<KeyCode>>,
+    (mut events, mut lost): (MessageReader<KeyboardInput>, MessageReader<KeyboardFocusLost>),
+    mut modifiers: Local<Modifiers>,
     panel: Option<Res<EguiWantsInput>>,
     pointer: Res<Pointer>,
     carried: Res<Carried>,
@@ -47,12 +69,18 @@ pub(super) fn keys(
     (mut clock, mut overlays, mut scene): (ResMut<Clock>, ResMut<Overlays>, ResMut<Scene>),
     pieces: Query<(&Piece, &Pose)>,
 ) {
+    if lost.read().count() > 0 {
+        *modifiers = Modifiers::default();
+    }
     if panel.is_some_and(|panel| panel.wants_any_keyboard_input()) {
+        events.read().for_each(|event| drop(modifiers.follow(event)));
         return;
     }
-    let control = keys.any_pressed([KeyCode::ControlLeft, KeyCode::ControlRight]);
-    let shift = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
-    for &key in keys.get_just_pressed() {
+    for event in events.read() {
+        let Some(key) = modifiers.follow(event) else {
+            continue;
+        };
+        let Modifiers { control, shift } = *modifiers;
         match key {
             KeyCode::KeyZ if control && shift => attempt(&mut commands, edits::redo),
             KeyCode::KeyZ if control => attempt(&mut commands, edits::undo),

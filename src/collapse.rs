@@ -174,6 +174,17 @@ pub fn collapses(
     mut watched: ParamSet<(Watched, Query<(Entity, &mut Stands), With<RigidBody>>)>,
     mut messages: MessageWriter<Collapse>,
 ) {
+    let put = |index: &BodyIndex| {
+        table
+            .get(index.0)
+            .is_some_and(|body| body.put_from.is_some())
+    };
+    for (_, index, .., mut stands, _, _) in &mut watched.p0() {
+        // Somebody has put it where it is: before the first substep.
+        if time.substep == 0 && put(index) {
+            stands.leave();
+        }
+    }
     if !time.is_last() {
         return;
     }
@@ -190,7 +201,9 @@ pub fn collapses(
         };
         let island = islands.of(index.0);
         let Some((place, structure)) = stands.at else {
-            let still = velocity.linear.length() < sleep.linear_speed
+            // What is held still stands on nothing.
+            let still = grab.is_none()
+                && velocity.linear.length() < sleep.linear_speed
                 && velocity.angular.length() < sleep.angular_speed;
             stands.still_for = if still {
                 stands.still_for + time.whole()

@@ -457,6 +457,34 @@ fn what_is_undone_is_as_it_was_to_the_bit() {
 }
 
 #[test]
+fn what_is_drawn_between_two_steps_comes_back_to_where_it_was() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let mut log = EditLog::default();
+    let cube = lab.cube(Vec3::new(0.0, 5.0, 0.0));
+    // Moved before anybody knows it.
+    log.put(&mut lab.world, cube, Transform::from_xyz(1.0, 5.0, 0.0))
+        .unwrap();
+    log.undo(&mut lab.world).unwrap();
+    lab.run(0.5);
+    let [was, falls] = [0, 1].map(|_| {
+        lab.step();
+        (lab.pose(cube), lab.velocity(cube))
+    });
+    assert!(was.0.position.y > falls.0.position.y && was.0.position.x == 0.0);
+    // Interpolated, as `bevy_transform_interpolation` does it.
+    let mut at = lab.world.get_mut::<Transform>(cube).unwrap();
+    at.translation = was.0.position.lerp(falls.0.position, 0.3);
+    log.put(&mut lab.world, cube, Transform::from_xyz(9.0, 0.5, 0.0))
+        .unwrap();
+    lab.run(1.0);
+    log.undo(&mut lab.world).unwrap();
+    let back = lab.world.get::<Transform>(cube).unwrap();
+    assert_eq!(back.translation, falls.0.position);
+    assert_eq!(lab.velocity(cube), falls.1);
+}
+
+#[test]
 fn what_was_placed_goes_and_comes_with_its_children() {
     let (mut lab, _) = wall();
     let mut log = EditLog::default();

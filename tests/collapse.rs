@@ -5,6 +5,7 @@ mod support;
 use bevy_app::App;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
 use drystone::body::Mass;
 use drystone::collapse::{Collapse, CollapsePlugin, GaveWay, Watch};
@@ -179,4 +180,33 @@ fn what_bears_too_much_is_crushed() {
     let load = lab.cube(Vec3::Y * 2.5);
     lab.world.entity_mut(load).insert(Mass(2000.0));
     assert_eq!(ways(&told(&mut lab, 2.0)), [(under, GaveWay::Crushed)]);
+}
+
+#[test]
+fn what_is_put_elsewhere_or_held_stood_nowhere() {
+    let mut lab = site(true);
+    let bricks = wall(&mut lab);
+    let lies = lab.cube(Vec3::new(0.0, 0.5, 5.0));
+    watch(&mut lab, lies);
+    assert_eq!(told(&mut lab, 1.0), []);
+    // Somebody puts it beside the wall, and the top of that beside it.
+    let top = *bricks.last().unwrap();
+    for (body, place) in [
+        (lies, Vec3::new(4.0, 0.5, 0.0)),
+        (top, Vec3::new(6.0, 0.25, 0.0)),
+    ] {
+        let mut body = lab.world.entity_mut(body);
+        body.get_mut::<Transform>().unwrap().translation = place;
+    }
+    assert_eq!(told(&mut lab, 1.0), []);
+    // Somebody holds it in the air for a while, and lets go.
+    let mass = lab.mass(lies).mass();
+    let grab = Grab::gentle(mass, Vec3::ZERO, Vec3::new(4.0, 2.0, 3.0));
+    lab.world.entity_mut(lies).insert(grab);
+    assert_eq!(told(&mut lab, 3.0), []);
+    lab.world.entity_mut(lies).remove::<Grab>();
+    assert_eq!(told(&mut lab, 2.0), []);
+    // Where it has come to lie it stands again.
+    lab.set_velocity(lies, Vec3::X * 3.0, Vec3::ZERO);
+    assert_eq!(ways(&told(&mut lab, 2.0)), [(lies, GaveWay::Slid)]);
 }

@@ -1,13 +1,13 @@
 //! Edits that can be taken back.
 
 use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::hierarchy::Children;
+use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use std::collections::VecDeque;
 use std::fmt;
 
-use crate::body::{RigidBody, Velocity};
+use crate::body::{BodyTable, Pose, RigidBody, Velocity, local_pose};
 
 /// A list of edits to bodies, with undo and redo. What is taken is not despawned but disabled, with all below it, so that it comes back as it was, as the same
 /// entity: to the bit, and what stands around it as well if it has not moved in the meantime.
@@ -114,10 +114,8 @@ impl EditLog {
         if !after.is_finite() {
             return Err(EditError::NotFinite);
         }
-        let before = (
-            world.get(body).copied().unwrap_or_default(),
-            world.get(body).copied().unwrap_or_default(),
-        );
+        let velocity = world.get(body).copied().unwrap_or_default();
+        let before = (placement(world, body), velocity);
         set(world, body, after, Velocity::default())?;
         self.note(
             world,
@@ -254,6 +252,24 @@ fn enable(world: &mut World, bodies: &[Entity]) {
         if let Ok(mut body) = world.get_entity_mut(body) {
             body.remove_recursive::<Children, Disabled>();
         }
+    }
+}
+
+/// Where physics has a body, as its `Transform` says it after a step: between two it may be drawn elsewhere.
+fn placement(world: &mut World, body: Entity) -> Transform {
+    let drawn: Transform = world.get(body).copied().unwrap_or_default();
+    let table = world.get_resource::<BodyTable>();
+    let known = world.get(body).zip(table);
+    let known = known.is_some_and(|(index, table)| table.holds(body, *index));
+    let Some(&pose) = world.get::<Pose>(body).filter(|_| known) else {
+        return drawn;
+    };
+    let mut placed = world.query::<(&Transform, Option<&ChildOf>)>();
+    let local = local_pose(pose, world.get(body), placed.query(world));
+    Transform {
+        translation: local.position,
+        rotation: local.rotation,
+        ..drawn
     }
 }
 

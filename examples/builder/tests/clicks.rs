@@ -352,6 +352,9 @@ impl Desk {
             let left = until.saturating_duration_since(Instant::now());
             let unread = self.unread.borrow_mut().pop_front();
             let entry = unread.or_else(|| self.journal.recv_timeout(left).ok());
+            if let Some(Entry::Collapsed { first, how }) = &entry {
+                println!("(collapse: {first} {how})");
+            }
             let entry = entry.unwrap_or_else(|| panic!("{what}: nothing of it in the journal"));
             if let Some(found) = says(&entry) {
                 println!("{what}");

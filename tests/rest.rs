@@ -111,6 +111,28 @@ fn what_sleeps_is_in_no_list_and_one_island_wakes_alone() {
     assert_eq!(others(&yard), before);
 }
 
+/// As `bevy_transform_interpolation` does it in every frame.
+#[test]
+fn what_is_drawn_where_it_lies_rests_on() {
+    let mut yard = Yard::new();
+    let draw = |yard: &mut Yard, aside: Vec3| {
+        let mut drawn = yard.lab.world.query::<&mut Transform>();
+        for mut at in drawn.iter_mut(&mut yard.lab.world) {
+            at.translation += aside;
+        }
+    };
+    let before = yard.lab.bits();
+    for _ in 0..3 {
+        draw(&mut yard, Vec3::ZERO);
+        yard.lab.step();
+        assert_eq!(yard.active(), (vec![], 0));
+    }
+    assert_eq!(yard.lab.bits(), before);
+    draw(&mut yard, Vec3::X);
+    yard.lab.step();
+    assert!(yard.active().0.len() >= 9);
+}
+
 /// What a user may do, each to a yard that rests and to one in which all are looked at in every step.
 #[test]
 fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {

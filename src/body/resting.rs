@@ -59,6 +59,7 @@ type Written = (
         Option<Ref<'static, RollingFriction>>,
         Option<Ref<'static, CollisionLayers>>,
         Option<Ref<'static, ContactEvents>>,
+        Option<&'static ChildOf>,
     ),
 );
 
@@ -90,7 +91,12 @@ pub(super) fn find_written(bodies: RestingBodies) -> Vec<Entity> {
                 }
             )+};
         }
-        look!(required: 1 2 3 4 5 6 7);
+        look!(required: 1 2 3 4 6);
+        // Of a child's frame `find_carried` knows.
+        if surface.7.is_none() {
+            look_moved(entities, &required.5, required.7, &mut found);
+        }
+        look!(required: 5);
         look_if_there!(forces: 0 1 2 3 4 5 6 7);
         look_if_there!(surface: 0 1 2 3 4 5 6);
     }
@@ -114,6 +120,26 @@ fn look<T>(entities: &[Entity], column: ContiguousRef<T>, found: &mut Vec<Entity
             found.extend(written.map(|(&entity, _)| entity));
         }
     }
+}
+
+/// Whose `Transform` has been written and is not where the body is. What interpolates writes all of them in every frame, and puts those that lie
+/// where they lie.
+fn look_moved(
+    entities: &[Entity],
+    poses: &[Pose],
+    column: ContiguousRef<Transform>,
+    found: &mut Vec<Entity>,
+) {
+    let (drawn, ticks) = ContiguousRef::split(column);
+    if ticks.summary_tick_is_changed() == Some(false) {
+        return;
+    }
+    let rows = entities.iter().zip(poses);
+    let rows = rows.zip(drawn.iter().zip(ticks.is_changed_iter()));
+    let moved = rows.filter(|((_, pose), (drawn, is_written))| {
+        *is_written && (pose.position, pose.rotation) != (drawn.translation, drawn.rotation)
+    });
+    found.extend(moved.map(|((&entity, _), _)| entity));
 }
 
 /// Those that a parent has moved, or that have another.

@@ -1,6 +1,7 @@
 //! A camera that orbits, and what the mouse points at.
 
 use crate::BuilderSystems;
+use crate::compare::Comparison;
 use crate::tools::Tool;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseScrollUnit};
@@ -159,16 +160,23 @@ fn point(
     mut pointer: ResMut<Pointer>,
     world: SpatialQuery,
     (panel, width): (Option<Res<EguiWantsInput>>, Res<PanelWidth>),
+    comparison: Res<Comparison>,
     windows: Query<&Window, With<PrimaryWindow>>,
     eyes: Query<(&Camera, &GlobalTransform), With<Eye>>,
     kinds: Query<&RigidBody>,
 ) {
+    // Without a window whoever draws pictures points.
+    if windows.is_empty() {
+        return;
+    }
     let over_panel = panel.is_some_and(|panel| panel.wants_any_pointer_input());
     let cursor = windows.single().ok().and_then(Window::cursor_position);
     let cursor = cursor.filter(|cursor| !over_panel && cursor.x >= width.0);
     let ray = eyes.single().ok().zip(cursor);
     let ray = ray.and_then(|((camera, at), cursor)| camera.viewport_to_world(at, cursor).ok());
-    let hit = ray.and_then(|ray| {
+    // While copies are shown nothing is where it is seen.
+    let aim = ray.filter(|_| !comparison.is_on());
+    let hit = aim.and_then(|ray| {
         let hit = world.cast_ray(ray, 500.0, &QueryFilter::default());
         hit.ok().flatten()
     });

@@ -1,6 +1,7 @@
 //! The same scene twice, in two copies of the world: one takes steps of 60 Hz, the other of 10.
 
 use crate::BuilderSystems;
+use crate::camera::View;
 use crate::clock::Clock;
 use crate::look::{Materials, Meshes, Own};
 use crate::pieces::{Piece, to_transform};
@@ -47,6 +48,9 @@ pub struct Drawn;
 /// Steps that one frame makes up for, at most.
 const MOST_STEPS: usize = 12;
 
+/// Two take more room than one.
+const FARTHER: f32 = 1.7;
+
 impl Comparison {
     /// Whether the copies are shown.
     pub fn is_on(&self) -> bool {
@@ -72,7 +76,9 @@ impl Comparison {
         let look = look_of(world, piece);
         for copy in &mut self.0 {
             let body = copy.world.spawn((piece.bundle(pose)?, velocity)).id();
-            let drawn = world.spawn((Drawn, look.clone(), Transform::default())).id();
+            let drawn = world
+                .spawn((Drawn, look.clone(), Transform::default()))
+                .id();
             copy.bodies.push(Twin {
                 body,
                 drawn,
@@ -88,9 +94,7 @@ type Look = (Mesh3d, MeshMaterial3d<StandardMaterial>);
 fn look_of(world: &mut World, piece: &Piece) -> Look {
     let tint = world.resource::<Materials>().tint(piece.finish, 0);
     let mesh = world.resource_scope(|world, mut assets: Mut<Assets<Mesh>>| {
-        world
-            .resource_mut::<Meshes>()
-            .of(&piece.shape, &mut assets)
+        world.resource_mut::<Meshes>().of(&piece.shape, &mut assets)
     });
     (Mesh3d(mesh), MeshMaterial3d(tint))
 }
@@ -145,6 +149,7 @@ pub fn toggle(world: &mut World) -> Result {
         world.entity_mut(*piece).insert(Visibility::Hidden);
     }
     world.resource_mut::<Clock>().paused = true;
+    world.resource_mut::<View>().distance *= FARTHER;
     world.resource_mut::<Comparison>().0 = copies;
     Ok(())
 }
@@ -164,6 +169,7 @@ pub fn end(world: &mut World) {
         *visibility = Visibility::Inherited;
     }
     world.resource_mut::<Clock>().paused = false;
+    world.resource_mut::<View>().distance /= FARTHER;
 }
 
 /// As much time for each as has gone by, in steps of its own length; between two it is shown part of the way.

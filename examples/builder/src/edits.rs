@@ -45,10 +45,7 @@ struct Saved {
 }
 
 /// With the log at hand.
-fn with_log<T>(
-    world: &mut World,
-    edit: impl FnOnce(&mut World, &mut EditLog) -> T,
-) -> T {
+fn with_log<T>(world: &mut World, edit: impl FnOnce(&mut World, &mut EditLog) -> T) -> T {
     let done = world.resource_scope(|world, mut log: Mut<EditLog>| edit(world, &mut log));
     world.resource_mut::<Edits>().0 += 1;
     world.resource_mut::<Clock>().renew = true;
@@ -119,7 +116,8 @@ pub fn redo(world: &mut World) -> Result {
 /// Takes all pieces away, for good.
 pub fn clear(world: &mut World) {
     with_log(world, |world, log| log.clear(world));
-    let mut pieces = world.query_filtered::<Entity, (With<Piece>, Or<(With<Disabled>, Without<Disabled>)>)>();
+    let mut pieces =
+        world.query_filtered::<Entity, (With<Piece>, Or<(With<Disabled>, Without<Disabled>)>)>();
     let pieces: Vec<Entity> = pieces.iter(world).collect();
     for piece in pieces {
         world.despawn(piece);

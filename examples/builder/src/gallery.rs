@@ -1,6 +1,7 @@
 //! The scenes, laid by `drystone::masonry`.
 
 use crate::camera::View;
+use crate::compare;
 use crate::edits;
 use crate::journal::{Entry, Journal};
 use crate::look::Finish;
@@ -178,7 +179,7 @@ fn wall(length: f32, courses: u32) -> Result<Vec<Block>, MasonryError> {
 fn tower(courses: u32) -> Vec<Block> {
     let brick = |course: u32, side: u32| {
         let turn = Quat::from_rotation_y(side as f32 * FRAC_PI_2);
-        let mirror = if course % 2 == 0 { 1.0 } else { -1.0 };
+        let mirror = if course.is_multiple_of(2) { 1.0 } else { -1.0 };
         let at = Vec3::new(mirror * 0.5 * BRICK.z, 0.0, 0.5 * BRICK.x);
         Block {
             collider: Collider::cuboid(BRICK.x, BRICK.y, BRICK.z),
@@ -319,6 +320,7 @@ fn rope(
 /// Clears away what is there, and lays the scene.
 fn open(world: &mut World) -> Result {
     let scene = *world.resource::<Scene>();
+    compare::end(world);
     edits::clear(world);
     let pieces = scene.pieces()?;
     let count = pieces.len();

@@ -131,8 +131,7 @@ fn look(
 ) {
     let (camera, at) = *eye;
     let seen = bodies.iter();
-    let seen =
-        seen.map(|(entity, _, pose, _)| (entity.to_string(), pose.position, pose.rotation));
+    let seen = seen.map(|(entity, _, pose, _)| (entity.to_string(), pose.position, pose.rotation));
     let rests = bodies.iter().all(|(_, kind, _, sleeping)| {
         *kind != RigidBody::Dynamic || sleeping.asleep || sleeping.still_for > 0.25
     });
@@ -141,6 +140,10 @@ fn look(
         bodies: seen.collect(),
         clip_from_world: camera.clip_from_view() * at.to_matrix().inverse(),
         viewport: camera.logical_viewport_size().unwrap_or_default(),
-        widgets: widgets.0.iter().map(|(name, at)| (name.clone(), *at)).collect(),
+        widgets: widgets
+            .0
+            .iter()
+            .map(|(name, at)| (name.clone(), *at))
+            .collect(),
     })));
 }

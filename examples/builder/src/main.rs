@@ -65,7 +65,12 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 
 fn main() -> Result {
     let arguments = Arguments::parse();
-    let named = |name: &str| arguments.out.clone().unwrap_or(format!("{FOLDER}/{name}").into());
+    let named = |name: &str| {
+        arguments
+            .out
+            .clone()
+            .unwrap_or(format!("{FOLDER}/{name}").into())
+    };
     if arguments.film {
         return film(&named("film.gif"), arguments.size);
     }

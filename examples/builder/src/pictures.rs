@@ -105,11 +105,11 @@ impl Studio {
         let taken: Arc<Mutex<Option<Image>>> = default();
         let keep = taken.clone();
         let shot = Screenshot::image(self.image.clone());
-        self.world_mut().spawn(shot).observe(
-            move |captured: On<ScreenshotCaptured>| {
+        self.world_mut()
+            .spawn(shot)
+            .observe(move |captured: On<ScreenshotCaptured>| {
                 *keep.lock().expect("no holder panics") = Some(captured.image.clone());
-            },
-        );
+            });
         // Time stands still while it comes.
         let frame = std::mem::replace(
             &mut *self.world_mut().resource_mut::<TimeUpdateStrategy>(),

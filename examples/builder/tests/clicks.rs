@@ -89,10 +89,11 @@ fn a_person_builds_presses_takes_and_undoes() {
 
     // The top is taken, and taken back.
     desk.click(after.on_screen(Vec3::new(-1.5, 1.5, 0.0)));
-    desk.wait("it is taken", |entry| match entry {
-        Entry::Took { bodies } => Some(assert_eq!(bodies, std::slice::from_ref(&laid))),
+    let taken = desk.wait("it is taken", |entry| match entry {
+        Entry::Took { bodies } => Some(bodies.clone()),
         _ => None,
     });
+    assert_eq!(taken, std::slice::from_ref(&laid));
     assert_eq!(desk.look().bodies.len(), 13);
     desk.picture("6-taken");
     desk.key("ctrl+z");
@@ -138,8 +139,8 @@ fn a_person_builds_presses_takes_and_undoes() {
     // Saved, cleared away with the scene, and loaded.
     let before = desk.look();
     desk.key("ctrl+s");
-    desk.wait("it is saved", |entry| match entry {
-        Entry::Saved { pieces } => Some(assert_eq!(*pieces, before.bodies.len())),
+    let saved = desk.wait("it is saved", |entry| match entry {
+        Entry::Saved { pieces } => Some(*pieces),
         _ => None,
     });
     desk.key("BackSpace");
@@ -147,14 +148,18 @@ fn a_person_builds_presses_takes_and_undoes() {
         matches!(entry, Entry::Opened { .. }).then_some(())
     });
     desk.key("ctrl+o");
-    desk.wait("it is loaded", |entry| match entry {
-        Entry::Loaded { pieces } => Some(assert_eq!(*pieces, before.bodies.len())),
+    let loaded = desk.wait("it is loaded", |entry| match entry {
+        Entry::Loaded { pieces } => Some(*pieces),
         _ => None,
     });
+    assert_eq!([saved, loaded], [before.bodies.len(); 2]);
     desk.rests();
     let loaded = desk.look();
     for (body, at, _) in &before.bodies {
-        let mut distances = loaded.bodies.iter().map(|(_, there, _)| there.distance(*at));
+        let mut distances = loaded
+            .bodies
+            .iter()
+            .map(|(_, there, _)| there.distance(*at));
         assert!(distances.any(|far| far < THERE), "{body} was not loaded");
     }
 
@@ -173,7 +178,10 @@ fn a_person_builds_presses_takes_and_undoes() {
 fn widget(sight: &Sight, name: &str) -> Vec2 {
     let mut widgets = sight.widgets.iter();
     let found = widgets.find(|(of, _)| of == name);
-    found.unwrap_or_else(|| panic!("the panel has {name}")).1.into()
+    found
+        .unwrap_or_else(|| panic!("the panel has {name}"))
+        .1
+        .into()
 }
 
 fn place(sight: &Sight, body: &str) -> (Vec3, Quat) {
@@ -200,9 +208,8 @@ fn is_at(sight: &Sight, body: &str, there: Vec3) {
 fn moved(before: &Sight, after: &Sight, far: f32) -> BTreeSet<String> {
     let there = |body: &str| after.bodies.iter().find(|(of, ..)| of == body);
     let bodies = before.bodies.iter();
-    let moved = bodies.filter(|(body, at, _)| {
-        there(body).is_none_or(|(_, now, _)| now.distance(*at) > far)
-    });
+    let moved = bodies
+        .filter(|(body, at, _)| there(body).is_none_or(|(_, now, _)| now.distance(*at) > far));
     moved.map(|(body, ..)| body.clone()).collect()
 }
 
@@ -242,7 +249,9 @@ impl Desk {
             .expect("Xvfb starts");
         let mut number = String::new();
         let answer = xvfb.stdout.take().expect("it is piped");
-        BufReader::new(answer).read_line(&mut number).expect("it says its number");
+        BufReader::new(answer)
+            .read_line(&mut number)
+            .expect("it says its number");
         let display = format!(":{}", number.trim());
         fs::create_dir_all(folder()).expect("pictures can be written");
         let mut builder = Command::new(env!("CARGO_BIN_EXE_drystone-builder"))

@@ -57,14 +57,14 @@ fn bevelled(points: &[Vec3]) -> Mesh {
             let count = corners.len();
             let at = |i: usize| hull.points[corners[i % count] as usize];
             let first = sketch.positions.len() as u32;
-            for i in 0..count {
+            for (i, &corner) in corners.iter().enumerate() {
                 let (here, next) = (at(i), at(i + 1));
                 let back = (at(i + count - 1) - here).normalize_or_zero();
                 let on = (next - here).normalize_or_zero();
                 let sine = back.cross(on).length().max(0.2);
                 sketch.positions.push(here + (back + on) * (bevel / sine));
                 sketch.normals.push(face.normal);
-                vertices.insert((number, corners[i]), first + i as u32);
+                vertices.insert((number, corner), first + i as u32);
             }
             let polygon: Vec<u32> = (first..first + count as u32).collect();
             sketch.polygon(&polygon);
@@ -114,10 +114,13 @@ fn bevelled(points: &[Vec3]) -> Mesh {
             }
         }
     }
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, sketch.positions)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, sketch.normals)
-        .with_inserted_indices(Indices::U32(sketch.triangles))
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, sketch.positions)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, sketch.normals)
+    .with_inserted_indices(Indices::U32(sketch.triangles))
 }
 
 #[cfg(test)]
@@ -139,7 +142,10 @@ mod tests {
         .into();
         let middle = Vec3::splat(0.4);
         let wedge: Vec<Vec3> = wedge.iter().map(|point| *point - middle).collect();
-        for mesh in [bevelled(&wedge), mesh_of(&Shape::Box(Vec3::new(1.0, 0.5, 0.3)))] {
+        for mesh in [
+            bevelled(&wedge),
+            mesh_of(&Shape::Box(Vec3::new(1.0, 0.5, 0.3))),
+        ] {
             let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap();
             let positions = positions.as_float3().unwrap();
             let Some(Indices::U32(triangles)) = mesh.indices() else {

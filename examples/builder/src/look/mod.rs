@@ -202,7 +202,9 @@ fn dress(
 ) {
     for (entity, piece, at) in &new {
         // Neighbours differ, and a scene looks the same every time.
-        let [x, y, z] = (at.translation * 100.0).to_array().map(|x| x.round() as i64);
+        let [x, y, z] = (at.translation * 100.0)
+            .to_array()
+            .map(|x| x.round() as i64);
         let number = (x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663)) as usize
             ^ z.wrapping_mul(83_492_791) as usize;
         let own = materials.tint(piece.finish, (number >> 3) % 1_000_003);

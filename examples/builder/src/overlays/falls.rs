@@ -26,7 +26,9 @@ const AGE: f32 = 1.5;
 impl Falls {
     /// Whether a body would move.
     pub fn moves(&self, body: Entity) -> bool {
-        self.answer.as_ref().is_some_and(|preview| preview.moves(body))
+        self.answer
+            .as_ref()
+            .is_some_and(|preview| preview.moves(body))
     }
 
     /// How many would, of the piece under the mouse.

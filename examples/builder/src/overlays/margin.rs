@@ -117,13 +117,18 @@ fn weakest(shadow: Shadow, structure: &[Entity]) -> Result<Weakest, String> {
         let towards = Vec3::new(angle.sin(), 0.0, angle.cos());
         let margin = stability(&world, &bodies, &Trial::Tilt(towards));
         let margin = margin.map_err(|error| error.to_string())?;
-        if weakest.as_ref().is_none_or(|weakest| margin.most < weakest.tilt) {
+        if weakest
+            .as_ref()
+            .is_none_or(|weakest| margin.most < weakest.tilt)
+        {
             let moving = margin.moving.iter();
             let slides = margin.gives.iter().filter(|joint| joint.how == How::Slides);
             weakest = Some(Weakest {
                 tilt: margin.most,
                 towards,
-                moving: moving.filter_map(|m| originals.get(&m.body).copied()).collect(),
+                moving: moving
+                    .filter_map(|m| originals.get(&m.body).copied())
+                    .collect(),
                 how: match (slides.count(), margin.gives.len()) {
                     (0, _) => "tips",
                     (slides, all) if slides == all => "slides",

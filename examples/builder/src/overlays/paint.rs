@@ -17,7 +17,7 @@ type Painted = (
     &'static mut MeshMaterial3d<StandardMaterial>,
 );
 
-/// What would fall comes before what gives way first, and that before what is asked for.
+/// What would fall comes before what is asked for, and that before what gives way first.
 pub(super) fn paint(
     overlays: Res<Overlays>,
     materials: Res<Materials>,
@@ -40,8 +40,6 @@ pub(super) fn paint(
         let is_dynamic = *kind == RigidBody::Dynamic;
         let wanted = if falls.moves(entity) {
             &materials.falls
-        } else if margins.moves(entity) {
-            &materials.gives
         } else {
             match overlays.paint {
                 // Most pieces carry little: the root spreads them out.
@@ -55,6 +53,7 @@ pub(super) fn paint(
                 },
                 Paint::Sleep if sleeping.asleep => &materials.asleep,
                 Paint::Sleep if is_dynamic => &materials.awake,
+                Paint::Own if margins.moves(entity) => &materials.gives,
                 _ => &own.0,
             }
         };

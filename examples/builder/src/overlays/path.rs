@@ -32,7 +32,12 @@ pub(super) fn draw(
         let Ok((above, _)) = bodies.get(bearing.above) else {
             continue;
         };
-        let color = Color::hsla(50.0 - 40.0 * bearing.share, 1.0, 0.55, 0.25 + 0.75 * bearing.share);
+        let color = Color::hsla(
+            50.0 - 40.0 * bearing.share,
+            1.0,
+            0.55,
+            0.25 + 0.75 * bearing.share,
+        );
         // What cannot fall has no middle that means anything.
         let foot = match bodies.get(bearing.below) {
             Ok((below, RigidBody::Dynamic)) => below.position,

@@ -39,6 +39,7 @@ pub(super) fn window(
     egui::Window::new("Costs")
         .open(&mut open)
         .resizable(false)
+        .default_width(220.0)
         .anchor(egui::Align2::RIGHT_TOP, [-8.0, 8.0])
         .show(contexts.ctx_mut()?, |ui| {
             let most = costs.stages.iter().map(|(_, time)| *time);
@@ -57,7 +58,10 @@ pub(super) fn window(
             });
             let bodies = bodies.iter().filter(|kind| **kind == RigidBody::Dynamic);
             let (bodies, pairs) = (bodies.count(), pairs.iter().count());
-            ui.small(format!("{:.2} ms a step, {bodies} bodies, {pairs} pairs", costs.step));
+            ui.small(format!(
+                "{:.2} ms a step, {bodies} bodies, {pairs} pairs",
+                costs.step
+            ));
         });
     if open != overlays.costs {
         overlays.costs = open;

@@ -14,6 +14,7 @@ use crate::journal::Widgets;
 use crate::overlays::{Falls, Legend, Margins, Overlays, Paint};
 use crate::pieces::palette;
 use crate::tools::{Choice, Notice, Strength, Tool, attempt, keys::HELP};
+use bevy::ecs::component::Mutable;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass, egui};
@@ -66,21 +67,16 @@ struct Known<'w, 's> {
 }
 
 /// A value that is written only where it was changed: what reacts to changes must not react to being shown.
-fn edit<T: Clone + PartialEq>(value: &mut ResMut<T>, show: impl FnOnce(&mut T))
+fn edit<T>(value: &mut ResMut<T>, show: impl FnOnce(&mut T))
 where
-    T: Resource<Mutability = bevy::ecs::component::Mutable>,
+    T: Resource<Mutability = Mutable> + Clone + PartialEq,
 {
     let mut copy = (**value).clone();
     show(&mut copy);
     value.set_if_neq(copy);
 }
 
-fn side(
-    mut contexts: EguiContexts,
-    mut commands: Commands,
-    mut set: Set,
-    known: Known,
-) -> Result {
+fn side(mut contexts: EguiContexts, mut commands: Commands, mut set: Set, known: Known) -> Result {
     let context = contexts.ctx_mut()?;
     context.all_styles_mut(|style| {
         let small = style.text_styles.get_mut(&egui::TextStyle::Small);
@@ -163,16 +159,16 @@ fn tools(ui: &mut egui::Ui, set: &mut Set) {
                 ui.small("a copy");
             }
         }
-        tool @ (Tool::Hand | Tool::Press | Tool::Throw) => edit(&mut set.strength, |strength| {
-            match tool {
+        tool @ (Tool::Hand | Tool::Press | Tool::Throw) => {
+            edit(&mut set.strength, |strength| match tool {
                 Tool::Hand => force(ui, &mut strength.hand, "hand"),
                 Tool::Press => force(ui, &mut strength.press, "pressure"),
                 _ => {
                     let slider = egui::Slider::new(&mut strength.throw, 2.0..=40.0);
                     ui.add(slider.suffix(" m/s"));
                 }
-            }
-        }),
+            })
+        }
         Tool::Move | Tool::Take => {}
     }
 }
@@ -294,7 +290,10 @@ fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {
     lines[3] = match known.margins.answer() {
         Some(Ok(weakest)) => {
             let (tilt, moving) = (weakest.tilt.to_degrees(), weakest.moving.len());
-            format!("stands to {tilt:.1}°; then {moving} move: it {}", weakest.how)
+            format!(
+                "stands to {tilt:.1}°; then {moving} move: it {}",
+                weakest.how
+            )
         }
         Some(Err(why)) => why.into(),
         None if known.margins.is_asking() => "asking for its margin …".into(),
@@ -343,7 +342,9 @@ fn banner(
             GaveWay::Slid => "slid",
             GaveWay::Tipped => "tipped",
         };
-        let height = poses.get(collapse.first).map_or(0.0, |pose| pose.position.y);
+        let height = poses
+            .get(collapse.first)
+            .map_or(0.0, |pose| pose.position.y);
         let text = format!("It lost its hold: first a piece {height:.1} m up, which {how}");
         *told = Some((text, now));
     }

@@ -1,19 +1,19 @@
 //! A short film: a wall is built, asked, and thrown at.
 
 use super::{Studio, make_folder};
-use crate::camera::View;
+use crate::camera::{Pointer, View};
 use crate::edits;
 use crate::gallery::Scene;
 use crate::look::Finish;
 use crate::overlays::{Overlays, Paint};
 use crate::pieces::Piece;
-use crate::tools::throw;
+use crate::tools::{Strength, throw};
 use bevy::prelude::*;
 use drystone::masonry::{Bond, Wall};
 use drystone::prelude::*;
-use image::codecs::gif::{GifEncoder, Repeat};
-use image::{Delay, Frame};
+use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use std::fs::File;
+use std::io::BufWriter;
 use std::path::Path;
 use std::time::Duration;
 
@@ -26,15 +26,18 @@ const RATE: f32 = 12.0;
 /// Where it cannot be drawn or written.
 pub fn film(path: &Path, size: [u32; 2]) -> Result {
     let mut film = Film {
-        studio: Studio::new(
-            Scene::Yard,
-            size,
-            Duration::from_secs_f32(1.0 / RATE),
-        ),
+        studio: Studio::new(Scene::Yard, size, Duration::from_secs_f32(1.0 / RATE)),
         frames: Vec::new(),
-        yaw: 0.75,
+        size,
     };
     film.studio.go_on(3);
+    // It stands still: what does not change costs nothing.
+    film.studio.look(View {
+        target: Vec3::new(0.0, 1.6, 0.0),
+        distance: 9.5,
+        yaw: 0.5,
+        pitch: 0.22,
+    });
     edits::clear(film.studio.world_mut());
     let wall = Wall {
         length: 6.0,
@@ -56,23 +59,33 @@ pub fn film(path: &Path, size: [u32; 2]) -> Result {
             film.roll(1)?;
         }
     }
-    film.roll(4)?;
+    film.roll(3)?;
     film.show(Overlays {
         paint: Paint::Loads,
         ..default()
     });
+    film.roll(12)?;
+    film.show(Overlays::default());
+    // What would fall without the corner is shown, and then it is taken.
+    let corner = laid[5];
+    film.show(Overlays {
+        falls: true,
+        ..default()
+    });
+    film.studio.world_mut().insert_resource(Pointer {
+        body: Some(corner),
+        ..default()
+    });
     film.roll(14)?;
     film.show(Overlays::default());
-    // One is taken out of the middle; what falls, falls.
-    edits::take(film.studio.world_mut(), &[laid[15]])?;
-    film.roll(10)?;
-    edits::undo(film.studio.world_mut())?;
-    film.roll(6)?;
-    for target in [Vec3::new(0.8, 1.6, 0.0), Vec3::new(-1.2, 2.2, 0.0)] {
-        let from = Vec3::new(3.0, 2.2, 9.0);
+    edits::take(film.studio.world_mut(), &[corner])?;
+    film.roll(14)?;
+    film.studio.world_mut().resource_mut::<Strength>().throw = 26.0;
+    for target in [Vec3::new(0.6, 1.6, 0.0), Vec3::new(-1.3, 2.4, 0.0)] {
+        let from = Vec3::new(3.0, 2.2, 8.0);
         let way = Dir3::new(target - from + Vec3::Y * 0.4)?;
         throw(film.studio.world_mut(), Ray3d::new(from, way))?;
-        film.roll(9)?;
+        film.roll(8)?;
     }
     film.roll(14)?;
     film.save(path)
@@ -81,7 +94,8 @@ pub fn film(path: &Path, size: [u32; 2]) -> Result {
 struct Film {
     studio: Studio,
     frames: Vec<image::RgbaImage>,
-    yaw: f32,
+    /// Pixels.
+    size: [u32; 2],
 }
 
 impl Film {
@@ -89,16 +103,9 @@ impl Film {
         self.studio.world_mut().insert_resource(overlays);
     }
 
-    /// So many frames, while the camera goes round slowly.
+    /// So many frames.
     fn roll(&mut self, frames: usize) -> Result {
         for _ in 0..frames {
-            self.yaw -= 0.008;
-            self.studio.look(View {
-                target: Vec3::Y * 1.5,
-                distance: 10.5,
-                yaw: self.yaw,
-                pitch: 0.25,
-            });
             self.studio.go_on(1);
             let picture = self.studio.picture()?;
             self.frames.push(picture);
@@ -108,11 +115,28 @@ impl Film {
 
     fn save(self, path: &Path) -> Result {
         make_folder(path)?;
-        let mut gif = GifEncoder::new_with_speed(File::create(path)?, 10);
+        let file = BufWriter::new(File::create(path)?);
+        let [width, height] = self.size.map(|pixels| pixels as u16);
+        let mut gif = Encoder::new(file, width, height, &[])?;
         gif.set_repeat(Repeat::Infinite)?;
-        let delay = Delay::from_saturating_duration(Duration::from_secs_f32(1.0 / RATE));
-        let frames = self.frames.into_iter();
-        gif.encode_frames(frames.map(|picture| Frame::from_parts(picture, 0, 0, delay)))?;
+        let mut shown: Option<image::RgbaImage> = None;
+        for picture in self.frames {
+            let mut changed = picture.clone();
+            // What is as it was is left out.
+            for (new, old) in changed
+                .pixels_mut()
+                .zip(shown.iter().flat_map(|old| old.pixels()))
+            {
+                if *new == *old {
+                    new.0 = [0; 4];
+                }
+            }
+            let mut frame = Frame::from_rgba_speed(width, height, &mut changed, 10);
+            frame.dispose = DisposalMethod::Keep;
+            frame.delay = (100.0 / RATE) as u16;
+            gif.write_frame(&frame)?;
+            shown = Some(picture);
+        }
         println!("wrote {}", path.display());
         Ok(())
     }

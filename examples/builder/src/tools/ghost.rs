@@ -37,7 +37,12 @@ const UPRIGHT: f32 = 0.998;
 pub(super) struct Outline;
 
 pub(super) fn spawn(mut commands: Commands) {
-    commands.spawn((Outline, NotShadowCaster, NotShadowReceiver, Visibility::Hidden));
+    commands.spawn((
+        Outline,
+        NotShadowCaster,
+        NotShadowReceiver,
+        Visibility::Hidden,
+    ));
 }
 
 pub(super) fn find(
@@ -49,7 +54,7 @@ pub(super) fn find(
     pieces: Query<(&Piece, &Pose)>,
 ) {
     ghost.0 = None;
-    let Some(ray) = pointer.ray else {
+    let Some(ray) = pointer.ray.filter(|_| pointer.hit.is_some()) else {
         return;
     };
     let (piece, excluded) = match (*tool, carried.0) {

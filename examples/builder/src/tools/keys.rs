@@ -7,8 +7,8 @@ use crate::compare;
 use crate::edits::{self, SaveFile};
 use crate::gallery::Scene;
 use crate::overlays::{Overlays, Paint};
-use crate::pieces::Piece;
 use crate::pictures;
+use crate::pieces::Piece;
 use bevy::input::keyboard::{KeyboardFocusLost, KeyboardInput};
 use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
@@ -60,7 +60,10 @@ impl Modifiers {
 #[expect(clippy::too_many_arguments, reason = "keys are about everything")]
 pub(super) fn keys(
     mut commands: Commands,
-    (mut events, mut lost): (MessageReader<KeyboardInput>, MessageReader<KeyboardFocusLost>),
+    (mut events, mut lost): (
+        MessageReader<KeyboardInput>,
+        MessageReader<KeyboardFocusLost>,
+    ),
     mut modifiers: Local<Modifiers>,
     panel: Option<Res<EguiWantsInput>>,
     pointer: Res<Pointer>,
@@ -73,7 +76,9 @@ pub(super) fn keys(
         *modifiers = Modifiers::default();
     }
     if panel.is_some_and(|panel| panel.wants_any_keyboard_input()) {
-        events.read().for_each(|event| drop(modifiers.follow(event)));
+        for event in events.read() {
+            let _ = modifiers.follow(event);
+        }
         return;
     }
     for event in events.read() {
@@ -119,7 +124,11 @@ pub(super) fn keys(
                 if let Some((piece, pose)) = pointer.body.and_then(|body| pieces.get(body).ok()) {
                     let (yaw, ..) = pose.rotation.to_euler(EulerRot::YXZ);
                     let piece = piece.clone();
-                    *choice = Choice { piece, name: None, yaw };
+                    *choice = Choice {
+                        piece,
+                        name: None,
+                        yaw,
+                    };
                     *tool = Tool::Lay;
                 }
             }

@@ -88,8 +88,14 @@ impl Tool {
     pub fn about(self) -> [&'static str; 2] {
         match self {
             Self::Lay => ["Lay", "click: lay the piece · Q, E: turn · Shift: freely"],
-            Self::Move => ["Move", "drag a piece to its place · Q, E: turn · Shift: freely"],
-            Self::Hand => ["Hand", "drag: lift and pull · wheel: nearer, farther · Q, E: turn"],
+            Self::Move => [
+                "Move",
+                "drag a piece to its place · Q, E: turn · Shift: freely",
+            ],
+            Self::Hand => [
+                "Hand",
+                "drag: lift and pull · wheel: nearer, farther · Q, E: turn",
+            ],
             Self::Press => ["Press", "hold: press on a face · drag aside: tip"],
             Self::Take => ["Take", "point: what would fall · click: take"],
             Self::Throw => ["Throw", "click: throw a ball"],

@@ -59,7 +59,7 @@ pub(super) fn press(
     let Some(mut press) = pressed.0 else {
         return;
     };
-    let Ok(pose) = bodies.get(press.body).map(|pose| *pose) else {
+    let Ok(pose) = bodies.get(press.body).copied() else {
         pressed.0 = None;
         return;
     };
@@ -95,6 +95,10 @@ pub(super) fn draw(mut gizmos: Gizmos, bodies: Query<(&Transform, &Grab)>, press
         let point = at.transform_point(press.local_point);
         let way = (grab.target - point).normalize_or_zero();
         let color = Color::srgb(1.0, 0.85, 0.2);
-        gizmos.arrow(point - 1e-4 * grab.max_force.max(3_000.0) * way, point, color);
+        gizmos.arrow(
+            point - 1e-4 * grab.max_force.max(3_000.0) * way,
+            point,
+            color,
+        );
     }
 }

@@ -61,6 +61,7 @@ pub struct FaceForce {
     /// The moment of friction about the normal through that point, N·m.
     pub twist: f32,
     /// ‖λ_t‖/(μ λ_n): how much of the friction that there can be is used, from 0 to 1. Where it is 1 the face slides, or is about to.
+    /// (A little more than 1 is possible: friction is bounded by what presses while it is found, and both may change until the end of the step.)
     pub friction_use: f32,
     /// The face is classified as sticking, equation (10) of the paper. (Only friction stabilization asks; without it no face is.)
     pub sticks: bool,
@@ -292,7 +293,7 @@ pub struct Load {
     pub pressure: f32,
     /// What others put on it along gravity, N: the weight of what it carries.
     pub carries: f32,
-    /// The largest share of the friction that there can be in a face of it, from 0 to 1.
+    /// The largest [`FaceForce::friction_use`] of its faces.
     pub friction_use: f32,
 }
 

@@ -297,6 +297,28 @@ pub struct Rope {
     pub length: f32,
 }
 
+/// Held aside, and let go.
+fn wrecking_ball() -> (Piece, Pose, Rope) {
+    let rope = Rope {
+        from: Vec3::Y * 9.0,
+        length: 6.4,
+    };
+    let (sin, cos) = 1.14f32.sin_cos();
+    let pose = Pose {
+        position: rope.from + rope.length * Vec3::new(0.0, -cos, sin),
+        ..default()
+    };
+    let ball = Piece::new(Shape::Ball(0.55), Finish::Iron);
+    (ball, pose, rope)
+}
+
+/// What they hang on.
+pub fn draw_ropes(mut gizmos: Gizmos, bodies: Query<(&Rope, &Transform)>) {
+    for (rope, at) in &bodies {
+        gizmos.line(rope.from, at.translation, Color::srgb(0.15, 0.15, 0.17));
+    }
+}
+
 /// A spring as stiff as a step of this length allows, with damping along the rope.
 fn rope(
     time: Res<Time>,
@@ -304,10 +326,14 @@ fn rope(
 ) {
     let dt = time.delta_secs().max(1e-3);
     for (rope, pose, velocity, mass, mut force) in &mut bodies {
+        // Before the first step nobody knows where it is, or how heavy.
+        if mass.inverse_mass == 0.0 {
+            continue;
+        }
         let way = rope.from - pose.position;
         let stretch = way.length() - rope.length;
         let along = way.normalize_or(Vec3::Y);
-        let mass = 1.0 / mass.inverse_mass.max(1e-6);
+        let mass = 1.0 / mass.inverse_mass;
         let pull = 0.2 * mass / (dt * dt) * stretch - 0.4 * mass / dt * velocity.linear.dot(along);
         let pull = if stretch > 0.0 { pull.max(0.0) } else { 0.0 };
         force.set_if_neq(ExternalForce {
@@ -328,14 +354,8 @@ fn open(world: &mut World) -> Result {
         world.spawn(piece.bundle(pose)?);
     }
     if scene == Scene::WreckingBall {
-        let ball = Piece::new(Shape::Ball(0.55), Finish::Iron);
-        let from = Vec3::new(0.0, 9.0, 0.0);
-        let pose = Pose {
-            position: from + 6.4 * Vec3::new(0.0, -0.42, 0.907),
-            ..default()
-        };
-        let length = 6.4;
-        world.spawn((ball.bundle(pose)?, Rope { from, length }));
+        let (ball, pose, rope) = wrecking_ball();
+        world.spawn((ball.bundle(pose)?, rope));
     }
     world.insert_resource(scene.view());
     world.resource::<Journal>().say(&Entry::Opened {
@@ -348,6 +368,9 @@ fn open(world: &mut World) -> Result {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clock::Clock;
+    use bevy::time::{TimePlugin, TimeUpdateStrategy};
+    use drystone::masonry::EditLog;
 
     /// Every scene can be laid, and what is not to move does not, in three seconds.
     #[test]
@@ -372,5 +395,44 @@ mod tests {
                 assert!(may || went < 0.01, "{scene:?}: {body} went {went} m");
             }
         }
+    }
+
+    /// It swings on its rope, and is in the wall after a quarter of a period; nothing moves before.
+    #[test]
+    fn the_wrecking_ball_swings_into_the_wall() {
+        let mut app = App::new();
+        app.add_plugins((TimePlugin, DrystonePlugins::default(), GalleryPlugin))
+            .insert_resource(Scene::WreckingBall)
+            .insert_resource(TimeUpdateStrategy::ManualDuration(
+                Time::<Fixed>::default().timestep(),
+            ))
+            .init_resource::<EditLog>()
+            .init_resource::<edits::Edits>()
+            .init_resource::<Clock>()
+            .init_resource::<Journal>()
+            .init_resource::<compare::Comparison>();
+        let world = app.world_mut();
+        world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+        let mut bricks = world.query_filtered::<&Velocity, Without<Rope>>();
+        let mut balls = world.query::<(&Rope, &Pose)>();
+        let mut hit = None;
+        for frame in 0..150 {
+            app.update();
+            let (rope, pose) = balls.single(app.world()).unwrap();
+            let far = pose.position.distance(rope.from);
+            assert!(frame < 2 || (far - rope.length).abs() < 0.6, "{far} m");
+            let velocities = bricks.iter(app.world());
+            let fastest = velocities.map(|v| v.linear.length()).fold(0.0, f32::max);
+            assert!(fastest < 30.0, "{fastest} m/s");
+            if hit.is_none() && fastest > 0.5 {
+                hit = Some(frame);
+                assert!(pose.position.z < 1.2, "{pose:?}");
+            }
+        }
+        // 5 s for small swings, longer for wide ones.
+        assert!(
+            hit.is_some_and(|frame| (60..100).contains(&frame)),
+            "{hit:?}"
+        );
     }
 }

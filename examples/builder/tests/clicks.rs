@@ -163,6 +163,24 @@ fn a_person_builds_presses_takes_and_undoes() {
         assert!(distances.any(|far| far < THERE), "{body} was not loaded");
     }
 
+    // While time stands still, one is laid on the ground and one on that; they are there when it goes on.
+    desk.key("space");
+    desk.key("1");
+    desk.click(loaded.on_screen(Vec3::new(-1.0, 0.0, 3.5)));
+    desk.click(loaded.on_screen(Vec3::new(-0.9, 0.5, 3.5)));
+    desk.key("space");
+    let [lower, upper] = [(); 2].map(|()| {
+        desk.wait("a brick is laid", |entry| match entry {
+            Entry::Placed { body, at } => Some((body.clone(), *at)),
+            _ => None,
+        })
+    });
+    assert_eq!((lower.1.y, upper.1.y), (0.25, 0.75));
+    desk.rests();
+    let laid = desk.look();
+    is_at(&laid, &lower.0, lower.1);
+    is_at(&laid, &upper.0, upper.1);
+
     // The stack is pushed over at its top, and the builder says what gave way.
     desk.key("4");
     let face = loaded.on_screen(Vec3::new(3.0, 2.9, 0.4));

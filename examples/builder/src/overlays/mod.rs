@@ -10,6 +10,7 @@ pub use falls::Falls;
 pub use margin::{Margins, Weakest};
 
 use crate::BuilderSystems;
+use crate::gallery::draw_ropes;
 use crate::tools::Tool;
 use bevy::prelude::*;
 
@@ -30,7 +31,8 @@ impl Plugin for OverlaysPlugin {
             )
             .add_systems(
                 Update,
-                (paint::paint, path::draw, wireframes::switch).in_set(BuilderSystems::Show),
+                (paint::paint, path::draw, wireframes::switch, draw_ropes)
+                    .in_set(BuilderSystems::Show),
             );
     }
 }

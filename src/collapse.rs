@@ -75,7 +75,7 @@ pub enum GaveWay {
     Crushed,
     /// What bore it gave way, or was taken: it went down.
     Fell,
-    /// It went aside.
+    /// It went aside, or was thrown up.
     Slid,
     /// It turned more than it went.
     Tipped,

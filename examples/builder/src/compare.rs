@@ -57,11 +57,6 @@ impl Comparison {
         !self.0.is_empty()
     }
 
-    /// The copies: steps in a second, and where they are.
-    pub fn copies(&self) -> impl Iterator<Item = (f32, Vec3)> {
-        self.0.iter().map(|copy| (copy.hz, copy.aside))
-    }
-
     /// Spawns a piece in both copies, aimed as if the original stood in the middle between them.
     ///
     /// # Errors

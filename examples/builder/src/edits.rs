@@ -1,6 +1,7 @@
 //! Edits: what they do to the world, that they can be taken back, and that they can be saved.
 
 use crate::clock::Clock;
+use crate::compare;
 use crate::journal::{Entry, Journal};
 use crate::pieces::{Piece, to_transform};
 use bevy::ecs::entity_disabling::Disabled;
@@ -9,9 +10,9 @@ use drystone::masonry::EditLog;
 use drystone::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// The log of edits, and its keys.
+/// The log of edits.
 pub struct EditsPlugin;
 
 impl Plugin for EditsPlugin {
@@ -44,8 +45,9 @@ struct Saved {
     rotation: Quat,
 }
 
-/// With the log at hand.
+/// With the log at hand, and the original in sight.
 fn with_log<T>(world: &mut World, edit: impl FnOnce(&mut World, &mut EditLog) -> T) -> T {
+    compare::end(world);
     let done = world.resource_scope(|world, mut log: Mut<EditLog>| edit(world, &mut log));
     world.resource_mut::<Edits>().0 += 1;
     world.resource_mut::<Clock>().renew = true;
@@ -124,11 +126,12 @@ pub fn clear(world: &mut World) {
     }
 }
 
-/// Writes what there is to a file.
+/// Writes what there is to the [`SaveFile`].
 ///
 /// # Errors
 /// Where it cannot be written.
-pub fn save(world: &mut World, path: &Path) -> Result {
+pub fn save(world: &mut World) -> Result {
+    let path = world.resource::<SaveFile>().0.clone();
     let mut pieces = world.query::<(&Piece, &Pose)>();
     let saved = pieces.iter(world).map(|(piece, pose)| Saved {
         piece: piece.clone(),
@@ -145,12 +148,14 @@ pub fn save(world: &mut World, path: &Path) -> Result {
     Ok(())
 }
 
-/// Reads what there is from a file, instead of what is there now.
+/// Reads what there is from the [`SaveFile`], instead of what is there now.
 ///
 /// # Errors
 /// Where it cannot be read, or holds what is no piece; what is there stays then.
-pub fn load(world: &mut World, path: &Path) -> Result {
-    let saved = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+pub fn load(world: &mut World) -> Result {
+    let path = world.resource::<SaveFile>().0.clone();
+    let saved =
+        fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     let saved: Vec<Saved> = ron::from_str(&saved)?;
     let mut bundles = Vec::with_capacity(saved.len());
     for Saved {

@@ -1,7 +1,6 @@
 //! The scenes, laid by `drystone::masonry`.
 
 use crate::camera::View;
-use crate::compare;
 use crate::edits;
 use crate::journal::{Entry, Journal};
 use crate::look::Finish;
@@ -346,7 +345,6 @@ fn rope(
 /// Clears away what is there, and lays the scene.
 fn open(world: &mut World) -> Result {
     let scene = *world.resource::<Scene>();
-    compare::end(world);
     edits::clear(world);
     let pieces = scene.pieces()?;
     let count = pieces.len();
@@ -369,6 +367,7 @@ fn open(world: &mut World) -> Result {
 mod tests {
     use super::*;
     use crate::clock::Clock;
+    use crate::compare::Comparison;
     use bevy::time::{TimePlugin, TimeUpdateStrategy};
     use drystone::masonry::EditLog;
 
@@ -410,7 +409,7 @@ mod tests {
             .init_resource::<edits::Edits>()
             .init_resource::<Clock>()
             .init_resource::<Journal>()
-            .init_resource::<compare::Comparison>();
+            .init_resource::<Comparison>();
         let world = app.world_mut();
         world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
         let mut bricks = world.query_filtered::<&Velocity, Without<Rope>>();

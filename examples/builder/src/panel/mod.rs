@@ -8,7 +8,7 @@ pub use settings::Physics;
 use crate::camera::{PanelWidth, Pointer};
 use crate::clock::Clock;
 use crate::compare::Comparison;
-use crate::edits::{self, SaveFile};
+use crate::edits;
 use crate::gallery::Scene;
 use crate::journal::Widgets;
 use crate::overlays::{Falls, Legend, Margins, Overlays, Paint};
@@ -195,16 +195,10 @@ fn history(ui: &mut egui::Ui, commands: &mut Commands, log: &EditLog) {
             attempt(commands, edits::redo);
         }
         if button("Save", true, ui) {
-            attempt(commands, |world| {
-                let path = world.resource::<SaveFile>().0.clone();
-                edits::save(world, &path)
-            });
+            attempt(commands, edits::save);
         }
         if button("Load", true, ui) {
-            attempt(commands, |world| {
-                let path = world.resource::<SaveFile>().0.clone();
-                edits::load(world, &path)
-            });
+            attempt(commands, edits::load);
         }
     });
 }

@@ -4,7 +4,7 @@ use super::{Carried, Choice, Tool, attempt, throw};
 use crate::camera::Pointer;
 use crate::clock::Clock;
 use crate::compare;
-use crate::edits::{self, SaveFile};
+use crate::edits;
 use crate::gallery::Scene;
 use crate::overlays::{Overlays, Paint};
 use crate::pictures;
@@ -90,14 +90,8 @@ pub(super) fn keys(
             KeyCode::KeyZ if control && shift => attempt(&mut commands, edits::redo),
             KeyCode::KeyZ if control => attempt(&mut commands, edits::undo),
             KeyCode::KeyY if control => attempt(&mut commands, edits::redo),
-            KeyCode::KeyS if control => attempt(&mut commands, |world| {
-                let path = world.resource::<SaveFile>().0.clone();
-                edits::save(world, &path)
-            }),
-            KeyCode::KeyO if control => attempt(&mut commands, |world| {
-                let path = world.resource::<SaveFile>().0.clone();
-                edits::load(world, &path)
-            }),
+            KeyCode::KeyS if control => attempt(&mut commands, edits::save),
+            KeyCode::KeyO if control => attempt(&mut commands, edits::load),
             _ if control => {}
             KeyCode::Digit1 => *tool = Tool::Lay,
             KeyCode::Digit2 => *tool = Tool::Move,

@@ -180,43 +180,29 @@ impl Supports<'_, '_> {
     /// # Errors
     /// Where it is no body.
     pub fn hanging_on(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
-        // All that puts some of its weight on the body, what bears those, and what they bear.
-        let mut under: EntityHashMap<Vec<Entity>> = EntityHashMap::default();
-        let mut over: EntityHashMap<Vec<Entity>> = EntityHashMap::default();
         let down = self.gravity.0.normalize_or_zero();
+        let mut search = Search {
+            supports: self,
+            under: body,
+            hangs: EntityHashSet::default(),
+            stands: EntityHashSet::default(),
+        };
         let mut next = vec![body];
         while let Some(lower) = next.pop() {
             let slot = self.contacts.slot(lower)?;
             let neighbours = self.contacts.neighbours(slot).into_iter();
             for (above, _) in neighbours.filter(|(_, force)| force.dot(down) > 0.0) {
-                if above == body {
+                if above == body || search.knows(above) {
                     continue;
                 }
-                if !under.contains_key(&above) {
-                    let by = self.supported_by(above)?;
-                    let by: Vec<Entity> = by.iter().map(|bearing| bearing.below).collect();
-                    // It may press by less than counts.
-                    if !by.contains(&lower) {
-                        continue;
-                    }
-                    under.insert(above, by);
-                    next.push(above);
-                }
-                if under[&above].contains(&lower) {
-                    over.entry(lower).or_default().push(above);
+                // It may press by less than counts.
+                let by = self.supported_by(above)?;
+                if by.iter().any(|bearing| bearing.below == lower) {
+                    next.extend(search.decide(above)?);
                 }
             }
         }
-        // What something else bears as well does not hang on it, nor what stands on such.
-        let stands = |by: &Entity| *by != body && !under.contains_key(by);
-        let held = under.iter().filter(|(_, by)| by.iter().any(stands));
-        let mut next: Vec<Entity> = held.map(|(&above, _)| above).collect();
-        while let Some(held) = next.pop() {
-            if under.remove(&held).is_some() {
-                next.extend(over.get(&held).into_iter().flatten());
-            }
-        }
-        Ok(self.by_age(under.into_keys()))
+        Ok(self.by_age(search.hangs.into_iter()))
     }
 
     /// All that holds together with a body by touching: the dynamic bodies of its [island](crate::islands). What cannot move is in none.
@@ -245,6 +231,54 @@ impl Supports<'_, '_> {
         };
         bodies.sort_by_cached_key(age);
         bodies
+    }
+}
+
+/// For what stands on one body alone.
+struct Search<'a, 'w, 's> {
+    supports: &'a Supports<'w, 's>,
+    under: Entity,
+    /// What is known to stand on that alone, and what is known not to.
+    hangs: EntityHashSet,
+    stands: EntityHashSet,
+}
+
+impl Search<'_, '_, '_> {
+    fn knows(&self, body: Entity) -> bool {
+        self.hangs.contains(&body) || self.stands.contains(&body)
+    }
+
+    /// Looks for a way down that does not lead through the body. Where there is none, whatever was come through hangs on it too, and is told.
+    fn decide(&mut self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+        // From where each was come to.
+        let mut from = EntityHashMap::from_iter([(body, body)]);
+        let mut next = vec![body];
+        while let Some(here) = next.pop() {
+            let by = match self.stands.contains(&here) {
+                true => Vec::new(),
+                false => self.supports.supported_by(here)?,
+            };
+            // What nothing bears is the ground, or falls by itself.
+            if by.is_empty() {
+                let (mut at, mut upper) = (here, from[&here]);
+                self.stands.insert(at);
+                while upper != at {
+                    (at, upper) = (upper, from[&upper]);
+                    self.stands.insert(at);
+                }
+                return Ok(Vec::new());
+            }
+            for Bearing { below, .. } in by {
+                let leads_back = below == self.under || self.hangs.contains(&below);
+                if !leads_back && !from.contains_key(&below) {
+                    from.insert(below, here);
+                    next.push(below);
+                }
+            }
+        }
+        let found: Vec<Entity> = from.into_keys().collect();
+        self.hangs.extend(&found);
+        Ok(found)
     }
 }
 

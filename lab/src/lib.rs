@@ -13,6 +13,7 @@
 //! | module | what is in it |
 //! |---|---|
 //! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
+//! | [`blows`] | what falls on a stack or is shot at a wall, and how far things go |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
@@ -26,6 +27,7 @@
 #![warn(missing_docs)]
 #![deny(unsafe_code)]
 
+pub mod blows;
 pub mod experiment;
 pub mod metrics;
 pub mod output;

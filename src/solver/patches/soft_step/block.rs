@@ -39,12 +39,25 @@ impl Pass {
     /// an extrapolation of its velocity.
     #[inline(always)]
     pub fn end(&self, velocity: &Cell<State>, before: &Cell<State>, motion: &Cell<State>) {
-        let now = velocity.get();
+        self.drift(velocity, motion);
+        self.extrapolate(velocity, before);
+    }
+
+    /// Where bodies drift after it, moves one.
+    #[inline(always)]
+    pub fn drift(&self, velocity: &Cell<State>, motion: &Cell<State>) {
         if let Some(h) = self.drift {
+            let now = velocity.get();
             let [linear, angular] = motion.get();
             motion.set([linear + h * now[0], angular + h * now[1]]);
         }
+    }
+
+    /// Where a further substep begins after it, lets a body begin that.
+    #[inline(always)]
+    pub fn extrapolate(&self, velocity: &Cell<State>, before: &Cell<State>) {
         if self.extrapolates {
+            let now = velocity.get();
             let was = before.replace(now);
             velocity.set([now[0] + (now[0] - was[0]), now[1] + (now[1] - was[1])]);
         }
@@ -385,9 +398,50 @@ impl<L: F32xN> Block<L> {
         self.give(wrench, velocities);
     }
 
+    /// Ends a substep in which some lanes took a blow, 1 there and 0 in others: the next begins with no more than the `earlier` impulses of
+    /// its points, or what they carry at rest. What is cut off counts as given. The wrench that the next substep shall not begin with.
+    #[inline(always)]
+    pub fn forget_blow(
+        &mut self,
+        points: &mut [Points<L>],
+        earlier: &[L],
+        lanes: L,
+    ) -> SpatialVec<L> {
+        let (mut all, mut left) = (L::ZERO, L::ZERO);
+        let mut cut = SpatialVec::default();
+        for (point, &earlier) in points.iter_mut().zip(earlier) {
+            let kept = point.impulse.min(earlier.max(point.load));
+            let kept = lanes.select_above(L::ZERO, kept, point.impulse);
+            all += point.impulse;
+            left += kept;
+            point.given += point.impulse - kept;
+            point.push(kept - point.impulse, &mut cut);
+            point.impulse = kept;
+        }
+        // Friction in proportion.
+        let gone = (all - left) * all.inverse();
+        let friction = [
+            gone * self.tangential[0],
+            gone * self.tangential[1],
+            gone * self.twist,
+        ];
+        let rolling = [gone * self.rolling[0], gone * self.rolling[1]];
+        for i in 0..2 {
+            self.given[i] += friction[i];
+            self.tangential[i] = self.tangential[i] - friction[i];
+            self.rolling[i] = self.rolling[i] - rolling[i];
+        }
+        self.twist = self.twist - friction[2];
+        let friction = wrench(friction, rolling);
+        SpatialVec {
+            linear: cut.linear - friction.linear,
+            angular: cut.angular - friction.angular,
+        }
+    }
+
     /// Changes velocities by a wrench in the patch's frame.
     #[inline(always)]
-    fn give(&self, wrench: SpatialVec<L>, velocities: &[Cell<State>]) {
+    pub fn give(&self, wrench: SpatialVec<L>, velocities: &[Cell<State>]) {
         let a = L::gather(velocities, &self.bodies[0]);
         let b = L::gather(velocities, &self.bodies[1]);
         self.push(&self.frame(), wrench, a, b, velocities);

@@ -2,6 +2,7 @@
 
 use super::Scratch;
 use super::block::{Block, Pass, Points, Spring};
+use super::blows::Blows;
 use super::halves::Part;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::laps::Laps;
@@ -48,6 +49,8 @@ pub struct Island<L: F32xN> {
     pub(super) fastest: f32,
     /// See [`stands_by_itself`].
     pub(super) alone: bool,
+    /// Its blocks are not folded, though they may be when nothing hits any more.
+    unfolded: bool,
     /// By body, 1/(kg·m²): with which blocks were prepared.
     pub(super) inertias: Vec<Mat3>,
     /// By body: its inverse inertia is not that of the last step.
@@ -73,25 +76,39 @@ pub struct Island<L: F32xN> {
     pub(super) pipeline: Option<Pipeline>,
     /// Made where blocks are folded.
     pub(super) laps: Option<Laps>,
+    pub(super) blows: Blows<L>,
     pub(super) scratch: Scratch,
 }
 
 impl<L: F32xN> Island<L> {
-    /// That of the last step, if it may be, and which of its patches were found anew since.
+    /// That of the last step, if it may be, and which of its patches were found anew since. Where something `hits`, its blocks are not
+    /// folded: what a sweep has found must be known before the next begins.
     pub fn of(
         kept: Option<(Box<Self>, Vec<u32>)>,
         problem: &PatchProblem,
         lanes: Lanes,
-        batches: Option<Batches>,
+        found: Option<Batches>,
+        hits: bool,
     ) -> (Box<Self>, Vec<u32>) {
         let alone = stands_by_itself(problem);
+        let may_be = |island: &Self| match hits {
+            true => island.batches.laps() == 1,
+            false => !island.unfolded,
+        };
         let (mut island, changed) = kept
             .filter(|(island, _)| {
-                island.fastest == problem.max_correction_speed && island.alone == alone
+                island.fastest == problem.max_correction_speed
+                    && island.alone == alone
+                    && may_be(island)
             })
             .unwrap_or_else(|| {
-                let batches = batches.unwrap_or_else(|| laps(L::LANES, problem));
-                (Box::new(Self::new(problem, batches)), Vec::new())
+                let batches = match hits {
+                    true => batches(L::LANES, problem),
+                    false => found.unwrap_or_else(|| laps(L::LANES, problem)),
+                };
+                let mut island = Self::new(problem, batches);
+                island.unfolded = hits && alone;
+                (Box::new(island), Vec::new())
             });
         island.lanes = lanes;
         (island, changed)
@@ -137,6 +154,7 @@ impl<L: F32xN> Island<L> {
             lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
             alone: stands_by_itself(problem),
+            unfolded: false,
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
             turned: Vec::new(),
             changed: Vec::new(),
@@ -151,6 +169,7 @@ impl<L: F32xN> Island<L> {
             grips: Vec::new(),
             pipeline: None,
             laps: None,
+            blows: Blows::default(),
             scratch: Scratch::default(),
         }
     }
@@ -293,17 +312,9 @@ impl<L: F32xN> Island<L> {
 
     /// One sweep, and what is done after it.
     pub fn sweep_alone(&mut self, pass: &Pass) -> f32 {
-        let mut held_change = 0.0;
-        for held in &mut self.grips {
-            held.aim(self.motions[held.grip.body as usize].map(Vec4::truncate));
-            held_change += held.visit(&mut self.velocities);
-        }
+        let held_change = self.visit_grips();
         let change = match pass.soft {
-            true => L::run(Sweep {
-                island: self,
-                kinds: Soft { first: pass.first },
-                pass,
-            }),
+            true => self.sweep_as(Soft { first: pass.first }, pass),
             false => self.sweep_rigidly(pass),
         };
         let bodies = self.inertias.len();
@@ -315,13 +326,28 @@ impl<L: F32xN> Island<L> {
         held_change + change
     }
 
-    /// One rigid sweep, after which nothing else happens.
-    pub fn sweep_rigidly(&mut self, pass: &Pass) -> f32 {
+    /// One visit to each block. Σ W Δλ², J.
+    pub fn sweep_as(&mut self, kinds: impl Kinds<L>, pass: &Pass) -> f32 {
         L::run(Sweep {
             island: self,
-            kinds: Rigid,
+            kinds,
             pass,
         })
+    }
+
+    /// One visit to each hand. Σ W Δλ², J.
+    pub fn visit_grips(&mut self) -> f32 {
+        let mut change = 0.0;
+        for held in &mut self.grips {
+            held.aim(self.motions[held.grip.body as usize].map(Vec4::truncate));
+            change += held.visit(&mut self.velocities);
+        }
+        change
+    }
+
+    /// One rigid sweep, after which nothing else happens.
+    pub fn sweep_rigidly(&mut self, pass: &Pass) -> f32 {
+        self.sweep_as(Rigid, pass)
     }
 
     pub fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {

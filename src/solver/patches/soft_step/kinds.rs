@@ -1,6 +1,8 @@
 //! What the lanes of a block do in one visit: all are soft, all rigid, or each what the sweep is that it is in.
 
-use crate::solver::lanes::F32xN;
+use super::block::Points;
+use crate::solver::lanes::{F32xN, SpatialVec};
+use std::cell::Cell;
 
 /// See the module's text.
 pub trait Kinds<L: F32xN>: Copy {
@@ -8,6 +10,8 @@ pub trait Kinds<L: F32xN>: Copy {
     const SOFT: bool;
     /// Some lane may be rigid.
     const RIGID: bool;
+    /// Rigid lanes have friction.
+    const RUBS: bool = true;
 
     /// `new` in lanes that are soft, else `old`.
     fn soft(self, new: L, old: L) -> L;
@@ -23,6 +27,35 @@ pub trait Kinds<L: F32xN>: Copy {
 
     /// `sum` and `x` in lanes that are soft and have been so in this step before, else `sum`.
     fn add_if_again(self, sum: L, x: L) -> L;
+
+    /// How far apart a point is, for a spring: `separation`, and in rigid lanes the `gap` that its spring has left.
+    #[inline(always)]
+    fn distance(self, separation: L, gap: L) -> L {
+        match Self::RIGID {
+            true => self.soft(separation, self.if_rigid(gap)),
+            false => separation,
+        }
+    }
+
+    /// The share of its impulse that a row gives back: `x` where springs give way.
+    #[inline(always)]
+    fn given_back(self, x: L) -> L {
+        self.if_soft(x)
+    }
+
+    /// `new`, and `old` in lanes that must stay as they are.
+    #[inline(always)]
+    fn visited(self, new: L, _: L) -> L {
+        new
+    }
+
+    /// Before the normals of a patch are visited, whose points begin with the `first`.
+    #[inline(always)]
+    fn before_normals(self, _first: u32, _: &[Points<L>]) {}
+
+    /// After the normals of a patch were visited: may add to their impulses, and to the wrench at the patch's centre.
+    #[inline(always)]
+    fn after_normals(self, _first: u32, _: &mut [Points<L>], _: &mut SpatialVec<L>) {}
 }
 
 /// Rows are springs.
@@ -42,6 +75,35 @@ pub struct Mixed<L> {
     pub soft: L,
     pub rigid: L,
     pub soft_again: L,
+}
+
+/// [`Soft`], and the impulses before the visit are noted.
+#[derive(Clone, Copy)]
+pub struct Noting<'a, L> {
+    pub first: bool,
+    /// By point of the island.
+    pub impulses: &'a [Cell<L>],
+}
+
+/// Some lanes are soft once more in the same substep, and over-relaxed; the others stay as they are.
+#[derive(Clone, Copy)]
+pub struct MoreSoft<'a, L> {
+    /// 1 in those, else 0.
+    pub lanes: L,
+    /// 1 where springs give way, 0 where they hold all that they give.
+    pub gives: L,
+    /// The share of the change of each normal impulse that is added to it.
+    pub over: L,
+    /// Room for the impulses before the visit, by point of the island.
+    pub was: &'a [Cell<L>],
+}
+
+/// The same of rigid lanes; without friction.
+#[derive(Clone, Copy)]
+pub struct MoreRigid<'a, L> {
+    pub lanes: L,
+    pub over: L,
+    pub was: &'a [Cell<L>],
 }
 
 impl<L: F32xN> Kinds<L> for Soft {
@@ -134,5 +196,167 @@ impl<L: F32xN> Kinds<L> for Mixed<L> {
     #[inline(always)]
     fn add_if_again(self, sum: L, x: L) -> L {
         self.soft_again.mul_add(x, sum)
+    }
+}
+
+impl<L: F32xN> Kinds<L> for Noting<'_, L> {
+    const SOFT: bool = true;
+    const RIGID: bool = false;
+
+    #[inline(always)]
+    fn soft(self, new: L, _: L) -> L {
+        new
+    }
+
+    #[inline(always)]
+    fn rigid(self, _: L, old: L) -> L {
+        old
+    }
+
+    #[inline(always)]
+    fn if_soft(self, x: L) -> L {
+        x
+    }
+
+    #[inline(always)]
+    fn if_rigid(self, _: L) -> L {
+        L::ZERO
+    }
+
+    #[inline(always)]
+    fn add_if_again(self, sum: L, x: L) -> L {
+        Soft { first: self.first }.add_if_again(sum, x)
+    }
+
+    #[inline(always)]
+    fn before_normals(self, first: u32, points: &[Points<L>]) {
+        note(self.impulses, first, points);
+    }
+}
+
+impl<L: F32xN> Kinds<L> for MoreSoft<'_, L> {
+    const SOFT: bool = true;
+    const RIGID: bool = false;
+
+    #[inline(always)]
+    fn soft(self, new: L, old: L) -> L {
+        self.lanes.select_above(L::ZERO, new, old)
+    }
+
+    #[inline(always)]
+    fn rigid(self, _: L, old: L) -> L {
+        old
+    }
+
+    #[inline(always)]
+    fn if_soft(self, x: L) -> L {
+        self.lanes * x
+    }
+
+    #[inline(always)]
+    fn if_rigid(self, _: L) -> L {
+        L::ZERO
+    }
+
+    // What a substep gives is told once.
+    #[inline(always)]
+    fn add_if_again(self, sum: L, _: L) -> L {
+        sum
+    }
+
+    // Springs that touch nothing want nothing.
+    #[inline(always)]
+    fn distance(self, separation: L, _: L) -> L {
+        self.lanes.select_above(L::ZERO, separation, L::ZERO)
+    }
+
+    #[inline(always)]
+    fn given_back(self, x: L) -> L {
+        self.lanes * self.gives * x
+    }
+
+    #[inline(always)]
+    fn visited(self, new: L, old: L) -> L {
+        self.lanes.select_above(L::ZERO, new, old)
+    }
+
+    #[inline(always)]
+    fn before_normals(self, first: u32, points: &[Points<L>]) {
+        note(self.was, first, points);
+    }
+
+    #[inline(always)]
+    fn after_normals(self, first: u32, points: &mut [Points<L>], wrench: &mut SpatialVec<L>) {
+        over_relax(self.over, self.was, first, points, wrench);
+    }
+}
+
+impl<L: F32xN> Kinds<L> for MoreRigid<'_, L> {
+    const SOFT: bool = false;
+    const RIGID: bool = true;
+    const RUBS: bool = false;
+
+    #[inline(always)]
+    fn soft(self, _: L, old: L) -> L {
+        old
+    }
+
+    #[inline(always)]
+    fn rigid(self, new: L, old: L) -> L {
+        self.lanes.select_above(L::ZERO, new, old)
+    }
+
+    #[inline(always)]
+    fn if_soft(self, _: L) -> L {
+        L::ZERO
+    }
+
+    #[inline(always)]
+    fn if_rigid(self, x: L) -> L {
+        self.lanes * x
+    }
+
+    #[inline(always)]
+    fn add_if_again(self, sum: L, _: L) -> L {
+        sum
+    }
+
+    #[inline(always)]
+    fn before_normals(self, first: u32, points: &[Points<L>]) {
+        note(self.was, first, points);
+    }
+
+    #[inline(always)]
+    fn after_normals(self, first: u32, points: &mut [Points<L>], wrench: &mut SpatialVec<L>) {
+        over_relax(self.over, self.was, first, points, wrench);
+    }
+}
+
+#[inline(always)]
+fn note<L: F32xN>(impulses: &[Cell<L>], first: u32, points: &[Points<L>]) {
+    let mut i = 0;
+    while i < points.len() {
+        impulses[first as usize + i].set(points[i].impulse);
+        i += 1;
+    }
+}
+
+/// Adds to impulses so much of what they have changed since they were noted; they stay ≥ 0.
+#[inline(always)]
+fn over_relax<L: F32xN>(
+    over: L,
+    was: &[Cell<L>],
+    first: u32,
+    points: &mut [Points<L>],
+    wrench: &mut SpatialVec<L>,
+) {
+    let mut i = 0;
+    while i < points.len() {
+        let point = &mut points[i];
+        let change = point.impulse - was[first as usize + i].get();
+        let more = over.mul_add(change, point.impulse).max(L::ZERO);
+        point.push(more - point.impulse, wrench);
+        point.impulse = more;
+        i += 1;
     }
 }

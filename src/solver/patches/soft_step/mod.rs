@@ -20,6 +20,7 @@
 //!   side; towers stand by that.
 //! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer with every short step
 //!   would throw what a long one has let sink.
+//! - **Blows** ([`blows`]): substeps in which bodies hit each other get more sweeps where they do, and the next begins without the blow.
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose
@@ -29,6 +30,7 @@
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
 
 mod block;
+mod blows;
 mod carry;
 mod cold_start;
 mod effort;
@@ -179,16 +181,21 @@ impl SoftStep {
         };
         let span = tracing::info_span!("refresh").entered();
         let (effort, bounces) = self.begin::<L>(problem, &mut scratch);
-        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches);
+        let hits = blows::expected(problem);
+        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches, hits);
         let spring = self.spring(effort, problem.dt);
         self.plan_in(effort, problem.dt, &mut scratch.passes);
         let free_merit = island.start(problem, &changed, effort.substeps, &spring, &scratch.passes);
         drop(span);
         let span = tracing::info_span!("sweeps").entered();
         let mut report = SolveReport::new(free_merit, problem.record_history);
-        island.sweep(problem, &scratch.passes, |change| {
+        let tell = |change: f32| {
             report.record(change.max(0.0).sqrt());
-        });
+        };
+        match hits {
+            true => island.sweep_through_blows(problem, &scratch.passes, tell),
+            false => island.sweep(problem, &scratch.passes, tell),
+        }
         drop(span);
         let _span = tracing::info_span!("store").entered();
         island.store(problem, self.followed(report.sweeps));

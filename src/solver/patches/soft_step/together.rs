@@ -4,9 +4,9 @@
 //! where their patches lie beside each other. They share no body that moves, and each island's patches keep their order: what is found
 //! of each is what would be found of it alone, to the bit, but for the sign of zeros.
 
-use super::SoftStep;
 use super::effort::Effort;
 use super::island::{Island, batches};
+use super::{Bounces, PatchSolver, SoftStep, blows};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
 
@@ -74,6 +74,14 @@ impl Joint {
     }
 }
 
+/// One of the problems, ready for its sweeps.
+struct Begun {
+    /// Which of them.
+    number: usize,
+    effort: Effort,
+    bounces: Option<Bounces>,
+}
+
 /// Takes so many off the front.
 fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
     let (first, rest) = list.split_at(count);
@@ -82,35 +90,45 @@ fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
 }
 
 impl SoftStep {
-    /// Solves each, those that get the same sweeps together.
+    /// Solves each: those that get the same sweeps together, and those in which bodies hit each other by themselves.
     pub(super) fn solve_together<L: F32xN>(
         &self,
         problems: &mut [PatchProblem],
     ) -> Vec<SolveReport> {
-        let mut begun: Vec<_> = problems
-            .iter_mut()
-            .map(|problem| {
-                // What was kept of it alone is not what it will be after this step.
-                problem.memory.forget();
-                self.begin::<L>(problem, &mut Default::default())
-            })
-            .collect();
-        let mut order: Vec<usize> = (0..problems.len()).collect();
-        order.sort_by(|&a, &b| begun[a].0.compare(&begun[b].0));
         let mut reports = vec![SolveReport::default(); problems.len()];
-        for group in order.chunk_by(|&a, &b| begun[a].0 == begun[b].0) {
-            let effort = begun[group[0]].0;
-            let mut joint = Joint::of(group.iter().map(|&i| &problems[i]));
-            let found = self.solve_joint::<L>(&mut joint, &problems[group[0]], effort, group.len());
+        let mut begun = Vec::with_capacity(problems.len());
+        for (number, problem) in problems.iter_mut().enumerate() {
+            if blows::expected(problem) {
+                reports[number] = self.solve(problem);
+                continue;
+            }
+            // What was kept of it alone is not what it will be after this step.
+            problem.memory.forget();
+            let (effort, bounces) = self.begin::<L>(problem, &mut Default::default());
+            begun.push(Begun {
+                number,
+                effort,
+                bounces,
+            });
+        }
+        begun.sort_by(|a, b| a.effort.compare(&b.effort));
+        for group in begun.chunk_by(|a, b| a.effort == b.effort) {
+            let first = &group[0];
+            let mut joint = Joint::of(group.iter().map(|begun| &problems[begun.number]));
+            let like = &problems[first.number];
+            let found = self.solve_joint::<L>(&mut joint, like, first.effort, group.len());
             let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
-            let members = group.iter().filter_map(|&i| members[i].take());
+            let members = group
+                .iter()
+                .filter_map(|begun| members[begun.number].take());
             joint.give_back(members);
-            for (&i, report) in group.iter().zip(found) {
-                reports[i] = report;
+            for (begun, report) in group.iter().zip(found) {
+                reports[begun.number] = report;
             }
         }
-        for (problem, (effort, bounces)) in problems.iter_mut().zip(&mut begun) {
-            self.end(problem, bounces.take(), effort.substeps);
+        for begun in begun {
+            let problem = &mut problems[begun.number];
+            self.end(problem, begun.bounces, begun.effort.substeps);
         }
         reports
     }

@@ -106,12 +106,12 @@ impl<L: F32xN> Block<L> {
             let moved = self.relative(&frame, moved_a, moved_b);
             let carried = Carried::by(points);
             self.drag(kinds, &carried, &moved);
-            let hold = self.spring(&moved);
+            let hold = self.spring(kinds, &moved);
             self.relax_friction::<_, true>(kinds, &carried, &mut visit, &hold);
             visit.follow_friction(self);
             rows.springs = self.springs(kinds, &carried, &moved, pass);
         }
-        if self.rolls {
+        if self.rolls && (K::SOFT || K::RUBS) {
             let carried = Carried::by(points);
             visit = L::run_rarely(Roll {
                 block: self,
@@ -120,11 +120,13 @@ impl<L: F32xN> Block<L> {
                 visit,
             });
         }
+        kinds.before_normals(self.first, points);
         visit = rows.relax_normals(points, visit);
+        kinds.after_normals(self.first, points, &mut visit.wrench);
         if K::SOFT {
             self.confine(kinds, Carried::by(points).all, &mut visit);
         }
-        if K::RIGID {
+        if K::RIGID && K::RUBS {
             visit.follow_normals(self);
             let carried = Carried::by(points);
             self.relax_friction::<_, false>(kinds, &carried, &mut visit, &Hold::RIGID);
@@ -135,7 +137,7 @@ impl<L: F32xN> Block<L> {
 
     /// Anchored friction is a spring about where it began to stick; any other is rigid.
     #[inline(always)]
-    fn spring(&self, moved: &SpatialVec<L>) -> Hold<L> {
+    fn spring<K: Kinds<L>>(&self, kinds: K, moved: &SpatialVec<L>) -> Hold<L> {
         let soft = &self.softness;
         let rate = self.anchored * soft.bias_rate;
         let (speed, slowest) = (self.max_speed, -self.max_speed);
@@ -145,7 +147,7 @@ impl<L: F32xN> Block<L> {
         ];
         Hold {
             mass_scale: self.anchored.mul_add(soft.mass_scale - L::ONE, L::ONE),
-            impulse_scale: self.anchored * soft.impulse_scale,
+            impulse_scale: self.anchored * kinds.given_back(soft.impulse_scale),
             back: [
                 back[0].min(speed).max(slowest),
                 back[1].min(speed).max(slowest),
@@ -282,7 +284,7 @@ impl<L: F32xN> Block<L> {
         pass: &Pass,
     ) -> Springs<L> {
         let soft = &self.softness;
-        let impulse_scale = kinds.if_soft(soft.impulse_scale);
+        let impulse_scale = kinds.given_back(soft.impulse_scale);
         let left = carried.all * self.share * self.inverse_load;
         // Of the load, held at most.
         let most = (left * L::splat(UNLOADED)).min(L::ONE);
@@ -317,17 +319,18 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
         match K::SOFT {
             true => self.spring(point),
             // It only stops motion, or brings together what a spring no longer reaches.
-            false => (point.mass, point.mass * point.gap * self.rate),
+            false => {
+                let mass = self.kinds.if_rigid(point.mass);
+                (mass, mass * point.gap * self.rate)
+            }
         }
     }
 
     #[inline(always)]
     fn spring(&self, point: &mut Points<L>) -> (L, L) {
         let springs = &self.springs;
-        let mut s = point.separation + point.approach(&springs.moved);
-        if K::RIGID {
-            s = self.kinds.soft(s, self.kinds.if_rigid(point.gap));
-        }
+        let s = point.separation + point.approach(&springs.moved);
+        let s = self.kinds.distance(s, point.gap);
         let lost = point.load.mul_sub(springs.left, point.impulse).max(L::ZERO);
         let soft_mass = springs.mass_scale * point.mass;
         let held = springs
@@ -337,7 +340,8 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
         let closed = soft_mass.mul_add((springs.bias_rate * s).max(springs.fastest), held);
         // The spring rests where the surfaces meet, with all of its load, and reaches as far beyond as that stretches it.
         let (stretch, reach) = (s * point.mass, springs.reach * point.load);
-        point.gap = stretch.select_above(reach, s, L::ZERO);
+        let gap = stretch.select_above(reach, s, L::ZERO);
+        point.gap = self.kinds.visited(gap, point.gap);
         (
             stretch.select_above(reach, point.mass, soft_mass),
             stretch.select_above(reach, stretch * self.rate, closed),

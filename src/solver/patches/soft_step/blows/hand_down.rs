@@ -1,0 +1,314 @@
+//! Hands down the momentum of bodies that fall: from the top, each body is stopped by what it lies on, as if that could not give way,
+//! and hands on what that takes.
+//!
+//! Sweeps go from the ground up, and take a blow down a column by one body a sweep; where something heavy falls on something light they
+//! need as many more as it is heavier. Handed down, one pass stops a column of any masses. Elsewhere it is where the sweeps begin.
+//!
+//! Only what comes from above is handed down. A ball that hits a wall from the side wedges bricks between their neighbours; stopped
+//! as if those could not give way, they would drag the courses along.
+
+use super::BLOW;
+use super::hot::{Hot, Place};
+use crate::solver::lanes::{F32xN, State};
+use crate::solver::patches::soft_step::island::Island;
+use crate::solver::{Body, PatchConstraint, PatchProblem};
+use glam::{Vec3, Vec4};
+
+/// Normals flatter than this, as a cosine to the vertical, hand nothing down.
+const FLAT: f32 = 0.1;
+
+/// A body falls if this share of the square of its velocity is downwards.
+const DOWNWARDS: f32 = 0.5;
+
+/// Visits to the points under one body, at most.
+const VISITS: usize = 8;
+
+/// They end when none has changed its velocity by more than this, m/s.
+const SHARED: f32 = 1e-3;
+
+/// What is kept from substep to substep.
+#[derive(Default)]
+pub struct HandDown {
+    /// Bodies that lie on something, from the top. Found in the first blow of a step.
+    order: Option<Vec<u32>>,
+    /// By body: it is stopped, and hands on what that takes.
+    stops: Vec<bool>,
+    /// By body: the velocity that it will have then.
+    stopped: Vec<State>,
+    rows: Vec<Row>,
+}
+
+/// A point under a body.
+struct Row {
+    /// Into the body.
+    normal: Vec3,
+    /// From the centres of mass of the body and of what it lies on, m.
+    arms: [Vec3; 2],
+    below: u32,
+    /// Where its impulse is.
+    point: u32,
+    lane: u32,
+    /// Inverse effective mass, if what is below could not give way, 1/kg.
+    response: f32,
+    /// The least velocity along the normal that the body may have there, m/s.
+    least: f32,
+    /// N·s
+    impulse: f32,
+    before: f32,
+}
+
+impl Row {
+    /// What the body's velocity lacks there, m/s.
+    fn lack(&self, [linear, angular]: [Vec3; 2]) -> f32 {
+        self.least - self.normal.dot(linear + angular.cross(self.arms[0]))
+    }
+
+    /// Adds to its impulse, which stays ≥ 0; how much was added, N·s.
+    fn give(&mut self, impulse: f32, body: &Body, velocity: &mut [Vec3; 2]) -> f32 {
+        let found = (self.impulse + impulse).max(0.0);
+        let given = found - self.impulse;
+        self.impulse = found;
+        let [linear, angular] = body.answer(given * self.normal, self.arms[0]);
+        velocity[0] += linear;
+        velocity[1] += angular;
+        given
+    }
+}
+
+/// On which side of a patch what lies on it is; none where it is too steep.
+fn upper(patch: &PatchConstraint, up: Vec3) -> Option<u32> {
+    let slope = patch.normal.dot(up);
+    (slope.abs() >= FLAT).then_some(if slope > 0.0 { 0 } else { 1 })
+}
+
+fn up(problem: &PatchProblem) -> Vec3 {
+    -problem.gravity.normalize_or_zero()
+}
+
+/// The patches on which a body lies, each with the body below.
+fn beneath<'a, L: F32xN>(
+    hot: &'a Hot<L>,
+    problem: &'a PatchProblem,
+    body: u32,
+) -> impl Iterator<Item = (&'a Place, u32)> {
+    let up = up(problem);
+    hot.places_of(body).iter().filter_map(move |place| {
+        let patch = &problem.patches[place.patch as usize];
+        (upper(patch, up) == Some(place.side))
+            .then(|| (place, patch.bodies[1 - place.side as usize]))
+    })
+}
+
+/// Bodies that lie on something, from the top; none of those that lie on each other in a ring.
+fn from_the_top<L: F32xN>(hot: &Hot<L>, problem: &PatchProblem) -> Vec<u32> {
+    let count = problem.bodies.len() as u32;
+    let mut above = vec![0u32; count as usize];
+    for body in 0..count {
+        beneath(hot, problem, body).for_each(|(_, below)| above[below as usize] += 1);
+    }
+    let mut order: Vec<u32> = (0..count)
+        .filter(|&body| above[body as usize] == 0)
+        .collect();
+    let mut next = 0;
+    while let Some(&body) = order.get(next) {
+        next += 1;
+        for (_, below) in beneath(hot, problem, body) {
+            above[below as usize] -= 1;
+            if above[below as usize] == 0 {
+                order.push(below);
+            }
+        }
+    }
+    order.retain(|&body| problem.bodies[body as usize].inverse_mass > 0.0);
+    order
+}
+
+impl HandDown {
+    /// For a step whose contacts are new.
+    pub fn begin(&mut self) {
+        self.order = None;
+    }
+
+    /// Hands down what bodies that fall have, in a substep of length 1/`rate`. Bodies that get more than `settled` of it, m/s, become
+    /// hot.
+    pub fn run<L: F32xN>(
+        &mut self,
+        problem: &PatchProblem,
+        island: &mut Island<L>,
+        hot: &mut Hot<L>,
+        rate: f32,
+        settled: f32,
+    ) {
+        if !self.find_what_stops(problem, island, hot) {
+            return;
+        }
+        let order = self
+            .order
+            .take()
+            .unwrap_or_else(|| from_the_top(hot, problem));
+        self.find_stopped(&order, problem, island, hot, rate);
+        for &body in &order {
+            if !self.stops[body as usize] {
+                continue;
+            }
+            hot.heat(body);
+            hot.hold(body);
+            self.find_rows(body, problem, island, hot, rate);
+            let mut velocity = island.velocities[body as usize].map(Vec4::truncate);
+            stop(
+                &mut self.rows,
+                &problem.bodies[body as usize],
+                &mut velocity,
+            );
+            island.velocities[body as usize] = velocity.map(|v| v.extend(0.0));
+            self.hand_on(problem, island, settled);
+        }
+        self.order = Some(order);
+    }
+
+    /// Bodies that fall onto something hot, or are hot themselves. Whether there are any.
+    fn find_what_stops<L: F32xN>(
+        &mut self,
+        problem: &PatchProblem,
+        island: &Island<L>,
+        hot: &Hot<L>,
+    ) -> bool {
+        let up = up(problem);
+        self.stops.clear();
+        self.stops.resize(problem.bodies.len(), false);
+        let mut any = false;
+        for (body, before) in (0..problem.bodies.len() as u32).zip(&island.before) {
+            let velocity = before[0].truncate();
+            let down = -velocity.dot(up);
+            let falls = down > BLOW && down * down > DOWNWARDS * velocity.length_squared();
+            if falls && problem.bodies[body as usize].inverse_mass > 0.0 {
+                let onto_hot = || beneath(hot, problem, body).any(|(_, below)| hot.is(below));
+                self.stops[body as usize] = hot.is(body) || onto_hot();
+                any |= self.stops[body as usize];
+            }
+        }
+        any
+    }
+
+    /// The velocity that each body will have: from the ground up, hot ones below those that fall included.
+    fn find_stopped<L: F32xN>(
+        &mut self,
+        order: &[u32],
+        problem: &PatchProblem,
+        island: &Island<L>,
+        hot: &Hot<L>,
+        rate: f32,
+    ) {
+        for &body in order {
+            if self.stops[body as usize] {
+                for (_, below) in beneath(hot, problem, body) {
+                    self.stops[below as usize] |= hot.is(below);
+                }
+            }
+        }
+        self.stopped.clone_from(&island.velocities);
+        for &body in order.iter().rev() {
+            if self.stops[body as usize] {
+                self.find_rows(body, problem, island, hot, rate);
+                let mut velocity = self.stopped[body as usize].map(Vec4::truncate);
+                stop(
+                    &mut self.rows,
+                    &problem.bodies[body as usize],
+                    &mut velocity,
+                );
+                self.stopped[body as usize] = velocity.map(|v| v.extend(0.0));
+            }
+        }
+    }
+
+    /// Gives the impulses of the rows to their points and to the bodies below.
+    fn hand_on<L: F32xN>(&mut self, problem: &PatchProblem, island: &mut Island<L>, settled: f32) {
+        for row in &self.rows {
+            let given = row.impulse - row.before;
+            if given == 0.0 {
+                continue;
+            }
+            island.points[row.point as usize].impulse[row.lane as usize] = row.impulse;
+            let below = &problem.bodies[row.below as usize];
+            if below.inverse_mass > 0.0 {
+                let answer = below.answer(-given * row.normal, row.arms[1]);
+                let state = &mut island.velocities[row.below as usize];
+                for (velocity, change) in state.iter_mut().zip(answer) {
+                    *velocity += change.extend(0.0);
+                }
+                self.stops[row.below as usize] |= given.abs() * below.inverse_mass > settled;
+            }
+        }
+    }
+
+    /// The points under a body.
+    fn find_rows<L: F32xN>(
+        &mut self,
+        body: u32,
+        problem: &PatchProblem,
+        island: &Island<L>,
+        hot: &Hot<L>,
+        rate: f32,
+    ) {
+        self.rows.clear();
+        for (place, below) in beneath(hot, problem, body) {
+            let patch = &problem.patches[place.patch as usize];
+            let side = place.side as usize;
+            let normal = if side == 0 {
+                patch.normal
+            } else {
+                -patch.normal
+            };
+            let first = island.blocks[place.block as usize].first;
+            let [linear, angular] = self.stopped[below as usize].map(Vec4::truncate);
+            for (point, offset) in (first..).zip(&problem.points[patch.range()]) {
+                let arms = [side, 1 - side].map(|side| patch.arms[side] + offset.offset);
+                let found = &island.points[point as usize];
+                let lane = place.lane as usize;
+                let response = problem.bodies[body as usize].response(normal, arms[0]);
+                self.rows.push(Row {
+                    normal,
+                    arms,
+                    below,
+                    point,
+                    lane: place.lane,
+                    response,
+                    // It may still come as near as it is apart.
+                    least: normal.dot(linear + angular.cross(arms[1])) - found.gap[lane] * rate,
+                    impulse: found.impulse[lane],
+                    before: found.impulse[lane],
+                });
+            }
+        }
+    }
+}
+
+/// Stops a body by the rows under it.
+fn stop(rows: &mut [Row], body: &Body, velocity: &mut [Vec3; 2]) {
+    // First by the same impulse at all points that lack something: visited one by one, the first would turn it.
+    let was = *velocity;
+    let lacking = |row: &Row| row.lack(was) > 0.0;
+    let (mut missing, mut force, mut moment) = (0.0, Vec3::ZERO, Vec3::ZERO);
+    for row in rows.iter().filter(|row| lacking(row)) {
+        missing += row.lack(was);
+        force += row.normal;
+        moment += row.arms[0].cross(row.normal);
+    }
+    let turned = moment.dot(body.inverse_inertia * moment);
+    let response = body.inverse_mass * force.length_squared() + turned;
+    if missing > 0.0 && response > 0.0 {
+        for row in rows.iter_mut().filter(|row| lacking(row)) {
+            row.give(missing / response, body, velocity);
+        }
+    }
+    for _ in 0..VISITS {
+        let mut most = 0f32;
+        for row in rows.iter_mut() {
+            let given = row.give(row.lack(*velocity) / row.response, body, velocity);
+            most = most.max(given.abs() * row.response);
+        }
+        if most < SHARED {
+            break;
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! Blows: substeps in which contacts stop bodies, or set them going, at once.
+//!
+//! One soft sweep leaves a part of a blow's speed. The springs store it and give it back in later substeps, and the next substep would
+//! begin with the blow's impulses once more, because impulses carry over. A stack would hop when something falls on it. So a
+//! substep in which contacts change the velocity of some body by more than [`BLOW`] goes on after its soft sweep:
+//!
+//! 1. Bodies that take the blow are [hot](hot). Sweeps visit patches of hot bodies only; bodies become hot as the blow reaches them.
+//! 2. What bodies that fall bring along is [handed down](hand_down) to the ground, which stops a column in one pass.
+//! 3. Up to 16 soft sweeps. Where momentum was handed down, springs hold all that they give, since they would give way by
+//!    more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with rigid rows a ball that is shot
+//!    through a wall drags two to three times as many bricks along.
+//! 4. Bodies drift, so that overlap is corrected with the velocities of the springs.
+//! 5. Up to 16 rigid sweeps over normals take away what springs have left. Before the drift they would undo the correction of overlap, and
+//!    heaps would jam; with friction they would drag along what lies beside a shot.
+//! 6. The next substep, or step, begins without the blow: with no more than the impulses that contacts had before it or carry at rest.
+//!
+//! The additional sweeps are over-relaxed, and end when they change little. A step goes this way if its free motion [tells](expected)
+//! that bodies will hit each other.
+
+mod hand_down;
+mod hot;
+
+use super::block::Pass;
+use super::island::Island;
+use super::kinds::{MoreRigid, MoreSoft, Noting};
+use crate::solver::lanes::{F32xN, Kernel, State, cells};
+use crate::solver::{Body, PatchProblem};
+use hand_down::HandDown;
+use hot::Hot;
+use std::cell::Cell;
+
+/// A change of a body's velocity in one substep from which on it counts as a blow, m/s.
+const BLOW: f32 = 0.25;
+
+/// Sweeps end, and the blow spreads no farther, where they change the relative velocity at a patch by less than this share of the
+/// largest change that the blow has made. With 0.05 a shot takes half as many bricks again out of a wall.
+const SETTLED: f32 = 0.01;
+
+/// The same, m/s, at least.
+const LEAST_SETTLED: f32 = 0.005;
+
+/// Additional sweeps.
+struct More {
+    /// At most.
+    sweeps: usize,
+    /// The share of the change of each normal impulse that is added to it.
+    over: f32,
+}
+
+const SOFT: More = More {
+    sweeps: 16,
+    over: 0.5,
+};
+const RIGID: More = More {
+    sweeps: 16,
+    over: 0.7,
+};
+
+/// Whether some bodies will hit each other in this step, as far as their free motion tells.
+pub fn expected(problem: &PatchProblem) -> bool {
+    // Two bodies approach each other with no more than the sum of their speeds.
+    let fast = |body: &Body| speed(body) > 0.5 * BLOW;
+    if !problem.bodies.iter().any(fast) {
+        return false;
+    }
+    problem.patches.iter().any(|patch| {
+        let [a, b] = patch.bodies.map(|body| &problem.bodies[body as usize]);
+        let hits = || {
+            problem.points[patch.range()].iter().any(|point| {
+                let [at_a, at_b] = [(a, patch.arms[0]), (b, patch.arms[1])]
+                    .map(|(body, arm)| body.linear + body.angular.cross(arm + point.offset));
+                let approach = -patch.normal.dot(at_a - at_b);
+                approach > BLOW && point.separation < approach * problem.dt
+            })
+        };
+        (fast(a) || fast(b)) && hits()
+    })
+}
+
+/// Speed of the centre of mass, and at the radius of gyration, together, m/s.
+fn speed(body: &Body) -> f32 {
+    size_of_motion(
+        [body.linear, body.angular].map(|v| v.extend(0.0)),
+        gyration(body),
+    )
+}
+
+fn size_of_motion([linear, angular]: State, gyration: f32) -> f32 {
+    (linear.length_squared() + gyration * gyration * angular.length_squared()).sqrt()
+}
+
+/// The mean radius of gyration, m; 0 of what nothing moves.
+fn gyration(body: &Body) -> f32 {
+    let inertia = &body.inverse_inertia;
+    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+    match trace > 0.0 {
+        true => (3.0 * body.inverse_mass / trace).sqrt(),
+        false => 0.0,
+    }
+}
+
+/// What an island keeps for its blows.
+#[derive(Default)]
+pub struct Blows<L> {
+    hot: Hot<L>,
+    hand_down: HandDown,
+    /// By body: its mean radius of gyration, m.
+    gyrations: Vec<f32>,
+    /// By point: the impulse with which the substep began, N·s.
+    earlier: Vec<L>,
+    /// By point: the impulse before its patch is visited, N·s.
+    was: Vec<L>,
+}
+
+impl<L: F32xN> Blows<L> {
+    fn begin(&mut self, problem: &PatchProblem, island: &Island<L>) {
+        self.gyrations.clear();
+        self.gyrations.extend(problem.bodies.iter().map(gyration));
+        self.earlier.resize(island.points.len(), L::ZERO);
+        self.was.resize(island.points.len(), L::ZERO);
+        self.hot.begin(problem, &island.batches);
+        self.hand_down.begin();
+    }
+
+    /// Finds the bodies that take a blow in this substep. The change of velocity by which its sweeps are measured, m/s, if there is one.
+    fn find(&mut self, island: &Island<L>) -> Option<f32> {
+        self.hot.clear();
+        let mut largest = 0f32;
+        for (body, &gyration) in self.gyrations.iter().enumerate() {
+            let [now, before] = [&island.velocities, &island.before].map(|list| list[body]);
+            let change = size_of_motion([now[0] - before[0], now[1] - before[1]], gyration);
+            // What nothing moves has no gyration, and takes no blow.
+            if change > BLOW && gyration > 0.0 {
+                self.hot.heat(body as u32);
+                largest = largest.max(change);
+            }
+        }
+        (largest > 0.0).then_some((SETTLED * largest).max(LEAST_SETTLED))
+    }
+}
+
+impl<L: F32xN> Island<L> {
+    /// All sweeps, one after the other, and more of them where there are blows. Tells Σ Wᵢᵢ Δλᵢ² of each but those, J.
+    pub fn sweep_through_blows(
+        &mut self,
+        problem: &PatchProblem,
+        passes: &[Pass],
+        mut tell: impl FnMut(f32),
+    ) {
+        let mut blows = std::mem::take(&mut self.blows);
+        blows.begin(problem, self);
+        let mut settled = None;
+        for (number, pass) in passes.iter().enumerate() {
+            if pass.soft {
+                tell(self.visit_grips() + self.sweep_noting(&mut blows, pass));
+                settled = blows.find(self);
+                if let Some(settled) = settled {
+                    self.hand_down(problem, &mut blows, pass, settled);
+                    self.sweep_more(problem, &mut blows, pass, SOFT, settled);
+                }
+                self.drift(pass);
+                if let Some(settled) = settled {
+                    let rigid = Pass {
+                        soft: false,
+                        ..*pass
+                    };
+                    self.sweep_more(problem, &mut blows, &rigid, RIGID, settled);
+                }
+            } else {
+                tell(self.visit_grips() + self.sweep_rigidly(pass));
+            }
+            let is_last = number + 1 == passes.len();
+            self.extrapolate(pass);
+            if settled.is_some() && (pass.extrapolates || is_last) {
+                L::run(Forget {
+                    island: self,
+                    blows: &blows,
+                    pushes: !is_last,
+                });
+            }
+        }
+        self.blows = blows;
+    }
+
+    /// A soft sweep that notes the impulses with which the substep began.
+    fn sweep_noting(&mut self, blows: &mut Blows<L>, pass: &Pass) -> f32 {
+        self.sweep_as(
+            Noting {
+                first: pass.first,
+                impulses: Cell::from_mut(&mut *blows.earlier).as_slice_of_cells(),
+            },
+            pass,
+        )
+    }
+
+    fn hand_down(
+        &mut self,
+        problem: &PatchProblem,
+        blows: &mut Blows<L>,
+        pass: &Pass,
+        settled: f32,
+    ) {
+        let Blows { hot, hand_down, .. } = blows;
+        hand_down.run(problem, self, hot, pass.rate, settled);
+    }
+
+    /// Sweeps over the patches of hot bodies until none changes by more than `settled`, m/s.
+    fn sweep_more(
+        &mut self,
+        problem: &PatchProblem,
+        blows: &mut Blows<L>,
+        pass: &Pass,
+        More { sweeps, over }: More,
+        settled: f32,
+    ) {
+        let Blows { hot, was, .. } = blows;
+        let was = Cell::from_mut(&mut **was).as_slice_of_cells();
+        for sweep in 1..=sweeps {
+            self.visit_grips();
+            hot.find_visits();
+            L::run(SweepMore {
+                island: self,
+                hot,
+                was,
+                // The last one must leave nothing to be taken back.
+                over: if sweep < sweeps { over } else { 0.0 },
+                settled,
+                pass,
+            });
+            if !hot.spread(problem, &self.batches, settled) {
+                break;
+            }
+        }
+    }
+
+    fn drift(&mut self, pass: &Pass) {
+        let bodies = self.inertias.len();
+        let velocities = cells(&mut self.velocities).iter().take(bodies);
+        for (velocity, motion) in velocities.zip(cells(&mut self.motions)) {
+            pass.drift(velocity, motion);
+        }
+    }
+
+    fn extrapolate(&mut self, pass: &Pass) {
+        let bodies = self.inertias.len();
+        let velocities = cells(&mut self.velocities).iter().take(bodies);
+        for (velocity, before) in velocities.zip(cells(&mut self.before)) {
+            pass.extrapolate(velocity, before);
+        }
+    }
+}
+
+/// One more sweep over the patches of hot bodies.
+struct SweepMore<'a, L: F32xN> {
+    island: &'a mut Island<L>,
+    hot: &'a mut Hot<L>,
+    was: &'a [Cell<L>],
+    over: f32,
+    settled: f32,
+    pass: &'a Pass,
+}
+
+impl<L: F32xN> Kernel for SweepMore<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            motions,
+            ..
+        } = self.island;
+        let (velocities, motions) = (cells(velocities), cells(motions));
+        let (over, was, pass) = (L::splat(self.over), self.was, self.pass);
+        let limit = L::splat(self.settled * self.settled);
+        for &number in &self.hot.visits {
+            let block = &mut blocks[number as usize];
+            let points = &mut points[block.range()];
+            let lanes = self.hot.lanes[number as usize];
+            let change = match pass.soft {
+                true => {
+                    let kinds = MoreSoft {
+                        lanes: lanes.hot,
+                        gives: lanes.gives,
+                        over,
+                        was,
+                    };
+                    block.relax(kinds, points, velocities, motions, pass)
+                }
+                false => {
+                    let kinds = MoreRigid {
+                        lanes: lanes.hot,
+                        over,
+                        was,
+                    };
+                    block.relax(kinds, points, velocities, motions, pass)
+                }
+            };
+            // Σ W Δλ² times W: the square of a change of the relative velocity.
+            let square = change * block.normals.xx;
+            if square.any_above(limit) {
+                self.hot.stirred.push((number, square));
+            }
+        }
+    }
+}
+
+/// Lets the next substep, or step, begin without the blow.
+struct Forget<'a, L: F32xN> {
+    island: &'a mut Island<L>,
+    blows: &'a Blows<L>,
+    /// Velocities are those with which a substep begins.
+    pushes: bool,
+}
+
+impl<L: F32xN> Kernel for Forget<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            ..
+        } = self.island;
+        let velocities = cells(velocities);
+        let hot = &self.blows.hot;
+        for &number in &hot.visits {
+            let block = &mut blocks[number as usize];
+            let range = block.range();
+            let earlier = &self.blows.earlier[range.clone()];
+            let lanes = hot.lanes[number as usize].hot;
+            let cut = block.forget_blow(&mut points[range], earlier, lanes);
+            if self.pushes {
+                block.give(cut, velocities);
+            }
+        }
+    }
+}

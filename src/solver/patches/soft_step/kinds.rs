@@ -12,6 +12,8 @@ pub trait Kinds<L: F32xN>: Copy {
     const RIGID: bool;
     /// Rigid lanes have friction.
     const RUBS: bool = true;
+    /// All points of a patch that lands are stopped together first, and visited more often.
+    const LANDS: bool = Self::SOFT;
 
     /// `new` in lanes that are soft, else `old`.
     fn soft(self, new: L, old: L) -> L;
@@ -237,6 +239,8 @@ impl<L: F32xN> Kinds<L> for Noting<'_, L> {
 impl<L: F32xN> Kinds<L> for MoreSoft<'_, L> {
     const SOFT: bool = true;
     const RIGID: bool = false;
+    // The sweep before has stopped it.
+    const LANDS: bool = false;
 
     #[inline(always)]
     fn soft(self, new: L, old: L) -> L {

@@ -350,7 +350,7 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
 
     #[inline(always)]
     fn relax_normals(&self, points: &mut [Points<L>], mut visit: Visit<L>) -> Visit<L> {
-        if K::SOFT {
+        if K::LANDS {
             // The patches beside it must find what they would find alone.
             let u = visit.velocity.linear.x;
             let lands = self.kinds.soft(u.max(-u), L::ZERO);

@@ -15,11 +15,22 @@ pub struct Place {
     pub side: u32,
 }
 
-/// The lanes of a block that are visited.
+/// What is said of the lanes of a block.
 #[derive(Clone, Copy)]
-pub struct HotLanes<L> {
+struct HotLanes<L> {
     /// 1 where a body is hot, else 0.
-    pub hot: L,
+    hot: L,
+    /// 1 where a body has been stirred, else 0: they are to be visited.
+    stirred: L,
+    /// 0 where springs hold all that they give, else 1.
+    gives: L,
+}
+
+/// Lanes of a block that are visited: 1 where they are, else 0.
+#[derive(Clone, Copy)]
+pub struct Visit<L> {
+    pub block: u32,
+    pub lanes: L,
     /// 0 where springs hold all that they give, else 1.
     pub gives: L,
 }
@@ -34,12 +45,14 @@ pub struct Hot<L> {
     starts: Vec<u32>,
     places: Vec<Place>,
     /// By block.
-    pub lanes: Vec<HotLanes<L>>,
-    blocks: FixedBitSet,
-    /// The blocks that are visited, in their order.
-    pub visits: Vec<u32>,
+    lanes: Vec<HotLanes<L>>,
+    /// Blocks with hot lanes, and with stirred ones.
+    hot_blocks: FixedBitSet,
+    stirred_blocks: FixedBitSet,
+    /// What the next sweep visits, in the order of the blocks.
+    pub visits: Vec<Visit<L>>,
     /// Blocks that the last sweep has changed much, and by how much: squares of velocities, m²/s².
-    pub stirred: Vec<(u32, L)>,
+    pub changes: Vec<(u32, L)>,
 }
 
 impl<L: F32xN> Hot<L> {
@@ -51,11 +64,14 @@ impl<L: F32xN> Hot<L> {
         self.lanes.clear();
         let none = HotLanes {
             hot: L::ZERO,
+            stirred: L::ZERO,
             gives: L::ONE,
         };
         self.lanes.resize(batches.blocks(), none);
-        self.blocks.clear();
-        self.blocks.grow(batches.blocks());
+        for blocks in [&mut self.hot_blocks, &mut self.stirred_blocks] {
+            blocks.clear();
+            blocks.grow(batches.blocks());
+        }
         self.find_places(problem, batches);
     }
 
@@ -91,8 +107,7 @@ impl<L: F32xN> Hot<L> {
 
     /// The patches of a body.
     pub fn places_of(&self, body: u32) -> &[Place] {
-        let [first, end] = [0, 1].map(|next| self.starts[body as usize + next] as usize);
-        &self.places[first..end]
+        range_of(&self.starts, &self.places, body)
     }
 
     pub fn is(&self, body: u32) -> bool {
@@ -105,17 +120,24 @@ impl<L: F32xN> Hot<L> {
             return;
         }
         self.bodies.push(body);
-        let [first, end] = [0, 1].map(|next| self.starts[body as usize + next] as usize);
-        for place in &self.places[first..end] {
+        for place in range_of(&self.starts, &self.places, body) {
             self.lanes[place.block as usize].hot[place.lane as usize] = 1.0;
-            self.blocks.insert(place.block as usize);
+            self.hot_blocks.insert(place.block as usize);
+        }
+    }
+
+    /// Makes a body hot whose patches are to be visited.
+    fn stir(&mut self, body: u32) {
+        self.heat(body);
+        for place in range_of(&self.starts, &self.places, body) {
+            self.lanes[place.block as usize].stirred[place.lane as usize] = 1.0;
+            self.stirred_blocks.insert(place.block as usize);
         }
     }
 
     /// Lets the springs of a body's patches hold all that they give.
     pub fn hold(&mut self, body: u32) {
-        let [first, end] = [0, 1].map(|next| self.starts[body as usize + next] as usize);
-        for place in &self.places[first..end] {
+        for place in range_of(&self.starts, &self.places, body) {
             self.lanes[place.block as usize].gives[place.lane as usize] = 0.0;
         }
     }
@@ -124,40 +146,64 @@ impl<L: F32xN> Hot<L> {
     pub fn clear(&mut self) {
         for body in self.bodies.drain(..) {
             self.is[body as usize] = false;
-            let [first, end] = [0, 1].map(|next| self.starts[body as usize + next] as usize);
-            for place in &self.places[first..end] {
-                let lanes = &mut self.lanes[place.block as usize];
-                lanes.hot[place.lane as usize] = 0.0;
-                lanes.gives[place.lane as usize] = 1.0;
-            }
         }
-        self.blocks.clear();
+        for block in self.hot_blocks.ones() {
+            self.lanes[block].hot = L::ZERO;
+            self.lanes[block].gives = L::ONE;
+        }
+        self.hot_blocks.clear();
         self.visits.clear();
     }
 
-    /// Brings the list of visits up to date.
-    pub fn find_visits(&mut self) {
+    /// The next sweep visits all patches of hot bodies.
+    pub fn visit_all(&mut self) {
         self.visits.clear();
-        self.visits
-            .extend(self.blocks.ones().map(|block| block as u32));
+        let lanes = &self.lanes;
+        let visit = |block: usize| Visit {
+            block: block as u32,
+            lanes: lanes[block].hot,
+            gives: lanes[block].gives,
+        };
+        self.visits.extend(self.hot_blocks.ones().map(visit));
     }
 
-    /// Makes the bodies hot whose patches the last sweep has changed by more than `settled`, m/s. Whether it has changed any.
-    pub fn spread(&mut self, problem: &PatchProblem, batches: &Batches, settled: f32) -> bool {
-        let any = !self.stirred.is_empty();
-        let mut stirred = std::mem::take(&mut self.stirred);
-        for (block, square) in stirred.drain(..) {
+    /// The next sweep visits the patches of those bodies that the last one has stirred by more than `settled`, m/s; they become hot. Whether
+    /// there are any.
+    pub fn visit_stirred(
+        &mut self,
+        problem: &PatchProblem,
+        batches: &Batches,
+        settled: f32,
+    ) -> bool {
+        let mut changes = std::mem::take(&mut self.changes);
+        for (block, square) in changes.drain(..) {
             for (lane, patch) in batches.block(block as usize) {
                 if square[lane] > settled * settled {
                     for body in problem.patches[patch as usize].bodies {
                         if problem.bodies[body as usize].inverse_mass > 0.0 {
-                            self.heat(body);
+                            self.stir(body);
                         }
                     }
                 }
             }
         }
-        self.stirred = stirred;
-        any
+        self.changes = changes;
+        self.visits.clear();
+        for block in self.stirred_blocks.ones() {
+            let lanes = &mut self.lanes[block];
+            self.visits.push(Visit {
+                block: block as u32,
+                lanes: std::mem::take(&mut lanes.stirred),
+                gives: lanes.gives,
+            });
+        }
+        self.stirred_blocks.clear();
+        !self.visits.is_empty()
     }
+}
+
+/// The patches of a body among those of all, which are sorted by body.
+fn range_of<'a>(starts: &[u32], places: &'a [Place], body: u32) -> &'a [Place] {
+    let [first, end] = [0, 1].map(|next| starts[body as usize + next] as usize);
+    &places[first..end]
 }

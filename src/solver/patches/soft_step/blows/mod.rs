@@ -172,6 +172,7 @@ impl<L: F32xN> Island<L> {
             let is_last = number + 1 == passes.len();
             self.extrapolate(pass);
             if settled.is_some() && (pass.extrapolates || is_last) {
+                blows.hot.visit_all();
                 L::run(Forget {
                     island: self,
                     blows: &blows,
@@ -215,9 +216,9 @@ impl<L: F32xN> Island<L> {
     ) {
         let Blows { hot, was, .. } = blows;
         let was = Cell::from_mut(&mut **was).as_slice_of_cells();
+        hot.visit_all();
         for sweep in 1..=sweeps {
             self.visit_grips();
-            hot.find_visits();
             L::run(SweepMore {
                 island: self,
                 hot,
@@ -227,7 +228,7 @@ impl<L: F32xN> Island<L> {
                 settled,
                 pass,
             });
-            if !hot.spread(problem, &self.batches, settled) {
+            if !hot.visit_stirred(problem, &self.batches, settled) {
                 break;
             }
         }
@@ -275,15 +276,14 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
         let (velocities, motions) = (cells(velocities), cells(motions));
         let (over, was, pass) = (L::splat(self.over), self.was, self.pass);
         let limit = L::splat(self.settled * self.settled);
-        for &number in &self.hot.visits {
-            let block = &mut blocks[number as usize];
+        for visit in &self.hot.visits {
+            let block = &mut blocks[visit.block as usize];
             let points = &mut points[block.range()];
-            let lanes = self.hot.lanes[number as usize];
             let change = match pass.soft {
                 true => {
                     let kinds = MoreSoft {
-                        lanes: lanes.hot,
-                        gives: lanes.gives,
+                        lanes: visit.lanes,
+                        gives: visit.gives,
                         over,
                         was,
                     };
@@ -291,7 +291,7 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
                 }
                 false => {
                     let kinds = MoreRigid {
-                        lanes: lanes.hot,
+                        lanes: visit.lanes,
                         over,
                         was,
                     };
@@ -301,7 +301,7 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
             // Σ W Δλ² times W: the square of a change of the relative velocity.
             let square = change * block.normals.xx;
             if square.any_above(limit) {
-                self.hot.stirred.push((number, square));
+                self.hot.changes.push((visit.block, square));
             }
         }
     }
@@ -327,13 +327,11 @@ impl<L: F32xN> Kernel for Forget<'_, L> {
             ..
         } = self.island;
         let velocities = cells(velocities);
-        let hot = &self.blows.hot;
-        for &number in &hot.visits {
-            let block = &mut blocks[number as usize];
+        for visit in &self.blows.hot.visits {
+            let block = &mut blocks[visit.block as usize];
             let range = block.range();
             let earlier = &self.blows.earlier[range.clone()];
-            let lanes = hot.lanes[number as usize].hot;
-            let cut = block.forget_blow(&mut points[range], earlier, lanes);
+            let cut = block.forget_blow(&mut points[range], earlier, visit.lanes);
             if self.pushes {
                 block.give(cut, velocities);
             }

@@ -5,8 +5,9 @@
 //! ```
 
 use clap::Parser;
-use drystone_lab::blows::{Drop, Row, Target, WallShot, settle};
-use glam::Vec3;
+use drystone_lab::blows::{
+    Drop, Row, Target, bricks_lost_to_a_ball, bricks_lost_with_one, column_shot_at_its_foot, settle,
+};
 
 /// Measures blows.
 #[derive(Parser)]
@@ -81,13 +82,6 @@ impl Group {
                 };
                 let hop = drop.run(dt);
                 let mm = 1e3 * hop.rise;
-                if std::env::var("EACH").is_ok() {
-                    eprintln!(
-                        "{} {onto:?} {height} {dt:.4}: {mm:.1} {:.3} %",
-                        self.name,
-                        100.0 * hop.energy_left
-                    );
-                }
                 (sum, most, count) = (sum + mm, most.max(mm), count + 1);
                 left = left.max(hop.energy_left);
             }
@@ -101,22 +95,6 @@ impl Group {
 }
 
 fn main() {
-    if let Ok(case) = std::env::var("CASE") {
-        let n: Vec<f32> = case.split(' ').map(|x| x.parse().unwrap()).collect();
-        let drop = Drop {
-            density: n[0],
-            cubes: n[1] as u32,
-            onto: Target::Stack(n[2] as u32),
-            height: n[3],
-        };
-        println!("{:?}", drop.run(n[4]));
-        return;
-    }
-    if let Ok(case) = std::env::var("HEAP") {
-        let found = settle(case.parse().unwrap(), 1, 1.0 / 60.0, 300);
-        println!("{:?}", found);
-        return;
-    }
     let Arguments { quick, only } = Arguments::parse();
     let wants = |group: &str| only.as_deref().is_none_or(|only| only == group);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -175,28 +153,32 @@ fn convergence() {
 }
 
 fn shots() {
-    println!("\nBricks more than 25 cm off after 6 s\n");
+    let steps = [60.0, 240.0, 960.0].map(|hz| 1.0 / hz);
+    println!("\nBricks more than 25 cm off after 6 s, and speeds along the shot, m/s\n");
     println!("| shot | 60 Hz | 240 Hz | 960 Hz |\n|---|---|---|---|");
-    let aims = [
+    for [x, y] in [
         [0.0, 2.0],
         [0.1, 2.1],
         [-0.3, 1.9],
         [0.05, 2.05],
         [0.2, 2.2],
-    ];
-    let counts = aims.map(|[x, y]| {
-        let shot = WallShot {
-            from: Vec3::new(x, y, -2.0),
-        };
-        let counts = [60.0, 240.0, 960.0].map(|hz| shot.lost_bricks(1.0 / hz));
+    ] {
+        let cells = steps.map(|dt| bricks_lost_to_a_ball(x, y, dt).to_string());
         println!(
-            "| wall of 8 × 8, aimed at x {x}, y {y} m | {} |",
-            counts.map(|n| n.to_string()).join(" | ")
+            "| a ball at a wall, at x {x}, y {y} m | {} |",
+            cells.join(" | ")
         );
-        counts
+    }
+    let cells = steps.map(|dt| bricks_lost_with_one(dt).to_string());
+    println!("| a brick out of a wall | {} |", cells.join(" | "));
+    let cells = steps.map(|dt| {
+        let [foot, above] = column_shot_at_its_foot(dt);
+        format!("{foot:.2}, {above:.3}")
     });
-    let mean = [0, 1, 2].map(|i| counts.iter().map(|c| c[i]).sum::<usize>() as f32 / 5.0);
-    println!("| mean | {} |", mean.map(|n| format!("{n:.1}")).join(" | "));
+    println!(
+        "| a ball at the foot of a column: the foot, all above | {} |",
+        cells.join(" | ")
+    );
 }
 
 fn row() {

@@ -93,26 +93,13 @@ impl Drop {
             let time = i as f32 * dt;
             let energy = metrics::kinetic_energy(&mut world);
             match landed {
-                // The step in which it lands, and everything after it.
-                None if energy < 0.5 * before => landed = Some(time),
+                // It may touch at the end of a step, and be stopped in the next.
+                None if energy < 0.5 * before => landed = Some(time + dt),
                 None => before = before.max(energy),
                 Some(_) => (),
             }
-            if landed.is_some_and(|landed| time - landed <= 0.1) {
+            if landed.is_some_and(|landed| (0.0..=0.1).contains(&(time - landed))) {
                 hop.energy_left = hop.energy_left.max(energy / before);
-            }
-            if std::env::var("TRACE").is_ok() && landed.is_some_and(|l| time - l < 0.3) {
-                let v: Vec<String> = bodies
-                    .iter()
-                    .map(|&b| {
-                        format!(
-                            "{:.3}@{:.4}",
-                            watch(&world, b).1.linear.y,
-                            1e3 * height_of(&world, b)
-                        )
-                    })
-                    .collect();
-                eprintln!("{time:.4} {}", v.join(" "));
             }
             for (&body, lowest) in bodies.iter().zip(&mut lowest) {
                 let height = height_of(&world, body);
@@ -129,51 +116,102 @@ impl Drop {
     }
 }
 
-/// A steel ball of 2.1 t that is shot at a wall of 8 × 8 bricks at 15 m/s.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallShot {
-    /// Where the ball comes from, m; the wall stands in the plane z = 0, its foot's middle at the origin.
-    pub from: Vec3,
+/// How far a brick has gone that counts as lost, m.
+const LOST: f32 = 0.25;
+
+/// A wall of 8 × 8 bricks. It stands in the plane z = 0, the middle of its foot at the origin.
+struct Wall {
+    world: World,
+    bricks: Vec<Entity>,
+    start: Vec<Vec3>,
+    dt: f32,
 }
 
-impl WallShot {
-    /// How many bricks are more than 25 cm off after six seconds.
-    pub fn lost_bricks(&self, dt: f32) -> usize {
+impl Wall {
+    fn new(dt: f32) -> Self {
         let mut world = world();
-        if let Ok(n) = std::env::var("NNCG") {
-            let solver = drystone::solver::Nncg {
-                iterations: n.parse().unwrap(),
-                ..Default::default()
-            };
-            world.insert_resource(drystone::settings::SolverSettings::new(solver));
-        }
         let bricks = Scene::Wall(8, 8)
             .build(&mut world, &SceneOptions::default())
             .bodies;
-        for _ in 0..(0.5 / dt).round() as usize {
-            advance(&mut world, dt);
-        }
-        let start: Vec<Vec3> = bricks
-            .iter()
-            .map(|&b| watch(&world, b).0.position)
-            .collect();
-        world.spawn((
-            RigidBody::Dynamic,
-            Collider::ball(0.4),
-            Density(7850.0),
-            Friction::new(0.5),
-            Transform::from_translation(self.from),
-            Velocity::linear(15.0 * Vec3::Z),
-        ));
-        for _ in 0..(6.0 / dt).round() as usize {
-            advance(&mut world, dt);
-        }
-        let off = |(&brick, start): (&Entity, &Vec3)| {
-            let distance = watch(&world, brick).0.position.distance(*start);
-            !(distance <= 0.25)
+        let mut wall = Self {
+            world,
+            bricks,
+            start: Vec::new(),
+            dt,
         };
-        bricks.iter().zip(&start).filter(|&pair| off(pair)).count()
+        wall.run(0.5);
+        wall.start = wall.positions();
+        wall
     }
+
+    fn run(&mut self, seconds: f32) {
+        for _ in 0..(seconds / self.dt).round() as usize {
+            advance(&mut self.world, self.dt);
+        }
+    }
+
+    fn positions(&self) -> Vec<Vec3> {
+        let position = |&brick: &Entity| watch(&self.world, brick).0.position;
+        self.bricks.iter().map(position).collect()
+    }
+
+    /// Bricks that are lost after six seconds.
+    fn lost_bricks(mut self) -> usize {
+        self.run(6.0);
+        let pairs = self.positions().into_iter().zip(&self.start);
+        pairs
+            .filter(|(now, start)| !(now.distance(**start) <= LOST))
+            .count()
+    }
+}
+
+/// A steel ball of 2.1 t at 15 m/s along z.
+fn ball(from: Vec3) -> impl Bundle {
+    (
+        RigidBody::Dynamic,
+        Collider::ball(0.4),
+        Density(7850.0),
+        Friction::new(0.5),
+        Transform::from_translation(from),
+        Velocity::linear(15.0 * Vec3::Z),
+    )
+}
+
+/// Bricks more than 25 cm off, six seconds after a steel ball of 2.1 t at 15 m/s was shot at a wall of 8 × 8 bricks at this place, m.
+pub fn bricks_lost_to_a_ball(x: f32, y: f32, dt: f32) -> usize {
+    let mut wall = Wall::new(dt);
+    wall.world.spawn(ball(Vec3::new(x, y, -2.0)));
+    wall.lost_bricks()
+}
+
+/// Bricks more than 25 cm off, six seconds after a brick in the middle of a wall of 8 × 8 was shot out of it with 10 m/s.
+pub fn bricks_lost_with_one(dt: f32) -> usize {
+    let mut wall = Wall::new(dt);
+    let middle = Vec3::new(0.5, 2.25, 0.0);
+    let far = |&i: &usize| (1e3 * wall.start[i].distance(middle)) as u32;
+    let brick = (0..wall.bricks.len()).min_by_key(far);
+    let brick = wall.bricks[brick.expect("there are bricks")];
+    if let Some(mut velocity) = wall.world.get_mut::<Velocity>(brick) {
+        velocity.linear.z = 10.0;
+    }
+    wall.lost_bricks()
+}
+
+/// A column of ten cubes of 1 m, a fifth of a second after a steel ball of 2.1 t at 15 m/s has struck its foot: speed of the cube that is
+/// struck, and of all above it together, along the shot, m/s.
+pub fn column_shot_at_its_foot(dt: f32) -> [f32; 2] {
+    let mut world = world();
+    let cubes = Scene::Stack(10)
+        .build(&mut world, &SceneOptions::default())
+        .bodies;
+    world.spawn(ball(Vec3::new(0.0, 0.5, -2.4)));
+    // It arrives after a tenth of a second.
+    for _ in 0..(0.3 / dt).round() as usize {
+        advance(&mut world, dt);
+    }
+    let speed = |&cube: &Entity| watch(&world, cube).1.linear.z;
+    let above: f32 = cubes[1..].iter().map(speed).sum();
+    [speed(&cubes[0]), above / 9.0]
 }
 
 /// Ten cubes of 1 m in a row that touch, on ice, of which the first is struck with 1 m/s.

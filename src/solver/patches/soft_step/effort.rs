@@ -118,7 +118,8 @@ pub struct Course {
     bodies: usize,
     /// kg
     mass: f32,
-    /// Of the one that gives way most, 1/(kg·m).
+    /// Of the one that gives way most among those that bear others, 1/(kg·m). A ball that leans on a wall does not carry the load of
+    /// its course.
     yielding: f32,
 }
 
@@ -136,7 +137,9 @@ fn find_courses(problem: &PatchProblem, footing: &[Footing], courses: &mut Vec<C
         let course = &mut courses[course];
         course.bodies += 1;
         course.mass += 1.0 / body.inverse_mass;
-        course.yielding = course.yielding.max(footing.yielding);
+        if footing.bears {
+            course.yielding = course.yielding.max(footing.yielding);
+        }
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Survey {
 pub struct Footing {
     /// Something has pushed on it before.
     pub carries: bool,
+    /// Something stands on it: a body of a higher level of support.
+    pub bears: bool,
     /// What has long pushed on it upwards, and downwards, or does so now, N·s: what is round holds no load, and yet weighs.
     up: f32,
     down: f32,
@@ -46,6 +48,9 @@ impl Survey {
             new += (impulse - load).abs();
             all += impulse.max(load);
             let carries = load.max(impulse) > 0.0;
+            let levels = patch.bodies.map(|body| problem.bodies[body as usize].level);
+            let lower = patch.bodies[usize::from(levels[1] < levels[0])];
+            footing[lower as usize].bears |= levels[0] != levels[1];
             let along = up.dot(patch.normal);
             let long = along * load + up.dot(patch.load_tangential);
             let now = along * impulse + up.dot(patch.warm_tangential);

@@ -15,8 +15,14 @@ const GROWS: f32 = 2.0;
 /// For how long what stands is watched after that, s; and what is built at once as long as the other.
 const WATCHED: f32 = 3.0;
 
-/// What has come farther than this slides or falls, m.
-const GONE: f32 = 0.02;
+/// What comes farther than this in the last second slides or falls, m.
+const GOES: f32 = 0.003;
+
+/// And what has come so far by its assembly's size at any time: what is tall leans as it takes up its load.
+const GONE: f32 = 0.006;
+
+/// Nothing is watched farther than this, m.
+const FAR: f32 = 0.1;
 
 /// Bodies at rest, some of them fixed.
 #[derive(Clone)]
@@ -65,22 +71,22 @@ pub fn joined(parts: Vec<Block>) -> Block {
     block(Collider::compound(parts).expect("a compound"), middle)
 }
 
-/// How far the body that went farthest has come, m: under all of its weight at once, and under weight that grew.
+/// How far the body that went farthest has come, m.
 #[derive(Clone, Copy, Debug)]
-pub struct Plays {
-    pub at_once: f32,
-    pub grown: f32,
+pub struct End {
+    pub all: f32,
+    /// In the last second.
+    pub last: f32,
+    pub stands: bool,
 }
 
-impl Plays {
-    pub fn agree(&self) -> bool {
-        (self.at_once > GONE) == (self.grown > GONE)
-    }
-
-    /// Held by a squeeze that nobody made.
-    pub fn holds_too_much(&self) -> bool {
-        self.grown > GONE && self.at_once <= GONE
-    }
+/// What became of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Plays {
+    /// Under all of its weight at once.
+    pub at_once: End,
+    /// Under weight that grew.
+    pub grown: End,
 }
 
 impl Assembly {
@@ -110,7 +116,18 @@ impl Assembly {
         }
     }
 
-    fn goes(&self, dt: f32, grows: f32) -> f32 {
+    /// From corner to corner of all that is not fixed, m.
+    fn size(&self) -> f32 {
+        let (mut least, mut most) = (Vec3::MAX, Vec3::MIN);
+        for Block { collider, pose } in &self.blocks {
+            let sphere = collider.shape().compute_local_bounding_sphere();
+            least = least.min(pose.position - sphere.radius());
+            most = most.max(pose.position + sphere.radius());
+        }
+        least.distance(most)
+    }
+
+    fn goes(&self, dt: f32, grows: f32) -> End {
         let mut lab = Lab::shipped(dt);
         let threads = PhysicsThreads::new(1).expect("one thread can be had");
         lab.world.insert_resource(threads);
@@ -125,25 +142,40 @@ impl Assembly {
         };
         let bodies: Vec<Entity> = self.blocks.iter().map(spawn).collect();
         let steps = ((GROWS + WATCHED) / dt).round() as usize;
-        let mut farthest = 0f32;
+        let watched = (1.0 / dt).round() as usize;
+        let mut places: Vec<Vec3> = self
+            .blocks
+            .iter()
+            .map(|block| block.pose.position)
+            .collect();
+        let (mut all, mut last) = (0.0, 0.0);
         for step in 1..=steps {
             let share = if grows > 0.0 {
                 (step as f32 * dt / grows).min(1.0)
             } else {
                 1.0
             };
-            lab.world
-                .insert_resource(Gravity(share * G * self.down.normalize()));
+            let gravity = share * G * self.down.normalize();
+            lab.world.insert_resource(Gravity(gravity));
             lab.step();
-            farthest = bodies
-                .iter()
-                .zip(&self.blocks)
-                .map(|(&body, block)| lab.position(body).distance(block.pose.position))
-                .fold(0.0, f32::max);
-            if farthest > 2.0 * GONE {
+            let now: Vec<Vec3> = bodies.iter().map(|&body| lab.position(body)).collect();
+            let farthest = |from: &mut dyn Iterator<Item = Vec3>| {
+                let apart = now.iter().zip(from).map(|(now, from)| now.distance(from));
+                apart.fold(0.0, f32::max)
+            };
+            all = farthest(&mut self.blocks.iter().map(|block| block.pose.position));
+            last = farthest(&mut places.iter().copied());
+            if all > FAR {
                 break;
             }
+            if step + watched == steps {
+                places = now;
+            }
         }
-        farthest
+        End {
+            all,
+            last,
+            stands: all <= GONE * self.size() && last <= GOES,
+        }
     }
 }

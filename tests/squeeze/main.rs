@@ -9,79 +9,126 @@ mod support;
 mod assembly;
 mod families;
 
-use assembly::Assembly;
+use assembly::{Assembly, Plays};
 use std::thread;
 
+/// Which of two plays stand, by step length.
 const STEPS: [f32; 2] = [1.0 / 60.0, 0.1];
 
-/// Plays all, prints those that differ, and asserts that there are no more than so many.
-#[track_caller]
-fn agree(assemblies: Vec<Assembly>, most: usize) {
-    let (mut too_much, mut too_little, mut all) = (0, 0, 0);
-    let share = assemblies.len().div_ceil(2).max(1);
+/// Of how many plays how many differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Found {
+    plays: usize,
+    /// They stand either way.
+    stand: usize,
+    /// They stand only when built at once: squeezed by nothing.
+    too_much: usize,
+    /// They stand only under weight that grows.
+    too_little: usize,
+}
+
+/// Plays all, by two threads, and prints those that differ.
+fn play(assemblies: &[Assembly]) -> Found {
     let of = |some: &[Assembly]| {
-        let mut found = Vec::new();
-        for dt in STEPS {
-            found.extend(some.iter().map(|one| (dt, one.name.clone(), one.play(dt))));
-        }
-        found
+        let each = STEPS.map(|dt| {
+            some.iter()
+                .map(move |one| (dt, one.name.clone(), one.play(dt)))
+        });
+        each.into_iter().flatten().collect::<Vec<_>>()
     };
-    let found = thread::scope(|scope| {
-        let halves = assemblies.chunks(share);
-        let threads: Vec<_> = halves.map(|some| scope.spawn(|| of(some))).collect();
+    let plays: Vec<_> = thread::scope(|scope| {
+        let halves = assemblies.chunks(assemblies.len().div_ceil(2));
+        let threads: Vec<_> = halves.map(|some| scope.spawn(move || of(some))).collect();
         let joined = threads.into_iter().map(|one| one.join().expect("it plays"));
-        joined.flatten().collect::<Vec<_>>()
+        joined.flatten().collect()
     });
-    let mut stand = 0;
-    for (dt, name, plays) in found {
-        all += 1;
-        stand += usize::from(!plays.holds_too_much() && plays.agree() && plays.grown < 0.02);
-        if !plays.agree() {
-            let held = plays.holds_too_much();
-            too_much += usize::from(held);
-            too_little += usize::from(!held);
-            let [at_once, grown] = [plays.at_once, plays.grown].map(|far| 1e3 * far);
-            println!("{name}, steps of {dt:.3} s: {at_once:.1} mm at once, {grown:.1} mm grown");
+    let mut found = Found::default();
+    for (dt, name, plays) in plays {
+        found.plays += 1;
+        let Plays { at_once, grown } = plays;
+        match [at_once.stands, grown.stands] {
+            [true, true] => found.stand += 1,
+            [true, false] => found.too_much += 1,
+            [false, true] => found.too_little += 1,
+            [false, false] => (),
+        }
+        if at_once.stands != grown.stands {
+            let [at_once, grown] = [at_once, grown]
+                .map(|end| format!("{:.1} mm, {:.1} at last", 1e3 * end.all, 1e3 * end.last));
+            println!("{name}, steps of {dt:.3} s: at once {at_once}; grown {grown}");
         }
     }
-    println!(
-        "of {all} plays ({stand} stand either way) {too_much} stand only when built at once, {too_little} only when weight grows"
-    );
+    println!("{found:?}");
+    found
+}
+
+/// Asserts that all stand at once where they stand under weight that grows, and only there.
+#[track_caller]
+fn agree(assemblies: &[Assembly]) {
+    let Found {
+        plays,
+        too_much,
+        too_little,
+        ..
+    } = play(assemblies);
     assert!(
-        too_much + too_little <= most,
-        "{} of {all} differ, and {most} may",
-        too_much + too_little
+        too_much + too_little == 0,
+        "of {plays} plays {too_much} stand only when built at once, {too_little} only when weight grows"
     );
 }
 
+/// Of the tilt at which it slides when nothing squeezes it.
 const SHARES: [f32; 6] = [0.7, 0.9, 0.97, 1.03, 1.1, 1.3];
+const FEW: [f32; 2] = [0.95, 1.1];
 
 #[test]
 fn tongues_in_grooves_stand_as_under_weight_that_grows() {
-    agree(families::tongues(&SHARES), 0);
+    agree(&families::tongues(&FEW));
 }
 
 #[test]
 fn wedges_stand_as_under_weight_that_grows() {
-    agree(families::wedges(&SHARES), 0);
+    agree(&families::wedges(&FEW));
 }
 
 #[test]
 fn dovetails_stand_as_under_weight_that_grows() {
-    agree(families::dovetails(&SHARES), 0);
+    agree(&families::dovetails(&FEW));
 }
 
 #[test]
 fn arches_stand_as_under_weight_that_grows() {
-    agree(families::arches(&[0.0, 4.0, 8.0, 12.0, 16.0, 20.0]), 0);
+    agree(&families::arches(&[0.0, 8.0, 20.0]));
 }
 
 #[test]
 fn walls_between_piers_stand_as_under_weight_that_grows() {
-    agree(families::walls(&[0.8, 0.95, 1.05, 1.3, 1.7]), 0);
+    agree(&families::walls(&[0.8, 1.7]));
 }
 
 #[test]
-fn random_assemblies_stand_as_under_weight_that_grows() {
-    agree((0..200).map(families::random).collect(), 0);
+fn pieces_of_boxes_stand_as_under_weight_that_grows() {
+    let assemblies: Vec<_> = (0..200).step_by(5).map(families::random).collect();
+    agree(&assemblies);
+}
+#[test]
+#[ignore = "long"]
+fn all_tongues_wedges_dovetails_and_arches_stand_as_under_weight_that_grows() {
+    let mut all = families::tongues(&SHARES);
+    all.extend(families::wedges(&SHARES));
+    all.extend(families::dovetails(&SHARES));
+    all.extend(families::arches(&[0.0, 4.0, 8.0, 12.0, 16.0, 20.0]));
+    agree(&all);
+}
+
+#[test]
+#[ignore = "long"]
+fn all_pieces_of_boxes_stand_as_under_weight_that_grows() {
+    agree(&(0..200).map(families::random).collect::<Vec<_>>());
+}
+
+#[test]
+#[ignore = "long"]
+fn all_walls_between_piers_stand_as_under_weight_that_grows() {
+    agree(&families::walls(&[0.8, 0.95, 1.05, 1.3, 1.7]));
 }

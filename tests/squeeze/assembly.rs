@@ -31,7 +31,7 @@ pub struct Assembly {
     pub fixed: Vec<Block>,
     pub blocks: Vec<Block>,
     pub friction: f32,
-    /// Where to weight pulls; of any length.
+    /// Where weight pulls; of any length.
     pub down: Vec3,
 }
 

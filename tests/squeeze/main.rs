@@ -2,6 +2,8 @@
 //!
 //! Statics allows bodies that are wedged into each other any force, and so would hold what in truth slides. What really holds is what
 //! weight makes that is put on slowly. The test needs no oracle: both plays are the engine's own.
+//!
+//! `cargo test --test squeeze -- --ignored --nocapture` plays all of each family, and prints those that differ.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -12,7 +14,7 @@ mod families;
 use assembly::{Assembly, Plays};
 use std::thread;
 
-/// Which of two plays stand, by step length.
+/// Lengths of steps, s.
 const STEPS: [f32; 2] = [1.0 / 60.0, 0.1];
 
 /// Of how many plays how many differ.
@@ -77,7 +79,7 @@ fn agree(assemblies: &[Assembly]) {
     );
 }
 
-/// Of the tilt at which it slides when nothing squeezes it.
+/// Shares of the tilt at which something slides when nothing squeezes it: all, and those of the fast form.
 const SHARES: [f32; 6] = [0.7, 0.9, 0.97, 1.03, 1.1, 1.3];
 const FEW: [f32; 2] = [0.95, 1.1];
 
@@ -108,11 +110,15 @@ fn walls_between_piers_stand_as_under_weight_that_grows() {
 
 #[test]
 fn pieces_of_boxes_stand_as_under_weight_that_grows() {
-    let assemblies: Vec<_> = (0..200).step_by(5).map(families::random).collect();
+    // Those that were squeezed by nothing or thrown before, and others.
+    let seeds = [13, 22, 73, 103, 153]
+        .into_iter()
+        .chain((0..200).step_by(5));
+    let assemblies: Vec<_> = seeds.map(families::random).collect();
     agree(&assemblies);
 }
 #[test]
-#[ignore = "long"]
+#[ignore = "missed, and long: of 1440 plays one tongue, 3 % beyond the slope on which it slides, stands at 60 Hz when weight grows"]
 fn all_tongues_wedges_dovetails_and_arches_stand_as_under_weight_that_grows() {
     let mut all = families::tongues(&SHARES);
     all.extend(families::wedges(&SHARES));
@@ -122,13 +128,13 @@ fn all_tongues_wedges_dovetails_and_arches_stand_as_under_weight_that_grows() {
 }
 
 #[test]
-#[ignore = "long"]
+#[ignore = "missed, and long: of 400 plays two of one assembly, which creeps by 1 to 10 mm/s either way, are told apart"]
 fn all_pieces_of_boxes_stand_as_under_weight_that_grows() {
     agree(&(0..200).map(families::random).collect::<Vec<_>>());
 }
 
 #[test]
-#[ignore = "long"]
+#[ignore = "missed, and long: 6 of 90 stand, 5 to 30 % beyond their tilt, as flat arches between the piers, which growing weight loses"]
 fn all_walls_between_piers_stand_as_under_weight_that_grows() {
     agree(&families::walls(&[0.8, 0.95, 1.05, 1.3, 1.7]));
 }

@@ -13,6 +13,9 @@ const VISITS: usize = 200;
 /// Visits end when they change less than this share of what the body carries.
 const SHARED: f32 = 1e-5;
 
+/// What moves by less than this share of what gravity would do to it is in balance; turns on an arm of a metre.
+const BALANCED: f32 = 1e-3;
+
 /// What lies on what.
 struct Supports {
     /// For each body the patches it lies on, and on which side of them it is.
@@ -189,6 +192,16 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
         }
     }
     motions
+}
+
+/// Whether what contacts start with leaves hardly anything of what forces do.
+pub fn is_balanced(problem: &PatchProblem) -> bool {
+    let most = BALANCED * problem.gravity.length() * problem.dt;
+    let motions = unbalanced(problem);
+    let bodies = problem.bodies.iter().zip(motions);
+    bodies
+        .filter(|(body, _)| body.inverse_mass > 0.0)
+        .all(|(_, motion)| motion.iter().all(|part| part.length() <= most))
 }
 
 /// Hands down what is not balanced of bodies that are new, or have lost what lay on them. What is below keeps what it carries where that is enough. Through how many bodies the

@@ -2,15 +2,19 @@
 //!
 //! Without impulses to start from, sweeps need a number that grows with the height squared to find the load at the foot of a
 //! tower, and where joints carry moments with a higher power of it; until then it sinks and leans. So loads are [handed
-//! down](hand_down), and what was built as a whole is then [brought to rest](statics): impulses that keep it still are what it carries
-//! at rest, and so they are held. What lies on something and vanishes is handed down in the same way, or what bore it would be thrown.
+//! down](hand_down). What was built as a whole, and is not in balance with them, carries instead what [weight that grows](grow) would
+//! make: statics alone would let it lean on a squeeze that nobody made. If that holds it, it is [brought to rest](statics): impulses
+//! that keep it still are what it carries at rest, and so they are held. What lies on something and vanishes is handed down in the same
+//! way as what is new, or what bore it would be thrown.
 
+mod grow;
 mod hand_down;
 mod statics;
 
 use super::survey::Footing;
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, PatchProblem};
+use grow::Grown;
 
 /// What is faster than this has not been put there, but thrown, m/s.
 const PUT: f32 = 0.01;
@@ -83,8 +87,14 @@ pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, footing: &[Footing]) -> 
     };
     let courses = hand_down::hand_down(problem, closed, &new.bodies);
     if new.all {
-        let most = PATCH_VISITS / problem.patches.len().max(1);
-        statics::settle::<L>(problem, closed, most.min(SWEEPS_PER_COURSE * courses));
+        let grown = match hand_down::is_balanced(problem) {
+            true => Grown::Rest,
+            false => grow::grow::<L>(problem, closed),
+        };
+        if grown != Grown::Go {
+            let most = PATCH_VISITS / problem.patches.len().max(1);
+            statics::settle::<L>(problem, closed, most.min(SWEEPS_PER_COURSE * courses));
+        }
     }
     true
 }

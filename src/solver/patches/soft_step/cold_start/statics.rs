@@ -2,8 +2,9 @@
 //!
 //! Rigid sweeps over closed contacts, a whole step long, in which nothing moves but by its forces. To and fro, since a structure has
 //! no preferred way, and then the differences that sweeps make are search directions of a merit function, as in
-//! [`Nncg`](crate::solver::Nncg), which has the reasons: an arch of 15 needs a tenth of the sweeps. It begins with loads handed down, and
-//! any equilibrium is as good as another; so what stands without friction stays without.
+//! [`Nncg`](crate::solver::Nncg), which has the reasons: an arch of 15 needs a tenth of the sweeps. It begins with loads handed
+//! down, or with those that weight makes as it grows, and hardly changes these: of all the forces that statics allows only what
+//! follows from how bodies give way is real. What stands without friction stays without.
 
 use super::super::block::{Pass, Spring};
 use super::super::island::{Island, batches};
@@ -90,7 +91,7 @@ pub fn settle<L: F32xN>(problem: &mut PatchProblem, closed: f32, most: usize) {
         pass,
         most,
     });
-    island.keep(problem);
+    island.keep(problem, 1.0);
 }
 
 /// The search for an equilibrium.
@@ -207,7 +208,7 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    fn keep(&self, problem: &mut PatchProblem) {
+    pub(super) fn keep(&self, problem: &mut PatchProblem, whole: f32) {
         for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
             let found = &self.points[block.range()];
             for (lane, patch) in patches {
@@ -215,12 +216,12 @@ impl<L: F32xN> Island<L> {
                 let t1 = block.tangent.get(lane);
                 let t2 = patch.normal.cross(t1);
                 let [x, y] = block.tangential;
-                patch.warm_tangential = t1 * x[lane] + t2 * y[lane];
-                patch.warm_twist = block.twist[lane];
+                patch.warm_tangential = whole * (t1 * x[lane] + t2 * y[lane]);
+                patch.warm_twist = whole * block.twist[lane];
                 (patch.load_tangential, patch.load_twist) =
                     (patch.warm_tangential, patch.warm_twist);
                 for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
-                    point.warm_normal = found.impulse[lane];
+                    point.warm_normal = whole * found.impulse[lane];
                     point.load = point.warm_normal;
                 }
             }

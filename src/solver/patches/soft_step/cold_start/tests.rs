@@ -79,6 +79,39 @@ fn an_arch_is_in_balance_from_the_start() {
     }
 }
 
+/// A block of 1 × 0.5 × 0.5 m in a channel along x that it touches below and on both sides.
+fn tongue(tilt: f32) -> Masonry {
+    let mut masonry = Masonry::new(tilt, Vec3::X);
+    let tongue = masonry.block(Vec3::Y * 0.25, Vec3::new(1.0, 0.5, 0.5), 0.0);
+    masonry.bed([tongue, 0], Vec3::ZERO, 0.5, 0.25);
+    for z in [Vec3::Z, Vec3::NEG_Z] {
+        let middle = 0.25 * (Vec3::Y - z);
+        masonry.joint([tongue, 0], middle, z, [0.5 * Vec3::X, 0.25 * Vec3::Y]);
+    }
+    masonry
+}
+
+/// Its friction of 0.9 holds it up to 42°. Beyond that only its sides could, on which nothing presses.
+#[test]
+fn a_tongue_is_not_squeezed_by_its_groove() {
+    for (degrees, stands) in [(30.0f32, true), (40.0, true), (44.0, false), (54.0, false)] {
+        let mut masonry = tongue(degrees.to_radians());
+        masonry.start();
+        let unbalanced = masonry.unbalanced();
+        assert_eq!(
+            unbalanced < 0.01,
+            stands,
+            "at {degrees}° {unbalanced} of gravity is left"
+        );
+        let sides = masonry.points[4..].iter().map(|point| point.warm_normal);
+        let squeezed = sides.sum::<f32>() / (250.0 * G * DT);
+        assert!(
+            squeezed < 0.01,
+            "at {degrees}° its sides carry {squeezed} of its weight"
+        );
+    }
+}
+
 /// Its weight goes down to the ground, and nothing else changes.
 #[test]
 fn a_brick_put_on_a_stack_is_carried_by_all_below() {

@@ -183,16 +183,9 @@ impl Islands {
 
     /// The slots of all bodies in the island of a dynamic one, be they awake, asleep or at rest.
     pub(crate) fn members(&self, table: &BodyTable, slot: u32) -> Vec<u32> {
-        let is_there = |(slot, entity): &(u32, Entity)| {
-            table.rests(*slot) && table.get(*slot).is_some_and(|body| body.entity == *entity)
-        };
         let at_rest = |group: u32| {
-            let members = self
-                .resting
-                .members(group)
-                .iter()
-                .filter(|&one| is_there(one));
-            members.map(|&(slot, _)| slot)
+            let members = self.resting.members(table, group);
+            members.map(|(slot, _)| slot)
         };
         let Some(island) = self.find(table, slot) else {
             // Nothing that is active touches it.
@@ -224,6 +217,7 @@ pub fn islands(
     let islands = &mut *islands;
     let new = islands.link(&table, &pairs, &time);
     islands.woke = false;
+    islands.resting.forget_gone(&table);
     let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
     if !islands.touched.is_empty() || table.active().any(rests) {
         let awake = islands.find_awake(&table);
@@ -300,12 +294,9 @@ impl Islands {
             let island = self.touched[i];
             let node = table.slots() as u32 + island;
             if self.graph.of(node).is_some_and(|island| awake[island]) {
-                for (slot, entity) in self.resting.take(island) {
-                    let is_there = |body: &BodyState| body.entity == entity;
-                    if table.rests(slot) && table.get(slot).is_some_and(is_there) {
-                        table.stir(slot);
-                        rising.push(slot);
-                    }
+                for (slot, _) in self.resting.take(table, island) {
+                    table.stir(slot);
+                    rising.push(slot);
                 }
             }
         }
@@ -344,7 +335,7 @@ impl Islands {
             if let Some(group) = island.map(|island| &mut groups[island])
                 && !group.is_empty()
             {
-                group.extend(self.resting.take(touched));
+                group.extend(self.resting.take(table, touched));
             }
         }
         for group in groups.into_iter().filter(|group| !group.is_empty()) {

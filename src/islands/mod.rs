@@ -39,11 +39,14 @@ pub struct Islands {
     touched: Vec<u32>,
 }
 
-/// A pair that touches: its bodies' slots, and which of all pairs it is.
+/// A pair that touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Link {
-    slots: [u32; 2],
-    pair: u32,
+pub(crate) struct Link {
+    /// Those of its bodies.
+    pub slots: [u32; 2],
+    pub pair: Entity,
+    /// Where the query had it.
+    pub row: u32,
 }
 
 /// A body that is active, and what it is.
@@ -96,6 +99,11 @@ impl Islands {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
     }
 
+    /// The pairs that touch, but for those at rest.
+    pub(crate) fn links(&self) -> &[Link] {
+        &self.links
+    }
+
     /// Somebody was woken in this step.
     pub(crate) fn woke(&self) -> bool {
         self.woke
@@ -112,7 +120,7 @@ impl Islands {
         links.clear();
         self.tired.pairs.clear();
         self.parted.clear();
-        for ((entity, pair, manifold), number) in pairs.iter().zip(0..) {
+        for ((entity, pair, manifold), row) in pairs.iter().zip(0..) {
             // What touches has been told by the end of the step.
             if pair.idle && time.substep == 0 && pair.slots.iter().all(|&slot| table.rests(slot)) {
                 self.tired.pairs.push((entity, pair.slots));
@@ -123,7 +131,8 @@ impl Islands {
             if !manifold.points.is_empty() {
                 links.push(Link {
                     slots: pair.slots,
-                    pair: number,
+                    pair: entity,
+                    row,
                 });
             }
         }

@@ -96,6 +96,7 @@ type Pairs<'w, 's> = Query<
     'w,
     's,
     (
+        Entity,
         Ref<'static, ContactPair>,
         Ref<'static, Manifold>,
         &'static ContactTargets,
@@ -188,7 +189,7 @@ impl Step<'_> {
         hands: &mut Hands,
         said: &mut Said,
     ) {
-        let kept = problems.order.keep(self.table, self.islands, pairs);
+        let kept = problems.order.keep(self.table, self.islands);
         let (mut touches, complete) = problems.order.touches(pairs);
         self.gather_bodies(problems, bodies, kept && complete);
         let held = self.gather_grips(problems, hands);

@@ -4,6 +4,8 @@
 //! [rest](crate::body::Resting) it is what was carried last, whatever the length of steps since. A body that was despawned, disabled or
 //! robbed of its [`RigidBody`] since then gives no force.
 //!
+//! Bodies that come into the world asleep are given the forces that hold them up, by statics, in the step in which they come.
+//!
 //! ```
 //! use bevy_ecs::prelude::*;
 //! use bevy_ecs::system::RunSystemOnce;

@@ -37,6 +37,8 @@ pub struct Islands {
     parted: Vec<[u32; 2]>,
     /// Islands that rest, and that who does not rest touches, or has ceased to touch.
     touched: Vec<u32>,
+    /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
+    arriving: Vec<bool>,
 }
 
 /// A pair that touches.
@@ -97,6 +99,16 @@ impl Islands {
     #[inline]
     pub fn level(&self, slot: u32) -> Option<u32> {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
+    }
+
+    /// An island sleeps, and some of its bodies have come into the world in this step.
+    pub(crate) fn arrives(&self, island: usize) -> bool {
+        self.arriving.get(island).copied().unwrap_or(false)
+    }
+
+    /// Some island does.
+    pub(crate) fn any_arrives(&self) -> bool {
+        self.arriving.contains(&true)
     }
 
     /// The pairs that touch, but for those at rest.
@@ -226,11 +238,14 @@ pub fn islands(
     let islands = &mut *islands;
     let new = islands.link(&table, &pairs, &time);
     islands.woke = false;
+    islands.arriving.clear();
     islands.resting.forget_gone(&table);
     let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
     if !islands.touched.is_empty() || table.active().any(rests) {
         let awake = islands.find_awake(&table);
         islands.wake(&mut table, &awake, &mut sleepers);
+        islands.find_arriving(&table);
+        islands.activate_arriving(&mut table);
         islands.tire(&table, &awake);
     }
     let now = table.active().map(Member::of);
@@ -253,6 +268,7 @@ pub fn regroup(world: &mut World, pairs: &mut SystemState<Pairs>) {
         let pairs = pairs.get(world).expect("pairs can always be read");
         let table = world.resource::<BodyTable>();
         islands.link(table, &pairs, world.resource::<StepTime>());
+        islands.find_arriving(table);
         islands.tired = Tired::default();
         islands.version += 1;
         islands.members.clear();
@@ -315,6 +331,43 @@ impl Islands {
             body.asleep = false;
             if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
                 sleeping.wake();
+            }
+        }
+    }
+
+    /// Finds islands that sleep and of which bodies have come in this step.
+    fn find_arriving(&mut self, table: &BodyTable) {
+        self.arriving.clear();
+        let comes = |body: &BodyState| body.arrived && body.asleep;
+        if !table.active().any(|(_, body)| comes(body)) {
+            return;
+        }
+        self.arriving.resize(self.graph.count, false);
+        let mut awake = vec![false; self.graph.count];
+        for (slot, body) in table.active() {
+            if let Some(island) = self.graph.of(slot) {
+                self.arriving[island] |= comes(body);
+                awake[island] |= body.is_awake();
+            }
+        }
+        for (arriving, awake) in self.arriving.iter_mut().zip(awake) {
+            *arriving &= !awake;
+        }
+    }
+
+    /// Of what comes onto an island at rest all of it bears a part, and takes part in this step. It sleeps on.
+    fn activate_arriving(&mut self, table: &mut BodyTable) {
+        for i in 0..self.touched.len() {
+            let group = self.touched[i];
+            let node = table.slots() as u32 + group;
+            if self
+                .graph
+                .of(node)
+                .is_some_and(|island| self.arrives(island))
+            {
+                for (slot, _) in self.resting.take(table, group) {
+                    table.stir(slot);
+                }
             }
         }
     }

@@ -4,9 +4,12 @@
 //! to the components. Bodies and contacts stand in the order of their level of support and their age ([`Islands`]), so the result does
 //! not depend on threads or on where the ECS keeps things.
 //!
+//! Islands that sleep are not solved. Those of which bodies have just come are [loaded](arrivals).
+//!
 //! Where a solve goes wrong all the same, with input that was checked, its island keeps the velocities and poses from before, and
 //! forgets its impulses; nobody else notices.
 
+mod arrivals;
 mod island;
 mod order;
 mod patches;
@@ -142,6 +145,7 @@ pub fn solve(
         islands: &islands,
         given: &given,
     };
+    step.load_arrivals(&mut pairs);
     let Scratch {
         by_points,
         by_patches,

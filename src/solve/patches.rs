@@ -6,7 +6,7 @@ use super::{Given, LARGE};
 use crate::contact::{ContactPoint, Impulse, ManifoldPatch, PatchImpulse};
 use crate::solver::{
     Body, FEW, Grip, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip,
-    SolveReport,
+    SolveReport, patches,
 };
 use glam::Vec3;
 use std::ops::Range;
@@ -93,6 +93,24 @@ impl Rows for PatchRows {
 }
 
 impl PatchRows {
+    /// Instead of a solve: finds what the contacts carry while nothing moves, and says that they gave it all through the step. False where
+    /// some of it is not finite.
+    pub fn settle(&mut self, bodies: &mut [Body], given: &Given) -> bool {
+        patches::settle(&mut self.problem(bodies, &mut [], given));
+        // Of a step whose substeps after this one leave contacts as they are.
+        let whole = given.time.substeps as f32;
+        for patch in &mut self.patches {
+            patch.tangential = whole * patch.warm_tangential;
+        }
+        for point in &mut self.points {
+            point.normal = whole * point.warm_normal;
+        }
+        let finite = |patch: &PatchConstraint| {
+            patch.warm_tangential.is_finite() && patch.warm_twist.is_finite()
+        };
+        self.patches.iter().all(finite) && self.points.iter().all(|point| point.normal.is_finite())
+    }
+
     fn problem<'a>(
         &'a mut self,
         bodies: &'a mut [Body],

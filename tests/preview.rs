@@ -302,10 +302,13 @@ fn what_never_rests_is_given_up() {
     assert!(!found.rests && found.moves(ball) && (found.time - 1.0).abs() < 0.02);
 }
 
+/// Takes a body out of the world.
+type Go = fn(EntityWorldMut);
+
 /// Despawned, disabled or robbed of its kind since the last step: it is not there, neither for the preview nor for the next step.
 #[test]
 fn what_goes_in_the_same_frame_is_not_copied() {
-    let ways: [(&str, fn(EntityWorldMut)); 3] = [
+    let ways: [(&str, Go); 3] = [
         ("despawned", |body| body.despawn()),
         ("disabled", |mut body| _ = body.insert(Disabled)),
         ("no body", |mut body| _ = body.remove::<RigidBody>()),

@@ -230,10 +230,13 @@ fn who_is_no_body_bears_nothing_and_is_named() {
     });
 }
 
+/// Takes a body out of the world.
+type Go = fn(EntityWorldMut);
+
 /// Until the next step sees that a body has gone, the answers about others are as if it were not there.
 #[test]
 fn what_goes_in_the_same_frame_bears_nothing() {
-    let ways: [(&str, fn(EntityWorldMut)); 3] = [
+    let ways: [(&str, Go); 3] = [
         ("despawned", |body| body.despawn()),
         ("disabled", |mut body| _ = body.insert(Disabled)),
         ("no body", |mut body| _ = body.remove::<RigidBody>()),

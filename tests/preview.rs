@@ -2,6 +2,7 @@
 
 mod support;
 
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use drystone::body::{Pose, RigidBody, Velocity};
 use drystone::collider::Collider;
@@ -299,4 +300,84 @@ fn what_never_rests_is_given_up() {
     let shadow = Shadow::around(&lab.world, &[ball]).unwrap();
     let found = shadow.run(&settings).unwrap();
     assert!(!found.rests && found.moves(ball) && (found.time - 1.0).abs() < 0.02);
+}
+
+/// Takes a body out of the world.
+type Go = fn(EntityWorldMut);
+
+/// Despawned, disabled or robbed of its kind since the last step: it is not there, neither for the preview nor for the next step.
+#[test]
+fn what_goes_in_the_same_frame_is_not_copied() {
+    let ways: [(&str, Go); 3] = [
+        ("despawned", |body| body.despawn()),
+        ("disabled", |mut body| _ = body.insert(Disabled)),
+        ("no body", |mut body| _ = body.remove::<RigidBody>()),
+    ];
+    for (way, go) in ways {
+        let (mut lab, [left, right, across]) = trilith();
+        go(lab.world.entity_mut(left));
+        let take = |body| preview(&lab.world, &Edit::Take(vec![body]));
+        assert_eq!(take(left), Err(PreviewError::NoBody(left)), "{way}");
+        assert_eq!(take(across).unwrap().moved, [], "{way}");
+        let found = take(right).unwrap();
+        assert!(found.rests && found.moved.len() == 1, "{way}");
+        assert!(found.moves(across), "{way}");
+        // It falls in any case.
+        let beside = Edit::Place(Collider::cuboid(1.0, 0.5, 0.5), at(1.7, 0.25));
+        let found = preview(&lab.world, &beside).unwrap();
+        assert_eq!(found.moved.len(), 1, "{way}");
+        assert!(found.moves(across), "{way}");
+        let shadow = Shadow::around(&lab.world, &[across]).unwrap();
+        assert_eq!(shadow.copy_of(left), None, "{way}");
+    }
+}
+
+/// Waits for what a task finds.
+fn finish(task: bevy_tasks::Task<Result<Preview, PreviewError>>) -> Preview {
+    let start = std::time::Instant::now();
+    while !task.is_finished() {
+        assert!(start.elapsed().as_secs() < 20, "it never ends");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    bevy_tasks::block_on(task).unwrap()
+}
+
+/// There was no step whose length could be taken.
+#[test]
+fn a_preview_ends_before_the_first_step_and_while_paused() {
+    let brick = || Collider::cuboid(1.0, 0.5, 0.5);
+    let edit = Edit::Place(brick(), at(0.0, 0.25));
+    // A level that is paused since it began.
+    let mut paused = Lab::new();
+    paused.ground();
+    drystone::advance(&mut paused.world, 0.0).unwrap();
+    // One that no step was taken in.
+    let mut new = Lab::new();
+    new.ground();
+    // One whose app has a clock of its own.
+    let mut clocked = Lab::new();
+    clocked.ground();
+    clocked
+        .world
+        .insert_resource(bevy_time::Time::<bevy_time::Fixed>::from_hz(20.0));
+    for lab in [&paused, &new, &clocked] {
+        let settings = PreviewSettings {
+            longest: 1.0,
+            ..Default::default()
+        };
+        let found = finish(preview_task(&lab.world, &edit, settings).unwrap());
+        // What no step has seen is no body yet, the ground included.
+        assert!(!found.rests && (found.time - 1.0).abs() < 0.06);
+        assert!(found.ends.unwrap().position.y < -3.0);
+    }
+    // Paused later on it is as it was.
+    let (mut lab, [left, ..]) = trilith();
+    let before = preview(&lab.world, &Edit::Take(vec![left])).unwrap();
+    drystone::advance(&mut lab.world, 0.0).unwrap();
+    let task = preview_task(
+        &lab.world,
+        &Edit::Take(vec![left]),
+        PreviewSettings::default(),
+    );
+    assert_eq!(finish(task.unwrap()), before);
 }

@@ -336,3 +336,22 @@ fn what_has_no_margin_is_told() {
     lab.world.insert_resource(Gravity(Vec3::ZERO));
     assert_eq!(ask(&lab, &bodies, east), Err(NoGravity));
 }
+
+/// In the frame in which a body is despawned nothing stands on it any more.
+#[test]
+fn what_is_despawned_in_the_same_frame_bears_nothing() {
+    let (mut lab, bodies) = build(stack(2), 0.5);
+    let tilt = |lab: &Lab, bodies: &[Entity]| stability(&lab.world, bodies, &Trial::Tilt(Vec3::X));
+    assert!((tilt(&lab, &bodies).unwrap().most - 0.4636).abs() < 1e-3);
+    lab.world.despawn(bodies[0]);
+    assert_eq!(tilt(&lab, &bodies), Err(StabilityError::NoBody(bodies[0])));
+    assert_eq!(tilt(&lab, &bodies[1..]), Err(StabilityError::Falls));
+    let (mut lab, bodies) = build(stack(2), 0.5);
+    let mut ground = lab.world.query::<(Entity, &RigidBody)>();
+    let ground = ground
+        .iter(&lab.world)
+        .find(|(_, kind)| **kind == RigidBody::Static);
+    let ground = ground.unwrap().0;
+    lab.world.despawn(ground);
+    assert_eq!(tilt(&lab, &bodies), Err(StabilityError::Falls));
+}

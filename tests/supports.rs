@@ -2,12 +2,13 @@
 
 mod support;
 
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use bevy_transform::components::Transform;
 use drystone::body::RigidBody;
 use drystone::collider::Collider;
-use drystone::contact::{Bearing, Supports};
+use drystone::contact::{Bearing, Contacts, Supports};
 use glam::{Quat, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use support::*;
@@ -227,4 +228,47 @@ fn who_is_no_body_bears_nothing_and_is_named() {
         assert_eq!(supports.hanging_on(lamp).unwrap_err().0, lamp);
         assert_eq!(supports.structure(lamp).unwrap_err().0, lamp);
     });
+}
+
+/// Takes a body out of the world.
+type Go = fn(EntityWorldMut);
+
+/// Until the next step sees that a body has gone, the answers about others are as if it were not there.
+#[test]
+fn what_goes_in_the_same_frame_bears_nothing() {
+    let ways: [(&str, Go); 3] = [
+        ("despawned", |body| body.despawn()),
+        ("disabled", |mut body| _ = body.insert(Disabled)),
+        ("no body", |mut body| _ = body.remove::<RigidBody>()),
+    ];
+    for (way, go) in ways {
+        let mut lab = Lab::new();
+        let ground = lab.ground();
+        let stack: Vec<_> = (0..4).map(|i| brick(&mut lab, 0.0, i)).collect();
+        lab.run(2.0);
+        go(lab.world.entity_mut(stack[1]));
+        ask(&mut lab, |supports| {
+            assert_eq!(supports.supports(stack[0]).unwrap(), [], "{way}");
+            assert_eq!(supports.hanging_on(stack[0]).unwrap(), [], "{way}");
+            assert_eq!(supports.supported_by(stack[2]).unwrap(), [], "{way}");
+            assert_eq!(supports.load_path(stack[2]).unwrap(), [], "{way}");
+            let path = supports.load_path(stack[3]).unwrap();
+            assert_eq!(names(&path, |bearing| bearing.below), [stack[2]], "{way}");
+            assert_eq!(supports.hanging_on(ground).unwrap(), [stack[0]], "{way}");
+            assert_eq!(supports.hanging_on(stack[2]).unwrap(), [stack[3]], "{way}");
+            assert!(
+                !supports.structure(stack[3]).unwrap().contains(&stack[1]),
+                "{way}"
+            );
+            assert_eq!(
+                supports.supports(stack[1]).unwrap_err().0,
+                stack[1],
+                "{way}"
+            );
+        });
+        let mut state = SystemState::<Contacts>::new(&mut lab.world);
+        let contacts = state.get(&lab.world).unwrap();
+        assert_eq!(contacts.on(stack[2]).unwrap().len(), 1, "{way}");
+        assert_eq!(contacts.on(stack[0]).unwrap().len(), 1, "{way}");
+    }
 }

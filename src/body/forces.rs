@@ -7,7 +7,7 @@ use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// A force and torque that act in every step until changed, in N and N·m, world axes, at the centre of mass.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
@@ -110,20 +110,13 @@ pub fn forces(
         }
         let velocity = velocity.bypass_change_detection();
         let before = *velocity;
-        let turned = |moment: Vec3| match moment {
-            Vec3::ZERO => Vec3::ZERO,
-            moment => mass.world_inverse_inertia(pose.rotation) * moment,
-        };
-        velocity.linear += dt * (scale.map_or(1.0, |scale| scale.0) * gravity.0);
-        if let Some(force) = force {
-            velocity.linear += dt * (mass.inverse_mass * force.force);
-            velocity.angular += dt * turned(force.torque);
-        }
+        let scale = scale.map_or(1.0, |scale| scale.0);
+        velocity.push(mass, pose.rotation, scale * gravity.0, force, dt);
         if let Some(mut impulse) = impulse
             && *impulse != ExternalImpulse::default()
         {
             velocity.linear += mass.inverse_mass * impulse.linear;
-            velocity.angular += turned(impulse.angular);
+            velocity.angular += turned(mass, pose.rotation, impulse.angular);
             *impulse = ExternalImpulse::default();
         }
         if let Some(damping) = damping {
@@ -136,5 +129,31 @@ pub fn forces(
             *velocity = before;
             suspects.0.push((entity, BodyProblem::NonFiniteForce));
         }
+    }
+}
+
+impl Velocity {
+    /// What gravity (m/s²) and a steady force make of it in `dt` s.
+    pub(crate) fn push(
+        &mut self,
+        mass: &MassProperties,
+        rotation: Quat,
+        gravity: Vec3,
+        force: Option<&ExternalForce>,
+        dt: f32,
+    ) {
+        self.linear += dt * gravity;
+        if let Some(force) = force {
+            self.linear += dt * (mass.inverse_mass * force.force);
+            self.angular += dt * turned(mass, rotation, force.torque);
+        }
+    }
+}
+
+/// The angular velocity that a moment gives, world axes.
+fn turned(mass: &MassProperties, rotation: Quat, moment: Vec3) -> Vec3 {
+    match moment {
+        Vec3::ZERO => Vec3::ZERO,
+        moment => mass.world_inverse_inertia(rotation) * moment,
     }
 }

@@ -5,6 +5,7 @@
 
 use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use fixedbitset::FixedBitSet;
 use glam::Vec3;
@@ -237,6 +238,14 @@ impl BodyTable {
         self.get(index.0).is_some_and(|body| body.entity == entity)
     }
 
+    /// The slot of a body that is there now: in the table, and not despawned, disabled or robbed of its kind since the table was filled.
+    pub(crate) fn slot_of(&self, world: &World, body: Entity) -> Option<u32> {
+        let body = world.get_entity(body).ok()?;
+        let index = *body.get::<BodyIndex>()?;
+        let there = body.contains::<RigidBody>() && !body.contains::<Disabled>();
+        (there && self.holds(body.id(), index)).then_some(index.0)
+    }
+
     /// The body in a slot, if there is one.
     #[inline]
     pub fn get(&self, slot: u32) -> Option<&BodyState> {
@@ -270,7 +279,7 @@ impl BodyTable {
     }
 
     /// How many rest.
-    pub(super) fn resting(&self) -> usize {
+    pub(crate) fn resting(&self) -> usize {
         self.resting
     }
 

@@ -1,7 +1,10 @@
 //! Who presses on whom, with what force and where: [`Contacts`], a parameter of a system, and [`Load`], a component for those who want it kept.
 //!
 //! What is said is true of the last step: its impulses by its length, at the places where contacts were found. Of what has come to
-//! [rest](crate::body::Resting) it is what was carried last, whatever the length of steps since.
+//! [rest](crate::body::Resting) it is what was carried last, whatever the length of steps since. A body that was despawned, disabled or
+//! robbed of its [`RigidBody`] since then gives no force.
+//!
+//! Bodies that come into the world asleep are given the forces that hold them up, by statics, in the step in which they come.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -32,8 +35,8 @@
 //! # let _ = ground;
 //! ```
 
-use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch};
-use crate::body::{BodyIndex, BodyTable, Resting};
+use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold};
+use crate::body::{BodyIndex, BodyTable, Resting, RigidBody};
 use crate::broadphase::Broadphase;
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
@@ -42,6 +45,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 use smallvec::SmallVec;
 use std::fmt;
+use std::ops::Range;
 
 /// What one body does to another over one face.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,11 +104,12 @@ pub struct Contacts<'w, 's> {
     pub(super) table: Res<'w, BodyTable>,
     broadphase: Res<'w, Broadphase>,
     time: Res<'w, StepTime>,
-    bodies: Query<'w, 's, &'static BodyIndex>,
+    bodies: Query<'w, 's, &'static BodyIndex, With<RigidBody>>,
     pairs: Query<'w, 's, Pair>,
 }
 
 impl Contacts<'_, '_> {
+    /// The slot of a body that is there: one that has been despawned, disabled or robbed of its kind since the last step is not.
     pub(super) fn slot(&self, body: Entity) -> Result<u32, NoBody> {
         let index = self.bodies.get(body).ok();
         let index = index.filter(|index| self.table.holds(body, **index));
@@ -153,7 +158,9 @@ impl Contacts<'_, '_> {
             {
                 let of_a = pair.slots[0] == slot;
                 let by = pair.bodies[usize::from(of_a)];
-                found.push((pair.ages, by, if of_a { force } else { -force }));
+                if self.slot(by).is_ok() {
+                    found.push((pair.ages, by, if of_a { force } else { -force }));
+                }
             }
         }
         // Pairs stand as they came and went.
@@ -168,7 +175,8 @@ impl Contacts<'_, '_> {
     fn whole(&self, manifold: &Manifold, impulses: &ContactImpulses, rests: bool) -> Option<Vec3> {
         let (mut pressure, mut force) = (0.0, Vec3::ZERO);
         for (number, patch) in manifold.patches.iter().enumerate() {
-            let given = Given::at(impulses, patch, number, self.per_second(rests))?;
+            let range = manifold.range(patch);
+            let given = Given::at(impulses, range, number, self.per_second(rests));
             pressure += given.pressure;
             force += patch.normal * given.pressure + given.tangential;
         }
@@ -189,13 +197,18 @@ impl Contacts<'_, '_> {
             return;
         };
         let of_a = pair.bodies[0] == on;
+        let by = pair.bodies[usize::from(of_a)];
+        if self.slot(by).is_err() {
+            return;
+        }
         let per_second = self.per_second(rests);
         for (number, patch) in manifold.patches.iter().enumerate() {
-            let given = match Given::at(impulses, patch, number, per_second) {
-                Some(given) if given.pressure > 0.0 => given,
-                _ => continue,
-            };
-            let shares = patch.range().zip(&given.normal);
+            let range = manifold.range(patch);
+            let given = Given::at(impulses, range.clone(), number, per_second);
+            if given.pressure <= 0.0 {
+                continue;
+            }
+            let shares = range.clone().zip(&given.normal);
             let points = shares.map(|(i, &force)| (a.center + manifold.points[i].arm, force));
             let points: SmallVec<[(Vec3, f32); 4]> = points.collect();
             let moment: Vec3 = points.iter().map(|&(at, force)| at * force).sum();
@@ -211,7 +224,7 @@ impl Contacts<'_, '_> {
             let most = pair.friction * given.pressure;
             faces.push(FaceForce {
                 on,
-                by: pair.bodies[usize::from(of_a)],
+                by,
                 normal: way * patch.normal,
                 force: way * (patch.normal * given.pressure + given.tangential),
                 pressure: given.pressure,
@@ -222,7 +235,7 @@ impl Contacts<'_, '_> {
                 } else {
                     0.0
                 },
-                sticks: sticks(anchors, patch, number),
+                sticks: sticks(anchors, range, number),
                 points,
             });
         }
@@ -242,18 +255,18 @@ impl Given {
     /// By the impulses of a step, of which there are so many to a second; by what was carried last where there are none.
     fn at(
         impulses: &ContactImpulses,
-        patch: &ManifoldPatch,
+        range: Range<usize>,
         number: usize,
         per_second: Option<f32>,
-    ) -> Option<Self> {
-        let points = impulses.points.get(patch.range())?;
+    ) -> Self {
+        let points = impulses.points.get(range.clone()).unwrap_or_default();
         let normal = points.iter().map(|point| match per_second {
             Some(per_second) => point.normal * per_second,
             None => point.warm_normal,
         });
         let normal: SmallVec<[f32; 4]> = normal.collect();
         let of_patch = impulses.patches.get(number).copied().unwrap_or_default();
-        let of_points = impulses.friction.get(patch.range()).unwrap_or_default();
+        let of_points = impulses.friction.get(range).unwrap_or_default();
         let tangential = match per_second {
             Some(per_second) => {
                 let points: Vec3 = of_points.iter().map(|point| point.tangential).sum();
@@ -264,20 +277,20 @@ impl Given {
                 of_patch.warm_tangential + points
             }
         };
-        Some(Self {
+        Self {
             pressure: normal.iter().sum(),
             normal,
             tangential,
             twist: of_patch.warm_twist,
-        })
+        }
     }
 }
 
-fn sticks(anchors: &ContactAnchors, patch: &ManifoldPatch, number: usize) -> bool {
+fn sticks(anchors: &ContactAnchors, range: Range<usize>, number: usize) -> bool {
     match anchors.patches.get(number) {
         Some(anchor) => anchor.sticking,
         None => {
-            let points = anchors.points.get(patch.range()).unwrap_or_default();
+            let points = anchors.points.get(range).unwrap_or_default();
             !points.is_empty() && points.iter().all(|anchor| anchor.sticking)
         }
     }

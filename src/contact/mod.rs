@@ -3,6 +3,10 @@
 //! A pair lives as long as the fat boxes of its two bodies overlap, touching or not, so that pairs seldom come and go. All its
 //! lists run in parallel over the points of its [`Manifold`]. The broadphase makes pairs and ends them; what somebody else despawns,
 //! disables or takes a component off is made anew in the next step.
+//!
+//! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow make the other lists as long as
+//! those of the manifold; a point that no patch names has no effect. Points that are put between bodies that did not touch when
+//! [`islands`](crate::islands) were found are solved from the next step on.
 
 mod events;
 mod forces;
@@ -125,6 +129,23 @@ pub struct Manifold {
 }
 
 impl Manifold {
+    /// The indices of the points of a patch. Points that a patch names and that are not there, since somebody has shortened the list, are
+    /// left out.
+    #[inline]
+    pub fn range(&self, patch: &ManifoldPatch) -> std::ops::Range<usize> {
+        patch.range_in(self.points.len())
+    }
+
+    /// The patches that have points, with their places in the list and the indices of their points.
+    #[inline]
+    pub(crate) fn patches_with_points(
+        &self,
+    ) -> impl Iterator<Item = (usize, &ManifoldPatch, std::ops::Range<usize>)> {
+        let patches = self.patches.iter().enumerate();
+        let patches = patches.map(|(i, patch)| (i, patch, self.range(patch)));
+        patches.filter(|(.., range)| !range.is_empty())
+    }
+
     /// From the centres of mass of A and B to a point when it was detected, world axes, m. As long as the manifold is kept the point goes
     /// with both.
     #[inline]
@@ -151,10 +172,11 @@ pub struct ManifoldPatch {
 }
 
 impl ManifoldPatch {
-    /// The indices of its points.
+    /// The indices of its points in a list of so many.
     #[inline]
-    pub fn range(&self) -> std::ops::Range<usize> {
-        self.first as usize..(self.first + self.count) as usize
+    pub(crate) fn range_in(&self, points: usize) -> std::ops::Range<usize> {
+        let first = (self.first as usize).min(points);
+        first..first.saturating_add(self.count as usize).min(points)
     }
 }
 
@@ -225,10 +247,27 @@ impl ContactImpulses {
         if let Some(friction) = self.friction.get(point) {
             return friction.tangential;
         }
-        let points = &self.points[patch.range()];
+        let points = &self.points[patch.range_in(self.points.len())];
         let sum: f32 = points.iter().map(|point| point.normal).sum();
         let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-        self.patches[number].tangential * (self.points[point].normal * share)
+        let normal = self.points.get(point).map_or(0.0, |point| point.normal);
+        let patch = self.patches.get(number).copied().unwrap_or_default();
+        patch.tangential * (normal * share)
+    }
+
+    /// Makes the lists as long as those of the manifold, where somebody has changed the length of either. Entries stay in their places.
+    #[inline]
+    pub(crate) fn fit(&mut self, manifold: &Manifold) {
+        let (points, patches) = (manifold.points.len(), manifold.patches.len());
+        if self.points.len() != points {
+            self.points.resize(points, Impulse::default());
+        }
+        if self.patches.len() != patches {
+            self.patches.resize(patches, PatchImpulse::default());
+        }
+        if !self.friction.is_empty() && self.friction.len() != points {
+            self.friction.resize(points, PointFriction::default());
+        }
     }
 }
 

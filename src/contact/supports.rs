@@ -218,6 +218,7 @@ impl Supports<'_, '_> {
         }
         let members = self.islands.members(table, slot).into_iter();
         let members = members.filter_map(|slot| table.get(slot));
+        let members = members.filter(|body| self.contacts.slot(body.entity).is_ok());
         let mut members: Vec<_> = members.map(|body| (body.age, body.entity)).collect();
         members.sort_unstable_by_key(|&(age, _)| age);
         Ok(members.into_iter().map(|(_, body)| body).collect())

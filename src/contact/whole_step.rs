@@ -38,10 +38,11 @@ impl ContactImpulses {
     }
 
     fn set_aside(&mut self, manifold: &Manifold) {
+        self.fit(manifold);
         let mut earlier = self.earlier.take().unwrap_or_default();
         earlier.points.resize(self.points.len(), Given::default());
         for (number, patch) in manifold.patches.iter().enumerate() {
-            for point in patch.range() {
+            for point in manifold.range(patch) {
                 let tangential = self.tangential_at(patch, number, point);
                 earlier.points[point].add(self.points[point].normal, tangential);
             }
@@ -78,12 +79,13 @@ impl ContactImpulses {
 
     /// After the last substep.
     fn add_up(&mut self, manifold: &Manifold) {
+        self.fit(manifold);
         let Some(earlier) = &mut self.earlier else {
             return;
         };
         let by_points = !self.friction.is_empty();
         for (patch, whole) in manifold.patches.iter().zip(&mut self.patches) {
-            for i in patch.range() {
+            for i in manifold.range(patch) {
                 let Some(earlier) = earlier.points.get(i) else {
                     continue;
                 };

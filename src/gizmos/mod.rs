@@ -204,12 +204,15 @@ pub fn contacts(
             let sticks = match anchors.patches.get(number) {
                 Some(anchor) => anchor.sticking,
                 None => {
-                    let points = anchors.points.get(patch.range()).unwrap_or_default();
+                    let points = anchors
+                        .points
+                        .get(manifold.range(patch))
+                        .unwrap_or_default();
                     points.iter().any(|anchor| anchor.sticking)
                 }
             };
             let color = if sticks { STICKS } else { SLIPS };
-            for i in patch.range() {
+            for i in manifold.range(patch) {
                 let point = a.center + manifold.points[i].arm;
                 if show.contacts {
                     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {

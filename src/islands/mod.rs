@@ -37,13 +37,18 @@ pub struct Islands {
     parted: Vec<[u32; 2]>,
     /// Islands that rest, and that who does not rest touches, or has ceased to touch.
     touched: Vec<u32>,
+    /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
+    arriving: Vec<bool>,
 }
 
-/// A pair that touches: its bodies' slots, and which of all pairs it is.
+/// A pair that touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Link {
-    slots: [u32; 2],
-    pair: u32,
+pub(crate) struct Link {
+    /// Those of its bodies.
+    pub slots: [u32; 2],
+    pub pair: Entity,
+    /// Where the query had it.
+    pub row: u32,
 }
 
 /// A body that is active, and what it is.
@@ -96,6 +101,21 @@ impl Islands {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
     }
 
+    /// An island sleeps, and some of its bodies have come into the world in this step.
+    pub(crate) fn arrives(&self, island: usize) -> bool {
+        self.arriving.get(island).copied().unwrap_or(false)
+    }
+
+    /// Some island does.
+    pub(crate) fn any_arrives(&self) -> bool {
+        self.arriving.contains(&true)
+    }
+
+    /// The pairs that touch, but for those at rest.
+    pub(crate) fn links(&self) -> &[Link] {
+        &self.links
+    }
+
     /// Somebody was woken in this step.
     pub(crate) fn woke(&self) -> bool {
         self.woke
@@ -112,7 +132,7 @@ impl Islands {
         links.clear();
         self.tired.pairs.clear();
         self.parted.clear();
-        for ((entity, pair, manifold), number) in pairs.iter().zip(0..) {
+        for ((entity, pair, manifold), row) in pairs.iter().zip(0..) {
             // What touches has been told by the end of the step.
             if pair.idle && time.substep == 0 && pair.slots.iter().all(|&slot| table.rests(slot)) {
                 self.tired.pairs.push((entity, pair.slots));
@@ -123,7 +143,8 @@ impl Islands {
             if !manifold.points.is_empty() {
                 links.push(Link {
                     slots: pair.slots,
-                    pair: number,
+                    pair: entity,
+                    row,
                 });
             }
         }
@@ -183,16 +204,9 @@ impl Islands {
 
     /// The slots of all bodies in the island of a dynamic one, be they awake, asleep or at rest.
     pub(crate) fn members(&self, table: &BodyTable, slot: u32) -> Vec<u32> {
-        let is_there = |(slot, entity): &(u32, Entity)| {
-            table.rests(*slot) && table.get(*slot).is_some_and(|body| body.entity == *entity)
-        };
         let at_rest = |group: u32| {
-            let members = self
-                .resting
-                .members(group)
-                .iter()
-                .filter(|&one| is_there(one));
-            members.map(|&(slot, _)| slot)
+            let members = self.resting.members(table, group);
+            members.map(|(slot, _)| slot)
         };
         let Some(island) = self.find(table, slot) else {
             // Nothing that is active touches it.
@@ -224,10 +238,14 @@ pub fn islands(
     let islands = &mut *islands;
     let new = islands.link(&table, &pairs, &time);
     islands.woke = false;
+    islands.arriving.clear();
+    islands.resting.forget_gone(&table);
     let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
     if !islands.touched.is_empty() || table.active().any(rests) {
         let awake = islands.find_awake(&table);
         islands.wake(&mut table, &awake, &mut sleepers);
+        islands.find_arriving(&table);
+        islands.activate_arriving(&mut table);
         islands.tire(&table, &awake);
     }
     let now = table.active().map(Member::of);
@@ -250,6 +268,7 @@ pub fn regroup(world: &mut World, pairs: &mut SystemState<Pairs>) {
         let pairs = pairs.get(world).expect("pairs can always be read");
         let table = world.resource::<BodyTable>();
         islands.link(table, &pairs, world.resource::<StepTime>());
+        islands.find_arriving(table);
         islands.tired = Tired::default();
         islands.version += 1;
         islands.members.clear();
@@ -300,12 +319,9 @@ impl Islands {
             let island = self.touched[i];
             let node = table.slots() as u32 + island;
             if self.graph.of(node).is_some_and(|island| awake[island]) {
-                for (slot, entity) in self.resting.take(island) {
-                    let is_there = |body: &BodyState| body.entity == entity;
-                    if table.rests(slot) && table.get(slot).is_some_and(is_there) {
-                        table.stir(slot);
-                        rising.push(slot);
-                    }
+                for (slot, _) in self.resting.take(table, island) {
+                    table.stir(slot);
+                    rising.push(slot);
                 }
             }
         }
@@ -315,6 +331,43 @@ impl Islands {
             body.asleep = false;
             if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
                 sleeping.wake();
+            }
+        }
+    }
+
+    /// Finds islands that sleep and of which bodies have come in this step.
+    fn find_arriving(&mut self, table: &BodyTable) {
+        self.arriving.clear();
+        let comes = |body: &BodyState| body.arrived && body.asleep;
+        if !table.active().any(|(_, body)| comes(body)) {
+            return;
+        }
+        self.arriving.resize(self.graph.count, false);
+        let mut awake = vec![false; self.graph.count];
+        for (slot, body) in table.active() {
+            if let Some(island) = self.graph.of(slot) {
+                self.arriving[island] |= comes(body);
+                awake[island] |= body.is_awake();
+            }
+        }
+        for (arriving, awake) in self.arriving.iter_mut().zip(awake) {
+            *arriving &= !awake;
+        }
+    }
+
+    /// Of what comes onto an island at rest all of it bears a part, and takes part in this step. It sleeps on.
+    fn activate_arriving(&mut self, table: &mut BodyTable) {
+        for i in 0..self.touched.len() {
+            let group = self.touched[i];
+            let node = table.slots() as u32 + group;
+            if self
+                .graph
+                .of(node)
+                .is_some_and(|island| self.arrives(island))
+            {
+                for (slot, _) in self.resting.take(table, group) {
+                    table.stir(slot);
+                }
             }
         }
     }
@@ -344,7 +397,7 @@ impl Islands {
             if let Some(group) = island.map(|island| &mut groups[island])
                 && !group.is_empty()
             {
-                group.extend(self.resting.take(touched));
+                group.extend(self.resting.take(table, touched));
             }
         }
         for group in groups.into_iter().filter(|group| !group.is_empty()) {

@@ -131,7 +131,8 @@ impl Since {
                 patch.normal.dot(self.shift) - b.dot(manifold.between),
                 a - b,
             );
-            for point in &mut manifold.points[patch.range()] {
+            let range = patch.range_in(manifold.points.len());
+            for point in &mut manifold.points[range] {
                 point.distance = point.detected + (apart + tilted.dot(point.arm));
             }
         }

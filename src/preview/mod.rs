@@ -3,7 +3,8 @@
 //! A [`Shadow`] is a small world of its own: the structures that an edit is about, and what is near enough to be hit, with all that their
 //! contacts carry. It takes steps until all of it lies still, which is a matter of milliseconds for a hundred bricks. With steps as long as the
 //! world's own, the default, it goes where the world would go, to the bit as long as nothing new comes near; with long ones it is there
-//! sooner, and what falls on what is rough. Systems of yours are not in the shadow, and nobody's hands.
+//! sooner, and what falls on what is rough. Systems of yours are not in the shadow, and nobody's hands. Nor are bodies that were despawned or
+//! disabled since the last step.
 //!
 //! ```
 //! use bevy_transform::components::Transform;
@@ -71,7 +72,8 @@ pub enum Edit {
 /// How it is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreviewSettings {
-    /// Length of a step, s; that of the world's last one where there is none.
+    /// Length of a step, s. By default that of the world's last step; before the first one that of `Time<Fixed>`, or 1/60 s where there is no
+    /// such clock.
     pub dt: Option<f32>,
     /// What has not come to rest by then is left as it is, s.
     pub longest: f32,

@@ -2,7 +2,7 @@
 
 use super::PreviewError;
 use super::copy::{Contact, contact};
-use crate::body::{BodyIndex, BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable};
 use crate::broadphase::Broadphase;
 use crate::contact::ContactPair;
 use bevy_ecs::prelude::*;
@@ -15,7 +15,7 @@ pub(super) struct Region<'w> {
     broadphase: &'w Broadphase,
     /// In the order of their age.
     pub slots: Vec<u32>,
-    /// Those of the structures.
+    /// Those of the structures, and those that touched what has gone since the last step: they lie still no longer.
     pub structure: HashSet<u32>,
 }
 
@@ -34,9 +34,8 @@ impl<'w> Region<'w> {
             structure: HashSet::default(),
         };
         for &body in bodies {
-            let index = world.get::<BodyIndex>(body);
-            let index = index.filter(|index| table.holds(body, **index));
-            region.add(world, index.ok_or(PreviewError::NoBody(body))?.0);
+            let slot = table.slot_of(world, body);
+            region.add(world, slot.ok_or(PreviewError::NoBody(body))?);
         }
         // What comes there may touch several, or come to lie on them.
         if let Some(there) = there {
@@ -60,7 +59,20 @@ impl<'w> Region<'w> {
         }
         region.slots.extend(&region.structure);
         region.slots.extend(broadphase.outside());
-        region.slots.retain(|&slot| table.get(slot).is_some());
+        // The table still has what has gone since the last step.
+        let is_there = |&body: &Entity| table.slot_of(world, body).is_some();
+        let there = |slot: &u32| {
+            let body = table.get(*slot);
+            body.is_some_and(|body| is_there(&body.entity))
+        };
+        region.slots.retain(there);
+        let has_lost = |pair: Entity| {
+            let pair = world.get::<ContactPair>(pair);
+            pair.is_some_and(|pair| pair.touching && !pair.bodies.iter().all(is_there))
+        };
+        let slots = region.slots.iter().copied();
+        let bereft = slots.filter(|&slot| broadphase.pairs.of(slot).any(has_lost));
+        region.structure.extend(bereft);
         let age = |&slot: &u32| (table.get(slot).map(|body| body.age), slot);
         region.slots.sort_unstable_by_key(age);
         region.slots.dedup();

@@ -5,10 +5,11 @@ use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{Pose, RigidBody, Sleeping};
 use crate::collider::Collider;
-use crate::schedule::step;
-use crate::settings::StepTime;
+use crate::schedule::{LENGTHS, step};
+use crate::settings::{Preset, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_time::{Fixed, Time};
 use parry3d::bounding_volume::Aabb;
 
 /// What has been still for so long is taken to lie, s.
@@ -21,7 +22,7 @@ pub struct Shadow {
     bodies: Vec<Copied>,
     /// The copy of what was moved or placed.
     edited: Option<Entity>,
-    /// Length of the world's last step, s.
+    /// Length of a step of the world's, s.
     dt: f32,
 }
 
@@ -106,12 +107,13 @@ impl Shadow {
     pub fn run(mut self, settings: &PreviewSettings) -> Result<Preview, PreviewError> {
         settings.check()?;
         let dt = settings.dt.unwrap_or(self.dt);
-        let mut time = 0.0;
+        // In double precision, or many short steps would not add up.
+        let mut time = 0.0_f64;
         let mut rests = false;
         let mut sleepers = self.world.query::<(&RigidBody, &Sleeping)>();
-        while time < settings.longest && !rests {
+        while time < f64::from(settings.longest) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
-            time += dt;
+            time += f64::from(dt);
             let mut all = sleepers.iter(&self.world);
             rests = all.all(|(kind, sleeping)| {
                 *kind != RigidBody::Dynamic || sleeping.asleep || sleeping.still_for >= STILL
@@ -133,7 +135,7 @@ impl Shadow {
             moved: moved.collect(),
             ends: self.edited.and_then(|copy| self.world.get(copy).copied()),
             rests,
-            time,
+            time: time as f32,
         })
     }
 
@@ -144,7 +146,7 @@ impl Shadow {
             world: empty(world),
             bodies: Vec::new(),
             edited: None,
-            dt: world.resource::<StepTime>().whole(),
+            dt: length_of_a_step(world),
         };
         let (mut copies, mut poses) = (HashMap::default(), HashMap::default());
         for &slot in &region.slots {
@@ -166,6 +168,17 @@ impl Shadow {
         shadow.world.insert_resource(Taken { contacts, poses });
         Ok(shadow)
     }
+}
+
+/// Length of the last step, s; before the first one that of the fixed steps of the app, or where it has no clock that of the default
+/// preset.
+fn length_of_a_step(world: &World) -> f32 {
+    let last = world.resource::<StepTime>().whole();
+    let clock = world.get_resource::<Time<Fixed>>();
+    let fixed = clock.map(|clock| clock.timestep().as_secs_f32());
+    let known = [Some(last), fixed].into_iter().flatten();
+    let mut known = known.filter(|dt| LENGTHS.contains(dt));
+    known.next().unwrap_or_else(|| Preset::Default.dt())
 }
 
 /// The box that a collider will fill.

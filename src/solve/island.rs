@@ -1,5 +1,6 @@
 //! One island on its way through the stage: bodies, and what acts between them.
 
+use super::patches::PatchRows;
 use super::touch::Touch;
 use super::{Given, IslandReport};
 use crate::body::{BodyState, BodyTable, Velocity, limits};
@@ -160,7 +161,19 @@ impl<R: Rows> Island<R> {
             store: solved.elapsed(),
         });
     }
+}
 
+impl Island<PatchRows> {
+    /// Gives its contacts what they carry while nothing moves.
+    pub fn load(&mut self, touches: &mut [Touch], from: &From) {
+        self.gather(touches, from);
+        if self.rows.settle(&mut self.bodies, from.given) {
+            self.rows.store(touches, from.given);
+        }
+    }
+}
+
+impl<R: Rows> Island<R> {
     fn gather(&mut self, touches: &[Touch], from: &From) {
         if self.ends.is_empty() {
             self.find_ends(touches, from.local);

@@ -4,9 +4,12 @@
 //! to the components. Bodies and contacts stand in the order of their level of support and their age ([`Islands`]), so the result does
 //! not depend on threads or on where the ECS keeps things.
 //!
+//! Islands that sleep are not solved. Those of which bodies have just come are [loaded](arrivals).
+//!
 //! Where a solve goes wrong all the same, with input that was checked, its island keeps the velocities and poses from before, and
 //! forgets its impulses; nobody else notices.
 
+mod arrivals;
 mod island;
 mod order;
 mod patches;
@@ -96,6 +99,7 @@ type Pairs<'w, 's> = Query<
     'w,
     's,
     (
+        Entity,
         Ref<'static, ContactPair>,
         Ref<'static, Manifold>,
         &'static ContactTargets,
@@ -141,6 +145,7 @@ pub fn solve(
         islands: &islands,
         given: &given,
     };
+    step.load_arrivals(&mut pairs);
     let Scratch {
         by_points,
         by_patches,
@@ -188,7 +193,7 @@ impl Step<'_> {
         hands: &mut Hands,
         said: &mut Said,
     ) {
-        let kept = problems.order.keep(self.table, self.islands, pairs);
+        let kept = problems.order.keep(self.table, self.islands);
         let (mut touches, complete) = problems.order.touches(pairs);
         self.gather_bodies(problems, bodies, kept && complete);
         let held = self.gather_grips(problems, hands);

@@ -1,24 +1,28 @@
 //! What is solved with what, and in which order: found when islands change, and kept while they don't.
+//!
+//! What touches is what *islands* found to touch. A pair is known by its entity. Where the query has it is only where to look for it: if a
+//! system between *islands* and *solve* has taken pairs into other tables, by a component of its own for instance, they are looked for.
 
 use super::Pairs;
 use super::touch::{Touch, place};
-use crate::body::BodyTable;
+use crate::body::{BodyState, BodyTable};
 use crate::contact::is_edited;
 use crate::islands::Islands;
 use bevy_ecs::change_detection::ContiguousMut;
+use bevy_ecs::entity::{Entity, EntityHashMap};
 
 /// See the module's text.
 #[derive(Default)]
 pub(super) struct Order {
     /// Of islands and of bodies, for which it holds.
     versions: Option<[u64; 2]>,
-    /// Dynamic bodies that are awake, by island and rank.
+    /// Dynamic bodies that are solved, by island and rank.
     pub bodies: Vec<Member>,
     /// By slot: where the body stands in its island's problem; `u32::MAX` where it is in none.
     pub local: Vec<u32>,
     touches: Vec<Place>,
-    /// The same as the query has them: which pair, and its place in the order.
-    pairs: Vec<(u32, u32)>,
+    /// The same as the query has them: the row, and the place in the order.
+    rows: Vec<(u32, u32)>,
     /// Scratch.
     places: Vec<u32>,
     spare: Vec<Touch<'static>>,
@@ -28,6 +32,7 @@ pub(super) struct Order {
 #[derive(Clone, Copy)]
 struct Place {
     island: u32,
+    pair: Entity,
     /// Of its contacts when it was solved last.
     revision: Option<u32>,
 }
@@ -41,15 +46,25 @@ pub(super) struct Member {
 
 impl Order {
     /// Finds it anew where it does not hold any more; true where it does.
-    pub fn keep(&mut self, table: &BodyTable, islands: &Islands, pairs: &Pairs) -> bool {
+    pub fn keep(&mut self, table: &BodyTable, islands: &Islands) -> bool {
         let versions = Some([islands.version(), table.version()]);
         if self.versions == versions {
             return true;
         }
         self.versions = versions;
-        self.order_bodies(table, islands);
-        self.order_touches(table, islands, pairs);
+        self.find(table, islands, |_, body| body.is_awake());
         false
+    }
+
+    /// Finds the order of bodies that are to be solved, of which there must be all or none of an island.
+    pub fn find(
+        &mut self,
+        table: &BodyTable,
+        islands: &Islands,
+        is_solved: impl Fn(usize, &BodyState) -> bool,
+    ) {
+        self.order_bodies(table, islands, is_solved);
+        self.order_touches(table, islands);
     }
 
     /// Something else has solved.
@@ -57,18 +72,24 @@ impl Order {
         self.versions = None;
     }
 
-    fn order_bodies(&mut self, table: &BodyTable, islands: &Islands) {
-        let awake = table.active().filter(|(_, body)| body.is_awake());
-        let mut awake: Vec<_> = awake
-            .filter_map(|(slot, body)| Some((islands.of(slot)?, islands.rank(slot, body), slot)))
-            .collect();
-        awake.sort_unstable_by_key(|&(island, rank, _)| (island, rank));
+    fn order_bodies(
+        &mut self,
+        table: &BodyTable,
+        islands: &Islands,
+        is_solved: impl Fn(usize, &BodyState) -> bool,
+    ) {
+        let solved = table.active().filter_map(|(slot, body)| {
+            let island = islands.of(slot)?;
+            is_solved(island, body).then(|| (island, islands.rank(slot, body), slot))
+        });
+        let mut solved: Vec<_> = solved.collect();
+        solved.sort_unstable_by_key(|&(island, rank, _)| (island, rank));
         self.local.clear();
         self.local.resize(table.slots(), u32::MAX);
         self.bodies.clear();
         let mut last = None;
         let mut local = 0;
-        for (island, _, slot) in awake {
+        for (island, _, slot) in solved {
             local = if last == Some(island) { local + 1 } else { 0 };
             last = Some(island);
             self.local[slot as usize] = local;
@@ -79,41 +100,71 @@ impl Order {
         }
     }
 
-    fn order_touches(&mut self, table: &BodyTable, islands: &Islands, pairs: &Pairs) {
+    fn order_touches(&mut self, table: &BodyTable, islands: &Islands) {
         let local = &self.local;
-        let awake = |slot: &&u32| local[**slot as usize] != u32::MAX;
-        let touching = pairs.iter().zip(0..);
-        let touching = touching.filter(|((_, manifold, ..), _)| !manifold.points.is_empty());
-        let mut touches: Vec<(u128, u32, u32)> = touching
-            .filter_map(|((pair, ..), number)| {
-                let [a, b] = pair.slots;
-                let bodies = [table.get(a)?, table.get(b)?];
-                let island = islands.of(*pair.slots.iter().find(awake)?)? as u32;
-                let ends = pair.slots.map(|slot| local[slot as usize]);
-                Some((place(island, bodies, ends), island, number))
+        let is_solved = |slot: &&u32| local[**slot as usize] != u32::MAX;
+        let touching = islands.links().iter();
+        let mut touches: Vec<(u128, Place, u32)> = touching
+            .filter_map(|link| {
+                let bodies = table.both(link.slots)?;
+                let island = islands.of(*link.slots.iter().find(is_solved)?)? as u32;
+                let ends = link.slots.map(|slot| local[slot as usize]);
+                let at = Place {
+                    island,
+                    pair: link.pair,
+                    revision: None,
+                };
+                Some((place(island, bodies, ends), at, link.row))
             })
             .collect();
         touches.sort_unstable_by_key(|&(place, ..)| place);
         self.touches.clear();
-        let places = touches.iter().map(|&(_, island, _)| Place {
-            island,
-            revision: None,
-        });
-        self.touches.extend(places);
-        self.pairs.clear();
-        let numbers = touches.iter().map(|&(_, _, pair)| pair);
-        self.pairs.extend(numbers.zip(0..));
-        self.pairs.sort_unstable();
+        self.touches
+            .extend(touches.iter().map(|&(_, place, _)| place));
+        self.rows.clear();
+        let rows = touches.iter().map(|&(.., row)| row);
+        self.rows.extend(rows.zip(0..));
+        self.rows.sort_unstable();
+    }
+
+    /// Looks for the touches where they are not in the rows in which they were.
+    fn find_rows(&mut self, pairs: &Pairs) {
+        if self.are_in_their_rows(pairs) {
+            return;
+        }
+        let places = self.touches.iter().map(|touch| touch.pair).zip(0..);
+        let places: EntityHashMap<u32> = places.collect();
+        let rows = pairs.iter().zip(0..);
+        let rows = rows.filter_map(|((pair, ..), row)| Some((row, *places.get(&pair)?)));
+        self.rows.clear();
+        self.rows.extend(rows);
+    }
+
+    fn are_in_their_rows(&self, pairs: &Pairs) -> bool {
+        let mut wanted = self.rows.iter().peekable();
+        let mut first = 0;
+        let tables = pairs.contiguous_iter();
+        for (entities, ..) in tables.expect("pair components are stored in tables") {
+            let end = first + entities.len() as u32;
+            while let Some((row, at)) = wanted.next_if(|(row, _)| *row < end) {
+                if entities[(row - first) as usize] != self.touches[*at as usize].pair {
+                    return false;
+                }
+            }
+            first = end;
+        }
+        wanted.next().is_none()
     }
 
     /// The touches, in order; and whether they are all there: some pairs may have gone since islands were found.
     pub fn touches<'a>(&mut self, pairs: &'a mut Pairs) -> (Vec<Touch<'a>>, bool) {
+        self.find_rows(pairs);
         let mut touches = reuse(std::mem::take(&mut self.spare));
         self.places.clear();
-        let mut wanted = self.pairs.iter().copied();
+        let mut wanted = self.rows.iter().copied();
         let mut next = wanted.next();
         let mut first = 0;
-        for (pairs, manifolds, targets, impulses) in pairs
+        for (_, pairs, manifolds, targets, impulses) in pairs
             .contiguous_iter_mut()
             .expect("pair components are stored in tables")
         {
@@ -139,16 +190,17 @@ impl Order {
                     continue;
                 }
                 next = wanted.next();
-                let pair = &pairs[row];
+                let (pair, manifold) = (&pairs[row], &manifolds[row]);
                 let place = &mut self.touches[at as usize];
                 let revision = place.revision.replace(pair.revision);
                 let edited = edits.get(row).copied().unwrap_or(false);
+                impulses.fit(manifold);
                 self.places.push(at);
                 touches.push(Touch {
                     island: place.island,
                     changed: edited || revision != Some(pair.revision),
                     pair,
-                    manifold: &manifolds[row],
+                    manifold,
                     targets: &targets[row],
                     impulses,
                 });

@@ -3,11 +3,13 @@
 use super::island::Rows;
 use super::touch::{Touch, to_start_from};
 use super::{Given, LARGE};
-use crate::contact::{Impulse, ManifoldPatch, PatchImpulse};
+use crate::contact::{ContactPoint, Impulse, ManifoldPatch, PatchImpulse};
 use crate::solver::{
-    Body, FEW, Grip, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
+    Body, FEW, Grip, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip,
+    SolveReport, patches,
 };
 use glam::Vec3;
+use std::ops::Range;
 
 #[derive(Default)]
 pub(super) struct PatchRows {
@@ -75,10 +77,10 @@ impl Rows for PatchRows {
             let impulses = &mut *touch.impulses;
             // They are a point solver's.
             impulses.friction.clear();
-            let patches = touch.manifold.patches.iter().zip(&mut impulses.patches);
-            for ((patch, kept), found) in patches.zip(&self.patches[first as usize..]) {
+            let patches = touch.manifold.patches_with_points();
+            for ((i, _, range), found) in patches.zip(&self.patches[first as usize..]) {
                 let points = &self.points[found.range()];
-                let to = &mut impulses.points[patch.range()];
+                let (kept, to) = (&mut impulses.patches[i], &mut impulses.points[range]);
                 store(found, points, kept, to, dt);
             }
         };
@@ -91,6 +93,24 @@ impl Rows for PatchRows {
 }
 
 impl PatchRows {
+    /// Instead of a solve: finds what the contacts carry while nothing moves, and says that they gave it all through the step. False where
+    /// some of it is not finite.
+    pub fn settle(&mut self, bodies: &mut [Body], given: &Given) -> bool {
+        patches::settle(&mut self.problem(bodies, &mut [], given));
+        // Of a step whose substeps after this one leave contacts as they are.
+        let whole = given.time.substeps as f32;
+        for patch in &mut self.patches {
+            patch.tangential = whole * patch.warm_tangential;
+        }
+        for point in &mut self.points {
+            point.normal = whole * point.warm_normal;
+        }
+        let finite = |patch: &PatchConstraint| {
+            patch.warm_tangential.is_finite() && patch.warm_twist.is_finite()
+        };
+        self.patches.iter().all(finite) && self.points.iter().all(|point| point.normal.is_finite())
+    }
+
     fn problem<'a>(
         &'a mut self,
         bodies: &'a mut [Body],
@@ -119,8 +139,8 @@ impl PatchRows {
     fn rebuild(&mut self, touches: &[Touch], ends: &[[u32; 2]], given: &Given) {
         for (touch, ends) in touches.iter().zip(ends) {
             self.firsts.push(self.patches.len() as u32);
-            for (i, patch) in touch.manifold.patches.iter().enumerate() {
-                let (constraint, points) = touch.patch(i, patch, given);
+            for (i, patch, range) in touch.manifold.patches_with_points() {
+                let (constraint, points) = touch.patch(i, patch, range, given);
                 let first = self.points.len() as u32;
                 self.points.extend(points);
                 self.patches.push(PatchConstraint {
@@ -138,19 +158,18 @@ impl PatchRows {
         self.memory.expect_same();
         let mut at = 0;
         for touch in touches {
-            let patches = &touch.manifold.patches;
-            let Some(kept) = self.patches.get_mut(at..at + patches.len()) else {
-                return false;
-            };
-            let first = at;
-            at += patches.len();
-            for (i, (patch, kept)) in patches.iter().zip(kept).enumerate() {
-                if patch.count != kept.count {
+            for (i, patch, range) in touch.manifold.patches_with_points() {
+                let Some(kept) = self.patches.get_mut(at) else {
+                    return false;
+                };
+                let number = at as u32;
+                at += 1;
+                if range.len() != kept.count as usize {
                     return false;
                 }
                 let points = &mut self.points[kept.range()];
                 if touch.changed {
-                    let (constraint, found) = touch.patch(i, patch, given);
+                    let (constraint, found) = touch.patch(i, patch, range, given);
                     *kept = PatchConstraint {
                         bodies: kept.bodies,
                         first: kept.first,
@@ -159,9 +178,11 @@ impl PatchRows {
                     for (to, point) in points.iter_mut().zip(found) {
                         *to = point;
                     }
-                    self.memory.push_changed((first + i) as u32);
+                    self.memory.push_changed(number);
                 } else {
-                    touch.refresh(i, patch, kept, points, self.dt, given);
+                    let found = &touch.manifold.points[range];
+                    let slip = touch.slip(i);
+                    refresh((patch, found, slip), kept, points, self.dt, given);
                 }
             }
         }
@@ -169,37 +190,40 @@ impl PatchRows {
     }
 }
 
+/// A patch with its points and its slip that was solved in the last step, of `last` s. To the bit what [`Touch::patch`] would make of it.
+fn refresh(
+    (patch, found, slip): (&ManifoldPatch, &[ContactPoint], Option<Slip>),
+    kept: &mut PatchConstraint,
+    points: &mut [PatchPoint],
+    last: f32,
+    given: &Given,
+) {
+    let time = &*given.time;
+    let ideal = given.stabilization.rest_distance();
+    kept.slip = slip;
+    let held = if kept.slip.is_some() { time.dt } else { 0.0 };
+    let (rate, carried) = (1.0 / last, time.carried());
+    kept.warm_tangential = kept.warm_tangential * rate * carried;
+    kept.warm_twist = kept.warm_twist * rate * carried;
+    kept.warm_rolling = kept.warm_rolling * rate * carried;
+    kept.load_tangential = kept.load_tangential * rate * held;
+    kept.load_twist = kept.load_twist * rate * held;
+    kept.dragged = Default::default();
+    kept.tangential = Vec3::ZERO;
+    let held = if patch.curved { 0.0 } else { time.dt };
+    for (kept, point) in points.iter_mut().zip(found) {
+        let (warm, load) = (kept.warm_normal * rate, kept.load * rate);
+        kept.separation = point.distance - ideal;
+        kept.warm_normal = to_start_from(warm, load, time);
+        kept.normal = 0.0;
+        kept.load = load * held;
+    }
+}
+
 impl Touch<'_> {
-    /// A patch that was solved in the last step, of `last` s. To the bit what [`Self::patch`] would make of it.
-    fn refresh(
-        &self,
-        i: usize,
-        patch: &ManifoldPatch,
-        kept: &mut PatchConstraint,
-        points: &mut [PatchPoint],
-        last: f32,
-        given: &Given,
-    ) {
-        let time = &*given.time;
-        let ideal = given.stabilization.rest_distance();
-        kept.slip = self.targets.patches[i];
-        let held = if kept.slip.is_some() { time.dt } else { 0.0 };
-        let (rate, carried) = (1.0 / last, time.carried());
-        kept.warm_tangential = kept.warm_tangential * rate * carried;
-        kept.warm_twist = kept.warm_twist * rate * carried;
-        kept.warm_rolling = kept.warm_rolling * rate * carried;
-        kept.load_tangential = kept.load_tangential * rate * held;
-        kept.load_twist = kept.load_twist * rate * held;
-        kept.dragged = Default::default();
-        kept.tangential = Vec3::ZERO;
-        let held = if patch.curved { 0.0 } else { time.dt };
-        for (kept, point) in points.iter_mut().zip(&self.manifold.points[patch.range()]) {
-            let (warm, load) = (kept.warm_normal * rate, kept.load * rate);
-            kept.separation = point.distance - ideal;
-            kept.warm_normal = to_start_from(warm, load, time);
-            kept.normal = 0.0;
-            kept.load = load * held;
-        }
+    /// How far a patch has slipped, where friction holds it.
+    fn slip(&self, i: usize) -> Option<Slip> {
+        self.targets.patches.get(i).copied().flatten()
     }
 
     /// One of the pair's patches, and its points.
@@ -207,13 +231,14 @@ impl Touch<'_> {
         &self,
         i: usize,
         patch: &ManifoldPatch,
+        range: Range<usize>,
         given: &Given,
     ) -> (PatchConstraint, impl Iterator<Item = PatchPoint>) {
         let time = &*given.time;
         let ideal = given.stabilization.rest_distance();
-        let points = &self.manifold.points[patch.range()];
+        let points = &self.manifold.points[range.clone()];
         let impulse = self.impulses.patches[i];
-        let slip = self.targets.patches[i];
+        let slip = self.slip(i);
         // What friction holds on to is given up with its anchor.
         let held = if slip.is_some() { time.dt } else { 0.0 };
         let constraint = PatchConstraint {
@@ -222,7 +247,7 @@ impl Touch<'_> {
             friction: self.pair.friction,
             restitution: self.pair.restitution,
             slip,
-            count: patch.count,
+            count: points.len() as u32,
             warm_tangential: impulse.warm_tangential * time.carried(),
             warm_twist: impulse.warm_twist * time.carried(),
             rolling_friction: match patch.curved {
@@ -237,7 +262,7 @@ impl Touch<'_> {
         };
         // What is round carries its load elsewhere in the next moment, and would be pushed on by the mean of where it was.
         let kept = if patch.curved { 0.0 } else { time.dt };
-        let solved = &self.impulses.points[patch.range()];
+        let solved = &self.impulses.points[range];
         let points = points.iter().zip(solved);
         let points = points.map(move |(point, impulse)| PatchPoint {
             offset: point.arm - patch.center,

@@ -95,8 +95,10 @@ impl Rows for PointRows {
                 points, friction, ..
             } = &mut *touch.impulses;
             friction.resize(points.len(), PointFriction::default());
-            let points = points.iter_mut().zip(friction);
-            for ((impulse, friction), constraint) in points.zip(&mut solved) {
+            let numbers = touch.manifold.patches_with_points();
+            let numbers = numbers.flat_map(|(.., range)| range);
+            for (i, constraint) in numbers.zip(&mut solved) {
+                let (impulse, friction) = (&mut points[i], &mut friction[i]);
                 let (normal, tangential) = (constraint.impulse.x, constraint.impulse.with_x(0.0));
                 let tangential = constraint.world(tangential);
                 *impulse = Impulse {
@@ -122,9 +124,9 @@ impl Touch<'_> {
         time: &StepTime,
         to: &mut Vec<PointConstraint>,
     ) {
-        for patch in &self.manifold.patches {
+        for (_, patch, range) in self.manifold.patches_with_points() {
             let frame = PatchFrame::new(ends, patch.normal, bodies);
-            for i in patch.range() {
+            for i in range {
                 let target = self.targets.points.get(i).copied().unwrap_or_default();
                 let impulse = self.impulses.points[i];
                 let friction = self.impulses.friction.get(i).copied();

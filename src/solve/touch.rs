@@ -1,4 +1,5 @@
-//! A pair that is solved.
+//! A pair that is solved. Its impulses have as many entries as its manifold has points and patches; who gathers and stores them goes through
+//! the patches that have points.
 
 use crate::body::BodyState;
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};

@@ -35,7 +35,7 @@ mod structure;
 
 pub use error::StabilityError;
 
-use crate::body::{BodyIndex, BodyTable};
+use crate::body::BodyTable;
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -114,9 +114,8 @@ pub fn stability(
     let gravity = world.resource::<Gravity>().0;
     let mut slots = Vec::with_capacity(structure.len());
     for &body in structure {
-        let index = world.get::<BodyIndex>(body);
-        let index = index.filter(|index| table.holds(body, **index));
-        let slot = index.ok_or(StabilityError::NoBody(body))?.0;
+        let slot = table.slot_of(world, body);
+        let slot = slot.ok_or(StabilityError::NoBody(body))?;
         let state = table.get(slot).ok_or(StabilityError::NoBody(body))?;
         if !state.is_dynamic() {
             return Err(StabilityError::Fixed(body));

@@ -99,7 +99,12 @@ fn joints(world: &World, slots: &[u32]) -> Vec<Joint> {
             // One between two of the structure is found twice.
             let ends = pair.slots.map(|slot| places.get(&slot).copied());
             let again = pair.slots[1] == slot && ends[0].is_some();
-            if !again && let Some(bodies) = table.both(pair.slots) {
+            // What has gone since the last step bears nothing.
+            let there = |&body: &Entity| table.slot_of(world, body).is_some();
+            if !again
+                && pair.bodies.iter().all(there)
+                && let Some(bodies) = table.both(pair.slots)
+            {
                 joints.extend(faces(contact, ends, bodies));
             }
         }
@@ -115,7 +120,9 @@ fn faces(
 ) -> impl Iterator<Item = Joint> {
     let far = TOUCHES * a.size.min(b.size);
     manifold.patches.iter().filter_map(move |patch| {
-        let touching = patch.range().filter(|&i| manifold.points[i].distance < far);
+        let range = manifold.range(patch);
+        let touching = range.clone();
+        let touching = touching.filter(|&i| manifold.points[i].distance < far);
         let point = |i: usize| (a.center + manifold.points[i].arm).as_dvec3();
         let points: Vec<DVec3> = touching.map(point).collect();
         let share = 1.0 / points.len() as f64;
@@ -124,7 +131,7 @@ fn faces(
         let radius = arms.sum::<f64>() * share;
         let normal = patch.normal.as_dvec3().normalize();
         let (one, other) = normal.any_orthonormal_pair();
-        let pressures = impulses.points.get(patch.range()).unwrap_or_default();
+        let pressures = impulses.points.get(range).unwrap_or_default();
         let pressures = pressures.iter().map(|point| point.warm_normal as f64);
         (!points.is_empty()).then(|| Joint {
             between: pair.bodies,

@@ -15,6 +15,7 @@ use crate::solver::Slip;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
+use std::ops::Range;
 
 /// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
 ///
@@ -96,6 +97,9 @@ pub fn anchors(
                 return;
             }
             let bodies = [a, b];
+            impulses.fit(manifold);
+            let patches = manifold.patches.len();
+            anchors.patches.resize(patches, PatchAnchor::default());
             if friction.anchors == AnchorRule::PairPose {
                 hold_patches(
                     &friction, pair, manifold, impulses, bodies, anchors, time.dt,
@@ -119,9 +123,10 @@ fn hold_points(
         .points
         .resize(manifold.points.len(), Anchor::default());
     for (number, patch) in manifold.patches.iter().enumerate() {
-        let range = patch.range();
+        let range = manifold.range(patch);
         let held = &mut anchors.points[range.clone()];
-        let given: SmallVec<[Given; 8]> = given(impulses, patch, number).collect();
+        let given = given(impulses, patch, range.clone(), number);
+        let given: SmallVec<[Given; 8]> = given.collect();
         classify(friction.classifier, pair.friction, &given, held);
         for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
             let position = bodies[0].center + point.arm;
@@ -140,9 +145,10 @@ fn hold_points(
 fn given<'a>(
     impulses: &'a ContactImpulses,
     patch: &'a ManifoldPatch,
+    range: Range<usize>,
     number: usize,
 ) -> impl Iterator<Item = Given> + 'a {
-    patch.range().map(move |point| Given {
+    range.map(move |point| Given {
         normal: impulses.points[point].normal,
         tangential: impulses.tangential_at(patch, number, point),
     })
@@ -194,17 +200,18 @@ fn holds(
     let patch = &manifold.patches[number];
     let of_patch = &impulses.patches[number];
     let (mut normal, mut lever) = (0.0, 0.0);
-    let solved = &impulses.points[patch.range()];
-    for (point, impulse) in manifold.points[patch.range()].iter().zip(solved) {
+    let range = manifold.range(patch);
+    let solved = &impulses.points[range.clone()];
+    for (point, impulse) in manifold.points[range.clone()].iter().zip(solved) {
         normal += impulse.normal;
         lever += impulse.normal * (point.arm - patch.center).length();
     }
-    let tangential = match impulses.friction.get(patch.range()) {
+    let tangential = match impulses.friction.get(range.clone()) {
         Some(points) => points.iter().map(|point| point.tangential).sum(),
         None => of_patch.tangential,
     };
     let sum = Given { normal, tangential };
-    let each = given(impulses, patch, number);
+    let each = given(impulses, patch, range, number);
     sticks(rule, pair.friction, &sum, each, was)
         && holds_twist(pair.friction, of_patch.warm_twist * dt, lever)
 }

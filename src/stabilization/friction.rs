@@ -274,22 +274,27 @@ pub fn friction_error(
             anchors.measured = true;
             let count = if by_pose { 0 } else { manifold.points.len() };
             anchors.points.resize(count, Anchor::default());
+            // No longer or shorter than the manifold, unless somebody has changed that.
+            let patches = manifold.patches.len();
+            anchors.patches.resize(patches, PatchAnchor::default());
+            targets.patches.resize(patches, None);
             if by_points {
                 targets
                     .points
                     .resize(manifold.points.len(), Target::default());
             }
             for (i, patch) in manifold.patches.iter().enumerate() {
-                let points = &manifold.points[patch.range()];
+                let range = manifold.range(patch);
+                let points = &manifold.points[range.clone()];
                 let held = match by_pose {
                     true => &mut [],
-                    false => &mut anchors.points[patch.range()],
+                    false => &mut anchors.points[range.clone()],
                 };
                 let anchor = &mut anchors.patches[i];
                 let slip = measure(settings, patch, [a, b], points, anchor, held, last);
                 targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
                 if by_points {
-                    let targets = &mut targets.points[patch.range()];
+                    let targets = &mut targets.points[range];
                     let at = (a.center, points);
                     demand(settings, slip, at, held, targets, time.longest);
                 }

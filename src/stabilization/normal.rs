@@ -108,8 +108,9 @@ pub fn normal_correction(
                 .points
                 .resize(manifold.points.len(), Default::default());
             for patch in &manifold.patches {
-                let points = &manifold.points[patch.range()];
-                let targets = &mut targets.points[patch.range()];
+                let range = manifold.range(patch);
+                let points = &manifold.points[range.clone()];
+                let targets = &mut targets.points[range];
                 for (point, target) in points.iter().zip(targets) {
                     let position = a.center + point.arm;
                     let u = a.velocity_at(position) - b.velocity_at(position);

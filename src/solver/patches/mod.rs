@@ -14,6 +14,7 @@ pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 pub use memory::Memory;
 pub use soft_step::SoftStep;
+pub(crate) use soft_step::settle;
 
 /// Islands of fewer patches than this are solved together.
 pub const FEW: usize = 4;

@@ -279,6 +279,21 @@ impl SoftStep {
     }
 }
 
+/// Gives contacts that carry nothing yet what they carry while nothing moves, to start from and as loads at rest. Bodies stay as they are.
+pub(crate) fn settle(problem: &mut PatchProblem) {
+    match SoftStep::default().width(problem, &mut None) {
+        #[cfg(target_arch = "x86_64")]
+        Width::Eight => settle_in::<F32x8>(problem),
+        Width::Four => settle_in::<F32x4>(problem),
+    }
+}
+
+fn settle_in<L: F32xN>(problem: &mut PatchProblem) {
+    let mut footing = Vec::new();
+    Survey::of(problem, &mut footing);
+    cold_start::cold_start::<L>(problem, &footing);
+}
+
 /// Lists that live as long as a call, and whose memory is kept.
 #[derive(Default)]
 struct Scratch {

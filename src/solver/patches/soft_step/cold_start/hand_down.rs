@@ -209,7 +209,12 @@ pub fn is_balanced(problem: &PatchProblem) -> bool {
 pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize {
     let down = -up(problem);
     let mut supports = Supports::new(problem);
+    // Of the others only what comes to them: what they lack or have too much is motion, and not new. Handed down with the rest it would
+    // push a wall that trembles out of its plane.
     let mut motions = unbalanced(problem);
+    for (motion, _) in motions.iter_mut().zip(new).filter(|(_, new)| !**new) {
+        *motion = [Vec3::ZERO; 2];
+    }
     let mut gained = new.to_vec();
     let mut courses = vec![1; problem.bodies.len()];
     let mut ready: Vec<usize> = (0..problem.bodies.len())
@@ -304,9 +309,8 @@ impl Foot {
         for (i, row) in &self.normals {
             let point = &mut problem.points[*i];
             load(row, patch.arms[other] + point.offset);
-            // More than its impulse it may have carried until just now.
-            let lost = (row.before - row.impulse).max(0.0);
-            point.load = (point.load - lost).max(row.impulse);
+            // Its impulse of the moment may be more or less than what it carries at rest.
+            point.load = (point.load + (row.impulse - row.before)).max(0.0);
             point.warm_normal = row.impulse;
         }
     }

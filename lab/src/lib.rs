@@ -17,6 +17,7 @@
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
+//! | [`play`] | a player who lays, takes and throws |
 //! | [`report`] | what became of an experiment as JSON |
 //! | [`output`] | where an example writes |
 //! | `plots` | a canvas with a font, and legends |
@@ -34,6 +35,7 @@ pub mod output;
 pub mod overlap;
 #[cfg(feature = "plots")]
 pub mod pictures;
+pub mod play;
 #[cfg(feature = "plots")]
 pub mod plots;
 pub mod report;

@@ -1,0 +1,167 @@
+//! A player at a wall: every half second a brick is laid on it or taken off again, or a ball is thrown at it.
+
+use crate::metrics::watch;
+use crate::scenes::{Scene, SceneOptions};
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use drystone::DrystonePlugins;
+use drystone::body::{MassProperties, RigidBody, Velocity};
+use drystone::collider::{Collider, Friction};
+use drystone::schedule::step;
+use glam::Vec3;
+
+/// A wall, and who plays on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Play {
+    /// Bricks of 1 × 0.5 × 0.5 m in a course.
+    pub columns: u32,
+    /// Courses.
+    pub courses: u32,
+    /// Of what is done.
+    pub seed: u64,
+    /// How long, s.
+    pub seconds: f32,
+    /// Length of a step, s.
+    pub dt: f32,
+}
+
+/// What became of the wall. All along z, out of its plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Played {
+    /// How far it has moved as a whole, at most: the mean of its bricks, m.
+    pub moved: f32,
+    /// The same of its top course, m.
+    pub top_moved: f32,
+    /// Its momentum, at most, N·s.
+    pub momentum: f32,
+    /// By how much its momentum exceeds that of the balls thrown so far, at most, N·s.
+    pub unexplained: f32,
+    /// The momentum of all balls that were thrown, N·s.
+    pub thrown: f32,
+}
+
+/// Seconds between what is done.
+const PAUSE: f32 = 0.5;
+
+/// Speed of a ball along z, m/s; it flies up by a tenth of that.
+const THROWN: f32 = 10.0;
+
+/// How long the wall stands before, s.
+const SETTLES: f32 = 1.0;
+
+impl Play {
+    /// Plays.
+    pub fn run(&self) -> Played {
+        let mut app = App::new();
+        app.add_plugins(DrystonePlugins::default());
+        let mut world = std::mem::take(app.world_mut());
+        let scene = Scene::Wall(self.columns, self.courses);
+        let bricks = scene.build(&mut world, &SceneOptions::default()).bodies;
+        let advance = |world: &mut World| step(world, self.dt).expect("it is positive");
+        for _ in 0..(SETTLES / self.dt).round() as usize {
+            advance(&mut world);
+        }
+        let start: Vec<f32> = bricks.iter().map(|&b| offset(&world, b)).collect();
+        let masses: Vec<f32> = bricks.iter().map(|&b| mass(&world, b)).collect();
+        let mut player = Player {
+            wall: *self,
+            rng: fastrand::Rng::with_seed(self.seed),
+            laid: Vec::new(),
+            turns: 0,
+        };
+        let mut played = Played::default();
+        let top = self.columns as usize + self.courses.is_multiple_of(2) as usize;
+        let pause = (PAUSE / self.dt).round() as usize;
+        for number in 0..(self.seconds / self.dt).round() as usize {
+            if number % pause == 0 {
+                played.thrown += player.act(&mut world);
+            }
+            advance(&mut world);
+            let off = bricks
+                .iter()
+                .zip(&start)
+                .map(|(&b, z)| offset(&world, b) - z);
+            let off: Vec<f32> = off.collect();
+            let mean = |off: &[f32]| off.iter().sum::<f32>() / off.len() as f32;
+            let speeds = bricks.iter().map(|&b| watch(&world, b).1.linear.z);
+            let momentum: f32 = speeds.zip(&masses).map(|(v, m)| v * m).sum();
+            played.moved = played.moved.max(mean(&off).abs());
+            played.top_moved = played.top_moved.max(mean(&off[off.len() - top..]).abs());
+            played.momentum = played.momentum.max(momentum.abs());
+            let unexplained = momentum.abs() - played.thrown;
+            played.unexplained = played.unexplained.max(unexplained);
+        }
+        played
+    }
+}
+
+fn offset(world: &World, body: Entity) -> f32 {
+    watch(world, body).0.position.z
+}
+
+fn mass(world: &World, body: Entity) -> f32 {
+    world
+        .get::<MassProperties>(body)
+        .map_or(0.0, MassProperties::mass)
+}
+
+/// Who lays, throws, lays and takes, in turn.
+struct Player {
+    wall: Play,
+    rng: fastrand::Rng,
+    laid: Vec<Entity>,
+    turns: usize,
+}
+
+impl Player {
+    /// Does the next thing. The momentum of what is thrown, N·s.
+    fn act(&mut self, world: &mut World) -> f32 {
+        let columns = self.wall.columns as f32;
+        let top = 0.5 * self.wall.courses as f32;
+        let column = (self.rng.f32() * (columns - 2.0)).floor() - 0.5 * columns + 1.0;
+        self.turns += 1;
+        match self.turns % 4 {
+            2 => {
+                let at = Vec3::new(
+                    column + self.rng.f32(),
+                    self.rng.f32() * (top - 1.0) + 0.5,
+                    2.0,
+                );
+                let radius = 0.1;
+                world.spawn((
+                    RigidBody::Dynamic,
+                    Collider::ball(radius),
+                    Friction::new(0.5),
+                    Transform::from_translation(at),
+                    Velocity::linear(Vec3::new(0.0, 0.1 * THROWN, -THROWN)),
+                ));
+                1000.0 * 4.0 / 3.0 * std::f32::consts::PI * radius.powi(3) * THROWN
+            }
+            0 => {
+                if let Some(brick) = self.laid.pop() {
+                    world.despawn(brick);
+                }
+                0.0
+            }
+            _ => {
+                let shift = 0.5 * (self.wall.courses % 2) as f32;
+                let at = Vec3::new(column + shift, top + 0.25, 0.0);
+                let is_clear = |&brick: &Entity| {
+                    let there = world.get::<Transform>(brick);
+                    there.is_none_or(|there| there.translation.distance(at) > 1.01)
+                };
+                if self.laid.iter().all(is_clear) {
+                    let brick = (
+                        RigidBody::Dynamic,
+                        Collider::cuboid(1.0, 0.5, 0.5),
+                        Friction::new(0.5),
+                        Transform::from_translation(at),
+                    );
+                    self.laid.push(world.spawn(brick).id());
+                }
+                0.0
+            }
+        }
+    }
+}

@@ -10,6 +10,7 @@
 //! How patches come into a block and out of it again is [`carry`](super::carry)'s.
 
 use super::kinds::Kinds;
+use super::visit::Carried;
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -418,12 +419,15 @@ impl<L: F32xN> Block<L> {
             point.push(kept - point.impulse, &mut cut);
             point.impulse = kept;
         }
-        // Friction in proportion.
+        // Friction in proportion, and a twist that the points which are left can bear.
         let gone = (all - left) * all.inverse();
+        let most = self.most_twist(&Carried::by(points));
+        let twist = (L::ONE - gone) * self.twist;
+        let twist = lanes.select_above(L::ZERO, twist.min(most).max(-most), self.twist);
         let friction = [
             gone * self.tangential[0],
             gone * self.tangential[1],
-            gone * self.twist,
+            self.twist - twist,
         ];
         let rolling = [gone * self.rolling[0], gone * self.rolling[1]];
         for i in 0..2 {
@@ -431,7 +435,7 @@ impl<L: F32xN> Block<L> {
             self.tangential[i] = self.tangential[i] - friction[i];
             self.rolling[i] = self.rolling[i] - rolling[i];
         }
-        self.twist = self.twist - friction[2];
+        self.twist = twist;
         let friction = wrench(friction, rolling);
         SpatialVec {
             linear: cut.linear - friction.linear,

@@ -38,9 +38,9 @@ struct Visit<L> {
 
 /// What the normals of a patch carry.
 #[derive(Clone, Copy)]
-struct Carried<L> {
+pub(super) struct Carried<L> {
     /// Σλ_n, N·s.
-    all: L,
+    pub(super) all: L,
     /// The same times the distances from the centre, N·m·s.
     lever: L,
 }
@@ -158,7 +158,7 @@ impl<L: F32xN> Block<L> {
 
     /// The most moment about the normal that friction gives, N·m·s.
     #[inline(always)]
-    fn most_twist(&self, carried: &Carried<L>) -> L {
+    pub(super) fn most_twist(&self, carried: &Carried<L>) -> L {
         self.friction
             .mul_add(carried.lever, self.rolling_lever * carried.all)
     }
@@ -721,7 +721,7 @@ impl<L: F32xN> Points<L> {
 
 impl<L: F32xN> Carried<L> {
     #[inline(always)]
-    fn by(points: &[Points<L>]) -> Self {
+    pub(super) fn by(points: &[Points<L>]) -> Self {
         let (mut all, mut lever) = (L::ZERO, L::ZERO);
         for point in points {
             all += point.impulse;

@@ -7,8 +7,8 @@
 //! Only what comes from above is handed down. A ball that hits a wall from the side wedges bricks between their neighbours; stopped
 //! as if those could not give way, they would drag the courses along.
 
-use super::BLOW;
 use super::hot::{Hot, Place};
+use super::{BLOW, SETTLED};
 use crate::solver::lanes::{F32xN, State};
 use crate::solver::patches::soft_step::island::Island;
 use crate::solver::{Body, PatchConstraint, PatchProblem};
@@ -129,15 +129,13 @@ impl HandDown {
         self.order = None;
     }
 
-    /// Hands down what bodies that fall have, in a substep of length 1/`rate`. Bodies that get more than `settled` of it, m/s, become
-    /// hot.
+    /// Hands down what bodies that fall have, in a substep of length 1/`rate`. Bodies that get much of it become hot.
     pub fn run<L: F32xN>(
         &mut self,
         problem: &PatchProblem,
         island: &mut Island<L>,
         hot: &mut Hot<L>,
         rate: f32,
-        settled: f32,
     ) {
         if !self.find_what_stops(problem, island, hot) {
             return;
@@ -161,7 +159,7 @@ impl HandDown {
                 &mut velocity,
             );
             island.velocities[body as usize] = velocity.map(|v| v.extend(0.0));
-            self.hand_on(problem, island, settled);
+            self.hand_on(problem, island);
         }
         self.order = Some(order);
     }
@@ -222,7 +220,7 @@ impl HandDown {
     }
 
     /// Gives the impulses of the rows to their points and to the bodies below.
-    fn hand_on<L: F32xN>(&mut self, problem: &PatchProblem, island: &mut Island<L>, settled: f32) {
+    fn hand_on<L: F32xN>(&mut self, problem: &PatchProblem, island: &mut Island<L>) {
         for row in &self.rows {
             let given = row.impulse - row.before;
             if given == 0.0 {
@@ -236,7 +234,7 @@ impl HandDown {
                 for (velocity, change) in state.iter_mut().zip(answer) {
                     *velocity += change.extend(0.0);
                 }
-                self.stops[row.below as usize] |= given.abs() * below.inverse_mass > settled;
+                self.stops[row.below as usize] |= given.abs() * below.inverse_mass > SETTLED;
             }
         }
     }

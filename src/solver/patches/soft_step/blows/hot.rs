@@ -1,5 +1,6 @@
 //! Which bodies take a blow, and the lanes of their patches.
 
+use super::SETTLED;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::lanes::F32xN;
@@ -40,7 +41,7 @@ pub struct Visit<L> {
 pub struct Hot<L> {
     /// By body.
     is: Vec<bool>,
-    bodies: Vec<u32>,
+    pub bodies: Vec<u32>,
     /// The patches of each body: where they begin among `places`, by body, and where the last one's end.
     starts: Vec<u32>,
     places: Vec<Place>,
@@ -167,18 +168,12 @@ impl<L: F32xN> Hot<L> {
         self.visits.extend(self.hot_blocks.ones().map(visit));
     }
 
-    /// The next sweep visits the patches of those bodies that the last one has stirred by more than `settled`, m/s; they become hot. Whether
-    /// there are any.
-    pub fn visit_stirred(
-        &mut self,
-        problem: &PatchProblem,
-        batches: &Batches,
-        settled: f32,
-    ) -> bool {
+    /// The next sweep visits the patches of those bodies that the last one has stirred; they become hot. Whether there are any.
+    pub fn visit_stirred(&mut self, problem: &PatchProblem, batches: &Batches) -> bool {
         let mut changes = std::mem::take(&mut self.changes);
         for (block, square) in changes.drain(..) {
             for (lane, patch) in batches.block(block as usize) {
-                if square[lane] > settled * settled {
+                if square[lane] > SETTLED * SETTLED {
                     for body in problem.patches[patch as usize].bodies {
                         if problem.bodies[body as usize].inverse_mass > 0.0 {
                             self.stir(body);

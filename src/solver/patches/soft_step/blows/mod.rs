@@ -24,7 +24,7 @@ use super::block::Pass;
 use super::island::Island;
 use super::kinds::{MoreRigid, MoreSoft, Noting};
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
-use crate::solver::{Body, PatchProblem};
+use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem};
 use hand_down::HandDown;
 use hot::Hot;
 use std::cell::Cell;
@@ -32,12 +32,8 @@ use std::cell::Cell;
 /// A change of a body's velocity in one substep from which on it counts as a blow, m/s.
 const BLOW: f32 = 0.25;
 
-/// Sweeps end, and the blow spreads no farther, where they change the relative velocity at a patch by less than this share of the
-/// largest change that the blow has made. With 0.05 a shot takes half as many bricks again out of a wall.
+/// Sweeps end, and a blow spreads no farther, where they change the relative velocity at a patch by no more than this, m/s.
 const SETTLED: f32 = 0.01;
-
-/// The same, m/s, at least.
-const LEAST_SETTLED: f32 = 0.005;
 
 /// Additional sweeps.
 struct More {
@@ -58,23 +54,24 @@ const RIGID: More = More {
 
 /// Whether some bodies will hit each other in this step, as far as their free motion tells.
 pub fn expected(problem: &PatchProblem) -> bool {
-    // Two bodies approach each other with no more than the sum of their speeds.
-    let fast = |body: &Body| speed(body) > 0.5 * BLOW;
-    if !problem.bodies.iter().any(fast) {
-        return false;
-    }
-    problem.patches.iter().any(|patch| {
-        let [a, b] = patch.bodies.map(|body| &problem.bodies[body as usize]);
-        let hits = || {
-            problem.points[patch.range()].iter().any(|point| {
-                let [at_a, at_b] = [(a, patch.arms[0]), (b, patch.arms[1])]
-                    .map(|(body, arm)| body.linear + body.angular.cross(arm + point.offset));
-                let approach = -patch.normal.dot(at_a - at_b);
-                approach > BLOW && point.separation < approach * problem.dt
-            })
-        };
-        (fast(a) || fast(b)) && hits()
-    })
+    problem.bodies.iter().any(is_fast) && problem.patches.iter().any(|patch| hits(problem, patch))
+}
+
+/// Two bodies approach each other with no more than the sum of their speeds.
+fn is_fast(body: &Body) -> bool {
+    speed(body) > 0.5 * BLOW
+}
+
+/// Whether the free motion of its bodies closes a patch in this step with the speed of a blow.
+fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
+    let [a, b] = patch.bodies.map(|body| &problem.bodies[body as usize]);
+    let closes = |point: &PatchPoint| {
+        let [at_a, at_b] = [(a, patch.arms[0]), (b, patch.arms[1])]
+            .map(|(body, arm)| body.linear + body.angular.cross(arm + point.offset));
+        let approach = -patch.normal.dot(at_a - at_b);
+        approach > BLOW && point.separation < approach * problem.dt
+    };
+    (is_fast(a) || is_fast(b)) && problem.points[patch.range()].iter().any(closes)
 }
 
 /// Speed of the centre of mass, and at the radius of gyration, together, m/s.
@@ -106,6 +103,10 @@ pub struct Blows<L> {
     hand_down: HandDown,
     /// By body: its mean radius of gyration, m.
     gyrations: Vec<f32>,
+    /// Bodies that may take a blow: those that hit others in this step, and those beside bodies that have taken one.
+    candidates: Vec<u32>,
+    /// By body.
+    is_candidate: Vec<bool>,
     /// By point: the impulse with which the substep began, N·s.
     earlier: Vec<L>,
     /// By point: the impulse before its patch is visited, N·s.
@@ -120,22 +121,47 @@ impl<L: F32xN> Blows<L> {
         self.was.resize(island.points.len(), L::ZERO);
         self.hot.begin(problem, &island.batches);
         self.hand_down.begin();
-    }
-
-    /// Finds the bodies that take a blow in this substep. The change of velocity by which its sweeps are measured, m/s, if there is one.
-    fn find(&mut self, island: &Island<L>) -> Option<f32> {
-        self.hot.clear();
-        let mut largest = 0f32;
-        for (body, &gyration) in self.gyrations.iter().enumerate() {
-            let [now, before] = [&island.velocities, &island.before].map(|list| list[body]);
-            let change = size_of_motion([now[0] - before[0], now[1] - before[1]], gyration);
-            // What nothing moves has no gyration, and takes no blow.
-            if change > BLOW && gyration > 0.0 {
-                self.hot.heat(body as u32);
-                largest = largest.max(change);
+        self.candidates.clear();
+        self.is_candidate.clear();
+        self.is_candidate.resize(problem.bodies.len(), false);
+        for patch in problem.patches.iter() {
+            if hits(problem, patch) {
+                patch.bodies.into_iter().for_each(|body| self.add(body));
             }
         }
-        (largest > 0.0).then_some((SETTLED * largest).max(LEAST_SETTLED))
+    }
+
+    /// A body may take a blow.
+    fn add(&mut self, body: u32) {
+        // What nothing moves has no gyration, and takes no blow.
+        let moves = self.gyrations[body as usize] > 0.0;
+        if moves && !std::mem::replace(&mut self.is_candidate[body as usize], true) {
+            self.candidates.push(body);
+        }
+    }
+
+    /// Finds the bodies that take a blow in this substep; whether there are any.
+    fn find(&mut self, problem: &PatchProblem, island: &Island<L>) -> bool {
+        // Those that took one in the last substep may have handed it on.
+        for i in 0..self.hot.bodies.len() {
+            let body = self.hot.bodies[i];
+            self.add(body);
+            for j in 0..self.hot.places_of(body).len() {
+                let patch = self.hot.places_of(body)[j].patch;
+                let bodies = problem.patches[patch as usize].bodies;
+                bodies.into_iter().for_each(|body| self.add(body));
+            }
+        }
+        self.hot.clear();
+        for &body in &self.candidates {
+            let [now, before] =
+                [&island.velocities, &island.before].map(|list| list[body as usize]);
+            let change = [now[0] - before[0], now[1] - before[1]];
+            if size_of_motion(change, self.gyrations[body as usize]) > BLOW {
+                self.hot.heat(body);
+            }
+        }
+        !self.hot.bodies.is_empty()
     }
 }
 
@@ -149,29 +175,30 @@ impl<L: F32xN> Island<L> {
     ) {
         let mut blows = std::mem::take(&mut self.blows);
         blows.begin(problem, self);
-        let mut settled = None;
+        let mut takes_blow = false;
         for (number, pass) in passes.iter().enumerate() {
             if pass.soft {
                 tell(self.visit_grips() + self.sweep_noting(&mut blows, pass));
-                settled = blows.find(self);
-                if let Some(settled) = settled {
-                    self.hand_down(problem, &mut blows, pass, settled);
-                    self.sweep_more(problem, &mut blows, pass, SOFT, settled);
+                takes_blow = blows.find(problem, self);
+                if takes_blow {
+                    let Blows { hot, hand_down, .. } = &mut blows;
+                    hand_down.run(problem, self, hot, pass.rate);
+                    self.sweep_more(problem, &mut blows, pass, SOFT);
                 }
                 self.drift(pass);
-                if let Some(settled) = settled {
+                if takes_blow {
                     let rigid = Pass {
                         soft: false,
                         ..*pass
                     };
-                    self.sweep_more(problem, &mut blows, &rigid, RIGID, settled);
+                    self.sweep_more(problem, &mut blows, &rigid, RIGID);
                 }
             } else {
                 tell(self.visit_grips() + self.sweep_rigidly(pass));
             }
             let is_last = number + 1 == passes.len();
             self.extrapolate(pass);
-            if settled.is_some() && (pass.extrapolates || is_last) {
+            if takes_blow && (pass.extrapolates || is_last) {
                 blows.hot.visit_all();
                 L::run(Forget {
                     island: self,
@@ -194,25 +221,13 @@ impl<L: F32xN> Island<L> {
         )
     }
 
-    fn hand_down(
-        &mut self,
-        problem: &PatchProblem,
-        blows: &mut Blows<L>,
-        pass: &Pass,
-        settled: f32,
-    ) {
-        let Blows { hot, hand_down, .. } = blows;
-        hand_down.run(problem, self, hot, pass.rate, settled);
-    }
-
-    /// Sweeps over the patches of hot bodies until none changes by more than `settled`, m/s.
+    /// Sweeps over the patches of hot bodies until none changes much.
     fn sweep_more(
         &mut self,
         problem: &PatchProblem,
         blows: &mut Blows<L>,
         pass: &Pass,
         More { sweeps, over }: More,
-        settled: f32,
     ) {
         let Blows { hot, was, .. } = blows;
         let was = Cell::from_mut(&mut **was).as_slice_of_cells();
@@ -225,10 +240,9 @@ impl<L: F32xN> Island<L> {
                 was,
                 // The last one must leave nothing to be taken back.
                 over: if sweep < sweeps { over } else { 0.0 },
-                settled,
                 pass,
             });
-            if !hot.visit_stirred(problem, &self.batches, settled) {
+            if !hot.visit_stirred(problem, &self.batches) {
                 break;
             }
         }
@@ -257,7 +271,6 @@ struct SweepMore<'a, L: F32xN> {
     hot: &'a mut Hot<L>,
     was: &'a [Cell<L>],
     over: f32,
-    settled: f32,
     pass: &'a Pass,
 }
 
@@ -275,7 +288,7 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
         } = self.island;
         let (velocities, motions) = (cells(velocities), cells(motions));
         let (over, was, pass) = (L::splat(self.over), self.was, self.pass);
-        let limit = L::splat(self.settled * self.settled);
+        let limit = L::splat(SETTLED * SETTLED);
         for visit in &self.hot.visits {
             let block = &mut blocks[visit.block as usize];
             let points = &mut points[block.range()];

@@ -268,7 +268,7 @@ impl<L: F32xN> Kinds<L> for MoreSoft<'_, L> {
         sum
     }
 
-    // Springs that touch nothing want nothing.
+    // Springs of lanes that stay as they are want nothing.
     #[inline(always)]
     fn distance(self, separation: L, _: L) -> L {
         self.lanes.select_above(L::ZERO, separation, L::ZERO)

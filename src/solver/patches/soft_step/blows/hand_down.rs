@@ -20,6 +20,10 @@ const FLAT: f32 = 0.1;
 /// A body falls if this share of the square of its velocity is downwards.
 const DOWNWARDS: f32 = 0.5;
 
+/// Only what comes to rest on what it lies on is handed down: of its kinetic energy no more than this share is left. A beam that lands on
+/// its end goes on turning.
+const LEFT: f64 = 0.1;
+
 /// Visits to the points under one body, at most.
 const VISITS: usize = 8;
 
@@ -36,6 +40,19 @@ pub struct HandDown {
     /// By body: the velocity that it will have then.
     stopped: Vec<State>,
     rows: Vec<Row>,
+    /// Velocities and impulses before, which come back where momentum that is handed down gains energy.
+    before: Vec<State>,
+    impulses: Vec<Before>,
+    /// By body: one that it has handed something to or got something from, up to the last one, which is itself.
+    linked: Vec<u32>,
+}
+
+/// The impulse of a point before, N·s.
+struct Before {
+    body: u32,
+    point: u32,
+    lane: u32,
+    impulse: f32,
 }
 
 /// A point under a body.
@@ -92,7 +109,10 @@ fn beneath<'a, L: F32xN>(
     body: u32,
 ) -> impl Iterator<Item = (&'a Place, u32)> {
     let up = up(problem);
-    hot.places_of(body).iter().filter_map(move |place| {
+    // What nothing moves hands nothing down.
+    let moves = problem.bodies[body as usize].inverse_mass > 0.0;
+    let places = hot.places_of(body).iter().filter(move |_| moves);
+    places.filter_map(move |place| {
         let patch = &problem.patches[place.patch as usize];
         (upper(patch, up) == Some(place.side))
             .then(|| (place, patch.bodies[1 - place.side as usize]))
@@ -145,6 +165,10 @@ impl HandDown {
             .take()
             .unwrap_or_else(|| from_the_top(hot, problem));
         self.find_stopped(&order, problem, island, hot, rate);
+        self.before.clone_from(&island.velocities);
+        self.impulses.clear();
+        self.linked.clear();
+        self.linked.extend(0..problem.bodies.len() as u32);
         for &body in &order {
             if !self.stops[body as usize] {
                 continue;
@@ -159,9 +183,33 @@ impl HandDown {
                 &mut velocity,
             );
             island.velocities[body as usize] = velocity.map(|v| v.extend(0.0));
-            self.hand_on(problem, island);
+            self.hand_on(body, problem, island);
         }
         self.order = Some(order);
+        self.take_back(problem, island);
+    }
+
+    /// Takes back what has gained energy: where what is below can give way after all, bodies would be thrown.
+    fn take_back<L: F32xN>(&mut self, problem: &PatchProblem, island: &mut Island<L>) {
+        let mut gains = vec![0.0f64; problem.bodies.len()];
+        for (body, of) in (0..).zip(problem.bodies.iter()) {
+            let [now, before] = [&island.velocities, &self.before].map(|list| list[body as usize]);
+            if now != before {
+                let gain = kinetic_energy(of, &now) - kinetic_energy(of, &before);
+                gains[last(&mut self.linked, body) as usize] += gain;
+            }
+        }
+        for body in 0..problem.bodies.len() as u32 {
+            if gains[last(&mut self.linked, body) as usize] > 0.0 {
+                island.velocities[body as usize] = self.before[body as usize];
+            }
+        }
+        for before in &self.impulses {
+            if gains[last(&mut self.linked, before.body) as usize] > 0.0 {
+                let point = &mut island.points[before.point as usize];
+                point.impulse[before.lane as usize] = before.impulse;
+            }
+        }
     }
 
     /// Bodies that fall onto something hot, or are hot themselves. Whether there are any.
@@ -220,15 +268,23 @@ impl HandDown {
     }
 
     /// Gives the impulses of the rows to their points and to the bodies below.
-    fn hand_on<L: F32xN>(&mut self, problem: &PatchProblem, island: &mut Island<L>) {
+    fn hand_on<L: F32xN>(&mut self, body: u32, problem: &PatchProblem, island: &mut Island<L>) {
         for row in &self.rows {
             let given = row.impulse - row.before;
             if given == 0.0 {
                 continue;
             }
             island.points[row.point as usize].impulse[row.lane as usize] = row.impulse;
+            self.impulses.push(Before {
+                body,
+                point: row.point,
+                lane: row.lane,
+                impulse: row.before,
+            });
             let below = &problem.bodies[row.below as usize];
             if below.inverse_mass > 0.0 {
+                let [one, other] = [body, row.below].map(|body| last(&mut self.linked, body));
+                self.linked[one.max(other) as usize] = one.min(other);
                 let answer = below.answer(-given * row.normal, row.arms[1]);
                 let state = &mut island.velocities[row.below as usize];
                 for (velocity, change) in state.iter_mut().zip(answer) {
@@ -279,6 +335,22 @@ impl HandDown {
             }
         }
     }
+}
+
+/// The last of the bodies that are linked with this one.
+fn last(linked: &mut [u32], mut body: u32) -> u32 {
+    while linked[body as usize] != body {
+        linked[body as usize] = linked[linked[body as usize] as usize];
+        body = linked[body as usize];
+    }
+    body
+}
+
+/// J
+fn kinetic_energy(body: &Body, velocity: &State) -> f64 {
+    let [linear, angular] = velocity.map(|v| v.truncate().as_dvec3());
+    let inertia = body.inverse_inertia.as_dmat3().inverse();
+    0.5 * (linear.length_squared() / body.inverse_mass as f64 + angular.dot(inertia * angular))
 }
 
 /// Stops a body by the rows under it.

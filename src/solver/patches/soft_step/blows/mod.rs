@@ -33,7 +33,11 @@ use std::cell::Cell;
 const BLOW: f32 = 0.25;
 
 /// Sweeps end, and a blow spreads no farther, where they change the relative velocity at a patch by no more than this, m/s.
-const SETTLED: f32 = 0.01;
+const SETTLED: f32 = 0.002;
+
+/// What turns by more than this in a step takes no blow, rad: arms are frozen in a step, and more sweeps over arms that are wrong gain
+/// energy.
+const TURNED: f32 = 0.5;
 
 /// Additional sweeps.
 struct More {
@@ -62,7 +66,8 @@ fn is_fast(body: &Body) -> bool {
     speed(body) > 0.5 * BLOW
 }
 
-/// Whether the free motion of its bodies closes a patch in this step with the speed of a blow.
+/// Whether the free motion of its bodies closes a patch in this step with the speed of a blow. Not of one that bounces: its bodies are
+/// thrown back after the substeps.
 fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
     let [a, b] = patch.bodies.map(|body| &problem.bodies[body as usize]);
     let closes = |point: &PatchPoint| {
@@ -71,7 +76,8 @@ fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
         let approach = -patch.normal.dot(at_a - at_b);
         approach > BLOW && point.separation < approach * problem.dt
     };
-    (is_fast(a) || is_fast(b)) && problem.points[patch.range()].iter().any(closes)
+    let lands = patch.restitution == 0.0 && (is_fast(a) || is_fast(b));
+    lands && problem.points[patch.range()].iter().any(closes)
 }
 
 /// Speed of the centre of mass, and at the radius of gyration, together, m/s.
@@ -101,7 +107,7 @@ fn gyration(body: &Body) -> f32 {
 pub struct Blows<L> {
     hot: Hot<L>,
     hand_down: HandDown,
-    /// By body: its mean radius of gyration, m.
+    /// By body: its mean radius of gyration, m; 0 of what takes no blow.
     gyrations: Vec<f32>,
     /// Bodies that may take a blow: those that hit others in this step, and those beside bodies that have taken one.
     candidates: Vec<u32>,
@@ -116,7 +122,12 @@ pub struct Blows<L> {
 impl<L: F32xN> Blows<L> {
     fn begin(&mut self, problem: &PatchProblem, island: &Island<L>) {
         self.gyrations.clear();
-        self.gyrations.extend(problem.bodies.iter().map(gyration));
+        let takes_blows = |body: &Body| body.angular.length() * problem.dt <= TURNED;
+        let gyrations = problem.bodies.iter().map(|body| match takes_blows(body) {
+            true => gyration(body),
+            false => 0.0,
+        });
+        self.gyrations.extend(gyrations);
         self.earlier.resize(island.points.len(), L::ZERO);
         self.was.resize(island.points.len(), L::ZERO);
         self.hot.begin(problem, &island.batches);
@@ -133,9 +144,9 @@ impl<L: F32xN> Blows<L> {
 
     /// A body may take a blow.
     fn add(&mut self, body: u32) {
-        // What nothing moves has no gyration, and takes no blow.
-        let moves = self.gyrations[body as usize] > 0.0;
-        if moves && !std::mem::replace(&mut self.is_candidate[body as usize], true) {
+        if self.gyrations[body as usize] > 0.0
+            && !std::mem::replace(&mut self.is_candidate[body as usize], true)
+        {
             self.candidates.push(body);
         }
     }

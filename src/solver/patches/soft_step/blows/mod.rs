@@ -39,6 +39,10 @@ const SETTLED: f32 = 0.002;
 /// energy.
 const TURNED: f32 = 0.5;
 
+/// Nor does what is so slender, as a ratio of radii of gyration: the ends of a beam of 10 × 0.2 × 0.2 m (20) move by its thickness where it
+/// turns by a hundredth.
+const SLENDER: f32 = 6.0;
+
 /// Additional sweeps.
 struct More {
     /// At most.
@@ -49,11 +53,11 @@ struct More {
 
 const SOFT: More = More {
     sweeps: 16,
-    over: 0.5,
+    over: 0.0,
 };
 const RIGID: More = More {
     sweeps: 16,
-    over: 0.7,
+    over: 0.5,
 };
 
 /// Whether some bodies will hit each other in this step, as far as their free motion tells.
@@ -102,6 +106,13 @@ fn gyration(body: &Body) -> f32 {
     }
 }
 
+/// The largest radius of gyration, m.
+fn longest_gyration(body: &Body) -> f32 {
+    let inertia = body.inverse_inertia.inverse();
+    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+    (0.5 * trace * body.inverse_mass).sqrt()
+}
+
 /// What an island keeps for its blows.
 #[derive(Default)]
 pub struct Blows<L> {
@@ -122,7 +133,10 @@ pub struct Blows<L> {
 impl<L: F32xN> Blows<L> {
     fn begin(&mut self, problem: &PatchProblem, island: &Island<L>) {
         self.gyrations.clear();
-        let takes_blows = |body: &Body| body.angular.length() * problem.dt <= TURNED;
+        let takes_blows = |body: &Body| {
+            body.angular.length() * problem.dt <= TURNED
+                && longest_gyration(body) <= SLENDER * gyration(body)
+        };
         let gyrations = problem.bodies.iter().map(|body| match takes_blows(body) {
             true => gyration(body),
             false => 0.0,

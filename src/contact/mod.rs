@@ -5,6 +5,7 @@
 //! disables or takes a component off is made anew in the next step.
 
 mod events;
+mod force_events;
 mod forces;
 mod supports;
 mod whole_step;
@@ -13,6 +14,7 @@ pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
+pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
 pub use forces::{Contacts, FaceForce, Load, NoBody, loads};
 pub use supports::{Bearing, Supports};
 pub(crate) use whole_step::Earlier;

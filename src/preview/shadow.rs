@@ -112,10 +112,13 @@ impl Shadow {
         while time < settings.longest && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += dt;
-            let mut all = sleepers.iter(&self.world);
-            rests = all.all(|(kind, sleeping)| {
-                *kind != RigidBody::Dynamic || sleeping.asleep || sleeping.still_for >= STILL
-            });
+            let dynamic = sleepers.iter(&self.world);
+            let mut awake = dynamic
+                .filter(|(kind, sleeping)| **kind == RigidBody::Dynamic && !sleeping.asleep)
+                .peekable();
+            // Bodies that were awake before the edit may have been still for long already.
+            rests = awake.peek().is_none()
+                || time >= STILL && awake.all(|(_, sleeping)| sleeping.still_for >= STILL);
         }
         let others = self.bodies.iter();
         let others = others.filter(|body| body.dynamic && self.edited != Some(body.copy));

@@ -127,7 +127,12 @@ fn with_long_steps_as_much_begins_to_fall() {
 /// So that it is right whatever happens, as long as nothing else comes near.
 #[test]
 fn a_shadow_goes_where_its_world_goes() {
-    for (scene, sleeps) in [("arch:9", false), ("arch:9", true), ("wall:5x5", true)] {
+    for (scene, sleeps) in [
+        ("arch:9", false),
+        ("arch:9", true),
+        ("wall:5x5", true),
+        ("cardhouse:3", true),
+    ] {
         let mut run = settled(scene);
         run.world.resource_mut::<SleepSettings>().enabled = sleeps;
         for _ in 0..60 {

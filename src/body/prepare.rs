@@ -79,7 +79,7 @@ pub fn prepare(
     }
     let mut stirred = match rules.in_force.changed {
         true => bodies.p1().iter().map(|(of, ..)| of.0).collect(),
-        false => find_written(bodies.p1()),
+        false => find_written(visitor.table, bodies.p1()),
     };
     stirred.extend(find_carried(bodies.p2(), placed));
     stirred.extend(&teleported);

@@ -151,7 +151,26 @@ pub(super) fn copy(
     let mut sleeping = original.get::<Sleeping>().copied().unwrap_or_default();
     let lies = body.is_dynamic() && velocity == Velocity::default();
     sleeping.asleep |= !in_structure && lies;
-    let mut copy = shadow.spawn((body.kind, to_transform(pose), velocity, sleeping));
+    // All of it at once: each insertion of its own would move the body to another table.
+    macro_rules! current {
+        ($component:ty) => {
+            original.get::<$component>().copied().unwrap_or_default()
+        };
+    }
+    let mut copy = shadow.spawn((
+        (body.kind, to_transform(pose), velocity, sleeping),
+        (
+            current!(ExternalForce),
+            current!(Damping),
+            current!(GravityScale),
+        ),
+        (
+            current!(Friction),
+            current!(Restitution),
+            current!(RollingFriction),
+            current!(CollisionLayers),
+        ),
+    ));
     macro_rules! take {
         ($($component:ty),+ $(,)?) => {
             $(if let Some(component) = original.get::<$component>() {
@@ -160,8 +179,6 @@ pub(super) fn copy(
         };
     }
     take!(Collider, Density, Mass, AngularInertia, CenterOfMass);
-    take!(Friction, Restitution, RollingFriction, CollisionLayers);
-    take!(ExternalForce, Damping, GravityScale);
     copy.id()
 }
 

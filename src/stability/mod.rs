@@ -99,13 +99,13 @@ pub enum How {
     Tips,
 }
 
-/// Most bodies of a structure that may be asked for. Time grows a little faster than their number, and memory with it: a wall of 1 000 bricks
-/// takes a second or some.
-pub const MAX_BODIES: usize = 4000;
+/// Most bodies of a structure that may be asked about. Time grows faster than their number: walls of a hundred bricks take some 0.1 s, walls of a
+/// thousand 2 to 14 s, those longest that fail by sliding.
+pub const MAX_BODIES: usize = 2000;
 
 /// How much of something a structure can take. Bodies that are not in the list are taken to stand fast.
 ///
-/// It blocks until it is known, 50 ms for a hundred bricks and a second or some for a thousand; [`stability_task`] does not.
+/// It blocks until it is known, which takes seconds for a thousand bricks; [`stability_task`] does not.
 ///
 /// # Errors
 /// Where the list is empty, longer than [`MAX_BODIES`], or names what is no dynamic body; where a direction is none; and where the structure does

@@ -2,7 +2,8 @@
 //!
 //! Put [`Watch`] on bodies, and add [`CollapsePlugin`]. A watched body that has been still for a moment stands where it is then, together with what
 //! it touches: a structure. When one that nobody holds or pushes has left its place, the structure has collapsed: the message names the first of it that
-//! did, be it held or pushed, and the rest follows without a word, until it stands again. That somebody takes a brick off the top is none.
+//! did, be it held or pushed, and the rest follows without a word, until it stands again; [`CollapseEnded`] then says what has come down.
+//! Removing a brick from the top does not count as a collapse.
 //!
 //! ```
 //! use bevy_ecs::message::Messages;
@@ -48,6 +49,7 @@ impl Plugin for CollapsePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<CollapseSettings>()
             .add_message::<Collapse>()
+            .add_message::<CollapseEnded>()
             .add_systems(
                 PhysicsSchedule,
                 collapses.after(PhysicsSystems::ContactEvents),
@@ -64,6 +66,23 @@ pub struct Collapse {
     pub how: GaveWay,
     /// Those of it that still stand where they stood, or rather did until now; in no order of meaning.
     pub rest: Vec<Entity>,
+    /// How many watched bodies the structure has, `first` and `rest` together.
+    pub bodies: usize,
+    /// Their mass, kg.
+    pub mass: f32,
+}
+
+/// What has come down in a collapse: sent once all that is left of the structure stands again, or after [`CollapseSettings::longest`].
+#[derive(Message, Clone, Debug, PartialEq)]
+pub struct CollapseEnded {
+    /// The first of it that gave way, as in [`Collapse`].
+    pub first: Entity,
+    /// How that did.
+    pub how: GaveWay,
+    /// Those of the structure that have left their places, the eldest first. Bodies that have been despawned since are not among them.
+    pub moved: Vec<Entity>,
+    /// Their mass, kg.
+    pub mass: f32,
 }
 
 /// How a body gave way.
@@ -123,6 +142,8 @@ pub struct CollapseSettings {
     pub still_for: f32,
     /// A body that was pulled away so long ago, s, has nothing to do with what falls now; 2 by default.
     pub memory: f32,
+    /// A collapse has ended after so long, s, whatever still moves then; 30 by default.
+    pub longest: f32,
 }
 
 impl Default for CollapseSettings {
@@ -131,6 +152,7 @@ impl Default for CollapseSettings {
             moved: 0.05,
             still_for: 0.25,
             memory: 2.0,
+            longest: 30.0,
         }
     }
 }
@@ -142,23 +164,61 @@ pub struct Structures {
     /// s
     now: f64,
     /// Who was pulled out of each, and when.
-    pulled: HashMap<u64, (Entity, GaveWay, f64)>,
+    pulled: HashMap<u64, Pulled>,
+    /// Those that have collapsed, and do not all stand yet.
+    falling: Vec<Falling>,
+}
+
+/// A body that was held as it left its structure.
+struct Pulled {
+    body: Entity,
+    how: GaveWay,
+    stood: Pose,
+    /// s
+    when: f64,
+}
+
+/// A structure that has collapsed.
+struct Falling {
+    first: Entity,
+    how: GaveWay,
+    /// When it did, s.
+    since: f64,
+    /// Its bodies, and where they stood.
+    bodies: Vec<(Entity, Pose)>,
 }
 
 type Watched<'w, 's> = Query<
     'w,
     's,
     (
+        (Entity, &'static BodyIndex),
+        (&'static Pose, &'static Velocity),
+        (&'static Watch, &'static mut Stands),
+        (
+            Option<&'static Grab>,
+            Option<&'static ExternalForce>,
+            Has<Resting>,
+        ),
+    ),
+    (
+        Without<Quarantined>,
+        // Of a body at rest only what is asked of it can change.
+        Or<(Without<Resting>, Changed<Watch>)>,
+    ),
+>;
+
+type AllWatched<'w, 's> = Query<
+    'w,
+    's,
+    (
         Entity,
         &'static BodyIndex,
         &'static Pose,
-        &'static Velocity,
-        &'static Watch,
         &'static mut Stands,
-        Option<&'static Grab>,
-        Option<&'static ExternalForce>,
+        Has<Resting>,
     ),
-    (Without<Quarantined>, Without<Resting>),
+    With<RigidBody>,
 >;
 
 /// See the module's text. After every step.
@@ -171,15 +231,16 @@ pub fn collapses(
     ),
     (table, islands, contacts): (Res<BodyTable>, Res<Islands>, Contacts),
     mut structures: Local<Structures>,
-    mut watched: ParamSet<(Watched, Query<(Entity, &mut Stands), With<RigidBody>>)>,
-    mut messages: MessageWriter<Collapse>,
+    mut watched: ParamSet<(Watched, AllWatched)>,
+    mut begun: MessageWriter<Collapse>,
+    mut ended: MessageWriter<CollapseEnded>,
 ) {
     let put = |index: &BodyIndex| {
         table
             .get(index.0)
             .is_some_and(|body| body.put_from.is_some())
     };
-    for (_, index, .., mut stands, _, _) in &mut watched.p0() {
+    for ((_, index), _, (_, mut stands), _) in &mut watched.p0() {
         // Somebody has put it where it is: before the first substep.
         if time.substep == 0 && put(index) {
             stands.leave();
@@ -191,15 +252,17 @@ pub fn collapses(
     let structures = &mut *structures;
     structures.now += f64::from(time.whole());
     let down = gravity.0.normalize_or_zero();
-    // By structure: who has gone farthest beyond what counts, of those that do so in this step.
+    // By structure: who has gone farthest beyond what counts, of those that do so in this step, and where all of those stood.
     let mut gone: HashMap<u64, (f32, Age, Entity, GaveWay)> = HashMap::default();
-    let mut settled: Vec<(usize, Entity, Pose)> = Vec::new();
+    let mut left: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
+    let mut settled: Vec<(usize, Entity, u32, Pose)> = Vec::new();
     let mut known: HashMap<usize, u64> = HashMap::default();
-    for (entity, index, pose, velocity, watch, mut stands, grab, force) in &mut watched.p0() {
+    for ((entity, index), (pose, velocity), (watch, mut stands), state) in &mut watched.p0() {
+        let (grab, force, rests) = state;
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
-        let island = islands.of(index.0);
+        let island = islands.number(&table, index.0);
         let Some((place, structure)) = stands.at else {
             // What is held still stands on nothing.
             let still = grab.is_none()
@@ -210,10 +273,10 @@ pub fn collapses(
             } else {
                 0.0
             };
-            if stands.still_for >= settings.still_for
+            if (rests || stands.still_for >= settings.still_for)
                 && let Some(island) = island
             {
-                settled.push((island, entity, *pose));
+                settled.push((island, entity, index.0, *pose));
             }
             continue;
         };
@@ -229,12 +292,12 @@ pub fn collapses(
             && contacts
                 .on(entity)
                 .is_ok_and(|faces| faces.iter().any(|face| face.pressure > watch.strength));
-        let moved = went.length() + turned > settings.moved * body.radius;
-        if !moved && !crushed {
+        if !has_left(place, *pose, body.radius, &settings) && !crushed {
             continue;
         }
         stands.crushed |= crushed;
         stands.leave();
+        left.entry(structure).or_default().push((entity, place));
         let how = match () {
             () if crushed => GaveWay::Crushed,
             () if held => GaveWay::Pulled,
@@ -243,7 +306,12 @@ pub fn collapses(
             () => GaveWay::Slid,
         };
         if held && !crushed {
-            let pulled = (entity, how, structures.now);
+            let pulled = Pulled {
+                body: entity,
+                how,
+                stood: place,
+                when: structures.now,
+            };
             structures.pulled.entry(structure).or_insert(pulled);
         } else {
             let far = (went.length() + turned) / body.radius;
@@ -255,38 +323,124 @@ pub fn collapses(
             }
         }
     }
+    structures.end(&settings, &table, &watched.p1(), &mut ended);
     let since = structures.now - f64::from(settings.memory);
-    structures.pulled.retain(|_, (.., when)| *when > since);
+    structures.pulled.retain(|_, pulled| pulled.when > since);
     let mut told: Vec<_> = gone.into_iter().collect();
     told.sort_unstable_by_key(|(structure, _)| *structure);
     let fallen: HashSet<u64> = told.iter().map(|(structure, _)| *structure).collect();
     if !told.is_empty() {
-        let mut rest: HashMap<u64, Vec<Entity>> = HashMap::default();
-        for (entity, mut stands) in &mut watched.p1() {
-            if let Some((_, structure)) = stands.at.filter(|(_, of)| fallen.contains(of)) {
-                rest.entry(structure).or_default().push(entity);
+        let mut rest: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
+        for (entity, .., mut stands, _) in &mut watched.p1() {
+            if let Some((place, structure)) = stands.at.filter(|(_, of)| fallen.contains(of)) {
+                rest.entry(structure).or_default().push((entity, place));
                 stands.leave();
             }
         }
         for (structure, (.., first, how)) in told {
-            let pulled = structures.pulled.remove(&structure);
-            let (first, how) = pulled.map_or((first, how), |(first, how, _)| (first, how));
+            let mut bodies = left.remove(&structure).unwrap_or_default();
+            let (mut first, mut how) = (first, how);
+            if let Some(pulled) = structures.pulled.remove(&structure) {
+                (first, how) = (pulled.body, pulled.how);
+                if !bodies.iter().any(|(body, _)| *body == first) {
+                    bodies.push((first, pulled.stood));
+                }
+            }
             let rest = rest.remove(&structure).unwrap_or_default();
-            messages.write(Collapse { first, how, rest });
+            bodies.extend(&rest);
+            begun.write(Collapse {
+                first,
+                how,
+                rest: rest.into_iter().map(|(body, _)| body).collect(),
+                bodies: bodies.len(),
+                mass: mass(&table, &watched.p1(), bodies.iter().map(|(body, _)| *body)),
+            });
+            // Those at rest stand on, as another structure: nothing will move them before something else happens.
+            structures.last += 1;
+            let anew = structures.last;
+            for &(body, place) in &bodies {
+                if let Ok((.., mut stands, true)) = watched.p1().get_mut(body) {
+                    stands.at = Some((place, anew));
+                }
+            }
+            structures.falling.push(Falling {
+                first,
+                how,
+                since: structures.now,
+                bodies,
+            });
         }
     }
     settled.sort_unstable_by_key(|(island, ..)| *island);
-    for (island, entity, pose) in settled {
-        let known = known.entry(island);
-        let structure = *known.or_insert_with(|| {
-            structures.last += 1;
-            structures.last
+    for (island, entity, slot, pose) in settled {
+        let structure = known.get(&island).copied().unwrap_or_else(|| {
+            let all = watched.p1();
+            let others = islands.members(&table, slot).into_iter();
+            let stands = others.filter_map(|slot| all.get(table.get(slot)?.entity).ok()?.3.at);
+            stands
+                .map(|(_, structure)| structure)
+                .min()
+                .unwrap_or_else(|| {
+                    structures.last += 1;
+                    structures.last
+                })
         });
+        known.insert(island, structure);
         if fallen.contains(&structure) {
             continue;
         }
-        if let Ok((_, mut stands)) = watched.p1().get_mut(entity) {
+        if let Ok((.., mut stands, _)) = watched.p1().get_mut(entity) {
             stands.at = Some((pose, structure));
         }
+    }
+}
+
+/// Whether a body of this radius, m, has gone from its place.
+fn has_left(place: Pose, pose: Pose, radius: f32, settings: &CollapseSettings) -> bool {
+    let turned = pose.rotation.angle_between(place.rotation) * radius;
+    (pose.position - place.position).length() + turned > settings.moved * radius
+}
+
+/// The mass of those that are still there, kg.
+fn mass(table: &BodyTable, all: &AllWatched, bodies: impl Iterator<Item = Entity>) -> f32 {
+    let states = bodies.filter_map(|body| table.get(all.get(body).ok()?.1.0));
+    states.map(|body| body.mass.mass()).sum()
+}
+
+impl Structures {
+    /// Tells of collapses that are over.
+    fn end(
+        &mut self,
+        settings: &CollapseSettings,
+        table: &BodyTable,
+        all: &AllWatched,
+        ended: &mut MessageWriter<CollapseEnded>,
+    ) {
+        let now = self.now;
+        self.falling.retain(|falling| {
+            let mut left = falling
+                .bodies
+                .iter()
+                .filter_map(|(body, _)| all.get(*body).ok());
+            let stand = left.all(|(.., stands, _)| stands.at.is_some());
+            if !stand && now - falling.since < f64::from(settings.longest) {
+                return true;
+            }
+            let moved = falling.bodies.iter().filter_map(|&(entity, place)| {
+                let (_, index, pose, ..) = all.get(entity).ok()?;
+                let body = table.get(index.0).filter(|body| body.entity == entity)?;
+                has_left(place, *pose, body.radius, settings).then_some((body.age, entity))
+            });
+            let mut moved: Vec<_> = moved.collect();
+            moved.sort_unstable();
+            let moved: Vec<Entity> = moved.into_iter().map(|(_, body)| body).collect();
+            ended.write(CollapseEnded {
+                first: falling.first,
+                how: falling.how,
+                mass: mass(table, all, moved.iter().copied()),
+                moved,
+            });
+            false
+        });
     }
 }

@@ -99,13 +99,13 @@ pub mod prelude {
         Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
         GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
     };
-    pub use crate::collapse::{Collapse, CollapsePlugin, GaveWay, Watch};
+    pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, GaveWay, Watch};
     pub use crate::collider::{
         Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
     };
     pub use crate::contact::{
-        Bearing, ContactEnded, ContactEvents, ContactPair, ContactStarted, Contacts, FaceForce,
-        Load, NoBody, Supports,
+        Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,
+        ContactStarted, Contacts, FaceForce, Load, NoBody, Supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin};
@@ -114,7 +114,7 @@ pub mod prelude {
     };
     pub use crate::profile::Profile;
     pub use crate::query::{
-        CastHit, Dir3, PointHit, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery,
+        CastHit, Dir3, Overlap, PointHit, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery,
     };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{

@@ -2,7 +2,7 @@
 
 use crate::body::{self, BodyTable};
 use crate::broadphase::{self, Broadphase};
-use crate::contact::{self, ContactEnded, ContactStarted, EndedPairs, Untriggered};
+use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, EndedPairs, Untriggered};
 use crate::diagnosis::{BodyError, StepError, Suspects};
 use crate::islands::Islands;
 use crate::profile::{Profile, timed};
@@ -16,6 +16,7 @@ use crate::stabilization::{anchors, friction, normal};
 use crate::{integration, islands, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::intern::Interned;
+use bevy_ecs::message::signal_message_update_system;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_time::Time;
@@ -97,12 +98,15 @@ impl Plugin for StepPlugin {
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>()
+            .add_message::<ContactForce>()
             .add_schedule(physics_schedule())
             .add_systems(
                 self.label,
                 take_step
                     .in_set(StepSystems)
-                    .before(TransformSystems::Propagate),
+                    .before(TransformSystems::Propagate)
+                    // It only says that messages may be updated, which happens elsewhere.
+                    .ambiguous_with(signal_message_update_system),
             );
     }
 }
@@ -268,6 +272,7 @@ impl Plugin for ContactEventsPlugin {
                 timed(&profile, "contact_events", contact::whole_step),
                 timed(&profile, "contact_events", contact::loads),
                 timed(&profile, "contact_events", contact::contact_events),
+                timed(&profile, "contact_events", contact::contact_forces),
             )
                 .chain()
                 .in_set(PhysicsSystems::ContactEvents),

@@ -4,8 +4,8 @@
 //! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`; replace one by taking its plugin out of
 //! [`DrystonePlugins`](crate::DrystonePlugins) and adding a system of your own to its set.
 
-use crate::collapse::Collapse;
-use crate::contact::{ContactEnded, ContactStarted};
+use crate::collapse::{Collapse, CollapseEnded};
+use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::profile::Profile;
 use crate::settings::{self, SolverSettings, StepTime};
@@ -92,7 +92,11 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<StepError>>().update();
     world.resource_mut::<Messages<ContactStarted>>().update();
     world.resource_mut::<Messages<ContactEnded>>().update();
+    world.resource_mut::<Messages<ContactForce>>().update();
     if let Some(mut collapses) = world.get_resource_mut::<Messages<Collapse>>() {
+        collapses.update();
+    }
+    if let Some(mut collapses) = world.get_resource_mut::<Messages<CollapseEnded>>() {
         collapses.update();
     }
     let result = advance(world, dt);

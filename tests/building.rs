@@ -5,7 +5,7 @@ mod support;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Pose, Velocity};
+use drystone::body::{Pose, RigidBody, Velocity};
 use drystone::contact::Load;
 use drystone::masonry::*;
 use glam::{Quat, Vec3};
@@ -546,4 +546,16 @@ fn edits_of_nobody_are_told() {
         .unwrap();
     log.undo(world).unwrap();
     assert_eq!(*world.get::<Velocity>(bricks[2]).unwrap(), velocity);
+}
+
+#[test]
+fn a_block_may_be_spawned_as_any_kind_of_body() {
+    let mut lab = Lab::new();
+    let blocks = Wall::new(Bond::Running).blocks().unwrap();
+    for kind in [RigidBody::Static, RigidBody::Kinematic, RigidBody::Dynamic] {
+        let body = lab.spawn((blocks[0].clone().bundle(), kind));
+        assert_eq!(lab.world.get::<RigidBody>(body), Some(&kind));
+    }
+    let body = lab.spawn(blocks[0].clone().bundle());
+    assert_eq!(lab.world.get(body), Some(&RigidBody::Dynamic));
 }

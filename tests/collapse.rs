@@ -7,8 +7,8 @@ use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
-use drystone::body::Mass;
-use drystone::collapse::{Collapse, CollapsePlugin, GaveWay, Watch};
+use drystone::body::{Mass, Sleeping};
+use drystone::collapse::{Collapse, CollapseEnded, CollapsePlugin, GaveWay, Watch};
 use drystone::collider::{Collider, Friction};
 use drystone::grab::Grab;
 use drystone::masonry::{Bond, Wall};
@@ -52,6 +52,11 @@ fn told(lab: &mut Lab, seconds: f32) -> Vec<Collapse> {
         told.extend(lab.world.resource_mut::<Messages<Collapse>>().drain());
     }
     told
+}
+
+fn ends(lab: &mut Lab) -> Vec<CollapseEnded> {
+    let mut ended = lab.world.resource_mut::<Messages<CollapseEnded>>();
+    ended.drain().collect()
 }
 
 fn ways(told: &[Collapse]) -> Vec<(Entity, GaveWay)> {
@@ -209,4 +214,79 @@ fn what_is_put_elsewhere_or_held_stood_nowhere() {
     // Where it has come to lie it stands again.
     lab.set_velocity(lies, Vec3::X * 3.0, Vec3::ZERO);
     assert_eq!(ways(&told(&mut lab, 2.0)), [(lies, GaveWay::Slid)]);
+}
+
+#[test]
+fn a_strength_lowered_while_asleep_counts() {
+    let mut lab = site(true);
+    let under = lab.cube(Vec3::Y * 0.5);
+    let upper = lab.cube(Vec3::Y * 1.5);
+    for body in [under, upper] {
+        watch(&mut lab, body);
+    }
+    assert_eq!(told(&mut lab, 2.0), []);
+    assert!(lab.world.get::<Sleeping>(under).unwrap().asleep);
+    // It bears its own weight and the other's, 10 kN each.
+    let weak = Watch { strength: 15_000.0 };
+    lab.world.entity_mut(under).insert(weak);
+    let crushed = told(&mut lab, 0.1);
+    assert_eq!(ways(&crushed), [(under, GaveWay::Crushed)]);
+    assert_eq!(crushed[0].rest, [upper]);
+    // Nothing has moved.
+    let [ended] = &ends(&mut lab)[..] else {
+        panic!("one collapse has ended");
+    };
+    assert_eq!((ended.first, &ended.moved[..]), (under, &[][..]));
+    // And what was told of stands, so that it can fall.
+    lab.world.despawn(under);
+    assert_eq!(ways(&told(&mut lab, 2.0)), [(upper, GaveWay::Fell)]);
+}
+
+#[test]
+fn what_is_watched_only_when_it_already_sleeps_stands() {
+    let mut lab = site(true);
+    let wall = Wall::new(Bond::Running).blocks().unwrap().into_iter();
+    let bricks: Vec<Entity> = wall.map(|brick| lab.spawn(brick.bundle())).collect();
+    // One of them is watched from the start.
+    watch(&mut lab, bricks[20]);
+    lab.run(3.0);
+    assert!(lab.world.get::<Sleeping>(bricks[0]).unwrap().asleep);
+    for &brick in &bricks {
+        if brick != bricks[20] {
+            watch(&mut lab, brick);
+        }
+    }
+    assert_eq!(told(&mut lab, 1.0), []);
+    lab.world.despawn(bricks[0]);
+    let all = told(&mut lab, 4.0);
+    assert_eq!(all.len(), 1, "{all:?}");
+    assert!([bricks[5], bricks[6]].contains(&all[0].first));
+    assert!(all[0].rest.len() > 20);
+}
+
+#[test]
+fn how_many_fall_and_how_heavy_they_are_is_told() {
+    for sleeps in [true, false] {
+        let mut lab = site(sleeps);
+        // Two columns far from each other, one of which falls.
+        let columns = [0.0, 20.0].map(|x| {
+            [0.5, 1.5, 2.5].map(|y| {
+                let cube = lab.cube(Vec3::new(x, y, 0.0));
+                watch(&mut lab, cube)
+            })
+        });
+        lab.run(1.0);
+        let [[base, middle, top], _] = columns;
+        lab.world.despawn(base);
+        let all = told(&mut lab, 4.0);
+        assert_eq!(all.len(), 1, "{all:?}");
+        // The base is gone.
+        assert_eq!((all[0].bodies, all[0].mass.round()), (2, 2000.0));
+        let [ended] = &ends(&mut lab)[..] else {
+            panic!("one collapse has ended");
+        };
+        assert_eq!((ended.first, ended.how), (all[0].first, GaveWay::Fell));
+        assert_eq!(ended.moved, [middle, top]);
+        assert_eq!(ended.mass, all[0].mass);
+    }
 }

@@ -5,13 +5,16 @@ mod support;
 use bevy_app::{App, PluginGroup, Update};
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 use drystone::body::{RigidBody, Velocity};
+use drystone::collapse::CollapsePlugin;
 use drystone::collider::Collider;
 use drystone::contact::{
     ContactAnchors, ContactEnded, ContactEvents, ContactStarted, ContactTargets, Manifold,
 };
+use drystone::grab::HandPlugin;
 use drystone::profile::Profile;
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
 use drystone::settings::{ContactSolver, SleepSettings, SolverSettings, StabilizationSettings};
@@ -359,4 +362,16 @@ fn friction_stabilization_may_be_turned_off_at_any_time() {
     settings.friction.enabled = false;
     frames(&mut app, 2);
     assert_eq!(held(&mut app), 0);
+}
+
+#[test]
+fn no_system_is_ambiguous_with_a_step() {
+    let mut app = app(DrystonePlugins::default());
+    app.add_plugins((CollapsePlugin, HandPlugin));
+    let strict = ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        ..Default::default()
+    };
+    app.configure_schedules(strict);
+    frames(&mut app, 3);
 }

@@ -4,7 +4,7 @@ mod support;
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use drystone::body::{Pose, RigidBody, Velocity};
+use drystone::body::{Pose, RigidBody, Sleeping, Velocity};
 use drystone::collider::Collider;
 use drystone::preview::{
     Edit, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
@@ -128,7 +128,12 @@ fn with_long_steps_as_much_begins_to_fall() {
 /// So that it is right whatever happens, as long as nothing else comes near.
 #[test]
 fn a_shadow_goes_where_its_world_goes() {
-    for (scene, sleeps) in [("arch:9", false), ("arch:9", true), ("wall:5x5", true)] {
+    for (scene, sleeps) in [
+        ("arch:9", false),
+        ("arch:9", true),
+        ("wall:5x5", true),
+        ("cardhouse:3", true),
+    ] {
         let mut run = settled(scene);
         run.world.resource_mut::<SleepSettings>().enabled = sleeps;
         for _ in 0..60 {
@@ -380,4 +385,71 @@ fn a_preview_ends_before_the_first_step_and_while_paused() {
         PreviewSettings::default(),
     );
     assert_eq!(finish(task.unwrap()), before);
+}
+
+/// In the middle of a fall, with bodies that hit each other, and others that sleep already.
+#[test]
+fn a_shadow_of_what_falls_goes_where_its_world_goes() {
+    for (scene, taken, sleeps) in [
+        ("wall:23x23", 5, true),
+        ("heap:100", 0, true),
+        ("heap:100", 0, false),
+        ("pile:balls:100", 0, true),
+        ("pile:hulls:100", 0, true),
+    ] {
+        let mut run = settled(scene);
+        run.world.resource_mut::<SleepSettings>().enabled = sleeps;
+        for _ in 0..60 {
+            run.step();
+        }
+        let bodies = run.bodies.split_off(taken);
+        for body in run.bodies.drain(..) {
+            run.world.despawn(body);
+        }
+        for at in [15, 30, 45] {
+            for _ in 0..15 {
+                drystone::step(&mut run.world, 1.0 / 60.0).unwrap();
+            }
+            let mut shadow = Shadow::around(&run.world, &bodies).unwrap();
+            for _ in 0..5 {
+                drystone::step(&mut run.world, 1.0 / 60.0).unwrap();
+                drystone::step(shadow.world_mut(), 1.0 / 60.0).unwrap();
+            }
+            let off = bodies.iter().map(|&body| {
+                let copy = shadow.copy_of(body).unwrap();
+                let there = pose(shadow.world_mut(), copy).position;
+                pose(&run.world, body).position.distance(there)
+            });
+            let off: Vec<f32> = off.filter(|&off| off > 0.0).collect();
+            assert!(off.is_empty(), "{scene} after {at} steps: off by {off:?} m");
+        }
+    }
+}
+
+/// What sleeps in the world sleeps in its shadow, until an edit takes its hold.
+#[test]
+fn an_edit_wakes_what_sleeps_in_a_shadow() {
+    let (mut lab, [left, right, across]) = trilith();
+    lab.run(3.0);
+    let asleep = |lab: &Lab, body| lab.world.get::<Sleeping>(body).unwrap().asleep;
+    assert!([left, right, across].iter().all(|&body| asleep(&lab, body)));
+    let shadow = Shadow::around(&lab.world, &[across]).unwrap();
+    let preview = shadow.run(&PreviewSettings::default()).unwrap();
+    assert!(preview.rests && preview.moved.is_empty());
+    assert!(preview.time < 0.1, "nothing is awake: {} s", preview.time);
+
+    let taken = preview_of(&lab, Edit::Take(vec![left]));
+    assert!(taken.moves(across) && !taken.moves(right));
+    let away = Pose {
+        position: Vec3::new(5.0, 3.0, 0.0),
+        ..Pose::default()
+    };
+    let moved = preview_of(&lab, Edit::Move(left, away));
+    assert!(moved.moves(across) && !moved.moves(right));
+    let ends = moved.ends.unwrap();
+    assert!((ends.position.y - 0.25).abs() < 1e-2, "{ends:?}");
+}
+
+fn preview_of(lab: &Lab, edit: Edit) -> Preview {
+    preview(&lab.world, &edit).unwrap()
 }

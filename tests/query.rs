@@ -223,7 +223,8 @@ fn check(seed: u64) {
             )
         });
         assert_eq!(fits, expected.is_empty());
-        assert_same(overlaps, expected, "overlaps");
+        let overlaps = overlaps.iter().map(|it| (it.entity, it.depth));
+        assert_same(overlaps.collect(), expected, "overlaps");
 
         let options = ShapeCastOptions {
             max_time_of_impact: most,
@@ -335,8 +336,20 @@ fn a_brick_fits_on_top_and_beside_but_not_in() {
         let deep = world.overlaps(&collider, at(0.9, 0.25, 0.0), 1e-3, &any);
         let deep = deep.unwrap();
         assert_eq!(deep.len(), 1);
-        assert_eq!(deep[0].0, brick);
-        assert_near(deep[0].1, 0.1, 1e-3, "by how much");
+        assert_eq!(deep[0].entity, brick);
+        assert_near(deep[0].depth, 0.1, 1e-3, "by how much");
+        assert!(deep[0].normal.distance(Vec3::X) < 1e-3, "which way out");
+        assert_near(deep[0].point.x, 0.5, 1e-3, "where");
+        // Moved out along the normal by the depth it fits.
+        for x in [0.9, -0.8] {
+            let there = at(x, 0.25, 0.02);
+            let overlap = world.overlaps(&collider, there, 1e-3, &any).unwrap()[0];
+            let out = Pose {
+                position: there.position + overlap.normal * overlap.depth,
+                ..there
+            };
+            assert!(fits(out), "{overlap:?}");
+        }
     });
 }
 
@@ -481,5 +494,63 @@ fn bad_questions_have_no_answer() {
             error.to_string(),
             "a half-space has no end, and cannot be asked with"
         );
+    });
+}
+
+/// Neither has an inside: what the question means is not known, and "nothing" would be a lie.
+#[test]
+fn two_surfaces_are_not_said_to_be_apart() {
+    let mut lab = Lab::new();
+    let hills = |height| {
+        let hills = vec![vec![height, height + 1.0, height]; 3];
+        Collider::height_field(&hills, Vec3::new(8.0, 1.0, 8.0)).unwrap()
+    };
+    let lies = lab.spawn((RigidBody::Static, hills(0.0)));
+    lab.step();
+    let any = QueryFilter::default();
+    ask(&mut lab, |world| {
+        for height in [-0.5, 0.0, 0.5] {
+            let asked = world.overlaps(&hills(height), Pose::default(), 0.0, &any);
+            assert_eq!(asked, Err(QueryError::Unsupported(lies)), "{height}");
+        }
+    });
+}
+
+#[test]
+fn casts_may_ignore_what_they_start_in() {
+    let (mut lab, [ground, brick]) = brick_on_a_plane();
+    let wall = lab.spawn((
+        RigidBody::Static,
+        Collider::cuboid(1.0, 4.0, 4.0),
+        Transform::from_xyz(3.0, 2.0, 0.0),
+    ));
+    lab.step();
+    let any = QueryFilter::default();
+    let free = any.ignoring_start();
+    ask(&mut lab, |world| {
+        // The brick itself, as it lies, goes to the wall.
+        let collider = Collider::cuboid(1.0, 0.5, 0.5);
+        let from = Pose {
+            position: Vec3::Y * 0.25,
+            ..Pose::default()
+        };
+        let cast = |filter| world.cast_shape(&collider, from, Dir3::X, 9.0, filter);
+        let hit = cast(&any).unwrap().unwrap();
+        assert!(hit.distance == 0.0 && [ground, brick].contains(&hit.entity));
+        let hit = cast(&free).unwrap().unwrap();
+        assert_eq!(hit.entity, wall);
+        assert_near(hit.distance, 2.0, 1e-3, "to the wall");
+        let hits = world.cast_shape_through(&collider, from, Dir3::X, 9.0, &free);
+        let hits: Vec<Entity> = hits.unwrap().iter().map(|hit| hit.entity).collect();
+        assert_eq!(hits, [wall]);
+
+        // A ray out of the brick.
+        let out = ray(Vec3::Y * 0.25, Dir3::X);
+        let hit = world.cast_ray(out, 9.0, &free).unwrap().unwrap();
+        assert_eq!(hit.entity, wall);
+        assert_near(hit.distance, 2.5, 1e-3, "to the wall");
+        let hits = world.cast_ray_through(out, 9.0, &free.hollow()).unwrap();
+        assert_eq!(hits.len(), 1);
+        assert_eq!(hits[0].entity, wall);
     });
 }

@@ -294,3 +294,41 @@ fn who_was_disabled_at_rest_comes_back_and_takes_part() {
     assert_near(yard.lab.position(cube).y, 2.5, 1e-3, "height");
     assert_eq!(yard.active(), (vec![], 0));
 }
+
+#[test]
+fn the_same_written_again_leaves_what_rests_at_rest() {
+    let mut yard = Yard::new();
+    let cube = yard.stacks[0][1];
+    let bodies: Vec<Entity> = yard.stacks.as_flattened().to_vec();
+    for body in bodies.into_iter().chain(yard.slabs) {
+        let world = &mut yard.lab.world;
+        let kind = *world.get::<RigidBody>(body).unwrap();
+        let collider = world.get::<Collider>(body).unwrap().clone();
+        let at = *world.get::<Transform>(body).unwrap();
+        let sleeping = *world.get::<Sleeping>(body).unwrap();
+        world.entity_mut(body).insert((
+            kind,
+            collider,
+            at,
+            sleeping,
+            Friction::default(),
+            CollisionLayers::default(),
+            Velocity::default(),
+            ExternalForce::default(),
+            ExternalImpulse::default(),
+            GravityScale::default(),
+            Damping::default(),
+        ));
+    }
+    yard.lab.step();
+    assert_eq!(yard.active(), (vec![], 0));
+    // And what is not the same wakes.
+    yard.lab.world.entity_mut(cube).insert(Friction::new(0.1));
+    yard.lab.step();
+    assert!(!yard.sleeps(cube));
+    yard.lab.run(3.0);
+    assert!(yard.sleeps(cube));
+    yard.lab.world.get_mut::<Sleeping>(cube).unwrap().wake();
+    yard.lab.step();
+    assert!(!yard.sleeps(cube) && yard.sleeps(yard.stacks[1][0]));
+}

@@ -8,7 +8,9 @@ use drystone::body::{ExternalForce, RigidBody};
 use drystone::collider::{Collider, Friction};
 use drystone::masonry::{Arch, Block, Bond, Pyramid, Wall};
 use drystone::settings::Gravity;
-use drystone::stability::{Giving, How, Margin, StabilityError, Trial, stability};
+use drystone::stability::{
+    Giving, How, MAX_BODIES, Margin, StabilityError, Trial, stability, stability_task,
+};
 use glam::Vec3;
 use std::time::Instant;
 use support::*;
@@ -354,4 +356,53 @@ fn what_is_despawned_in_the_same_frame_bears_nothing() {
     let ground = ground.unwrap().0;
     lab.world.despawn(ground);
     assert_eq!(tilt(&lab, &bodies), Err(StabilityError::Falls));
+}
+
+/// A wall of 50 m with 20 courses.
+fn thousand() -> (Lab, Vec<Entity>) {
+    let wall = Wall {
+        length: 50.0,
+        courses: 20,
+        ..Wall::new(Bond::Running)
+    };
+    build(wall.blocks().unwrap(), 0.5)
+}
+
+#[test]
+fn a_thousand_bricks_are_asked_about_in_a_task() {
+    let (mut lab, bodies) = thousand();
+    assert_eq!(bodies.len(), 1010);
+    let start = Instant::now();
+    let task = stability_task(&lab.world, &bodies, &Trial::Tilt(Vec3::Z)).unwrap();
+    let asked = start.elapsed();
+    // The world goes on, and what becomes of it does not matter.
+    lab.world.despawn(bodies[0]);
+    lab.step();
+    let margin = bevy_tasks::block_on(task).unwrap();
+    let known = start.elapsed();
+    println!("asked in {asked:?}, known in {known:?}");
+    assert_near(margin.most.tan(), 0.05, 0.02, "half of 0.5 m over 5 m");
+    assert!(asked < known / 4, "{asked:?} of {known:?}");
+
+    // What is wrong is told at once.
+    let gone = stability_task(&lab.world, &bodies, &Trial::Tilt(Vec3::Z)).map(drop);
+    assert_eq!(gone, Err(StabilityError::NoBody(bodies[0])));
+    let many = vec![bodies[1]; MAX_BODIES + 1];
+    let many = stability(&lab.world, &many, &Trial::Tilt(Vec3::Z)).map(drop);
+    assert_eq!(many, Err(StabilityError::TooMany(MAX_BODIES + 1)));
+    assert!(many.unwrap_err().to_string().contains("2001 bodies"));
+}
+
+#[test]
+#[ignore = "minutes on a busy machine: how long a thousand bricks take"]
+fn how_long_a_thousand_bricks_take() {
+    let (lab, bodies) = thousand();
+    for direction in [Vec3::Z, Vec3::X] {
+        let start = Instant::now();
+        let margin = tilt(&lab, &bodies, direction);
+        println!("{direction}: {:?} {}", start.elapsed(), margin.most.tan());
+    }
+    let start = Instant::now();
+    let margin = pull(&lab, &bodies, 500, lab.position(bodies[500]), Vec3::Z);
+    println!("pulled: {:?} {} N", start.elapsed(), margin.most);
 }

@@ -79,7 +79,7 @@ pub fn prepare(
     }
     let mut stirred = match rules.in_force.changed {
         true => bodies.p1().iter().map(|(of, ..)| of.0).collect(),
-        false => find_written(bodies.p1()),
+        false => find_written(visitor.table, bodies.p1()),
     };
     stirred.extend(find_carried(bodies.p2(), placed));
     stirred.extend(&teleported);
@@ -207,7 +207,9 @@ impl Visitor<'_, '_, '_> {
         body.moved = body.pose != *pose;
         body.pose = *pose;
         body.center = pose.transform_point(body.mass.local_center);
-        body.asleep = sleeping.asleep && *kind == RigidBody::Dynamic;
+        let asleep = sleeping.asleep && *kind == RigidBody::Dynamic;
+        let woken = body.asleep && !asleep;
+        body.asleep = asleep;
         let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
         if written
             && let Ok(description) = described.get_mut(entity)
@@ -228,7 +230,11 @@ impl Visitor<'_, '_, '_> {
             body.scale_told = true;
             self.suspects.0.push((entity, BodyProblem::ScaleIgnored));
         }
-        self.table.stir(index.0);
+        // What was written is what was there already: one that rests stays at rest.
+        let changed = body.roused || body.moved || woken || body.target.is_some();
+        if changed {
+            self.table.stir(index.0);
+        }
         None
     }
 }

@@ -7,8 +7,9 @@
 
 use super::placement::{Placed, user_pose};
 use super::{
-    Age, AngularInertia, BodyIndex, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-    GravityScale, Mass, Pose, Quarantined, RigidBody, Sleeping, Velocity,
+    Age, AngularInertia, BodyIndex, BodyState, BodyTable, CenterOfMass, Damping, Density,
+    ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Quarantined, RigidBody, Sleeping,
+    Velocity,
 };
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::ContactEvents;
@@ -73,51 +74,111 @@ pub(super) type RestingBodies<'w, 's> = Query<'w, 's, Written, Rests>;
 pub(super) type RestingChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), Rests>;
 
-/// Those that somebody has written to since the system at hand ran last; once for each component.
-pub(super) fn find_written(bodies: RestingBodies) -> Vec<Entity> {
+/// Those that somebody has written to since the system at hand ran last, and not only what the table knows of them; once for each component.
+pub(super) fn find_written(table: &BodyTable, bodies: RestingBodies) -> Vec<Entity> {
     let mut found = Vec::new();
     let columns = bodies.contiguous_iter();
     for (required, forces, surface) in columns.expect("all of it is stored in tables") {
         let entities = required.0;
+        let rows = Rows {
+            table,
+            entities,
+            slots: &required.4.clone(),
+        };
         macro_rules! look {
-            ($columns:ident: $($i:tt)+) => {$(
-                look(entities, $columns.$i, &mut found);
+            ($($column:expr),+ $(,)?) => {$(
+                look($column, |row, _| found.push(entities[row]));
             )+};
         }
         macro_rules! look_if_there {
-            ($columns:ident: $($i:tt)+) => {$(
-                if let Some(column) = $columns.$i {
-                    look(entities, column, &mut found);
+            ($($column:expr),+ $(,)?) => {$(
+                if let Some(column) = $column {
+                    look!(column);
                 }
             )+};
         }
-        look!(required: 1 2 3 4 6);
+        // Of what the table has a copy of, only what differs.
+        macro_rules! compare {
+            ($($column:expr => $same:expr),+ $(,)?) => {$(
+                if let Some(column) = $column {
+                    rows.compare(column, $same, &mut found);
+                }
+            )+};
+        }
+        compare!(
+            Some(required.1) => |body, &kind: &RigidBody| body.kind == kind,
+            Some(required.3) => |body, sleeping: &Sleeping| body.asleep == sleeping.asleep,
+            Some(required.6) => |_, &velocity: &Velocity| velocity == Velocity::default(),
+            forces.0 => |body, &force: &ExternalForce| body.force == force,
+            forces.3 => |body, scale: &GravityScale| body.gravity_scale == scale.0,
+            forces.5 => |body, collider: &Collider| {
+                body.collider.as_ref().is_some_and(|known| known.is_same(collider))
+            },
+            surface.2 => |body, &friction: &Friction| body.friction == friction,
+            surface.3 => |body, &restitution: &Restitution| body.restitution == restitution,
+            surface.4 => |body, &rolling: &RollingFriction| body.rolling == rolling,
+            surface.5 => |body, &layers: &CollisionLayers| body.layers == layers,
+        );
         // Of a child's frame `find_carried` knows.
         if surface.7.is_none() {
             look_moved(entities, &required.5, required.7, &mut found);
         }
-        look!(required: 5);
-        look_if_there!(forces: 0 1 2 3 4 5 6 7);
-        look_if_there!(surface: 0 1 2 3 4 5 6);
+        look!(required.2, required.4, required.5);
+        look_if_there!(forces.1, forces.2, forces.4, forces.6, forces.7);
+        look_if_there!(surface.0, surface.1, surface.6);
     }
     found
 }
 
-/// Whose row of a column has been written.
-fn look<T>(entities: &[Entity], column: ContiguousRef<T>, found: &mut Vec<Entity>) {
+/// The bodies of a table of Bevy's.
+#[derive(Clone, Copy)]
+struct Rows<'a> {
+    table: &'a BodyTable,
+    entities: &'a [Entity],
+    slots: &'a [BodyIndex],
+}
+
+impl Rows<'_> {
+    /// Whose row of a column has been written with what the table does not know.
+    fn compare<T>(
+        self,
+        column: ContiguousRef<T>,
+        same: impl Fn(&BodyState, &T) -> bool,
+        found: &mut Vec<Entity>,
+    ) {
+        let Self {
+            table,
+            entities,
+            slots,
+        } = self;
+        look(column, |row, value| {
+            let body = table.get(slots[row].0);
+            let known = body.filter(|body| body.entity == entities[row]);
+            if !known.is_some_and(|body| same(body, value)) {
+                found.push(entities[row]);
+            }
+        });
+    }
+}
+
+/// Calls `written` with each row of a column that has been written, and what is there now.
+fn look<T>(column: ContiguousRef<T>, mut written: impl FnMut(usize, &T)) {
     /// Compared at once, by vector instructions where nothing was written.
     const CHUNK: usize = 64;
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
     let rows = column.changed_ticks_slice();
-    let (_, ticks) = ContiguousRef::split(column);
+    let (values, ticks) = ContiguousRef::split(column);
     if ticks.summary_tick_is_changed() == Some(false) {
         return;
     }
     let is_new = |tick: &Tick| tick.is_newer_than(last, this);
-    for (entities, rows) in entities.chunks(CHUNK).zip(rows.chunks(CHUNK)) {
+    for (chunk, rows) in rows.chunks(CHUNK).enumerate() {
         if rows.iter().fold(false, |any, row| any | is_new(row)) {
-            let written = entities.iter().zip(rows).filter(|(_, row)| is_new(row));
-            found.extend(written.map(|(&entity, _)| entity));
+            let new = rows
+                .iter()
+                .zip(CHUNK * chunk..)
+                .filter(|(row, _)| is_new(row));
+            new.for_each(|(_, row)| written(row, &values[row]));
         }
     }
 }

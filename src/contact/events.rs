@@ -1,7 +1,7 @@
 //! The stage **contact events**: tells when bodies begin and cease to touch, as messages for everyone and as events for the
 //! observers of entities that ask for them with [`ContactEvents`].
 
-use super::{ContactImpulses, ContactPair};
+use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair};
 use crate::body::{Age, BodyTable, Resting};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -50,6 +50,7 @@ pub struct EndedPairs(pub(crate) Vec<([Age; 2], [Entity; 2])>);
 pub struct Untriggered {
     started: Vec<ContactStarted>,
     ended: Vec<ContactEnded>,
+    pub(super) forces: Vec<ContactForce>,
 }
 
 /// See the module's text. With several substeps it speaks of the whole step, at its end.
@@ -105,7 +106,11 @@ pub fn contact_events(
 
 /// Runs the observers; outside the schedule, since it needs the whole world.
 pub(crate) fn trigger(world: &mut World) {
-    let Untriggered { started, ended } = std::mem::take(&mut *world.resource_mut::<Untriggered>());
+    let Untriggered {
+        started,
+        ended,
+        forces,
+    } = std::mem::take(&mut *world.resource_mut::<Untriggered>());
     let listens = |world: &World, body| world.get::<ContactEvents>(body).is_some();
     for event in started {
         if listens(world, event.body) {
@@ -114,6 +119,11 @@ pub(crate) fn trigger(world: &mut World) {
     }
     for event in ended {
         if listens(world, event.body) {
+            world.trigger(event);
+        }
+    }
+    for event in forces {
+        if world.get::<ContactForceEvents>(event.body).is_some() {
             world.trigger(event);
         }
     }

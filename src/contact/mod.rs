@@ -9,6 +9,7 @@
 //! [`islands`](crate::islands) were found are solved from the next step on.
 
 mod events;
+mod force_events;
 mod forces;
 mod supports;
 mod whole_step;
@@ -17,6 +18,7 @@ pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
+pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
 pub use forces::{Contacts, FaceForce, Load, NoBody, loads};
 pub use supports::{Bearing, Supports};
 pub(crate) use whole_step::Earlier;

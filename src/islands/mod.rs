@@ -202,6 +202,14 @@ impl Islands {
         self.graph.of(self.node(table, slot))
     }
 
+    /// A number of the island that a dynamic body is in, be it awake, asleep or at rest. It is that of no other island until the next step.
+    pub(crate) fn number(&self, table: &BodyTable, slot: u32) -> Option<usize> {
+        self.find(table, slot).or_else(|| {
+            let at_rest = self.resting.of(slot).filter(|_| table.rests(slot))?;
+            Some(self.graph.count + at_rest as usize)
+        })
+    }
+
     /// The slots of all bodies in the island of a dynamic one, be they awake, asleep or at rest.
     pub(crate) fn members(&self, table: &BodyTable, slot: u32) -> Vec<u32> {
         let at_rest = |group: u32| {

@@ -47,6 +47,7 @@ pub use wall::{Opening, Wall};
 use crate::body::{Pose, RigidBody};
 use crate::collider::Collider;
 use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
 
@@ -83,13 +84,20 @@ impl Block {
         self
     }
 
-    /// What to spawn for a dynamic body.
+    /// What to spawn: a dynamic body, or with another [`RigidBody`] beside it a body of that kind, as in
+    /// `(block.bundle(), RigidBody::Static)`.
     pub fn bundle(self) -> impl Bundle {
         let Pose { position, rotation } = self.pose;
         let at = Transform::from_translation(position).with_rotation(rotation);
-        (RigidBody::Dynamic, self.collider, at)
+        (Laid, self.collider, at)
     }
 }
+
+/// A body that was spawned from a [`Block`]. It requires a [`RigidBody`], which is dynamic by default.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[require(RigidBody)]
+pub struct Laid;
 
 /// Widths of what stands side by side, with a gap between neighbours, about the middle: the middle of each.
 fn side_by_side(widths: &[f32], gap: f32) -> impl Iterator<Item = f32> {

@@ -119,7 +119,7 @@ pub(super) fn detect(
             if form_a.is_round() || form_b.is_round() {
                 let place = Placement::between(at(a), at(b));
                 let [part_a, part_b] = Part::two(form_a, form_b, place);
-                round::meet(&part_a, &part_b, search, &mut contact);
+                apart = round::meet(&part_a, &part_b, search, &mut contact) as f32;
             } else {
                 let two = Two {
                     bodies: [a, b],

@@ -15,6 +15,7 @@ use crate::settings::{
     StabilizationSettings, StepTime,
 };
 use bevy_app::App;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 use bevy_transform::components::Transform;
@@ -76,14 +77,12 @@ fn take_over(
         let Some(body) = table.get_mut(slot) else {
             continue;
         };
-        // What an edit has put elsewhere is as new as what it has brought.
         match poses.get(&body.entity) {
             Some((pose, moved)) if *pose == body.pose => {
                 (body.arrived, body.renewed, body.moved) = (false, false, *moved);
             }
-            _ => {
-                poses.remove(&body.entity);
-            }
+            // What an edit has put elsewhere is as new as what it has brought.
+            _ => body.roused |= poses.remove(&body.entity).is_some(),
         }
     }
     for (mut pair, mut manifold, mut impulses, mut anchors, mut targets, mut cache) in &mut pairs {
@@ -93,6 +92,14 @@ fn take_over(
             let found = *pair;
             (*pair, *manifold, *impulses, *anchors, *targets, *cache) = contact;
             pair.take_ends(&found);
+        }
+    }
+    // An edit has parted the bodies of contacts that are left: those that sleep there wake, as in the world.
+    let parted = contacts.iter().filter(|(_, contact)| contact.0.touching);
+    let parted: EntityHashSet = parted.flat_map(|(ends, _)| *ends).collect();
+    for slot in 0..table.slots() as u32 {
+        if let Some(body) = table.get_mut(slot) {
+            body.roused |= parted.contains(&body.entity);
         }
     }
     commands.remove_resource::<Taken>();
@@ -131,7 +138,7 @@ pub(super) fn empty(world: &World) -> World {
     shadow
 }
 
-/// A copy of a body. One that is near the structures, and lies, sleeps until it is hit.
+/// A copy of a body, asleep where it sleeps. One that is near the structures, and lies, sleeps until it is hit.
 pub(super) fn copy(
     world: &World,
     body: &BodyState,
@@ -141,15 +148,28 @@ pub(super) fn copy(
     let original = world.entity(body.entity);
     let pose = original.get::<Pose>().copied().unwrap_or(body.pose);
     let velocity = original.get::<Velocity>().copied().unwrap_or_default();
-    let asleep = !in_structure && body.is_dynamic() && velocity == Velocity::default();
+    let mut sleeping = original.get::<Sleeping>().copied().unwrap_or_default();
+    let lies = body.is_dynamic() && velocity == Velocity::default();
+    sleeping.asleep |= !in_structure && lies;
+    // All of it at once: each insertion of its own would move the body to another table.
+    macro_rules! current {
+        ($component:ty) => {
+            original.get::<$component>().copied().unwrap_or_default()
+        };
+    }
     let mut copy = shadow.spawn((
-        body.kind,
-        to_transform(pose),
-        velocity,
-        Sleeping {
-            asleep,
-            ..Default::default()
-        },
+        (body.kind, to_transform(pose), velocity, sleeping),
+        (
+            current!(ExternalForce),
+            current!(Damping),
+            current!(GravityScale),
+        ),
+        (
+            current!(Friction),
+            current!(Restitution),
+            current!(RollingFriction),
+            current!(CollisionLayers),
+        ),
     ));
     macro_rules! take {
         ($($component:ty),+ $(,)?) => {
@@ -159,8 +179,6 @@ pub(super) fn copy(
         };
     }
     take!(Collider, Density, Mass, AngularInertia, CenterOfMass);
-    take!(Friction, Restitution, RollingFriction, CollisionLayers);
-    take!(ExternalForce, Damping, GravityScale);
     copy.id()
 }
 

@@ -6,14 +6,20 @@ use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{Pose, RigidBody, Sleeping};
 use crate::collider::Collider;
 use crate::schedule::{LENGTHS, step};
-use crate::settings::{Preset, StepTime};
+use crate::settings::{Preset, SleepSettings, StepTime};
+use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_platform::collections::hash_map::Entry;
 use bevy_time::{Fixed, Time};
 use parry3d::bounding_volume::Aabb;
 
 /// What has been still for so long is taken to lie, s.
 const STILL: f32 = 0.25;
+
+/// What has hardly moved since the beginning, and is slower by this share than it may be after [`STILL`], and as much slower as it has had less
+/// time, does not fall. It would have to become faster by more than a body does that tips.
+const HARDLY: f32 = 0.4;
 
 /// A copy of part of a world, which takes steps by itself. It can be sent to another thread.
 pub struct Shadow {
@@ -24,6 +30,20 @@ pub struct Shadow {
     edited: Option<Entity>,
     /// Length of a step of the world's, s.
     dt: f32,
+}
+
+/// Where a body was after the first step in which it was awake, and after the last one.
+struct Seen {
+    first: Pose,
+    last: Pose,
+}
+
+/// Whether a body has come less far than one that has the speed limits of sleeping for so long, s.
+fn is_slower(limits: &SleepSettings, time: f32, from: &Pose, to: &Pose) -> bool {
+    // Of small angles; their cosine has no digits left for them.
+    let turned = 2.0 * (to.rotation - from.rotation).length();
+    from.position.distance(to.position) < time * limits.linear_speed
+        && turned < time * limits.angular_speed
 }
 
 /// A body and its copy.
@@ -102,22 +122,48 @@ impl Shadow {
 
     /// Takes steps until all lies still, or time is up.
     ///
+    /// A world in which nothing has begun to move is known to lie still after a few steps: whatever falls is as fast after one of them as it may be
+    /// after a quarter of a second.
+    ///
     /// # Errors
     /// Where the settings are invalid.
     pub fn run(mut self, settings: &PreviewSettings) -> Result<Preview, PreviewError> {
         settings.check()?;
         let dt = settings.dt.unwrap_or(self.dt);
+        let slow = *self.world.resource::<SleepSettings>();
         // In double precision, or many short steps would not add up.
         let mut time = 0.0_f64;
         let mut rests = false;
-        let mut sleepers = self.world.query::<(&RigidBody, &Sleeping)>();
+        let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
+        let mut seen: EntityHashMap<Seen> = EntityHashMap::default();
         while time < f64::from(settings.longest) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
-            let mut all = sleepers.iter(&self.world);
-            rests = all.all(|(kind, sleeping)| {
-                *kind != RigidBody::Dynamic || sleeping.asleep || sleeping.still_for >= STILL
-            });
+            let passed = time as f32;
+            let hardly = HARDLY * (passed / STILL).min(1.0);
+            rests = true;
+            for (body, kind, sleeping, pose) in bodies.iter(&self.world) {
+                if *kind != RigidBody::Dynamic || sleeping.asleep {
+                    continue;
+                }
+                // Bodies that were awake before the edit may have been still for long already.
+                let lies = passed >= STILL && sleeping.still_for >= STILL;
+                let stays = match seen.entry(body) {
+                    Entry::Occupied(mut entry) => {
+                        let last = std::mem::replace(&mut entry.get_mut().last, *pose);
+                        is_slower(&slow, hardly * dt, &last, pose)
+                            && is_slower(&slow, passed.min(STILL), &entry.get().first, pose)
+                    }
+                    Entry::Vacant(entry) => {
+                        entry.insert(Seen {
+                            first: *pose,
+                            last: *pose,
+                        });
+                        false
+                    }
+                };
+                rests &= lies || stays;
+            }
         }
         let others = self.bodies.iter();
         let others = others.filter(|body| body.dynamic && self.edited != Some(body.copy));

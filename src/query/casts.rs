@@ -10,6 +10,7 @@ use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::BvhNode;
 use parry3d::query::{Ray, RayCast, ShapeCastOptions, cast_shapes};
+use std::cell::Cell;
 
 /// Where a shape that moves on a straight way touches a body first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +65,13 @@ impl<'a> Cast<'a> {
             .unwrap_or(f32::MAX)
     }
 
-    fn hit(&self, target: &Target, most: f32) -> Option<CastHit> {
+    /// Where it touches a body, nearer than `most` (m).
+    fn hit(
+        &self,
+        target: &Target,
+        most: f32,
+        filter: &QueryFilter,
+    ) -> Result<Option<CastHit>, QueryError> {
         let at = target.pose.to_parry();
         let options = ShapeCastOptions {
             max_time_of_impact: most,
@@ -81,13 +88,15 @@ impl<'a> Cast<'a> {
             target.shape,
             options,
         );
-        let hit = hit.ok().flatten()?;
-        Some(CastHit {
-            entity: target.body.entity,
+        let entity = target.body.entity;
+        let hit = hit.map_err(|_| QueryError::Unsupported(entity))?;
+        let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, most));
+        Ok(hit.map(|hit| CastHit {
+            entity,
             distance: hit.time_of_impact,
             point: at.transform_point(hit.witness2),
             normal: at.rotation * hit.normal2,
-        })
+        }))
     }
 }
 
@@ -110,7 +119,8 @@ impl SpatialQuery<'_, '_> {
     /// The first body that a shape touches which begins at a pose and goes straight on, without turning, for less than `most` (m).
     ///
     /// # Errors
-    /// Where pose or direction are not finite, the distance is negative, or the shape has no volume or no end.
+    /// Where pose or direction are not finite, the distance is negative, the shape has no volume or no end, or it cannot be compared with that
+    /// of a body on its way.
     pub fn cast_shape(
         &self,
         collider: &Collider,
@@ -120,14 +130,22 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
         let cast = Cast::new(collider, from, direction, most)?;
-        let hit = |slot, most| cast.hit(&self.target(slot, filter)?, most);
+        let failed = Cell::new(None);
+        let hit = |slot, most| {
+            let hit = cast.hit(&self.target(slot, filter)?, most, filter);
+            hit.unwrap_or_else(|error| {
+                failed.set(Some(error));
+                None
+            })
+        };
         let distance = |slot, best| hit(slot, best).map(|hit| hit.distance);
         let found = (self.broadphase.tree()).find_best(
             cast.most,
             |node: &BvhNode, _| cast.way_to(node),
             distance,
         );
-        Ok(self.nearest(found, cast.most, distance, |slot| hit(slot, cast.most)))
+        let nearest = self.nearest(found, cast.most, distance, |slot| hit(slot, cast.most));
+        failed.take().map_or(Ok(nearest), Err)
     }
 
     /// Whatever the shape would touch up to `most` (m), nearest first, as if it went through all of it.
@@ -146,9 +164,11 @@ impl SpatialQuery<'_, '_> {
         let tree = self.broadphase.tree();
         let near = tree.leaves(|node| cast.way_to(node) < f32::MAX);
         let hits = self.all(near, |slot| {
-            cast.hit(&self.target(slot, filter)?, cast.most)
+            let hit = cast.hit(&self.target(slot, filter)?, cast.most, filter);
+            hit.transpose()
         });
-        let mut hits: Vec<CastHit> = hits.into_iter().map(|(_, hit)| hit).collect();
+        let hits = hits.into_iter().map(|(_, hit)| hit);
+        let mut hits: Vec<CastHit> = hits.collect::<Result<_, _>>()?;
         hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         Ok(hits)
     }

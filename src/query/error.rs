@@ -1,5 +1,6 @@
 //! Questions that have no answer.
 
+use bevy_ecs::entity::Entity;
 use std::fmt;
 
 /// Why a question has no answer.
@@ -13,6 +14,9 @@ pub enum QueryError {
     DegenerateShape,
     /// The shape that is asked with has no end: a half-space may be hit, but not be moved.
     Unbounded,
+    /// The shape that is asked with cannot be compared with that of this body: both are surfaces, which have no inside, or one is of a kind
+    /// that parry does not know.
+    Unsupported(Entity),
 }
 
 impl fmt::Display for QueryError {
@@ -25,6 +29,11 @@ impl fmt::Display for QueryError {
             Self::DegenerateShape => {
                 f.write_str("the shape to ask with has no volume, or a size out of bounds")
             }
+            Self::Unsupported(body) => write!(
+                f,
+                "the shape to ask with cannot be compared with that of {body}: two surfaces have no inside; filter that body out, or ask \
+                 with a solid"
+            ),
             Self::Unbounded => f.write_str("a half-space has no end, and cannot be asked with"),
         }
     }

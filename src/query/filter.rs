@@ -25,6 +25,7 @@ pub struct QueryFilter<'a> {
     predicate: Option<&'a (dyn Fn(Entity) -> bool + Sync)>,
     dynamic_only: bool,
     hollow: bool,
+    ignores_start: bool,
 }
 
 impl<'a> QueryFilter<'a> {
@@ -58,9 +59,21 @@ impl<'a> QueryFilter<'a> {
         self
     }
 
+    /// Rays and shapes do not hit the bodies that they begin in or touch at their start, as a brick on its way does not hit the one that it
+    /// lies on. Such a body is not hit later on the way either.
+    pub fn ignoring_start(mut self) -> Self {
+        self.ignores_start = true;
+        self
+    }
+
+    /// Whether a hit at a distance, m, counts, where `most` is the farthest.
+    pub(super) fn reaches(&self, distance: f32, most: f32) -> bool {
+        distance <= most && (distance > 0.0 || !self.ignores_start)
+    }
+
     /// Whether a ray hits the body that it begins in at once.
     pub(super) fn is_solid(&self) -> bool {
-        !self.hollow
+        !self.hollow || self.ignores_start
     }
 
     #[inline]

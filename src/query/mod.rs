@@ -48,6 +48,7 @@ pub use bevy_shape::Ray3d;
 pub use casts::CastHit;
 pub use error::QueryError;
 pub use filter::QueryFilter;
+pub use overlaps::Overlap;
 pub use points::PointHit;
 pub use rays::RayHit;
 

@@ -3,43 +3,72 @@
 use super::casts::posed;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
-use crate::collider::Collider;
+use crate::collider::{Collider, is_surface};
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 use parry3d::query::contact;
 
+/// How a shape and a body overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// The body.
+    pub entity: Entity,
+    /// How deep the shape is in it, m.
+    pub depth: f32,
+    /// Unit vector out of the body's surface, world: moved by `depth` along it the shape touches the body and no more. (A body of several parts,
+    /// triangles or convex ones, tells of that in which the shape is deepest.)
+    pub normal: Vec3,
+    /// A point of the body's surface where it is deepest, world, m.
+    pub point: Vec3,
+}
+
 impl Target<'_> {
-    /// How deep a shape is in it, m, if it is.
-    fn depth(&self, collider: &Collider, pose: Pose) -> Option<f32> {
+    /// How a shape is in it, if it is.
+    fn overlap(&self, collider: &Collider, pose: Pose) -> Result<Option<Overlap>, QueryError> {
+        let entity = self.body.entity;
+        let unsupported = QueryError::Unsupported(entity);
+        // Neither has an inside that the other could be in.
+        if is_surface(self.shape) && collider.is_surface() {
+            return Err(unsupported);
+        }
         let (at, from) = (self.pose.to_parry(), pose.to_parry());
         let found = contact(&at, self.shape, &from, &**collider.shape(), 0.0);
-        let depth = -found.ok().flatten()?.dist;
-        (depth > 0.0).then_some(depth)
+        let found = found.map_err(|_| unsupported)?;
+        let found = found.filter(|contact| contact.dist < 0.0);
+        Ok(found.map(|contact| Overlap {
+            entity,
+            depth: -contact.dist,
+            normal: contact.normal1,
+            point: contact.point1,
+        }))
     }
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The bodies that a shape at a pose is in by more than `tolerance` (m), the eldest first, and by how much (m): what has to be moved
-    /// to part them.
+    /// The bodies that a shape at a pose is in by more than `tolerance` (m), the eldest first, and how it is in them.
     ///
     /// # Errors
-    /// Where the pose is not finite, the tolerance negative, or the shape has no volume or no end.
+    /// Where the pose is not finite, the tolerance negative, the shape has no volume or no end, or both it and a body that is near are
+    /// surfaces (meshes, height fields), which have no inside.
     pub fn overlaps(
         &self,
         collider: &Collider,
         pose: Pose,
         tolerance: f32,
         filter: &QueryFilter,
-    ) -> Result<Vec<(Entity, f32)>, QueryError> {
+    ) -> Result<Vec<Overlap>, QueryError> {
         let pose = posed(collider, pose)?;
         let tolerance = super::rays::at_most(tolerance)?;
         let aabb = collider.shape().compute_aabb(&pose.to_parry());
         let near = self.broadphase.tree().intersect_aabb(&aabb);
         let hits = self.all(near, |slot| {
-            let depth = self.target(slot, filter)?.depth(collider, pose)?;
-            (depth > tolerance).then_some(depth)
+            let overlap = self.target(slot, filter)?.overlap(collider, pose);
+            overlap.transpose()
         });
-        let hits = hits.into_iter();
-        Ok(hits.map(|(body, depth)| (body.entity, depth)).collect())
+        let hits = hits.into_iter().map(|(_, hit)| hit);
+        let deep =
+            |hit: &Result<Overlap, _>| hit.as_ref().map_or(true, |hit| hit.depth > tolerance);
+        hits.filter(deep).collect()
     }
 
     /// Whether a collider fits at a pose: it is in no body by more than `tolerance` (m). A brick laid on others touches them, so that a

@@ -27,14 +27,14 @@ impl Target<'_> {
     fn distance_along(&self, ray: &Ray, most: f32, filter: &QueryFilter) -> Option<f32> {
         let (at, far) = (self.pose.to_parry(), far(most, filter));
         let distance = self.shape.cast_ray(&at, ray, far, filter.is_solid())?;
-        (distance <= most).then_some(distance)
+        filter.reaches(distance, most).then_some(distance)
     }
 
     fn ray_hit(&self, ray: &Ray, most: f32, filter: &QueryFilter) -> Option<RayHit> {
         let (at, far) = (self.pose.to_parry(), far(most, filter));
         let hit = (self.shape).cast_ray_and_get_normal(&at, ray, far, filter.is_solid())?;
         let distance = hit.time_of_impact;
-        (distance <= most).then(|| RayHit {
+        filter.reaches(distance, most).then(|| RayHit {
             entity: self.body.entity,
             distance,
             point: ray.point_at(distance),

@@ -23,6 +23,8 @@ pub enum StabilityError {
     NotFinite,
     /// It does not stand as it is: no forces in its joints balance its weight.
     Falls,
+    /// It has so many bodies, more than [`MAX_BODIES`](super::MAX_BODIES).
+    TooMany(usize),
     /// The cone program was not solved: it is too large or too badly scaled.
     Unsolved,
 }
@@ -46,6 +48,12 @@ impl fmt::Display for StabilityError {
             Self::NotFinite => f.write_str("the point at which it is pulled is not finite"),
             Self::Falls => f.write_str(
                 "the structure does not stand as it is: no forces in its joints balance its weight",
+            ),
+            Self::TooMany(count) => write!(
+                f,
+                "a structure of {count} bodies, more than {}: ask for the part that the load is about; bodies that are not named are taken to \
+                 stand fast",
+                super::MAX_BODIES
             ),
             Self::Unsolved => f.write_str(
                 "the cone program of the structure was not solved: too large, or too badly scaled",

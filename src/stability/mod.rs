@@ -38,6 +38,7 @@ pub use error::StabilityError;
 use crate::body::BodyTable;
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
+use bevy_tasks::{AsyncComputeTaskPool, Task};
 use glam::Vec3;
 use program::Load;
 use structure::Structure;
@@ -98,36 +99,111 @@ pub enum How {
     Tips,
 }
 
+/// Most bodies of a structure that may be asked about. Time grows faster than their number: walls of a hundred bricks take some 0.1 s, walls of a
+/// thousand 2 to 14 s, those longest that fail by sliding.
+pub const MAX_BODIES: usize = 2000;
+
 /// How much of something a structure can take. Bodies that are not in the list are taken to stand fast.
 ///
+/// It blocks until it is known, which takes seconds for a thousand bricks; [`stability_task`] does not.
+///
 /// # Errors
-/// Where the list is empty, or names what is no dynamic body; where a direction is none; and where the structure does not stand as it is.
+/// Where the list is empty, longer than [`MAX_BODIES`], or names what is no dynamic body; where a direction is none; and where the structure does
+/// not stand as it is.
 pub fn stability(
     world: &World,
     structure: &[Entity],
     trial: &Trial,
 ) -> Result<Margin, StabilityError> {
-    if structure.is_empty() {
-        return Err(StabilityError::Nothing);
-    }
-    let table = world.resource::<BodyTable>();
-    let gravity = world.resource::<Gravity>().0;
-    let mut slots = Vec::with_capacity(structure.len());
-    for &body in structure {
-        let slot = table.slot_of(world, body);
-        let slot = slot.ok_or(StabilityError::NoBody(body))?;
-        let state = table.get(slot).ok_or(StabilityError::NoBody(body))?;
-        if !state.is_dynamic() {
-            return Err(StabilityError::Fixed(body));
+    Question::new(world, structure, trial)?.answer()
+}
+
+/// The same as a task, which is polled or awaited. What is asked about is copied at once, so that the world may go on.
+///
+/// ```
+/// use bevy_ecs::prelude::*;
+/// use bevy_tasks::block_on;
+/// use drystone::masonry::{Bond, Wall};
+/// use drystone::prelude::*;
+/// use drystone::stability::{Trial, stability_task};
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+/// let wall = Wall::new(Bond::Running).blocks().unwrap().into_iter();
+/// let bricks: Vec<Entity> = wall.map(|brick| world.spawn(brick.bundle()).id()).collect();
+/// drystone::step(world, 1.0 / 60.0).unwrap();
+///
+/// let task = stability_task(world, &bricks, &Trial::Tilt(Vec3::Z)).unwrap();
+/// // Frames go by, until `task.is_finished()`.
+/// let margin = block_on(task).unwrap();
+/// assert!(margin.most > 0.0);
+/// ```
+///
+/// # Errors
+/// As [`stability`]: at once where the question is wrong, in the task where the structure does not stand.
+pub fn stability_task(
+    world: &World,
+    structure: &[Entity],
+    trial: &Trial,
+) -> Result<Task<Result<Margin, StabilityError>>, StabilityError> {
+    let question = Question::new(world, structure, trial)?;
+    let pool = AsyncComputeTaskPool::get_or_init(Default::default);
+    Ok(pool.spawn(async move { question.answer() }))
+}
+
+/// A structure and what it is put to, copied out of a world.
+struct Question {
+    structure: Structure,
+    load: Load,
+    is_tilt: bool,
+}
+
+impl Question {
+    fn new(world: &World, structure: &[Entity], trial: &Trial) -> Result<Self, StabilityError> {
+        if structure.is_empty() {
+            return Err(StabilityError::Nothing);
         }
-        slots.push(slot);
+        if structure.len() > MAX_BODIES {
+            return Err(StabilityError::TooMany(structure.len()));
+        }
+        let table = world.resource::<BodyTable>();
+        let mut slots = Vec::with_capacity(structure.len());
+        for &body in structure {
+            let slot = table.slot_of(world, body);
+            let slot = slot.ok_or(StabilityError::NoBody(body))?;
+            let state = table.get(slot).ok_or(StabilityError::NoBody(body))?;
+            if !state.is_dynamic() {
+                return Err(StabilityError::Fixed(body));
+            }
+            slots.push(slot);
+        }
+        Ok(Self {
+            load: load(world, structure, trial)?,
+            structure: Structure::new(world, &slots),
+            is_tilt: matches!(trial, Trial::Tilt(_)),
+        })
     }
-    let load = match *trial {
+
+    fn answer(&self) -> Result<Margin, StabilityError> {
+        let mut margin = self.structure.solve(&self.load)?;
+        if self.is_tilt {
+            margin.most = margin.most.atan();
+        }
+        Ok(margin)
+    }
+}
+
+/// What a trial makes larger.
+fn load(world: &World, structure: &[Entity], trial: &Trial) -> Result<Load, StabilityError> {
+    let gravity = world.resource::<Gravity>().0;
+    match *trial {
         Trial::Tilt(direction) => {
             let down = gravity.try_normalize().ok_or(StabilityError::NoGravity)?;
             let level = direction.reject_from_normalized(down);
             let level = level.try_normalize().ok_or(StabilityError::NoDirection)?;
-            Load::Everywhere(gravity.length() * level)
+            Ok(Load::Everywhere(gravity.length() * level))
         }
         Trial::Pull {
             body,
@@ -138,21 +214,13 @@ pub fn stability(
             if !point.is_finite() {
                 return Err(StabilityError::NotFinite);
             }
-            Load::At {
+            Ok(Load::At {
                 body: number.ok_or(StabilityError::NotOfStructure(body))?,
                 point,
                 direction: direction
                     .try_normalize()
                     .ok_or(StabilityError::NoDirection)?,
-            }
+            })
         }
-    };
-    let margin = Structure::new(world, &slots).solve(&load)?;
-    Ok(match trial {
-        Trial::Tilt(_) => Margin {
-            most: margin.most.atan(),
-            ..margin
-        },
-        Trial::Pull { .. } => margin,
-    })
+    }
 }

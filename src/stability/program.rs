@@ -33,6 +33,9 @@ const SLOPE: f64 = 0.01;
 const ROUNDS: usize = 8;
 const STEADY: f64 = 2e-3;
 
+/// A force is within a cone that it is outside of by this share of the mean weight of a body.
+const WITHIN: f64 = 1e-4;
+
 /// What is made larger.
 pub(super) enum Load {
     /// An acceleration of all bodies, m/s².
@@ -45,12 +48,24 @@ pub(super) enum Load {
     },
 }
 
+/// What balances at a joint, and what it is worth.
+struct Balanced {
+    /// What presses, N.
+    pressure: f64,
+    /// What rubs: the length of friction and its moment as the cone measures them, N.
+    friction: f64,
+    /// How wide the cone is, where nothing presses, N: c.
+    cohesion: f64,
+    /// By how much more of the load, as a multiple, there could be for each N more of that.
+    worth: f64,
+}
+
 /// A solution.
 struct Found {
     /// As a multiple of the load.
     most: f64,
-    /// By joint, N.
-    pressures: Vec<f64>,
+    /// By joint.
+    joints: Vec<Balanced>,
     /// By body: linear and angular, of the mechanism.
     velocities: Vec<[DVec3; 2]>,
 }
@@ -66,7 +81,7 @@ impl Structure {
             // What presses now may be that of a blow, or of something that does not stand.
             Err(StabilityError::Falls) => {
                 let found = self.round(&live, None)?;
-                now.clone_from(&found.pressures);
+                now = found.joints.iter().map(|joint| joint.pressure).collect();
                 found
             }
             found => found?,
@@ -83,6 +98,9 @@ impl Structure {
             let under_load: Vec<f64> = under_load
                 .map(|(now, gains)| (now + found.most * gains).max(0.0))
                 .collect();
+            if self.holds(&found, &under_load) {
+                break;
+            }
             let before = found.most;
             found = match self.round(&live, Some(&under_load)) {
                 Err(StabilityError::Falls) => break,
@@ -118,21 +136,44 @@ impl Structure {
         let share = force_unit / load_unit;
         Ok(self
             .pressures(&forces)
-            .map(|pressure| pressure * share)
+            .map(|[pressure, _]| pressure * share)
             .collect())
     }
 
-    /// What presses on each joint, as forces have it.
-    fn pressures(&self, forces: &[f64]) -> impl Iterator<Item = f64> {
+    /// What presses on each joint and what rubs there, as forces have it.
+    fn pressures(&self, forces: &[f64]) -> impl Iterator<Item = [f64; 2]> {
         let mut forces = forces.iter();
         self.joints.iter().map(move |joint| {
             let corners = forces.by_ref().take(joint.points.len());
             let pressure: f64 = corners.sum();
-            if joint.friction > 0.0 {
-                forces.nth(2);
-            }
-            pressure
+            let rubs = if joint.friction > 0.0 { 3 } else { 0 };
+            let squares = forces.by_ref().take(rubs).map(|force| force * force);
+            [pressure, squares.sum::<f64>().sqrt()]
         })
+    }
+
+    /// How wide the cone of a joint is where so much presses on it, N: c.
+    fn cohesion(joint: &Joint, pressure: f64) -> f64 {
+        joint.friction * (1.0 - SLOPE) * pressure
+    }
+
+    /// True where a solution is also one of the round after it, with cones as wide as these pressures make them: its forces are within those
+    /// cones, and by its dual variables, which bound the load from above in that round as well, no more load is to be had.
+    fn holds(&self, found: &Found, pressures: &[f64]) -> bool {
+        let mut more = 0.0;
+        let joints = self.joints.iter().zip(pressures).zip(&found.joints);
+        for ((joint, &pressure), balanced) in joints {
+            if joint.friction <= 0.0 {
+                continue;
+            }
+            let cohesion = Self::cohesion(joint, pressure);
+            more += balanced.worth * (cohesion - balanced.cohesion);
+            let cone = cohesion + joint.friction * SLOPE * balanced.pressure;
+            if balanced.friction > cone + WITHIN * self.units[0] {
+                return false;
+            }
+        }
+        more.abs() <= STEADY * found.most.abs()
     }
 
     /// Of the balance, without a force.
@@ -172,19 +213,34 @@ impl Structure {
             let (cohesion, slope) = match pressures {
                 Some(pressures) => {
                     let pressure = pressures[number] / force_unit;
-                    (
-                        joint.friction * (1.0 - SLOPE) * pressure,
-                        joint.friction * SLOPE,
-                    )
+                    (Self::cohesion(joint, pressure), joint.friction * SLOPE)
                 }
                 None => (0.0, joint.friction),
             };
             self.add(joint, cohesion, slope, &mut rows);
         }
         let (most, forces, dual) = rows.maximize_first()?;
-        let pressures = self
-            .pressures(&forces)
-            .map(|pressure| pressure * force_unit);
+        let mut row = balance;
+        let balanced = self.joints.iter().zip(self.pressures(&forces));
+        let joints = balanced
+            .enumerate()
+            .map(|(number, (joint, [pressure, friction]))| {
+                let cone = row + joint.points.len();
+                let rubs = joint.friction > 0.0;
+                row = cone + if rubs { 4 } else { 0 };
+                let given = pressures.map_or(0.0, |pressures| pressures[number]);
+                Balanced {
+                    pressure: pressure * force_unit,
+                    friction: friction * force_unit,
+                    cohesion: Self::cohesion(joint, given),
+                    worth: if rubs {
+                        dual[cone] * load_unit / force_unit
+                    } else {
+                        0.0
+                    },
+                }
+            });
+        let joints = joints.collect();
         let (velocities, _) = dual[..balance].as_chunks::<6>();
         let velocity = |[x, y, z, a, b, c]: &[f64; 6]| {
             [DVec3::new(*x, *y, *z), DVec3::new(*a, *b, *c) / length_unit]
@@ -196,7 +252,7 @@ impl Structure {
             } else {
                 most * load_unit
             },
-            pressures: pressures.collect(),
+            joints,
             velocities: velocities.iter().map(velocity).collect(),
         })
     }

@@ -74,10 +74,13 @@ impl Frustum {
     pub fn farthest(&self, direction: DVec3) -> DVec3 {
         let out = direction.with_y(0.0).normalize_or_zero();
         let [low, high] = self.line(out);
-        let border = self.border * direction.normalize_or_zero();
-        match direction.dot(high) > direction.dot(low) {
-            true => high + border,
-            false => low + border,
+        let on = match direction.dot(high) > direction.dot(low) {
+            true => high,
+            false => low,
+        };
+        match self.is_bordered() {
+            true => on + self.border * direction.normalize_or_zero(),
+            false => on,
         }
     }
 

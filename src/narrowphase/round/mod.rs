@@ -23,15 +23,18 @@ pub use simplify::simplify;
 /// together within it.
 const LINE: f64 = 0.02;
 
-/// Where the two touch, or may soon, in the frame that they share. The contact that is handed in is written over.
-pub fn meet(a: &Part, b: &Part, search: Search, contact: &mut Contact) {
+/// Where the two touch, or may soon, in the frame that they share. The contact that is handed in is written over. Gives by how much they are
+/// apart at least, m, where that is out of reach; −∞ where they touch.
+pub fn meet(a: &Part, b: &Part, search: Search, contact: &mut Contact) -> f64 {
     contact.points.clear();
-    let Some(found) = separate(a, b, search.reach) else {
-        return;
+    let found = match separate(a, b, search.reach) {
+        Ok(found) => found,
+        Err(apart) => return apart,
     };
     if !seams::graze(a, b, found.normal, search.graze) {
         touch(a, b, &found, search.reach, contact);
     }
+    f64::NEG_INFINITY
 }
 
 /// The same along a direction that is known.

@@ -12,85 +12,132 @@ const TRIES: usize = 64;
 /// What each of four corners counts, and the square of the distance of what they then are together.
 type Shares = (f64, [f64; 4]);
 
-/// The point of A, and that of B. `farthest`: those of A in a direction and of B against it; `towards`: about where B is.
-pub fn nearest(farthest: impl Fn(DVec3) -> [DVec3; 2], towards: DVec3) -> [DVec3; 2] {
-    let mut corners = [[DVec3::ZERO; 2]; 4];
-    corners[0] = farthest(towards);
-    let (mut count, mut shares) = (1, [1.0, 0.0, 0.0, 0.0]);
-    let between = |on: [DVec3; 2]| on[1] - on[0];
-    let mut way = between(corners[0]);
-    for _ in 0..TRIES {
-        let next = farthest(way);
-        let square = way.length_squared();
-        if square - way.dot(between(next)) <= PRECISE * square || count == 4 {
-            break;
+/// Up to four pairs of points of the surfaces, of A and of B. What is left of it after a search is where the next begins that is much the same:
+/// few of its points, or none, have to be looked for again.
+#[derive(Default)]
+pub struct Simplex {
+    corners: [[DVec3; 2]; 4],
+    count: usize,
+}
+
+impl Simplex {
+    /// The point of A, and that of B, which is moved `off` for the search. `farthest`: those of A in a direction and of B against it, where they
+    /// are; `towards`: about where B is.
+    pub fn nearest(
+        &mut self,
+        farthest: impl Fn(DVec3) -> [DVec3; 2],
+        off: DVec3,
+        towards: DVec3,
+    ) -> [DVec3; 2] {
+        if self.count == 0 {
+            self.corners[0] = farthest(towards);
+            self.count = 1;
         }
-        corners[count] = next;
-        let ways = corners.map(between);
-        let (there, new) = reduced(&ways, count + 1);
-        // Rounding has the last word.
-        if there >= square {
-            break;
+        let mut shares = [1.0, 0.0, 0.0, 0.0];
+        if self.count > 1 {
+            // Any of its corners may count no more.
+            let ways = self.ways(off);
+            let mut best = reduced(&ways, 2);
+            if self.count > 2 {
+                best = lesser(best, reduced(&ways, 3));
+            }
+            shares = self.keep(best.1);
         }
-        // Only corners that count are kept.
-        let all = count + 1;
-        (count, shares) = (0, [0.0; 4]);
-        for i in (0..all).filter(|&i| new[i] > 0.0) {
-            (corners[count], shares[count]) = (corners[i], new[i]);
-            count += 1;
+        let mut way = self.way(&shares, off);
+        for _ in 0..TRIES {
+            let next = farthest(way);
+            let square = way.length_squared();
+            if square - way.dot(between(next, off)) <= PRECISE * square {
+                break;
+            }
+            self.corners[self.count] = next;
+            let (there, new) = reduced(&self.ways(off), self.count + 1);
+            // Rounding has the last word.
+            if there >= square {
+                break;
+            }
+            self.count += 1;
+            shares = self.keep(new);
+            way = self.way(&shares, off);
         }
-        way = between(weighed(&corners, &shares));
+        self.weighed(&shares)
     }
-    weighed(&corners, &shares)
+
+    fn ways(&self, off: DVec3) -> [DVec3; 4] {
+        self.corners.map(|on| between(on, off))
+    }
+
+    /// Only corners that count are kept: what each does.
+    fn keep(&mut self, shares: [f64; 4]) -> [f64; 4] {
+        let all = std::mem::take(&mut self.count);
+        let mut kept = [0.0; 4];
+        for i in (0..all).filter(|&i| shares[i] > 0.0) {
+            (self.corners[self.count], kept[self.count]) = (self.corners[i], shares[i]);
+            self.count += 1;
+        }
+        kept
+    }
+
+    fn weighed(&self, shares: &[f64; 4]) -> [DVec3; 2] {
+        let mut sum = [DVec3::ZERO; 2];
+        for (on, share) in self.corners.iter().zip(shares).take(self.count) {
+            sum[0] += share * on[0];
+            sum[1] += share * on[1];
+        }
+        sum
+    }
+
+    fn way(&self, shares: &[f64; 4], off: DVec3) -> DVec3 {
+        between(self.weighed(shares), off)
+    }
 }
 
-fn weighed(corners: &[[DVec3; 2]; 4], shares: &[f64; 4]) -> [DVec3; 2] {
-    let point = |k: usize| (0..4).map(|i| shares[i] * corners[i][k]).sum();
-    [point(0), point(1)]
+fn between(on: [DVec3; 2], off: DVec3) -> DVec3 {
+    on[1] + off - on[0]
 }
 
-/// What the first `count` corners have of the point nearest to the origin.
+/// What the first `count` corners have of the point nearest to the origin, which the last of them has brought nearer: it is in its lines and
+/// triangles.
 fn reduced(ways: &[DVec3; 4], count: usize) -> Shares {
-    match count {
-        2 => on_line(ways, [0, 1]),
-        3 => on_triangle(ways, [0, 1, 2]),
-        _ => {
-            let sides = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 2]];
-            least(sides.map(|side| on_triangle(ways, side)))
-        }
-    }
-}
-
-fn least<const N: usize>(all: [Shares; N]) -> Shares {
-    let mut best = all[0];
-    for one in &all[1..] {
-        if one.0 < best.0 {
-            best = *one;
+    let last = count - 1;
+    let mut best = on_line(ways, [0, last]);
+    for i in 1..last {
+        best = lesser(best, on_line(ways, [i, last]));
+        for j in 0..i {
+            if let Some(above) = above_triangle(ways, [j, i, last]) {
+                best = lesser(best, above);
+            }
         }
     }
     best
 }
 
+fn lesser(one: Shares, other: Shares) -> Shares {
+    if other.0 < one.0 { other } else { one }
+}
+
 fn on_line(ways: &[DVec3; 4], [i, j]: [usize; 2]) -> Shares {
     let (from, way) = (ways[i], ways[j] - ways[i]);
-    let share = (-from.dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    // Of two corners in one place either will do.
+    let square = way.length_squared().max(f64::MIN_POSITIVE);
+    let share = (-from.dot(way) / square).clamp(0.0, 1.0);
     let mut shares = [0.0; 4];
     (shares[i], shares[j]) = (1.0 - share, share);
     ((from + share * way).length_squared(), shares)
 }
 
-/// Above the triangle, or else nearest to one of its sides.
-fn on_triangle(ways: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Shares {
+/// Above the triangle, if the origin is.
+fn above_triangle(ways: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Option<Shares> {
     let [p, q, r] = [ways[i], ways[j], ways[k]];
     let normal = (q - p).cross(r - p);
     let area = |x: DVec3, y: DVec3| x.cross(y).dot(normal);
     let [u, v, w] = [area(q, r), area(r, p), area(p, q)];
-    if u > 0.0 && v > 0.0 && w > 0.0 {
+    let is_above = u > 0.0 && v > 0.0 && w > 0.0;
+    is_above.then(|| {
         let all = u + v + w;
         let mut shares = [0.0; 4];
         (shares[i], shares[j], shares[k]) = (u / all, v / all, w / all);
         let there = shares[i] * p + shares[j] * q + shares[k] * r;
-        return (there.length_squared(), shares);
-    }
-    least([[i, j], [j, k], [k, i]].map(|line| on_line(ways, line)))
+        (there.length_squared(), shares)
+    })
 }

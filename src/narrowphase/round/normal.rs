@@ -5,7 +5,7 @@
 //! and where the two then are nearest to each other the direction is a better one; where it is the same, it is the normal. That
 //! is exact where they lie on each other, and fast where they don't.
 
-use super::nearest::nearest;
+use super::nearest::Simplex;
 use super::part::Part;
 use glam::DVec3;
 
@@ -34,8 +34,9 @@ pub struct Found {
     pub on: [DVec3; 2],
 }
 
-/// None where they are farther apart than `reach`, m.
-pub fn separate(a: &Part, b: &Part, reach: f64) -> Option<Found> {
+/// # Errors
+/// Where they are farther apart than `reach` (m): a distance, m, that no two of their points are nearer than.
+pub fn separate(a: &Part, b: &Part, reach: f64) -> Result<Found, f64> {
     let apart = |normal: DVec3| normal.dot(b.farthest(-normal) - a.farthest(normal));
     let size = a.size().min(b.size());
     let mut flat = (f64::NEG_INFINITY, DVec3::Y);
@@ -46,7 +47,7 @@ pub fn separate(a: &Part, b: &Part, reach: f64) -> Option<Found> {
         flat = better(flat, (apart(-normal), -normal));
     }
     if flat.0 > reach {
-        return None;
+        return Err(flat.0);
     }
     let between = b.center() - a.center();
     let sides = [
@@ -60,16 +61,16 @@ pub fn separate(a: &Part, b: &Part, reach: f64) -> Option<Found> {
     }
     best.0 = apart(best.1);
     let mut on = [DVec3::ZERO; 2];
+    let mut simplex = Simplex::default();
     for _ in 0..ROUNDS {
         if best.0 > reach {
-            return None;
+            return Err(best.0);
         }
         let (distance, normal) = best;
         let off = normal * (OFF * size - distance).max(0.0);
-        let farthest = |way: DVec3| [a.farthest(way), b.farthest(-way) + off];
-        let [on_a, on_b] = nearest(farthest, normal);
-        on = [on_a, on_b - off];
-        let Some(normal) = (on_b - on_a).try_normalize() else {
+        let farthest = |way: DVec3| [a.farthest(way), b.farthest(-way)];
+        on = simplex.nearest(farthest, off, normal);
+        let Some(normal) = (on[1] + off - on[0]).try_normalize() else {
             break;
         };
         let distance = apart(normal);
@@ -92,11 +93,14 @@ pub fn separate(a: &Part, b: &Part, reach: f64) -> Option<Found> {
         best = flat;
     }
     let (distance, normal) = best;
-    (distance <= reach).then_some(Found {
-        normal,
-        distance,
-        on,
-    })
+    match distance <= reach {
+        true => Ok(Found {
+            normal,
+            distance,
+            on,
+        }),
+        false => Err(distance),
+    }
 }
 
 fn better(one: (f64, DVec3), other: (f64, DVec3)) -> (f64, DVec3) {

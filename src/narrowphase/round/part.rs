@@ -3,13 +3,14 @@
 use super::face::Face;
 use crate::narrowphase::forms::Form;
 use crate::narrowphase::polyhedra::{Placement, Solid, across};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use smallvec::SmallVec;
 
 /// A form, placed in the frame that both have in common.
 pub struct Part<'a> {
     form: &'a Form<'a>,
-    place: Placement,
+    /// None of the first, in whose frame both are.
+    place: Option<Placement>,
 }
 
 pub type Directions = SmallVec<[DVec3; 8]>;
@@ -17,13 +18,26 @@ pub type Directions = SmallVec<[DVec3; 8]>;
 impl<'a> Part<'a> {
     /// Two, the second at a place in the frame of the first.
     pub fn two(a: &'a Form<'a>, b: &'a Form<'a>, place: Placement) -> [Self; 2] {
-        let here = Placement::new(DVec3::ZERO, DQuat::IDENTITY);
         let part = |form, place| Self { form, place };
-        [part(a, here), part(b, place)]
+        [part(a, None), part(b, Some(place))]
+    }
+
+    fn point(&self, own: DVec3) -> DVec3 {
+        self.place.as_ref().map_or(own, |place| place.point(own))
+    }
+
+    fn direction(&self, own: DVec3) -> DVec3 {
+        let place = self.place.as_ref();
+        place.map_or(own, |place| place.direction(own))
+    }
+
+    fn back(&self, direction: DVec3) -> DVec3 {
+        let place = self.place.as_ref();
+        place.map_or(direction, |place| place.back(direction))
     }
 
     pub fn center(&self) -> DVec3 {
-        self.place.point(match self.form {
+        self.point(match self.form {
             Form::Cuboid(solid) => solid.center(),
             Form::Hull(solid) => solid.center(),
             Form::Triangle(solid) => solid.center(),
@@ -43,8 +57,8 @@ impl<'a> Part<'a> {
 
     /// The point farthest in a direction.
     pub fn farthest(&self, direction: DVec3) -> DVec3 {
-        let there = self.place.back(direction);
-        self.place.point(match self.form {
+        let there = self.back(direction);
+        self.point(match self.form {
             Form::Cuboid(solid) => solid.point(solid.farthest(there)),
             Form::Hull(solid) => solid.point(solid.farthest(there)),
             Form::Triangle(solid) => solid.point(solid.farthest(there)),
@@ -64,7 +78,7 @@ impl<'a> Part<'a> {
             Form::Round(round) => round.ends().collect(),
         };
         for normal in &mut normals {
-            *normal = self.place.direction(*normal);
+            *normal = self.direction(*normal);
         }
         normals
     }
@@ -74,19 +88,23 @@ impl<'a> Part<'a> {
         let Form::Round(round) = self.form else {
             return None;
         };
-        let side = round.side(self.place.back(direction))?;
-        Some(self.place.direction(side))
+        let side = round.side(self.back(direction))?;
+        Some(self.direction(side))
     }
 
     /// What it lies on in a direction.
     pub fn facing(&self, direction: DVec3) -> Option<Face> {
-        let there = self.place.back(direction);
+        let there = self.back(direction);
         let face = match self.form {
             Form::Cuboid(solid) => Face::of(solid, there),
             Form::Hull(solid) => Face::of(*solid, there),
             Form::Triangle(solid) => Face::of(solid, there),
             Form::Round(round) => round.facing(there),
         };
-        Some(face?.placed(&self.place))
+        let face = face?;
+        Some(match &self.place {
+            Some(place) => face.placed(place),
+            None => face,
+        })
     }
 }

@@ -1,0 +1,150 @@
+//! Contact-force events: how hard two bodies press on each other, told in every step in which it is more than a threshold, whether they have
+//! just met or have touched all along.
+//!
+//! ```
+//! use bevy_ecs::message::Messages;
+//! use bevy_ecs::prelude::*;
+//! use bevy_transform::components::Transform;
+//! use drystone::prelude::*;
+//!
+//! # let mut app = bevy_app::App::new();
+//! # app.add_plugins(DrystonePlugins::default());
+//! # let world = app.world_mut();
+//! world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+//! // It weighs 20 kN.
+//! let slab = world
+//!     .spawn((
+//!         RigidBody::Dynamic,
+//!         Collider::cuboid(2.0, 0.5, 2.0),
+//!         Transform::from_xyz(0.0, 0.25, 0.0),
+//!         ContactForceEvents { threshold: 100_000.0 },
+//!     ))
+//!     .id();
+//! for _ in 0..60 {
+//!     drystone::step(world, 1.0 / 60.0).unwrap();
+//! }
+//! assert!(world.resource::<Messages<ContactForce>>().is_empty());
+//!
+//! // A hammer's blow of 5 kN·s. The slab lies on the ground already, so that no contact starts.
+//! world.get_mut::<ExternalImpulse>(slab).unwrap().linear = Vec3::Y * -5000.0;
+//! drystone::step(world, 1.0 / 60.0).unwrap();
+//! let told: Vec<ContactForce> = world.resource_mut::<Messages<ContactForce>>().drain().collect();
+//! assert_eq!((told.len(), told[0].body), (1, slab));
+//! assert!((told[0].impulse - 5327.0).abs() < 50.0); // the blow, and the weight for a step
+//! ```
+
+use super::events::Untriggered;
+use super::{ContactImpulses, ContactPair, Manifold};
+use crate::body::{BodyIndex, BodyTable, Resting};
+use crate::broadphase::Broadphase;
+use crate::settings::StepTime;
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::Vec3;
+
+/// Asks for a [`ContactForce`], as a message and for observers, for each body that presses on this one with more than a threshold.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+pub struct ContactForceEvents {
+    /// Normal force between the two bodies, N, mean over the step; 0 by default, which tells of every contact that presses. What is NaN tells of
+    /// none.
+    ///
+    /// The shorter the step, the larger the force of a blow: for an impulse of J N·s in a step of Δt s it is J/Δt.
+    pub threshold: f32,
+}
+
+impl Default for ContactForceEvents {
+    fn default() -> Self {
+        Self { threshold: 0.0 }
+    }
+}
+
+/// Two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them: sent in each such step. Where both
+/// ask, each is told of the other. Pairs at [rest](crate::body::Resting) are not told of: nothing about them changes.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct ContactForce {
+    /// The body that asked.
+    #[event_target]
+    pub body: Entity,
+    /// The other.
+    pub other: Entity,
+    /// The pair's entity, with its [`Manifold`] and [`ContactImpulses`].
+    pub pair: Entity,
+    /// The whole force on `body`, friction included, N, world, mean over the step.
+    pub force: Vec3,
+    /// The part of it that presses, N: what is compared with the threshold.
+    pub normal_force: f32,
+    /// The same as an impulse, Σλ_n of the step, N·s.
+    pub impulse: f32,
+    /// Where it presses: the centre of pressure, world, m.
+    pub point: Vec3,
+}
+
+/// Part of the stage *contact events*: sends every [`ContactForce`], the eldest asker first. With several substeps it speaks of the whole
+/// step.
+pub fn contact_forces(
+    askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Resting>>,
+    pairs: Query<(&ContactPair, &Manifold, &ContactImpulses), Without<Resting>>,
+    (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
+    mut messages: MessageWriter<ContactForce>,
+    mut untriggered: ResMut<Untriggered>,
+) {
+    if !time.is_last() || askers.is_empty() {
+        return;
+    }
+    let mut found = Vec::new();
+    for (entity, index, asks) in &askers {
+        let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
+            continue;
+        };
+        for pair in broadphase.pairs.of(index.0) {
+            let Ok((ends, manifold, impulses)) = pairs.get(pair) else {
+                continue;
+            };
+            let impulse = impulses.normal();
+            let normal_force = impulse / time.whole();
+            if impulse <= 0.0
+                || normal_force
+                    .partial_cmp(&asks.threshold)
+                    .is_none_or(|o| o.is_le())
+            {
+                continue;
+            }
+            let of_a = ends.slots[0] == index.0;
+            let [a, b] = ends.slots.map(|slot| table.get(slot));
+            let (Some(a), Some(_)) = (a, b) else {
+                continue;
+            };
+            let [mut normal_on_a, mut moment] = [Vec3::ZERO; 2];
+            let mut here = 0.0;
+            for patch in &manifold.patches {
+                for i in patch.range() {
+                    let normal = impulses.points.get(i).map_or(0.0, |point| point.normal);
+                    normal_on_a += patch.normal * normal;
+                    moment += manifold.points[i].arm * normal;
+                    here += normal;
+                }
+            }
+            // Points that are gone have pressed along the same normals.
+            let share = if here > 0.0 { 1.0 / here } else { 0.0 };
+            let on_a = normal_on_a * (impulse * share) + impulses.tangential();
+            let way = if of_a { 1.0 } else { -1.0 };
+            let event = ContactForce {
+                body: entity,
+                other: ends.bodies[usize::from(of_a)],
+                pair,
+                force: on_a * (way / time.whole()),
+                normal_force,
+                impulse,
+                point: a.center + moment * share,
+            };
+            let other_age = ends.ages[usize::from(of_a)];
+            found.push(((body.age, other_age), event));
+        }
+    }
+    found.sort_unstable_by_key(|&(ages, _)| ages);
+    for (_, event) in found {
+        messages.write(event);
+        untriggered.forces.push(event);
+    }
+}

@@ -91,7 +91,7 @@ pub mod stability;
 pub mod stabilization;
 
 pub use plugin::*;
-pub use schedule::{advance, step};
+pub use schedule::{advance, refresh, step};
 
 /// What most users need.
 pub mod prelude {

@@ -305,7 +305,7 @@ fn check(
 }
 
 impl BodyState {
-    fn new(entity: Entity, pose: Pose, velocity: Velocity) -> Self {
+    pub(super) fn new(entity: Entity, pose: Pose, velocity: Velocity) -> Self {
         Self {
             entity,
             age: Age::NONE,

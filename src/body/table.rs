@@ -300,6 +300,11 @@ impl BodyTable {
     }
 
     /// A body in its slot.
+    pub(crate) fn body(&self, entity: Entity, index: BodyIndex) -> Option<&BodyState> {
+        self.get(index.0).filter(|body| body.entity == entity)
+    }
+
+    /// A body in its slot.
     pub(crate) fn body_mut(&mut self, entity: Entity, index: BodyIndex) -> Option<&mut BodyState> {
         self.get_mut(index.0).filter(|body| body.entity == entity)
     }
@@ -307,6 +312,11 @@ impl BodyTable {
     pub(crate) fn next_age(&mut self) -> Age {
         self.ages += 1;
         Age(self.ages - 1)
+    }
+
+    /// How often *prepare* has visited the bodies.
+    pub(crate) fn visits(&self) -> u64 {
+        self.visits
     }
 
     /// Numbers the visits of *prepare*, from 1.

@@ -24,7 +24,7 @@ use std::fmt;
 /// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
 /// the constructors here cover the common ones. Of convex hulls it also holds the [`Polyhedron`].
 #[derive(Component, Clone)]
-#[component(on_remove = crate::body::lost_description, summary_tick)]
+#[component(on_insert = crate::body::weigh, on_remove = crate::body::lost_description, summary_tick)]
 pub struct Collider {
     shape: SharedShape,
     solid: Solid,

@@ -142,7 +142,7 @@ pub fn refresh(
         pending.clear();
     }
     let mut written: EntityHashSet = written.iter().collect();
-    written.extend(find_written(resting));
+    written.extend(find_written(resting, table.visited_at()));
     let mut found: Vec<(Age, Entity)> = Vec::new();
     for (of, placement) in &active {
         let (entity, &age, index, &pose, _) = of;

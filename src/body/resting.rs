@@ -73,21 +73,21 @@ pub(super) type RestingBodies<'w, 's> = Query<'w, 's, Written, Rests>;
 pub(super) type RestingChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), Rests>;
 
-/// Those that somebody has written to since the system at hand ran last; once for each component.
-pub(super) fn find_written(bodies: RestingBodies) -> Vec<Entity> {
+/// Those that somebody has written to since the system at hand ran last, and after `since` where that is later; once for each component.
+pub(super) fn find_written(bodies: RestingBodies, since: Option<Tick>) -> Vec<Entity> {
     let mut found = Vec::new();
     let columns = bodies.contiguous_iter();
     for (required, forces, surface) in columns.expect("all of it is stored in tables") {
         let entities = required.0;
         macro_rules! look {
             ($columns:ident: $($i:tt)+) => {$(
-                look(entities, $columns.$i, &mut found);
+                look(entities, $columns.$i, since, &mut found);
             )+};
         }
         macro_rules! look_if_there {
             ($columns:ident: $($i:tt)+) => {$(
                 if let Some(column) = $columns.$i {
-                    look(entities, column, &mut found);
+                    look(entities, column, since, &mut found);
                 }
             )+};
         }
@@ -104,10 +104,18 @@ pub(super) fn find_written(bodies: RestingBodies) -> Vec<Entity> {
 }
 
 /// Whose row of a column has been written.
-fn look<T>(entities: &[Entity], column: ContiguousRef<T>, found: &mut Vec<Entity>) {
+fn look<T>(
+    entities: &[Entity],
+    column: ContiguousRef<T>,
+    since: Option<Tick>,
+    found: &mut Vec<Entity>,
+) {
     /// Compared at once, by vector instructions where nothing was written.
     const CHUNK: usize = 64;
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
+    let last = since
+        .filter(|since| since.is_newer_than(last, this))
+        .unwrap_or(last);
     let rows = column.changed_ticks_slice();
     let (_, ticks) = ContiguousRef::split(column);
     if ticks.summary_tick_is_changed() == Some(false) {

@@ -5,6 +5,7 @@
 
 use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use bevy_ecs::change_detection::Tick;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use fixedbitset::FixedBitSet;
 use glam::Vec3;
@@ -212,6 +213,7 @@ pub struct BodyTable {
     pub(crate) removed: Vec<u32>,
     ages: u64,
     visits: u64,
+    visited_at: Option<Tick>,
     version: u64,
 }
 
@@ -319,8 +321,14 @@ impl BodyTable {
         self.visits
     }
 
+    /// When *prepare* visited them last.
+    pub(crate) fn visited_at(&self) -> Option<Tick> {
+        self.visited_at
+    }
+
     /// Numbers the visits of *prepare*, from 1.
-    pub(crate) fn begin_visit(&mut self) -> u64 {
+    pub(crate) fn begin_visit(&mut self, now: Tick) -> u64 {
+        self.visited_at = Some(now);
         self.visits += 1;
         self.visits
     }

@@ -108,7 +108,7 @@ pub mod prelude {
         Load, NoBody, Supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
-    pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin};
+    pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, HeldBy};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
     };
@@ -122,7 +122,7 @@ pub mod prelude {
         StabilizationSettings,
     };
     pub use crate::{DrystonePlugins, step};
-    pub use glam::{Quat, Vec3};
+    pub use glam::{BVec3, Quat, Vec3};
 }
 
 /// The README's example, kept true.

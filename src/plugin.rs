@@ -15,7 +15,7 @@ use crate::settings::{
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
-use crate::{integration, islands, narrowphase, solve};
+use crate::{grab, integration, islands, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
@@ -134,7 +134,8 @@ pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(body::lost_parent);
+        app.add_observer(body::lost_parent)
+            .add_observer(grab::let_go_of_disabled);
         let profile = app.world().resource::<Profile>().clone();
         app.add_systems(
             PhysicsSchedule,

@@ -141,6 +141,7 @@ impl Plugin for BodyPlugin {
             PhysicsSchedule,
             (
                 timed(&profile, "prepare", body::complete),
+                timed(&profile, "prepare", body::lift),
                 timed(&profile, "prepare", body::prepare),
                 timed(&profile, "prepare", body::strays),
                 timed(&profile, "prepare", body::quarantine),

@@ -29,7 +29,7 @@ pub use pending::{Pending, refresh};
 pub use placement::Teleport;
 pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
-pub use quarantine::{Quarantined, quarantine};
+pub use quarantine::{Quarantined, lift, quarantine};
 pub use resting::Resting;
 pub use sleeping::Sleeping;
 pub use table::{BodyIndex, BodyState, BodyTable};

@@ -49,7 +49,7 @@
 //! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
-//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`]; what a builder stands on: [`query`]
+//! The order itself stands in [`schedule`]. Between two steps [`refresh`] tells [`query`] what has been edited. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`]; what a builder stands on: [`query`]
 //! asks the world, [`preview`] says what would happen, [`grab`] holds, [`masonry`] lays, [`collapse`] tells; and behind features of their names
 //! `stability`, `gizmos` and `picking`.
 //! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.

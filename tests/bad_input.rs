@@ -498,7 +498,7 @@ fn a_body_that_is_not_mended_stays_away() {
         site.lab
             .world
             .entity_mut(site.victim)
-            .insert(Friction::new(0.3));
+            .insert((Friction::new(0.3), push));
         site.lab.run(0.5);
         assert_eq!(site.lab.errors(), []);
         assert!(site.lab.world.get::<Quarantined>(site.victim).is_some());

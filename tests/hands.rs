@@ -485,7 +485,8 @@ fn a_body_that_is_taken_and_brought_back_is_not_held_any_more() {
 
 #[test]
 fn a_hand_with_invalid_numbers_holds_on_and_hurts_nobody() {
-    let spoils: [(&str, fn(&mut Hand)); 8] = [
+    type Spoil = (&'static str, fn(&mut Hand));
+    let spoils: [Spoil; 8] = [
         ("ray", |hand| {
             hand.ray = Some(Ray3d::new(Vec3::NAN, Dir3::NEG_Y));
         }),

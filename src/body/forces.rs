@@ -119,12 +119,10 @@ pub fn forces(
             velocity.linear += dt * (mass.inverse_mass * force.force);
             velocity.angular += dt * turned(force.torque);
         }
-        if let Some(mut impulse) = impulse
-            && *impulse != ExternalImpulse::default()
-        {
+        let impulse = impulse.filter(|impulse| **impulse != ExternalImpulse::default());
+        if let Some(impulse) = &impulse {
             velocity.linear += mass.inverse_mass * impulse.linear;
             velocity.angular += turned(impulse.angular);
-            *impulse = ExternalImpulse::default();
         }
         if let Some(damping) = damping {
             velocity.linear /= 1.0 + dt * damping.linear;
@@ -132,6 +130,9 @@ pub fn forces(
         }
         if velocity.is_within_limits() {
             speeds.cap(velocity);
+            if let Some(mut impulse) = impulse {
+                *impulse = ExternalImpulse::default();
+            }
         } else {
             *velocity = before;
             suspects.0.push((entity, BodyProblem::NonFiniteForce));

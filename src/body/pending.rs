@@ -1,9 +1,9 @@
 //! Bodies that were spawned, moved or changed since the last step, for those who ask about them before the next one.
 //!
-//! The [`BodyTable`] holds bodies as they were at the start of the last step, and the simulation depends on that. So what a user has done
-//! since is not written there: [`Pending`] holds these bodies as the next step will find them, with a tree of their own, and
-//! [`SpatialQuery`](crate::query::SpatialQuery) prefers them to those of the table. The stage *prepare* makes all of it old, and nothing of it
-//! reaches the simulation.
+//! The [`BodyTable`] holds bodies as they were at the start of the last step, and the simulation depends on that. So edits that were made
+//! since are not written there: [`Pending`] holds these bodies as the next step will find them, with a tree of their own, and
+//! [`SpatialQuery`](crate::query::SpatialQuery) prefers them to those of the table. The stage *prepare* makes all of it obsolete, and
+//! nothing of it reaches the simulation.
 
 use super::describe::{Changes, Described, describe};
 use super::placement::{Placed, user_pose};
@@ -19,7 +19,7 @@ use parry3d::partitioning::{Bvh, BvhWorkspace};
 /// The tree is put in order when one in so many of its boxes was changed.
 const TIDY: usize = 16;
 
-/// The bodies that differ from those of the [`BodyTable`]. See the [module](self).
+/// The bodies that differ from those of the [`BodyTable`]: spawned, moved or changed since the last step.
 #[derive(Resource, Default)]
 pub struct Pending {
     /// The visit of *prepare* after which they differ.
@@ -117,23 +117,18 @@ type Placing<'w> = (
     (&'w Transform, Option<&'w ChildOf>),
 );
 
-/// Who has been written to since the last refresh.
-type ActiveWritten = (
-    With<RigidBody>,
-    Without<Quarantined>,
-    Without<Resting>,
-    Changes,
-);
+type Sound = (With<RigidBody>, Without<Quarantined>);
+
+type Active = (Sound, Without<Resting>);
 
 /// The refresh: finds the bodies that differ from those of the table, and brings their
 /// [`MassProperties`](super::MassProperties) up to date.
 pub fn refresh(
     mut pending: ResMut<Pending>,
     table: Res<BodyTable>,
-    written: Query<Entity, ActiveWritten>,
+    written: Query<Entity, (Active, Changes)>,
     (resting, children): (RestingBodies, RestingChildren),
-    active: Query<Placing, (With<RigidBody>, Without<Quarantined>, Without<Resting>)>,
-    all: Query<Placing, (With<RigidBody>, Without<Quarantined>)>,
+    (active, all): (Query<Placing, Active>, Query<Placing, Sound>),
     mut described: Query<Described, Without<Quarantined>>,
     placed: Placed,
 ) {
@@ -213,7 +208,7 @@ fn moved_to(
     }
 }
 
-/// What interpolates draws a body between its last two poses, which moves it nowhere.
+/// Interpolation draws a body between its last two poses, which does not move it.
 fn is_between(drawn: &Pose, before: &Pose, now: &Pose) -> bool {
     /// As a share of the way, and of coordinates.
     const ROUNDING: f32 = 1e-6;

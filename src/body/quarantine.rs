@@ -8,12 +8,10 @@ use super::describe::{Described, describe};
 use super::placement::{Placed, user_pose};
 use super::prepare::{Pushed, check};
 use super::{
-    BodyIndex, BodyState, BodyTable, Damping, Density, ExternalForce, ExternalImpulse,
-    GravityScale, Mass, Pose, Resting, RigidBody, Sleeping, Velocity,
+    BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
+    MassProperties, Pose, Resting, RigidBody, Sleeping, Velocity,
 };
-use crate::collider::Collider;
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
-use bevy_ecs::change_detection::Tick;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::{name::Name, prelude::*};
 use bevy_reflect::Reflect;
@@ -22,89 +20,83 @@ use bevy_transform::components::Transform;
 /// The body is outside the simulation because of bad input. Mend the input, and the next step takes this component off and the body is back; it
 /// may be taken off by hand as well.
 ///
-/// After [`BodyProblem::NonFiniteForce`] it is taken off when something that the speed follows from has been written or taken off since: force,
-/// impulse, velocity, damping, gravity scale, mass or shape.
+/// After [`BodyProblem::NonFiniteForce`] it is taken off when something that the speed follows from is another than it was: force, impulse,
+/// velocity, damping, gravity scale, or mass.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct Quarantined {
     /// What was wrong.
     pub problem: BodyProblem,
+    #[reflect(ignore)]
+    pushed: PushedBody,
+}
+
+/// What the speed of a body follows from.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct PushedBody {
+    mass: MassProperties,
+    velocity: Velocity,
+    force: ExternalForce,
+    impulse: ExternalImpulse,
+    damping: Damping,
+    scale: GravityScale,
+}
+
+impl PushedBody {
+    fn of(body: EntityRef) -> Self {
+        Self {
+            mass: body.get().copied().unwrap_or_default(),
+            velocity: body.get().copied().unwrap_or_default(),
+            force: body.get().copied().unwrap_or_default(),
+            impulse: body.get().copied().unwrap_or_default(),
+            damping: body.get().copied().unwrap_or_default(),
+            scale: body.get().copied().unwrap_or_default(),
+        }
+    }
 }
 
 type Stopped<'w> = (
     Entity,
-    Ref<'w, Quarantined>,
+    &'w Quarantined,
     (&'w Pose, &'w Velocity, &'w Transform, Option<&'w ChildOf>),
     Pushed<'w>,
-);
-
-/// What the speed of a body follows from. The index is marked as changed when one of these is taken off.
-type Speeding<'w> = (
-    (Ref<'w, RigidBody>, Ref<'w, BodyIndex>, Ref<'w, Velocity>),
-    Option<Ref<'w, ExternalForce>>,
-    Option<Ref<'w, ExternalImpulse>>,
-    Option<Ref<'w, Damping>>,
-    Option<Ref<'w, GravityScale>>,
-    Option<Ref<'w, Mass>>,
-    Option<Ref<'w, Density>>,
-    Option<Ref<'w, Collider>>,
 );
 
 /// Part of the stage *prepare*: brings bodies back whose input has been mended.
 pub fn lift(
     mut commands: Commands,
     stopped: Query<Stopped, With<RigidBody>>,
-    speeding: Query<Speeding>,
     mut described: Query<Described, With<Quarantined>>,
     placed: Placed,
-    ticks: bevy_ecs::system::SystemChangeTick,
 ) {
     for (entity, marker, (pose, velocity, transform, parent), pushed) in &stopped {
-        let since = marker.last_changed();
-        let is_new = |tick: Tick| tick.is_newer_than(since, ticks.this_run());
-        // Whether a force is too strong is known only in a step.
-        if marker.problem == BodyProblem::NonFiniteForce
-            && !speeding.get(entity).is_ok_and(|of| is_written(of, is_new))
-        {
-            continue;
-        }
         let to = user_pose((transform, parent), *pose, true, placed).unwrap_or(*pose);
         let Ok(description) = described.get_mut(entity) else {
             continue;
         };
         let mut body = BodyState::new(entity, to, *velocity);
-        if check(&to, velocity, pushed).is_none() && describe(&mut body, description).is_ok() {
-            commands.entity(entity).try_remove::<Quarantined>();
-            tracing::info!("body {entity} is back: its input has been mended");
+        if check(&to, velocity, pushed).is_some() || describe(&mut body, description).is_err() {
+            continue;
         }
+        // Whether a force is too strong is known only in a step: the same would be so again.
+        let now = PushedBody {
+            mass: body.mass,
+            velocity: *velocity,
+            force: pushed.0.copied().unwrap_or_default(),
+            impulse: pushed.1.copied().unwrap_or_default(),
+            damping: pushed.2.copied().unwrap_or_default(),
+            scale: pushed.3.copied().unwrap_or_default(),
+        };
+        if marker.problem == BodyProblem::NonFiniteForce && marker.pushed == now {
+            continue;
+        }
+        commands.entity(entity).try_remove::<Quarantined>();
+        tracing::info!("body {entity} is back: its input has been mended");
     }
 }
 
-fn is_written(
-    (required, force, impulse, damping, scale, mass, density, collider): <Speeding as bevy_ecs::query::QueryData>::Item<'_, '_>,
-    is_new: impl Fn(Tick) -> bool,
-) -> bool {
-    let (kind, index, velocity) = required;
-    let required = [
-        kind.last_changed(),
-        index.last_changed(),
-        velocity.last_changed(),
-    ];
-    let optional = [
-        force.map(|force| force.last_changed()),
-        impulse.map(|impulse| impulse.last_changed()),
-        damping.map(|damping| damping.last_changed()),
-        scale.map(|scale| scale.last_changed()),
-        mass.map(|mass| mass.last_changed()),
-        density.map(|density| density.last_changed()),
-        collider.map(|collider| collider.last_changed()),
-    ];
-    let written = optional.into_iter().flatten();
-    required.into_iter().chain(written).any(is_new)
-}
-
-/// Takes bodies with bad input out; see the [module](self).
+/// Takes bodies with bad input out of the simulation, and says so.
 pub fn quarantine(world: &mut World) {
     let suspects = std::mem::take(&mut world.resource_mut::<Suspects>().0);
     for (entity, problem) in suspects {
@@ -121,9 +113,11 @@ pub fn quarantine(world: &mut World) {
             if let Some(mut sleeping) = body.get_mut::<Sleeping>() {
                 sleeping.wake();
             }
+            let pushed = PushedBody::of(body.as_readonly());
             body.insert((
                 Quarantined {
                     problem: problem.clone(),
+                    pushed,
                 },
                 BodyIndex::NONE,
             ));

@@ -296,8 +296,8 @@ impl Collider {
         (sphere.center - center).length() + sphere.radius
     }
 
-    /// Half the edges of the box that holds the shape, m; infinite for a half-space.
-    pub(crate) fn half_extents(&self) -> Vec3 {
+    /// Half the edges of the box that holds the shape, in the body's axes, m; infinite for a half-space.
+    pub fn half_extents(&self) -> Vec3 {
         if self.shape.as_halfspace().is_some() {
             return Vec3::INFINITY;
         }

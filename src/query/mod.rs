@@ -52,7 +52,6 @@ pub use error::QueryError;
 pub use filter::QueryFilter;
 pub use points::PointHit;
 pub use rays::RayHit;
-pub(crate) use view::View;
 
 use crate::body::{BodyState, BodyTable, Pending, Pose, Quarantined, RigidBody};
 use crate::broadphase::Broadphase;
@@ -61,6 +60,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use parry3d::partitioning::Bvh;
 use parry3d::shape::Shape;
+use view::View;
 
 /// Asks the world; see the [module](self). In a world without a system at hand it is had by `run_system_once`, or by a `SystemState`.
 #[derive(SystemParam)]

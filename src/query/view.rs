@@ -8,7 +8,7 @@ use parry3d::partitioning::{Bvh, BvhNode};
 
 /// All bodies as one list, by number: those of the table by their slots, and after the last slot the [pending](Pending) ones.
 #[derive(Clone, Copy)]
-pub(crate) struct View<'w> {
+pub(super) struct View<'w> {
     table: &'w BodyTable,
     broadphase: &'w Broadphase,
     /// None where the table is up to date.

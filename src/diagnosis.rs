@@ -96,7 +96,7 @@ impl fmt::Display for BodyProblem {
                 limits::GRAVITY_SCALE
             ),
             Self::InvalidGrab => f.write_str(
-                "its `Grab` has a point or response that is not finite, a rotation that is not of unit length, or a speed, force or torque that is negative",
+                "its `Grab` has a point, rotation or response that is not finite, a rotation of length zero, or a speed, force or torque that is negative",
             ),
             Self::InvalidMass => write!(
                 f,
@@ -156,12 +156,14 @@ impl fmt::Display for BodyError {
             Some(name) => write!(f, "body `{name}` ({})", self.entity)?,
             None => write!(f, "body {}", self.entity)?,
         }
-        let fate = if self.problem.is_fatal() {
-            " is quarantined"
-        } else {
-            ""
-        };
-        write!(f, "{fate}: {}", self.problem)
+        match self.problem.is_fatal() {
+            true => write!(
+                f,
+                " is quarantined: {}; it comes back by itself when that is mended",
+                self.problem
+            ),
+            false => write!(f, ": {}", self.problem),
+        }
     }
 }
 

@@ -49,7 +49,7 @@
 //! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
-//! The order itself stands in [`schedule`]. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`]; what a builder stands on: [`query`]
+//! The order itself stands in [`schedule`]. Between two steps [`refresh`] tells [`query`] what has been edited. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`]; what a builder stands on: [`query`]
 //! asks the world, [`preview`] says what would happen, [`grab`] holds, [`masonry`] lays, [`collapse`] tells; and behind features of their names
 //! `stability`, `gizmos` and `picking`.
 //! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.
@@ -91,7 +91,7 @@ pub mod stability;
 pub mod stabilization;
 
 pub use plugin::*;
-pub use schedule::{advance, step};
+pub use schedule::{advance, refresh, step};
 
 /// What most users need.
 pub mod prelude {
@@ -108,7 +108,7 @@ pub mod prelude {
         ContactStarted, Contacts, FaceForce, Load, NoBody, Supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
-    pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin};
+    pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, HeldBy};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
     };
@@ -122,7 +122,7 @@ pub mod prelude {
         StabilizationSettings,
     };
     pub use crate::{DrystonePlugins, step};
-    pub use glam::{Quat, Vec3};
+    pub use glam::{BVec3, Quat, Vec3};
 }
 
 /// The README's example, kept true.

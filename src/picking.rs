@@ -3,6 +3,7 @@
 //! With [`PhysicsPickingPlugin`] beside Bevy's own picking plugins, `Pointer` events reach bodies: what is seen is what is hit, as the last step left
 //! it. Entities with `Pickable::IGNORE` are passed over; an entity whose `Pickable` does not block what is below lets the ray through.
 
+use crate::RefreshSystems;
 use crate::query::{QueryFilter, SpatialQuery};
 use bevy_app::{App, Plugin, PreUpdate};
 use bevy_camera::Camera;
@@ -17,7 +18,8 @@ pub struct PhysicsPickingPlugin;
 
 impl Plugin for PhysicsPickingPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PreUpdate, pick.in_set(PickingSystems::Backend));
+        let pick = pick.in_set(PickingSystems::Backend).after(RefreshSystems);
+        app.add_systems(PreUpdate, pick);
     }
 }
 

@@ -1,25 +1,27 @@
 //! The plugins: one for each concern, so that each can be taken out or replaced.
 
-use crate::body::{self, BodyTable};
+use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
 use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, EndedPairs, Untriggered};
 use crate::diagnosis::{BodyError, StepError, Suspects};
 use crate::islands::Islands;
 use crate::profile::{Profile, timed};
-use crate::schedule::{PhysicsSchedule, PhysicsSystems, advance, physics_schedule};
+use crate::schedule::{
+    PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, physics_schedule, refresh,
+};
 use crate::settings::{
     Gravity, InForce, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings,
     SpeedLimits, StabilizationSettings, StepTime, solves_points,
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
-use crate::{integration, islands, narrowphase, solve};
-use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
+use crate::{grab, integration, islands, narrowphase, solve};
+use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
-use bevy_time::Time;
+use bevy_time::{Time, Virtual};
 use bevy_transform::TransformSystems;
 
 /// All of drystone, run in `FixedPostUpdate` or any other schedule.
@@ -62,6 +64,7 @@ impl PluginGroup for DrystonePlugins {
             .add(IntegrationPlugin)
             .add(SleepingPlugin)
             .add(ContactEventsPlugin)
+            .add(RefreshPlugin)
     }
 }
 
@@ -89,6 +92,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Profile>()
             .init_resource::<Suspects>()
             .init_resource::<BodyTable>()
+            .init_resource::<Pending>()
             .init_resource::<Broadphase>()
             .init_resource::<Islands>()
             .init_resource::<SolveReports>()
@@ -134,12 +138,14 @@ pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(body::lost_parent);
+        app.add_observer(body::lost_parent)
+            .add_observer(grab::let_go_of_disabled);
         let profile = app.world().resource::<Profile>().clone();
         app.add_systems(
             PhysicsSchedule,
             (
                 timed(&profile, "prepare", body::complete),
+                timed(&profile, "prepare", body::lift),
                 timed(&profile, "prepare", body::prepare),
                 timed(&profile, "prepare", body::strays),
                 timed(&profile, "prepare", body::quarantine),
@@ -278,4 +284,30 @@ impl Plugin for ContactEventsPlugin {
                 .in_set(PhysicsSystems::ContactEvents),
         );
     }
+}
+
+/// What brings answers up to date without a step: the [`RefreshSchedule`], and its run in every frame in which time stands still.
+pub struct RefreshPlugin;
+
+/// The set in which answers are brought up to date while time stands still, in `PreUpdate`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct RefreshSystems;
+
+impl Plugin for RefreshPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_schedule(RefreshSchedule)
+            .add_systems(RefreshSchedule, body::refresh)
+            .add_systems(
+                PreUpdate,
+                // Who edits in the same schedule and wants it seen at once has to be put before the set.
+                refresh
+                    .run_if(time_stands_still)
+                    .in_set(RefreshSystems)
+                    .ambiguous_with_all(),
+            );
+    }
+}
+
+fn time_stands_still(time: Option<Res<Time<Virtual>>>) -> bool {
+    time.is_some_and(|time| time.delta().is_zero())
 }

@@ -19,6 +19,10 @@ use bevy_platform::time::Instant;
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct PhysicsSchedule;
 
+/// The schedule of a [`refresh`]: what brings answers up to date without a step.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct RefreshSchedule;
+
 /// The stages of a step, in their order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PhysicsSystems {
@@ -130,4 +134,26 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     crate::contact::trigger(world);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())
+}
+
+/// Brings answers up to date without a step: from now on [`SpatialQuery`](crate::query::SpatialQuery) finds bodies that were spawned since the
+/// last step, and finds those that were moved or changed where and as they are now. Nothing moves, and the simulation goes on to the same
+/// bits as without it.
+///
+/// The plugin does this in every frame in which time stands still, in `PreUpdate`. Do it yourself to ask in the frame of an edit: it is a
+/// system, to be put between the one that edits and the one that asks. It runs the [`RefreshSchedule`], and costs as much as bodies
+/// are active or have been written to.
+///
+/// ```
+/// # use bevy_app::{App, Update};
+/// # use bevy_ecs::prelude::*;
+/// # use drystone::prelude::*;
+/// # fn lay_bricks() {}
+/// # fn look_around() {}
+/// # let mut app = App::new();
+/// app.add_plugins(DrystonePlugins::default())
+///     .add_systems(Update, (lay_bricks, drystone::refresh, look_around).chain());
+/// ```
+pub fn refresh(world: &mut World) {
+    world.run_schedule(RefreshSchedule);
 }

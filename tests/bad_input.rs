@@ -7,8 +7,8 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::Sleeping;
 use drystone::body::{
-    AngularInertia, CenterOfMass, Density, ExternalForce, ExternalImpulse, Mass, Pose, Quarantined,
-    RigidBody, Velocity,
+    AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse, Mass, Pose,
+    Quarantined, RigidBody, Velocity,
 };
 use drystone::collider::{Collider, Friction, Restitution};
 use drystone::diagnosis::{BodyProblem, StepError};
@@ -434,4 +434,121 @@ fn a_pose_written_over_is_taken_back() {
             }
         }
     }
+}
+
+/// What a bad component does, and that mending it is enough: nobody takes the marker off.
+#[track_caller]
+fn mend<B: Bundle, M: Bundle>(bad: B, good: M) {
+    let mut site = Site::new();
+    site.lab.world.entity_mut(site.victim).insert(bad);
+    site.lab.run(0.5);
+    let errors = site.lab.errors();
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    let text = errors[0].to_string();
+    assert!(text.contains("comes back"), "it says how: {text}");
+    site.lab
+        .world
+        .entity_mut(site.victim)
+        .insert((good, Transform::from_xyz(3.0, 1.5, 0.0)));
+    site.lab.run(1.5);
+    assert_eq!(site.lab.errors(), []);
+    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
+    let now = site.lab.position(site.victim);
+    assert!(now.distance(Vec3::new(3.0, 0.5, 0.0)) < 0.01, "at {now}");
+    site.stands();
+}
+
+#[test]
+fn a_body_comes_back_by_itself_when_its_input_is_mended() {
+    let nan = Vec3::splat(f32::NAN);
+    let push = |force| ExternalForce {
+        force,
+        torque: Vec3::ZERO,
+    };
+    let kick = |linear| ExternalImpulse {
+        linear,
+        angular: Vec3::ZERO,
+    };
+    mend(Transform::from_translation(nan), ());
+    mend(Velocity::linear(nan), Velocity::default());
+    mend(push(nan), push(Vec3::ZERO));
+    // Finite, but it would be faster than anything may be.
+    mend(push(Vec3::X * 1e19), push(Vec3::ZERO));
+    mend(kick(Vec3::X * 1e19), kick(Vec3::ZERO));
+    mend(Mass(f32::NAN), Mass(1000.0));
+    mend(Density(-1.0), Density(1000.0));
+    mend(
+        Collider::cuboid(1.0, 0.0, 1.0),
+        Collider::cuboid(1.0, 1.0, 1.0),
+    );
+    mend(Friction::new(f32::NAN), Friction::new(0.5));
+}
+
+/// As long as nobody mends anything it stays away, and is named once.
+#[test]
+fn a_body_that_is_not_mended_stays_away() {
+    for force in [Vec3::splat(f32::NAN), Vec3::X * 1e19] {
+        let mut site = Site::new();
+        let torque = Vec3::ZERO;
+        let push = ExternalForce { force, torque };
+        site.lab.world.entity_mut(site.victim).insert(push);
+        site.lab.run(0.5);
+        assert_eq!(site.lab.errors().len(), 1);
+        // Something else is written, and what is wrong is written again.
+        site.lab
+            .world
+            .entity_mut(site.victim)
+            .insert((Friction::new(0.3), push));
+        site.lab.run(0.5);
+        assert_eq!(site.lab.errors(), []);
+        assert!(site.lab.world.get::<Quarantined>(site.victim).is_some());
+        site.stands();
+    }
+}
+
+/// Taking the bad component off mends it as well, and so does becoming a body that needs no mass.
+#[test]
+fn a_body_comes_back_when_what_was_wrong_is_taken_off() {
+    let mut site = Site::new();
+    let force = Vec3::X * 1e19;
+    let torque = Vec3::ZERO;
+    let bad = (
+        ExternalForce { force, torque },
+        Damping {
+            linear: -1.0,
+            angular: 0.0,
+        },
+    );
+    site.lab.world.entity_mut(site.victim).insert(bad);
+    site.lab.run(0.1);
+    assert_eq!(site.lab.errors().len(), 1);
+    site.lab
+        .world
+        .entity_mut(site.victim)
+        .remove::<(ExternalForce, Damping)>();
+    site.lab.run(0.5);
+    assert_eq!(site.lab.errors(), []);
+    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
+    site.stands();
+    let torque = Vec3::ZERO;
+    let force = ExternalForce { force, torque };
+    site.lab.world.entity_mut(site.victim).insert(force);
+    site.lab.run(0.1);
+    assert_eq!(site.lab.errors().len(), 1);
+    site.lab
+        .world
+        .entity_mut(site.victim)
+        .remove::<ExternalForce>();
+    site.lab.run(0.1);
+    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
+    site.lab.world.entity_mut(site.victim).insert(Mass(0.0));
+    site.lab.run(0.1);
+    assert_eq!(site.lab.errors().len(), 1);
+    site.lab
+        .world
+        .entity_mut(site.victim)
+        .insert(RigidBody::Kinematic);
+    site.lab.run(0.1);
+    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
+    site.stands();
 }

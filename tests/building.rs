@@ -417,17 +417,17 @@ fn what_is_undone_is_as_it_was_to_the_bit() {
         log.put(&mut lab.world, bricks[12], aside).unwrap();
         log.take(&mut lab.world, &[bricks[12]]).unwrap();
         for _ in 0..3 {
-            assert_eq!(log.undo(&mut lab.world), Ok(true));
+            assert!(log.undo(&mut lab.world).unwrap().is_some());
         }
         lab.run(1.0);
         assert_eq!(poses(&lab, &bricks), before, "{round}");
         // As often as one likes.
         for _ in 0..3 {
-            assert_eq!(log.redo(&mut lab.world), Ok(true));
+            assert!(log.redo(&mut lab.world).unwrap().is_some());
         }
         assert_eq!(log.len(), [3, 0]);
         for _ in 0..3 {
-            assert_eq!(log.undo(&mut lab.world), Ok(true));
+            assert!(log.undo(&mut lab.world).unwrap().is_some());
         }
         lab.run(1.0);
         assert_eq!(poses(&lab, &bricks), before, "{round}");
@@ -513,8 +513,8 @@ fn what_was_placed_goes_and_comes_with_its_children() {
     log.take(&mut lab.world, &[other]).unwrap();
     log.clear(&mut lab.world);
     assert!(log.is_empty() && lab.world.get_entity(other).is_err());
-    assert_eq!(log.undo(&mut lab.world), Ok(false));
-    assert_eq!(log.redo(&mut lab.world), Ok(false));
+    assert_eq!(log.undo(&mut lab.world), Ok(None));
+    assert_eq!(log.redo(&mut lab.world), Ok(None));
 }
 
 #[test]
@@ -558,4 +558,209 @@ fn a_block_may_be_spawned_as_any_kind_of_body() {
     }
     let body = lab.spawn(blocks[0].clone().bundle());
     assert_eq!(lab.world.get(body), Some(&RigidBody::Dynamic));
+}
+
+/// Entities that are not there for the game.
+fn disabled(lab: &Lab, body: Entity) -> bool {
+    lab.world.entity(body).contains::<Disabled>()
+}
+
+#[test]
+fn taking_a_parent_back_leaves_a_child_away_that_was_taken_before() {
+    let mut lab = Lab::new();
+    let mut log = EditLog::default();
+    let parent = lab.cube(Vec3::Y * 5.0);
+    let cube = drystone::collider::Collider::default();
+    let bundle = (drystone::body::RigidBody::Dynamic, cube, ChildOf(parent));
+    let child = lab.spawn(bundle);
+    let other = lab.world.spawn(ChildOf(parent)).id();
+    log.take(&mut lab.world, &[child]).unwrap();
+    log.take(&mut lab.world, &[parent]).unwrap();
+    let are = |lab: &Lab| [parent, child, other].map(|body| disabled(lab, body));
+    assert_eq!(are(&lab), [true, true, true]);
+    log.undo(&mut lab.world).unwrap();
+    assert_eq!(are(&lab), [false, true, false]);
+    log.undo(&mut lab.world).unwrap();
+    assert_eq!(are(&lab), [false, false, false]);
+    log.redo(&mut lab.world).unwrap();
+    assert_eq!(are(&lab), [false, true, false]);
+    log.redo(&mut lab.world).unwrap();
+    assert_eq!(are(&lab), [true, true, true]);
+    // Undone down to the last, and then something else is done.
+    log.undo(&mut lab.world).unwrap();
+    let lone = lab.cube(Vec3::Y * 9.0);
+    log.placed(&mut lab.world, &[lone]).unwrap();
+    assert_eq!(are(&lab), [false, true, false]);
+    log.clear(&mut lab.world);
+    assert!(lab.world.get_entity(parent).is_ok() && lab.world.get_entity(child).is_err());
+}
+
+#[test]
+fn a_body_that_was_taken_twice_is_away_until_both_are_undone() {
+    let mut lab = Lab::new();
+    let mut log = EditLog::default();
+    let body = lab.cube(Vec3::Y * 5.0);
+    // A game may have disabled one by itself.
+    let own = lab.spawn((drystone::body::RigidBody::Dynamic, Disabled));
+    for _ in 0..2 {
+        log.take(&mut lab.world, &[body, own, body]).unwrap();
+    }
+    log.undo(&mut lab.world).unwrap();
+    assert!(disabled(&lab, body));
+    log.undo(&mut lab.world).unwrap();
+    assert!(!disabled(&lab, body));
+    assert!(disabled(&lab, own), "it was not taken by the log");
+    log.redo(&mut lab.world).unwrap();
+    log.redo(&mut lab.world).unwrap();
+    log.undo(&mut lab.world).unwrap();
+    assert!(disabled(&lab, body));
+}
+
+/// The lowest course is taken, and what stood on it falls for two seconds.
+#[test]
+fn an_edit_is_undone_as_a_whole_after_things_have_fallen() {
+    let (mut lab, bricks) = wall();
+    let far = lab.cube(Vec3::new(0.0, 0.5, 9.0));
+    let goes = lab.cube(Vec3::new(0.0, 0.5, 12.0));
+    lab.run(1.0);
+    let before = poses(&lab, &bricks);
+    let mut log = EditLog::default();
+    let taken = &bricks[..3];
+    log.take(&mut lab.world, taken).unwrap();
+    lab.run(2.0);
+    lab.world.despawn(goes);
+    // What the last edit was about, and what moved before and after it.
+    log.put(&mut lab.world, far, Transform::from_xyz(0.0, 5.0, 9.0))
+        .unwrap();
+    lab.run(2.0);
+    let undone = log.undo(&mut lab.world).unwrap().unwrap();
+    assert_eq!(undone.bodies, [far]);
+    assert_eq!(
+        (undone.moved.len(), undone.gone.len()),
+        (0, 0),
+        "{undone:?}"
+    );
+    let fallen = poses(&lab, &bricks);
+    let undone = log.undo(&mut lab.world).unwrap().unwrap();
+    assert_eq!(undone.bodies, taken);
+    assert_eq!(undone.gone, [goes]);
+    assert_eq!(poses(&lab, taken), before[..3]);
+    let told: Vec<Entity> = undone.moved.iter().map(|moved| moved.body).collect();
+    let mut others = 0;
+    for (i, &brick) in bricks.iter().enumerate().skip(3) {
+        let moved = fallen[i].position.distance(before[i].position);
+        // A twentieth of its radius is 3 cm; it counts how it has turned, too.
+        let is_told = told.contains(&brick);
+        assert!(is_told || moved < 0.03, "{i}: {moved} m");
+        assert!(!is_told || moved > 0.01, "{i}: {moved} m");
+        others += usize::from(is_told);
+    }
+    assert!(others > 3 && undone.moved.len() == others, "{others}");
+    assert!(!told.contains(&far));
+    for moved in &undone.moved {
+        let i = bricks
+            .iter()
+            .position(|&brick| brick == moved.body)
+            .unwrap();
+        assert_eq!(moved.to, fallen[i]);
+        assert!(moved.from.position.distance(before[i].position) < 1e-3);
+        // So all of it can be put back.
+        let at = Transform::from_translation(moved.from.position);
+        log.put(&mut lab.world, moved.body, at).unwrap();
+    }
+    lab.run(2.0);
+    for (pose, before) in poses(&lab, &bricks).iter().zip(&before) {
+        assert!(pose.position.distance(before.position) < 1e-2);
+    }
+}
+
+/// It has fallen since it was placed; made again, it is where it was placed.
+#[test]
+fn what_is_placed_again_is_where_it_was_placed() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let mut log = EditLog::default();
+    let cube = lab.cube(Vec3::Y * 5.0);
+    log.placed(&mut lab.world, &[cube]).unwrap();
+    lab.run(2.0);
+    assert!((lab.position(cube).y - 0.5).abs() < 0.01);
+    log.undo(&mut lab.world).unwrap();
+    lab.run(0.1);
+    log.redo(&mut lab.world).unwrap();
+    let at = lab.world.get::<Transform>(cube).unwrap();
+    assert_eq!(at.translation, Vec3::Y * 5.0);
+    assert_eq!(lab.velocity(cube), Velocity::default());
+    lab.run(0.1);
+    assert!(lab.position(cube).y > 4.9);
+}
+
+/// Before anything is allocated: these would take all memory, or for ever.
+#[test]
+fn absurd_counts_are_told() {
+    const MOST: u32 = u32::MAX;
+    let check = |what: &str, blocks: Result<Vec<Block>, MasonryError>| {
+        let error = blocks.expect_err(what);
+        assert!(matches!(error, MasonryError::TooMany(_)), "{what}: {error}");
+        assert!(error.to_string().contains("1000000 at once"), "{error}");
+    };
+    for base in [MOST, 2_000] {
+        check("a pyramid", Pyramid::new(base).blocks());
+    }
+    let tower = Tower {
+        layers: MOST,
+        ..Default::default()
+    };
+    check("a tower", tower.blocks());
+    let house = CardHouse {
+        levels: MOST,
+        ..Default::default()
+    };
+    check("a house of cards", house.blocks());
+    for bond in [Bond::Stack, Bond::Running, Bond::English, Bond::Flemish] {
+        let wall = |change: fn(&mut Wall)| {
+            let mut wall = Wall::new(bond);
+            change(&mut wall);
+            wall.blocks()
+        };
+        check("a high wall", wall(|wall| wall.courses = MOST));
+        let hole = |wall: &mut Wall| {
+            wall.courses = MOST;
+            wall.openings.push(Opening {
+                from: 1.0,
+                to: 2.0,
+                courses: 1..MOST - 1,
+                bearing: 0.5,
+            });
+        };
+        check("a high wall with a hole", wall(hole));
+        let long = wall(|wall| {
+            wall.brick = Vec3::splat(1e-3);
+            wall.length = 1e4;
+        });
+        // A length that is no multiple, to the last bit, is another error.
+        assert!(matches!(
+            long.expect_err("a long wall"),
+            MasonryError::TooMany(_) | MasonryError::NoRoom { .. }
+        ));
+    }
+    let arch = Arch {
+        voussoirs: MOST,
+        ..Default::default()
+    };
+    check("an arch", arch.blocks());
+    for (rings, blocks) in [(MOST, MOST), (6, MOST), (MOST, 16)] {
+        let dome = Dome {
+            rings,
+            blocks,
+            ..Default::default()
+        };
+        check("a dome", dome.blocks());
+    }
+    let corner = Corner {
+        courses: MOST,
+        ..Default::default()
+    };
+    check("a corner", corner.blocks());
+    // The largest that there are.
+    assert_eq!(Pyramid::new(1_000).blocks().unwrap().len(), 500_500);
 }

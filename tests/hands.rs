@@ -2,16 +2,21 @@
 
 mod support;
 
+use bevy_app::App;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use drystone::DrystonePlugins;
 use drystone::body::{ExternalForce, ExternalImpulse, GravityScale, Mass, RigidBody};
 use drystone::collider::Collider;
 use drystone::contact::Load;
-use drystone::grab::{Grab, Grasp, Hand, HandForce, hands};
+use drystone::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, hands};
+use drystone::masonry::EditLog;
 use drystone::query::{Dir3, Ray3d};
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
 use drystone::settings::{PhysicsThreads, Preset, SolverSettings};
 use drystone::solver::{Nncg, Pgs};
-use glam::{Quat, Vec3};
+use glam::{BVec3, Quat, Vec3, Vec3Swizzles};
 use support::*;
 
 const WEIGHT: f32 = 1000.0 * G;
@@ -407,4 +412,244 @@ fn a_hand_holds_nothing_that_it_cannot() {
     lab.world.despawn(cube);
     lab.run(0.1);
     assert_eq!(held(&lab, pointer), None);
+}
+
+/// An app whose hands hold a cube of 1 m from above, after half a second.
+fn held_cube() -> (Lab, Entity, Entity) {
+    let mut lab = lab_with_hands();
+    let cube = lab.cube(Vec3::Y * 0.5);
+    lab.run(0.5);
+    let pointer = Ray3d::new(Vec3::new(0.0, 3.0, 0.0), Dir3::NEG_Y);
+    let pointer = Hand {
+        ray: Some(pointer),
+        closed: true,
+        ..Hand::new(5.0 * WEIGHT)
+    };
+    let pointer = lab.spawn(pointer);
+    lab.run(0.1);
+    hand(&mut lab, pointer).distance = 1.0;
+    lab.run(2.0);
+    assert!((lab.position(cube).y - 1.5).abs() < 1e-2);
+    assert_eq!(held(&lab, pointer), Some(cube));
+    (lab, cube, pointer)
+}
+
+/// It falls, and nothing holds it.
+#[track_caller]
+fn falls(lab: &mut Lab, cube: Entity, how: &str) {
+    assert!(lab.world.get::<Grab>(cube).is_none(), "{how}: still held");
+    lab.run(1.0);
+    let height = lab.position(cube).y;
+    assert!((height - 0.5).abs() < 1e-2, "{how}: at {height} m");
+}
+
+#[test]
+fn a_body_that_is_disabled_while_held_is_let_go() {
+    let (mut lab, cube, pointer) = held_cube();
+    lab.world.entity_mut(cube).insert(Disabled);
+    lab.run(0.1);
+    assert_eq!(held(&lab, pointer), None);
+    lab.world.entity_mut(cube).remove::<Disabled>();
+    falls(&mut lab, cube, "by a hand");
+    // By a game's own grab as well.
+    hold(
+        &mut lab,
+        cube,
+        Grab::gentle(1000.0, Vec3::ZERO, Vec3::Y * 2.0),
+    );
+    lab.run(1.0);
+    lab.world.entity_mut(cube).insert(Disabled);
+    lab.world.entity_mut(cube).remove::<Disabled>();
+    falls(&mut lab, cube, "by a grab");
+}
+
+#[test]
+fn a_body_that_is_taken_and_brought_back_is_not_held_any_more() {
+    let (mut lab, cube, pointer) = held_cube();
+    let mut log = EditLog::default();
+    log.take(&mut lab.world, &[cube]).unwrap();
+    lab.run(0.5);
+    log.undo(&mut lab.world).unwrap();
+    falls(&mut lab, cube, "taken");
+    assert_eq!(held(&lab, pointer), None);
+    // It was put up here, is held, and the edit is undone.
+    log.put(&mut lab.world, cube, Transform::from_xyz(3.0, 0.5, 0.0))
+        .unwrap();
+    let grab = Grab::gentle(1000.0, Vec3::ZERO, Vec3::new(3.0, 3.0, 0.0));
+    hold(&mut lab, cube, grab);
+    lab.run(1.0);
+    log.undo(&mut lab.world).unwrap();
+    falls(&mut lab, cube, "put");
+    assert!(lab.position(cube).x.abs() < 0.01);
+}
+
+#[test]
+fn a_hand_with_invalid_numbers_holds_on_and_hurts_nobody() {
+    type Spoil = (&'static str, fn(&mut Hand));
+    let spoils: [Spoil; 8] = [
+        ("ray", |hand| {
+            hand.ray = Some(Ray3d::new(Vec3::NAN, Dir3::NEG_Y));
+        }),
+        ("distance", |hand| hand.distance = f32::NAN),
+        ("far", |hand| hand.distance = 1e9),
+        ("force", |hand| hand.max_force = f32::NAN),
+        ("torque", |hand| hand.max_torque = -1.0),
+        ("turn", |hand| {
+            hand.rotation = Some(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0))
+        }),
+        ("zero turn", |hand| {
+            hand.rotation = Some(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0))
+        }),
+        ("long turn", |hand| {
+            hand.rotation = Some(Quat::IDENTITY * 1.001)
+        }),
+    ];
+    for (what, spoil) in spoils {
+        let (mut lab, cube, pointer) = held_cube();
+        let sound = *hand(&mut lab, pointer);
+        spoil(&mut hand(&mut lab, pointer));
+        lab.run(1.0);
+        assert_eq!(lab.errors(), [], "{what}");
+        assert!((lab.position(cube).y - 1.5).abs() < 1e-2, "{what}");
+        assert_eq!(held(&lab, pointer), Some(cube), "{what}");
+        *hand(&mut lab, pointer) = Hand {
+            distance: 0.5,
+            ..sound
+        };
+        lab.run(2.0);
+        assert!((lab.position(cube).y - 2.0).abs() < 1e-2, "{what}");
+        // So it closes on nothing.
+        hand(&mut lab, pointer).closed = false;
+        lab.run(1.0);
+        spoil(&mut hand(&mut lab, pointer));
+        hand(&mut lab, pointer).closed = true;
+        lab.run(0.5);
+        assert_eq!(lab.errors(), [], "{what}");
+    }
+}
+
+/// In the step in which the body comes into the world.
+#[test]
+fn a_hand_that_is_closed_before_the_first_step_takes_hold() {
+    let mut app = App::new();
+    app.add_plugins((DrystonePlugins::default(), HandPlugin));
+    let mut lab = Lab::new();
+    lab.world = std::mem::take(app.world_mut());
+    for round in 0..2 {
+        let x = 5.0 * round as f32;
+        let cube = lab.cube(Vec3::new(x, 0.5, 0.0));
+        let pointer = Hand {
+            ray: Some(Ray3d::new(Vec3::new(x + 0.1, 3.0, 0.0), Dir3::NEG_Y)),
+            closed: true,
+            ..Hand::new(5.0 * WEIGHT)
+        };
+        let pointer = lab.spawn(pointer);
+        lab.step();
+        assert_eq!(held(&lab, pointer), Some(cube), "round {round}");
+        let at = lab.world.get::<Grab>(cube).unwrap().local_point;
+        assert!(at.distance(Vec3::new(0.1, 0.5, 0.0)) < 1e-3, "{at}");
+        lab.run(1.0);
+        assert!((lab.position(cube).y - 0.5).abs() < 0.01);
+    }
+}
+
+#[test]
+fn a_clone_of_a_hand_holds_nothing_and_lets_nothing_go() {
+    let (mut lab, cube, pointer) = held_cube();
+    let clone = lab.world.entity_mut(pointer).clone_and_spawn();
+    lab.run(0.5);
+    assert_eq!(held(&lab, clone), None);
+    hand(&mut lab, clone).closed = false;
+    lab.run(0.5);
+    // It closes on what the first one holds already.
+    hand(&mut lab, clone).closed = true;
+    lab.run(0.5);
+    assert_eq!(held(&lab, clone), None);
+    lab.world.despawn(clone);
+    lab.run(0.5);
+    assert_eq!(held(&lab, pointer), Some(cube));
+    assert!(lab.world.get::<Grab>(cube).is_some());
+    assert!((lab.position(cube).y - 1.5).abs() < 1e-2);
+    // Nor is the clone of a held body held.
+    let twin = lab.world.entity_mut(cube).clone_and_spawn();
+    let beside = Transform::from_xyz(3.0, 1.5, 0.0);
+    lab.world.entity_mut(twin).insert(beside);
+    falls(&mut lab, twin, "a clone");
+}
+
+#[test]
+fn a_body_goes_from_hand_to_hand() {
+    let (mut lab, cube, first) = held_cube();
+    let sound = *hand(&mut lab, first);
+    let second = lab.spawn(Hand {
+        closed: false,
+        ..sound
+    });
+    hand(&mut lab, first).closed = false;
+    hand(&mut lab, second).closed = true;
+    lab.run(1.0);
+    assert_eq!(held(&lab, second), Some(cube));
+    assert_eq!(held(&lab, first), None);
+    assert!((lab.position(cube).y - 1.5).abs() < 1e-2);
+}
+
+/// A finger that pulls a hanging cube to the side: level, so that it bears nothing of its weight, and about no axis.
+#[test]
+fn a_hand_pulls_along_its_axes_only() {
+    each(|name, mut lab| {
+        lab.ground();
+        let cube = lab.cube(Vec3::Y * 5.0);
+        let level = BVec3::new(true, false, true);
+        let grab = Grab {
+            axes: level,
+            turn_axes: BVec3::new(false, true, false),
+            ..Grab::gentle(1000.0, Vec3::ZERO, Vec3::new(1.0, 5.0, 0.0))
+        };
+        hold(&mut lab, cube, grab);
+        lab.set_velocity(cube, Vec3::ZERO, Vec3::new(0.0, 2.0, 0.5));
+        let mut time = 0.0;
+        while time < 0.45 {
+            lab.step();
+            time += lab.dt;
+            assert_eq!(force(&lab, cube).force.y, 0.0, "{name}");
+            let torque = force(&lab, cube).torque;
+            assert_eq!((torque.x, torque.z), (0.0, 0.0), "{name}");
+        }
+        // As fast as nothing holds it, and not round its own axis any more.
+        let velocity = lab.velocity(cube);
+        assert_near(velocity.linear.y, -G * time, 1e-3, name);
+        assert!(velocity.angular.y.abs() < 1e-3, "{name}: {velocity:?}");
+        assert!(velocity.angular.xz().length() > 0.3, "{name}: {velocity:?}");
+        lab.run(3.0);
+        let at = lab.position(cube);
+        assert!(at.with_y(0.0).distance(Vec3::X) < 0.02, "{name}: {at}");
+        assert!(at.y < 0.9, "{name}: {at}");
+        // All axes are the same as no mask.
+        assert_eq!(Grab::gentle(1.0, at, at).axes, BVec3::TRUE);
+    });
+}
+
+/// Pulled at its foot over the ground, towards a place high above it.
+#[test]
+fn a_finger_that_pulls_level_does_not_hold_level() {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    lab.ground();
+    let cube = lab.cube(Vec3::Y * 0.5);
+    lab.run(0.2);
+    let mut pointer = Hand::new(5.0 * WEIGHT);
+    pointer.axes = BVec3::new(true, false, true);
+    pointer.max_torque = 0.0;
+    let grab = Grab {
+        axes: pointer.axes,
+        max_torque: 0.0,
+        max_force: pointer.max_force,
+        ..Grab::gentle(1000.0, Vec3::new(0.5, -0.3, 0.0), Vec3::new(4.0, 9.0, 0.0))
+    };
+    hold(&mut lab, cube, grab);
+    lab.run(3.0);
+    let at = lab.position(cube);
+    // It follows over the ground, and is not lifted.
+    assert!((at.x - 3.5).abs() < 0.2, "{at}");
+    assert!(at.y < 0.75, "{at}");
+    assert_eq!(force(&lab, cube).force.y, 0.0);
 }

@@ -106,17 +106,37 @@ fn world(rng: &mut Rng) -> Lab {
     lab
 }
 
+/// Edits between two steps: bodies come, go, are put elsewhere and change their shape.
+fn edit(lab: &mut Lab, rng: &mut Rng) {
+    let mut all = lab.world.query_filtered::<Entity, With<RigidBody>>();
+    let all: Vec<Entity> = all.iter(&lab.world).collect();
+    for body in all {
+        let mut body = lab.world.entity_mut(body);
+        let at = Transform::from_translation(vector(rng, 5.0)).with_rotation(turn(rng));
+        match rng.u32(0..12) {
+            0 => body.despawn(),
+            1 => _ = body.insert(shape(rng)),
+            2 | 3 => _ = body.insert(at),
+            _ => {}
+        }
+    }
+    for _ in 0..rng.usize(0..30) {
+        let at = Transform::from_translation(vector(rng, 5.0)).with_rotation(turn(rng));
+        lab.spawn((RigidBody::Dynamic, shape(rng), at));
+    }
+}
+
 /// All that can be found, one by one.
 fn bodies(lab: &mut Lab, layers: CollisionLayers) -> Vec<(Entity, parry3d::math::Pose, Collider)> {
     let mut query = lab
         .world
-        .query::<(Entity, &Pose, &Collider, Option<&CollisionLayers>)>();
+        .query::<(Entity, &Transform, &Collider, Option<&CollisionLayers>)>();
     let counts = query
         .iter(&lab.world)
         .filter(|(.., of)| of.copied().unwrap_or_default().collides_with(layers));
     counts
         .map(|(entity, pose, collider, _)| {
-            let at = parry3d::math::Pose::from_parts(pose.position, pose.rotation);
+            let at = parry3d::math::Pose::from_parts(pose.translation, pose.rotation);
             (entity, at, collider.clone())
         })
         .collect()
@@ -151,6 +171,11 @@ fn assert_first(found: Option<f32>, all: &[(Entity, f32)], what: &str) {
 fn check(seed: u64) {
     let mut rng = Rng::with_seed(seed);
     let mut lab = world(&mut rng);
+    // Of one step, or of edits after it as well.
+    for _ in 0..rng.usize(0..3) {
+        edit(&mut lab, &mut rng);
+        drystone::refresh(&mut lab.world);
+    }
     let layers = CollisionLayers {
         memberships: u32::MAX,
         filters: rng.u32(1..16),

@@ -112,12 +112,10 @@ pub fn forces(
         let before = *velocity;
         let scale = scale.map_or(1.0, |scale| scale.0);
         velocity.push(mass, pose.rotation, scale * gravity.0, force, dt);
-        if let Some(mut impulse) = impulse
-            && *impulse != ExternalImpulse::default()
-        {
+        let impulse = impulse.filter(|impulse| **impulse != ExternalImpulse::default());
+        if let Some(impulse) = &impulse {
             velocity.linear += mass.inverse_mass * impulse.linear;
             velocity.angular += turned(mass, pose.rotation, impulse.angular);
-            *impulse = ExternalImpulse::default();
         }
         if let Some(damping) = damping {
             velocity.linear /= 1.0 + dt * damping.linear;
@@ -125,6 +123,9 @@ pub fn forces(
         }
         if velocity.is_within_limits() {
             speeds.cap(velocity);
+            if let Some(mut impulse) = impulse {
+                *impulse = ExternalImpulse::default();
+            }
         } else {
             *velocity = before;
             suspects.0.push((entity, BodyProblem::NonFiniteForce));

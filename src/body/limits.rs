@@ -4,7 +4,7 @@
 //! These are bounds of what can be simulated, not of what is sensible: how fast a body may become is a setting,
 //! [`SpeedLimits`](crate::settings::SpeedLimits).
 
-use glam::{Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 
 /// Farthest from the origin along an axis, m.
 pub const POSITION: f32 = 1e7;
@@ -49,6 +49,12 @@ const DUST: f32 = 1e-18;
 #[inline]
 pub(crate) fn dusted(v: Vec4) -> Vec4 {
     Vec4::select(v.abs().cmplt(Vec4::splat(DUST)), Vec4::ZERO, v)
+}
+
+/// A rotation that can be made one of unit length.
+#[inline]
+pub(crate) fn is_turn(rotation: Quat) -> bool {
+    (1e-12..1e12).contains(&rotation.length_squared())
 }
 
 /// Finite, not negative, not beyond a bound.

@@ -1,15 +1,17 @@
 //! Mass, inertia and centre of mass: from shape and density, or set by hand.
 
-use super::{limits, table};
+use super::{RigidBody, limits, table};
 use crate::collider::Collider;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Mat3, Quat, Vec3};
 
 /// Density of a body's material, kg/m³; 1000 by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description, summary_tick)]
+#[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct Density(pub f32);
 
 impl Density {
@@ -20,13 +22,13 @@ impl Density {
 /// Sets a body's mass by hand, kg. Inertia follows it in proportion unless [`AngularInertia`] is set too.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description, summary_tick)]
+#[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct Mass(pub f32);
 
 /// Sets a body's principal moments of inertia by hand, kg·m², about its centre of mass.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description, summary_tick)]
+#[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct AngularInertia {
     /// About the three principal axes, kg·m².
     pub principal: Vec3,
@@ -37,17 +39,20 @@ pub struct AngularInertia {
 /// Sets a body's centre of mass by hand, m, in the body's frame.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = table::lost_description, summary_tick)]
+#[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct CenterOfMass(pub Vec3);
 
 /// What the solver needs to know of a body's inertia. Computed; set [`Density`], [`Mass`], [`AngularInertia`] or
 /// [`CenterOfMass`] to change it.
 ///
+/// It is known as soon as a body, its shape or one of these is inserted. What is written in place or taken off counts from the next
+/// step or [`refresh`](crate::refresh()) on.
+///
 /// As computed it is that of the *material*. Static and kinematic bodies keep theirs (so that they can become
 /// dynamic again) and enter the solver with zeros.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = table::lost_description)]
+#[component(on_add = weigh, on_remove = table::lost_description)]
 pub struct MassProperties {
     /// 1/kg
     pub inverse_mass: f32,
@@ -57,6 +62,32 @@ pub struct MassProperties {
     pub inverse_inertia: Vec3,
     /// The rotation from the body's axes to the principal ones.
     pub local_frame: Quat,
+}
+
+/// Whatever a body's inertia follows from is inserted: the hook of these components. Invalid input is left to the stage *prepare*.
+pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
+    let body = world.entity(context.entity);
+    let collider = body.get::<Collider>();
+    let (Some(kind), false) = (
+        body.get::<RigidBody>(),
+        collider.is_some_and(Collider::is_degenerate),
+    ) else {
+        return;
+    };
+    let computed = MassProperties::new(
+        collider,
+        body.get::<Density>(),
+        body.get::<Mass>(),
+        body.get::<AngularInertia>(),
+        body.get::<CenterOfMass>(),
+    );
+    let radius = collider.map_or(0.0, |c| c.radius_about(computed.local_center));
+    if *kind == RigidBody::Dynamic && !computed.is_valid(radius) {
+        return;
+    }
+    if let Some(mut properties) = world.get_mut::<MassProperties>(context.entity) {
+        properties.set_if_neq(computed);
+    }
 }
 
 impl MassProperties {

@@ -12,7 +12,7 @@ use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
 use bevy_ecs::query::QueryData;
-use bevy_ecs::system::SystemParam;
+use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 use glam::Vec3;
@@ -30,7 +30,7 @@ type Moving<'w> = (
 );
 
 /// What pushes a body. All of it may be taken off.
-type Pushed<'w> = (
+pub(super) type Pushed<'w> = (
     Option<&'w ExternalForce>,
     Option<&'w ExternalImpulse>,
     Option<&'w Damping>,
@@ -63,7 +63,7 @@ pub fn prepare(
     placed: Placed,
 ) {
     let changed: EntityHashSet = bodies.p0().iter().collect();
-    let visit = table.begin_visit();
+    let visit = table.begin_visit(rules.ticks.this_run());
     table.take_left();
     let mut joining: Vec<(Age, Entity)> = Vec::new();
     let mut visitor = Visitor {
@@ -79,7 +79,7 @@ pub fn prepare(
     }
     let mut stirred = match rules.in_force.changed {
         true => bodies.p1().iter().map(|(of, ..)| of.0).collect(),
-        false => find_written(visitor.table, bodies.p1()),
+        false => find_written(visitor.table, bodies.p1(), None),
     };
     stirred.extend(find_carried(bodies.p2(), placed));
     stirred.extend(&teleported);
@@ -141,6 +141,7 @@ pub struct Rules<'w> {
     time: Res<'w, StepTime>,
     speeds: Res<'w, SpeedLimits>,
     in_force: Res<'w, InForce>,
+    ticks: SystemChangeTick,
 }
 
 /// Goes from body to body.
@@ -284,7 +285,7 @@ fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &R
     gained.min(rules.speeds.linear)
 }
 
-fn check(
+pub(super) fn check(
     pose: &Pose,
     velocity: &Velocity,
     (force, impulse, damping, scale, grab): Item<Pushed>,
@@ -292,8 +293,7 @@ fn check(
     let force = force.copied().unwrap_or_default();
     let impulse = impulse.copied().unwrap_or_default();
     let forces = [force.force, force.torque, impulse.linear, impulse.angular];
-    let turned = pose.rotation.length_squared();
-    if !limits::within(pose.position, limits::POSITION) || !(1e-12..1e12).contains(&turned) {
+    if !limits::within(pose.position, limits::POSITION) || !limits::is_turn(pose.rotation) {
         Some(BodyProblem::NonFinitePose)
     } else if !velocity.is_within_limits() {
         Some(BodyProblem::NonFiniteVelocity)

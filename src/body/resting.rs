@@ -74,8 +74,13 @@ pub(super) type RestingBodies<'w, 's> = Query<'w, 's, Written, Rests>;
 pub(super) type RestingChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), Rests>;
 
-/// Those that somebody has written to since the system at hand ran last, and not only what the table knows of them; once for each component.
-pub(super) fn find_written(table: &BodyTable, bodies: RestingBodies) -> Vec<Entity> {
+/// Those that somebody has written to since the system at hand ran last, and after `since` where that is later, and not only what the
+/// table knows of them; once for each component.
+pub(super) fn find_written(
+    table: &BodyTable,
+    bodies: RestingBodies,
+    since: Option<Tick>,
+) -> Vec<Entity> {
     let mut found = Vec::new();
     let columns = bodies.contiguous_iter();
     for (required, forces, surface) in columns.expect("all of it is stored in tables") {
@@ -84,10 +89,11 @@ pub(super) fn find_written(table: &BodyTable, bodies: RestingBodies) -> Vec<Enti
             table,
             entities,
             slots: &required.4.clone(),
+            since,
         };
         macro_rules! look {
             ($($column:expr),+ $(,)?) => {$(
-                look($column, |row, _| found.push(entities[row]));
+                look($column, since, |row, _| found.push(entities[row]));
             )+};
         }
         macro_rules! look_if_there {
@@ -136,6 +142,7 @@ struct Rows<'a> {
     table: &'a BodyTable,
     entities: &'a [Entity],
     slots: &'a [BodyIndex],
+    since: Option<Tick>,
 }
 
 impl Rows<'_> {
@@ -150,8 +157,9 @@ impl Rows<'_> {
             table,
             entities,
             slots,
+            since,
         } = self;
-        look(column, |row, value| {
+        look(column, since, |row, value| {
             let body = table.get(slots[row].0);
             let known = body.filter(|body| body.entity == entities[row]);
             if !known.is_some_and(|body| same(body, value)) {
@@ -162,10 +170,13 @@ impl Rows<'_> {
 }
 
 /// Calls `written` with each row of a column that has been written, and what is there now.
-fn look<T>(column: ContiguousRef<T>, mut written: impl FnMut(usize, &T)) {
+fn look<T>(column: ContiguousRef<T>, since: Option<Tick>, mut written: impl FnMut(usize, &T)) {
     /// Compared at once, by vector instructions where nothing was written.
     const CHUNK: usize = 64;
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
+    let last = since
+        .filter(|since| since.is_newer_than(last, this))
+        .unwrap_or(last);
     let rows = column.changed_ticks_slice();
     let (values, ticks) = ContiguousRef::split(column);
     if ticks.summary_tick_is_changed() == Some(false) {

@@ -5,6 +5,7 @@
 
 use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use fixedbitset::FixedBitSet;
@@ -213,6 +214,7 @@ pub struct BodyTable {
     pub(crate) removed: Vec<u32>,
     ages: u64,
     visits: u64,
+    visited_at: Option<Tick>,
     version: u64,
 }
 
@@ -309,6 +311,11 @@ impl BodyTable {
     }
 
     /// A body in its slot.
+    pub(crate) fn body(&self, entity: Entity, index: BodyIndex) -> Option<&BodyState> {
+        self.get(index.0).filter(|body| body.entity == entity)
+    }
+
+    /// A body in its slot.
     pub(crate) fn body_mut(&mut self, entity: Entity, index: BodyIndex) -> Option<&mut BodyState> {
         self.get_mut(index.0).filter(|body| body.entity == entity)
     }
@@ -318,8 +325,19 @@ impl BodyTable {
         Age(self.ages - 1)
     }
 
+    /// How often *prepare* has visited the bodies.
+    pub(crate) fn visits(&self) -> u64 {
+        self.visits
+    }
+
+    /// When *prepare* visited them last.
+    pub(crate) fn visited_at(&self) -> Option<Tick> {
+        self.visited_at
+    }
+
     /// Numbers the visits of *prepare*, from 1.
-    pub(crate) fn begin_visit(&mut self) -> u64 {
+    pub(crate) fn begin_visit(&mut self, now: Tick) -> u64 {
+        self.visited_at = Some(now);
         self.visits += 1;
         self.visits
     }

@@ -24,7 +24,7 @@ use std::fmt;
 /// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
 /// the constructors here cover the common ones. Of convex hulls it also holds the [`Polyhedron`].
 #[derive(Component, Clone)]
-#[component(on_remove = crate::body::lost_description, summary_tick)]
+#[component(on_insert = crate::body::weigh, on_remove = crate::body::lost_description, summary_tick)]
 pub struct Collider {
     shape: SharedShape,
     solid: Solid,
@@ -296,8 +296,8 @@ impl Collider {
         (sphere.center - center).length() + sphere.radius
     }
 
-    /// Half the edges of the box that holds the shape, m; infinite for a half-space.
-    pub(crate) fn half_extents(&self) -> Vec3 {
+    /// Half the edges of the box that holds the shape, in the body's axes, m; infinite for a half-space.
+    pub fn half_extents(&self) -> Vec3 {
         if self.shape.as_halfspace().is_some() {
             return Vec3::INFINITY;
         }

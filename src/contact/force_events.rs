@@ -118,7 +118,7 @@ pub fn contact_forces(
             let [mut normal_on_a, mut moment] = [Vec3::ZERO; 2];
             let mut here = 0.0;
             for patch in &manifold.patches {
-                for i in patch.range() {
+                for i in manifold.range(patch) {
                     let normal = impulses.points.get(i).map_or(0.0, |point| point.normal);
                     normal_on_a += patch.normal * normal;
                     moment += manifold.points[i].arm * normal;

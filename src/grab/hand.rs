@@ -1,26 +1,44 @@
 //! A hand at the end of a ray.
 
-use super::Grab;
-use crate::body::{Pose, RigidBody};
+use super::{Grab, HeldBy};
+use crate::body::RigidBody;
 use crate::query::{QueryFilter, Ray3d, SpatialQuery};
-use crate::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::schedule::{PhysicsSchedule, PhysicsSystems, refresh};
 use bevy_app::{App, Plugin};
+use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
-use glam::{Quat, Vec3};
+use glam::{BVec3, Quat, Vec3};
 
 /// Lets every [`Hand`] hold what it points at. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins); add it after them.
 pub struct HandPlugin;
 
 impl Plugin for HandPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PhysicsSchedule, hands.before(PhysicsSystems::Prepare));
+        app.add_systems(
+            PhysicsSchedule,
+            // A hand that closes takes hold of bodies as they are now, be they spawned or moved since the last step.
+            (refresh.run_if(any_closes), hands)
+                .chain()
+                .before(PhysicsSystems::Prepare),
+        );
     }
+}
+
+fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {
+    let mut hands = hands.iter();
+    hands.any(|(hand, grasp)| hand.closed && *grasp == Grasp::Open && hand.ray.is_some())
 }
 
 /// A hand that points along a ray: on a camera, a player, a pointer. Closed it takes hold of the first dynamic body that the ray hits, where it hits it,
 /// and holds that point on the ray, as far away as it was; open it lets go.
+///
+/// One hand holds a body at a time: a hand that closes on a body with a [`Grab`] holds nothing. It loses what it holds when that is disabled, or when
+/// somebody takes the `Grab` off.
+///
+/// Numbers that are not finite, out of bounds or negative are an error in the log and move nothing: the hand holds on as before, or closes on nothing.
 ///
 /// ```
 /// # use bevy_transform::components::Transform;
@@ -31,10 +49,9 @@ impl Plugin for HandPlugin {
 /// # let brick = (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), Mass(500.0));
 /// # let brick = world.spawn((brick, Transform::from_xyz(0.0, 0.25, 0.0))).id();
 /// # world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
-/// # drystone::step(world, 1.0 / 60.0).unwrap();
 /// let pointer = Ray3d::new(Vec3::new(0.0, 0.3, 5.0), Dir3::NEG_Z);
 /// let hand = world.spawn(Hand { ray: Some(pointer), closed: true, ..Hand::new(10_000.0) }).id();
-/// # for _ in 0..2 { drystone::step(world, 1.0 / 60.0).unwrap(); }
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
 /// assert_eq!(world.get::<Grasp>(hand).unwrap().held(), Some(brick));
 /// ```
 #[derive(Component, Clone, Copy, Debug)]
@@ -50,15 +67,19 @@ pub struct Hand {
     pub max_force: f32,
     /// N·m
     pub max_torque: f32,
+    /// The world axes along which it pulls; all by default. See [`Grab::axes`].
+    pub axes: BVec3,
+    /// The world axes about which it turns; all by default. See [`Grab::turn_axes`].
+    pub turn_axes: BVec3,
     /// How it would have turned what it holds; where there is none it keeps that from spinning.
     pub rotation: Option<Quat>,
     /// How far along the ray it holds, m: found when it takes hold, and may be changed then.
     pub distance: f32,
 }
 
-/// What a [`Hand`] holds.
+/// What a [`Hand`] holds. The clone of a hand holds nothing.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-#[component(on_remove = let_go)]
+#[component(on_remove = let_go, clone_behavior = Ignore)]
 pub enum Grasp {
     /// It is open.
     #[default]
@@ -78,6 +99,8 @@ impl Hand {
             reach: 100.0,
             max_force,
             max_torque: 0.25 * max_force,
+            axes: BVec3::TRUE,
+            turn_axes: BVec3::TRUE,
             rotation: None,
             distance: 0.0,
         }
@@ -96,57 +119,112 @@ impl Grasp {
 
 /// The hand is gone.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
-    let held = world.get::<Grasp>(context.entity).and_then(Grasp::held);
-    if let Some(body) = held {
+    let hand = context.entity;
+    let held = world.get::<Grasp>(hand).and_then(Grasp::held);
+    if let Some(body) = held.filter(|&body| world.get::<HeldBy>(body) == Some(&HeldBy(hand))) {
         world.commands().entity(body).try_remove::<Grab>();
     }
 }
+
+/// What a hand may hold, or holds.
+type Bodies<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static RigidBody,
+        Option<&'static mut Grab>,
+        Option<&'static HeldBy>,
+    ),
+    Allow<Disabled>,
+>;
 
 /// Takes hold and lets go, before every step.
 pub fn hands(
     mut commands: Commands,
     world: SpatialQuery,
     mut hands: Query<(Entity, &mut Hand, &mut Grasp)>,
-    mut bodies: Query<(&RigidBody, &Pose, Option<&mut Grab>)>,
+    mut bodies: Bodies,
+    mut told: Local<EntityHashSet>,
 ) {
+    // First all that let go, so that a body goes from hand to hand in one step.
+    let mut freed = EntityHashSet::default();
+    let mut taken = EntityHashSet::default();
+    for (entity, hand, mut grasp) in &mut hands {
+        if hand.closed || *grasp == Grasp::Open {
+            continue;
+        }
+        if let Some(body) = grasp.held().filter(|&body| holds(&bodies, entity, body)) {
+            commands.entity(body).try_remove::<Grab>();
+            freed.insert(body);
+        }
+        *grasp = Grasp::Open;
+        told.remove(&entity);
+    }
     for (entity, mut hand, mut grasp) in &mut hands {
-        match (hand.closed, *grasp, hand.ray) {
-            (false, Grasp::Holds(body, _), _) => {
-                commands.entity(body).try_remove::<Grab>();
-                *grasp = Grasp::Open;
-            }
-            (false, Grasp::Empty, _) => *grasp = Grasp::Open,
-            (true, Grasp::Open, Some(ray)) => {
+        if !hand.closed {
+            continue;
+        }
+        match (*grasp, hand.ray) {
+            (Grasp::Open, Some(ray)) => {
                 *grasp = Grasp::Empty;
-                match world.cast_ray(ray, hand.reach, &QueryFilter::default()) {
-                    Ok(Some(hit)) => {
-                        if let Ok((RigidBody::Dynamic, pose, _)) = bodies.get(hit.entity) {
-                            let local = pose.inverse_transform_point(hit.point);
-                            *grasp = Grasp::Holds(hit.entity, local);
-                            hand.distance = hit.distance;
-                            commands
-                                .entity(hit.entity)
-                                .try_insert(hand.grab(local, hit.point));
-                        }
-                    }
-                    Ok(None) => {}
+                let hit = match world.cast_ray(ray, hand.reach, &QueryFilter::default()) {
+                    Ok(Some(hit)) => hit,
+                    Ok(None) => continue,
                     Err(error) => {
-                        tracing::error!("the hand {entity} takes hold of nothing: {error}")
+                        tracing::error!("the hand {entity} takes hold of nothing: {error}");
+                        continue;
                     }
+                };
+                let body = hit.entity;
+                let (Ok((RigidBody::Dynamic, grab, _)), Some(pose)) =
+                    (bodies.get(body), world.pose(body))
+                else {
+                    continue;
+                };
+                if (grab.is_some() && !freed.contains(&body)) || !taken.insert(body) {
+                    continue;
                 }
+                let local = pose.inverse_transform_point(hit.point);
+                let grab = hand.grab(local, hit.point);
+                if !grab.is_valid() {
+                    tracing::error!("the hand {entity} takes hold of nothing: {INVALID}");
+                    continue;
+                }
+                *grasp = Grasp::Holds(body, local);
+                hand.distance = hit.distance;
+                commands.entity(body).try_insert((grab, HeldBy(entity)));
             }
-            (true, Grasp::Holds(body, local), ray) => {
+            (Grasp::Holds(body, local), ray) => {
                 // Somebody else may have taken it, or taken it away.
-                let Ok((_, _, Some(mut grab))) = bodies.get_mut(body) else {
+                if !holds(&bodies, entity, body) {
                     *grasp = Grasp::Empty;
+                    continue;
+                }
+                let Ok((_, Some(mut grab), _)) = bodies.get_mut(body) else {
                     continue;
                 };
                 let target = ray.map_or(grab.target, |ray| ray.get_point(hand.distance));
-                grab.set_if_neq(hand.grab(local, target));
+                let wanted = hand.grab(local, target);
+                if wanted.is_valid() {
+                    grab.set_if_neq(wanted);
+                    told.remove(&entity);
+                } else if told.insert(entity) {
+                    tracing::error!("the hand {entity} holds on to {body} as before: {INVALID}");
+                }
             }
-            (_, Grasp::Open | Grasp::Empty, _) => {}
+            (Grasp::Open | Grasp::Empty, _) => {}
         }
     }
+}
+
+/// What is wrong with a hand.
+const INVALID: &str =
+    "its ray, distance, rotation, force or torque is not finite, out of bounds or negative";
+
+/// The body is there, and it is this hand that holds it.
+fn holds(bodies: &Bodies, hand: Entity, body: Entity) -> bool {
+    let held = bodies.get(body);
+    held.is_ok_and(|(_, grab, by)| grab.is_some() && by == Some(&HeldBy(hand)))
 }
 
 impl Hand {
@@ -155,6 +233,8 @@ impl Hand {
             rotation: self.rotation,
             max_force: self.max_force,
             max_torque: self.max_torque,
+            axes: self.axes,
+            turn_axes: self.turn_axes,
             // What it takes for a body without weight: how fast a hand is does not depend on what it holds.
             ..Grab::gentle(0.0, local_point, target)
         }

@@ -6,16 +6,20 @@ pub use hand::{Grasp, Hand, HandPlugin, hands};
 
 use crate::body::{BodyState, Pose, limits};
 use crate::solver::Grip;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-use glam::{Quat, Vec3};
+use glam::{BVec3, Quat, Vec3};
 
 /// Holds a point of a dynamic body where the hand is, and the body awake. Take the component off to let go.
 ///
 /// The hand asks for a velocity, and gives the force that it takes, no more than it has. So it lifts a load without sagging, at any step;
 /// what is too heavy for it, or stuck, stays; and what it presses against something is held by that.
+///
+/// A body that is [disabled](Disabled) is let go: the component is taken off, so that it does not hang in the air when it is enabled again. The
+/// clone of a held body is not held.
 ///
 /// ```
 /// use bevy_transform::components::Transform;
@@ -38,14 +42,19 @@ use glam::{Quat, Vec3};
 /// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(on_remove = let_go)]
+#[component(on_remove = let_go, clone_behavior = Ignore)]
 #[require(HandForce)]
 pub struct Grab {
     /// Where the hand is, world, m.
     pub target: Vec3,
     /// The point of the body that it holds, in the body's frame, m.
     pub local_point: Vec3,
-    /// How it would have the body turned, world; where there is none, it shall only not spin.
+    /// The world axes along which it pulls; all by default. Along the others the held point is free: a finger that pulls along x and z only bears no
+    /// weight.
+    pub axes: BVec3,
+    /// The world axes about which it turns, or keeps from spinning; all by default.
+    pub turn_axes: BVec3,
+    /// How it would have the body turned, world, of any length but zero; where there is none, it shall only not spin.
     pub rotation: Option<Quat>,
     /// The time in which the body comes most of the way (1 − 1/e), s.
     pub response: f32,
@@ -60,6 +69,7 @@ pub struct Grab {
 /// What the hand that holds a body did in the last step; nothing where none does.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(clone_behavior = Ignore)]
 pub struct HandForce {
     /// At the held point, N, world.
     pub force: Vec3,
@@ -67,10 +77,35 @@ pub struct HandForce {
     pub torque: Vec3,
 }
 
+/// The [`Hand`] that holds a body by its [`Grab`]; none where a game has grabbed it by itself.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[component(clone_behavior = Ignore)]
+pub struct HeldBy(pub(crate) Entity);
+
+impl HeldBy {
+    /// The hand.
+    pub fn hand(&self) -> Entity {
+        self.0
+    }
+}
+
 /// Nothing is left of its force for the next who holds the body.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut force) = world.get_mut::<HandForce>(context.entity) {
         *force = HandForce::default();
+    }
+    let mut commands = world.commands();
+    commands.entity(context.entity).try_remove::<HeldBy>();
+}
+
+/// A body that is disabled is let go.
+pub(crate) fn let_go_of_disabled(
+    disabled: On<Insert<Disabled>>,
+    mut commands: Commands,
+    held: Query<(), (With<Grab>, Allow<Disabled>)>,
+) {
+    if held.contains(disabled.entity) {
+        commands.entity(disabled.entity).try_remove::<Grab>();
     }
 }
 
@@ -82,6 +117,8 @@ impl Grab {
         Self {
             target,
             local_point,
+            axes: BVec3::TRUE,
+            turn_axes: BVec3::TRUE,
             rotation: None,
             response: 0.1,
             max_speed: 4.0,
@@ -90,7 +127,8 @@ impl Grab {
         }
     }
 
-    /// True where it can be held so: places finite and within [`limits`], nothing negative. A hand may be of unlimited strength and speed.
+    /// True where it can be held so: places finite and within [`limits`], a rotation of some length, nothing negative. A hand may be of unlimited strength
+    /// and speed.
     pub fn is_valid(&self) -> bool {
         let numbers = [
             self.response,
@@ -100,7 +138,7 @@ impl Grab {
         ];
         limits::within(self.target, limits::POSITION)
             && limits::within(self.local_point, limits::LARGEST)
-            && self.rotation.is_none_or(Quat::is_normalized)
+            && self.rotation.is_none_or(limits::is_turn)
             && self.response.is_finite()
             && numbers.into_iter().all(|number| number >= 0.0)
     }
@@ -110,6 +148,10 @@ impl Grab {
         let Pose { rotation, .. } = body.pose;
         let point = body.pose.transform_point(self.local_point);
         let turn = self.rotation.map_or(Vec3::ZERO, |wanted| {
+            let wanted = match wanted.is_normalized() {
+                true => wanted,
+                false => wanted.normalize(),
+            };
             let turn = rotation * wanted.inverse();
             // The shorter way round.
             (turn * turn.w.signum()).to_scaled_axis()
@@ -119,6 +161,7 @@ impl Grab {
             arm: point - body.center,
             error: point - self.target,
             turn,
+            axes: [self.axes, self.turn_axes].map(Vec3::from),
             response: self.response,
             max_speed: self.max_speed,
             max_force: self.max_force,

@@ -40,7 +40,7 @@ impl Arch {
     /// Its voussoirs, from the right springing to the left.
     ///
     /// # Errors
-    /// Where a size is no size, there are no voussoirs, or each takes half a ring or more.
+    /// Where a size is no size, there are no voussoirs or too many, or each takes half a ring or more.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         error::size("an arch's radius", self.radius)?;
         error::size("an arch's thickness", self.thickness)?;
@@ -56,6 +56,7 @@ impl Arch {
         if self.voussoirs == 0 {
             return Err(MasonryError::Nothing("voussoirs"));
         }
+        error::count(self.voussoirs.into())?;
         let angle = self.angle / self.voussoirs as f32;
         let half = 0.5 * angle;
         if half >= 0.49 * PI {

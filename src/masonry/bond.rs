@@ -75,6 +75,18 @@ impl Bond {
         }
     }
 
+    /// Blocks in a course of such a length, at most.
+    pub(super) fn most_blocks(self, quarters: u32) -> u64 {
+        let quarters = u64::from(quarters);
+        match self {
+            Self::Stack | Self::Running => quarters / 4 + 1,
+            // Of headers, with a closer at each end; of stretchers there are as many, two behind each other.
+            Self::English => quarters / 2 + 2,
+            // Two stretchers and a header, and as at the ends of the other.
+            Self::Flemish => quarters / 2 + 4,
+        }
+    }
+
     /// The pieces of a course of such a length, which this bond can have.
     pub(super) fn course(self, course: u32, quarters: u32) -> Vec<Piece> {
         let odd = course % 2 == 1;
@@ -138,6 +150,22 @@ mod tests {
             at
         });
         ends.collect()
+    }
+
+    #[test]
+    fn no_course_has_more_blocks_than_are_counted() {
+        for bond in [Bond::Stack, Bond::Running, Bond::English, Bond::Flemish] {
+            let [first, step] = bond.lengths();
+            for quarters in (first..200).step_by(step as usize) {
+                for course in 0..2 {
+                    let blocks = bond.course(course, quarters).into_iter();
+                    let blocks = blocks.map(|piece| if piece.through { 1 } else { bond.depth() });
+                    let (blocks, most) = (blocks.sum::<u32>(), bond.most_blocks(quarters));
+                    assert!(u64::from(blocks) <= most, "{bond:?}: {blocks}, {most}");
+                    assert!(most <= u64::from(blocks) + 5, "{bond:?}: {blocks}, {most}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -32,7 +32,7 @@ impl Corner {
     /// Its bricks, course by course.
     ///
     /// # Errors
-    /// Where a size is no size, a brick is not twice as long as deep, or a wall does not end with a half or whole brick.
+    /// Where a size is no size, a brick is not twice as long as deep, a wall does not end with a half or whole brick, or there are too many.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         let Vec3 {
             x: long,
@@ -61,6 +61,8 @@ impl Corner {
             }
             *halves = count as u32;
         }
+        let course = halves.iter().map(|&halves| u64::from(halves) / 2 + 1);
+        error::count(course.sum::<u64>() * u64::from(self.courses))?;
         let mut blocks = Vec::new();
         for course in 0..self.courses {
             let y = level(course, high, self.vertical_gap);

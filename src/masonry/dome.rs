@@ -39,7 +39,8 @@ impl Dome {
     /// Its blocks, ring by ring from the ground.
     ///
     /// # Errors
-    /// Where a size is no size, there are fewer than three blocks in a ring or no ring, or the opening leaves no room for them.
+    /// Where a size is no size, there are fewer than three blocks in a ring or no ring, there are too many, or the opening leaves no
+    /// room for them.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         error::size("a dome's radius", self.radius)?;
         error::size("a dome's thickness", self.thickness)?;
@@ -56,6 +57,7 @@ impl Dome {
         if self.blocks < 3 {
             return Err(MasonryError::Nothing("blocks that close a ring"));
         }
+        error::count(u64::from(self.rings) * u64::from(self.blocks))?;
         let rise = (FRAC_PI_2 - self.opening) / self.rings as f32;
         let turn = TAU / self.blocks as f32;
         let reach = 0.5 * self.thickness;

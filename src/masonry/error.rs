@@ -1,5 +1,6 @@
 //! What cannot be built.
 
+use super::MOST_BLOCKS;
 use std::fmt;
 
 /// Why something cannot be built.
@@ -22,6 +23,8 @@ pub enum MasonryError {
     BadOpening(usize),
     /// A voussoir, or a block of a dome, has no volume.
     DegenerateBlock,
+    /// More blocks than [`MOST_BLOCKS`](super::MOST_BLOCKS) at once: so many, or a few less.
+    TooMany(u64),
 }
 
 impl fmt::Display for MasonryError {
@@ -55,6 +58,10 @@ impl fmt::Display for MasonryError {
             Self::DegenerateBlock => {
                 f.write_str("a block would have no volume: too thin, or too many for the space")
             }
+            Self::TooMany(blocks) => write!(
+                f,
+                "{blocks} blocks, more than {MOST_BLOCKS} at once: build it in parts"
+            ),
         }
     }
 }
@@ -69,6 +76,14 @@ pub(super) fn size(what: &'static str, number: f32) -> Result<(), MasonryError> 
 /// A gap that may be.
 pub(super) fn gap(what: &'static str, number: f32) -> Result<(), MasonryError> {
     bounded(what, number, 0.0)
+}
+
+/// As many blocks as may be. To be asked before any is made.
+pub(super) fn count(blocks: u64) -> Result<(), MasonryError> {
+    match blocks <= MOST_BLOCKS {
+        true => Ok(()),
+        false => Err(MasonryError::TooMany(blocks)),
+    }
 }
 
 fn bounded(what: &'static str, number: f32, least: f32) -> Result<(), MasonryError> {

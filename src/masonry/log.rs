@@ -7,10 +7,16 @@ use bevy_transform::components::Transform;
 use std::collections::VecDeque;
 use std::fmt;
 
+use super::drift::{Drift, Watched};
 use crate::body::{BodyTable, Pose, RigidBody, Velocity, local_pose};
+use crate::grab::Grab;
+use crate::preview::Moved;
 
-/// A list of edits to bodies, with undo and redo. What is taken is not despawned but disabled, with all below it, so that it comes back as it was, as the same
-/// entity: to the bit, and what stands around it as well if it has not moved in the meantime.
+/// A list of edits to bodies, with undo and redo. A body that is taken is not despawned but disabled, with all below it, so that it comes back as it was,
+/// as the same entity: to the bit, and the bodies around it as well if they have not moved in the meantime.
+///
+/// Undo puts back the bodies that the edit took, put or placed, however far they or others have fallen since, and no others: it
+/// [says](Edited) which others have moved since the edit.
 ///
 /// ```
 /// use bevy_transform::components::Transform;
@@ -26,28 +32,59 @@ use crate::body::{BodyTable, Pose, RigidBody, Velocity, local_pose};
 /// log.placed(world, &[brick]).unwrap();
 /// log.put(world, brick, Transform::from_xyz(3.0, 0.25, 0.0)).unwrap();
 /// log.take(world, &[brick]).unwrap();
-/// assert_eq!(log.undo(world), Ok(true));
-/// assert_eq!(log.undo(world), Ok(true));
+/// log.undo(world).unwrap();
+/// let undone = log.undo(world).unwrap().unwrap();
+/// assert_eq!(undone.bodies, [brick]);
 /// assert_eq!(world.get::<Transform>(brick).unwrap().translation.x, 0.0);
-/// assert_eq!(log.redo(world), Ok(true));
+/// log.redo(world).unwrap();
 /// assert_eq!(world.get::<Transform>(brick).unwrap().translation.x, 3.0);
 /// ```
 #[derive(Resource, Debug, Default)]
 pub struct EditLog {
-    done: VecDeque<Edit>,
+    done: VecDeque<Entry>,
     undone: Vec<Edit>,
+    watched: Watched,
+}
+
+/// An edit that has been made.
+#[derive(Debug)]
+struct Entry {
+    edit: Edit,
+    /// What has changed since, until the next one was made.
+    since: Drift,
 }
 
 /// One edit.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 enum Edit {
-    Placed(Vec<Entity>),
-    Taken(Vec<Entity>),
+    Placed {
+        /// Where and how fast they were when they were placed.
+        bodies: Vec<(Entity, Transform, Velocity)>,
+        /// The entities that its undoing has disabled.
+        disabled: Vec<Entity>,
+    },
+    Taken {
+        bodies: Vec<Entity>,
+        /// The entities that it has disabled: not those that were before.
+        disabled: Vec<Entity>,
+    },
     Put {
         body: Entity,
         before: (Transform, Velocity),
         after: Transform,
     },
+}
+
+/// What an edit that was undone, or made again, was about, and what else has changed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Edited {
+    /// The bodies that it took, put or placed.
+    pub bodies: Vec<Entity>,
+    /// Other dynamic bodies that have moved since the edit was made, or, where it was made again, since the last use of the log: by more than a
+    /// twentieth of their radius. They are left where they are now, `to`; to put them back, [put](EditLog::put) them where they were, `from`.
+    pub moved: Vec<Moved>,
+    /// Other dynamic bodies that are gone or disabled since then.
+    pub gone: Vec<Entity>,
 }
 
 /// Why an edit is not made, or not taken back.
@@ -85,7 +122,14 @@ impl EditLog {
     /// Where one is no body, or there is none.
     pub fn placed(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
         check(world, bodies)?;
-        self.note(world, Edit::Placed(bodies.into()));
+        self.look(world);
+        let place = |&body: &Entity| {
+            let velocity = world.get(body).copied().unwrap_or_default();
+            (body, placement(world, body), velocity)
+        };
+        let bodies = bodies.iter().map(place).collect();
+        let disabled = Vec::new();
+        self.note(world, Edit::Placed { bodies, disabled });
         Ok(())
     }
 
@@ -95,12 +139,14 @@ impl EditLog {
     /// Where one is no body, or there is none; nothing is taken then.
     pub fn take(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
         check(world, bodies)?;
-        disable(world, bodies);
-        self.note(world, Edit::Taken(bodies.into()));
+        self.look(world);
+        let disabled = disable(world, bodies);
+        let bodies = bodies.into();
+        self.note(world, Edit::Taken { bodies, disabled });
         Ok(())
     }
 
-    /// Puts a body elsewhere, at rest; where it is the child of another, in the frame of that.
+    /// Puts a body elsewhere, at rest; where it is the child of another, in the frame of that. A hand that holds it lets go.
     ///
     /// # Errors
     /// Where it is no body, or is put where no place is.
@@ -114,6 +160,7 @@ impl EditLog {
         if !after.is_finite() {
             return Err(EditError::NotFinite);
         }
+        self.look(world);
         let velocity = world.get(body).copied().unwrap_or_default();
         let before = (placement(world, body), velocity);
         set(world, body, after, Velocity::default())?;
@@ -128,30 +175,41 @@ impl EditLog {
         Ok(())
     }
 
-    /// Takes the last edit back; false where there is none.
+    /// Takes the last edit back: its bodies are where they were before it. None where there is no edit.
     ///
     /// # Errors
     /// Where somebody has despawned one of its bodies; the edit is forgotten then, and what is left of it taken back.
-    pub fn undo(&mut self, world: &mut World) -> Result<bool, EditError> {
-        let Some(edit) = self.done.pop_back() else {
-            return Ok(false);
+    pub fn undo(&mut self, world: &mut World) -> Result<Option<Edited>, EditError> {
+        self.look(world);
+        let Some(Entry { mut edit, since }) = self.done.pop_back() else {
+            return Ok(None);
         };
+        let bodies = edit.bodies();
+        let edited = Edited::new(&bodies, &since);
+        if let Some(before) = self.done.back_mut() {
+            before.since.go_on(since, &bodies);
+        }
+        self.watched.forget(&bodies);
         edit.turn(world, false)?;
         self.undone.push(edit);
-        Ok(true)
+        Ok(Some(edited))
     }
 
-    /// Makes the edit again that was taken back last; false where there is none.
+    /// Makes the edit again that was taken back last: its bodies are where it put them. None where there is no such edit.
     ///
     /// # Errors
     /// As [`Self::undo`].
-    pub fn redo(&mut self, world: &mut World) -> Result<bool, EditError> {
-        let Some(edit) = self.undone.pop() else {
-            return Ok(false);
+    pub fn redo(&mut self, world: &mut World) -> Result<Option<Edited>, EditError> {
+        let drift = self.look(world);
+        let Some(mut edit) = self.undone.pop() else {
+            return Ok(None);
         };
+        let bodies = edit.bodies();
+        let edited = Edited::new(&bodies, &drift);
+        self.watched.forget(&bodies);
         edit.turn(world, true)?;
-        self.done.push_back(edit);
-        Ok(true)
+        self.push(edit);
+        Ok(Some(edited))
     }
 
     /// How many edits can be taken back, and made again.
@@ -167,19 +225,35 @@ impl EditLog {
     /// Forgets all edits: what was taken is gone for good.
     pub fn clear(&mut self, world: &mut World) {
         self.forget_undone(world);
-        for edit in std::mem::take(&mut self.done) {
-            edit.forget(world, true);
+        for entry in std::mem::take(&mut self.done) {
+            entry.edit.forget(world, true);
         }
+        self.watched = Watched::default();
+    }
+
+    /// Notes what has changed since the last use.
+    fn look(&mut self, world: &mut World) -> Drift {
+        let drift = self.watched.look(world);
+        if let Some(last) = self.done.back_mut() {
+            last.since.go_on(drift.clone(), &[]);
+        }
+        drift
     }
 
     fn note(&mut self, world: &mut World, edit: Edit) {
         self.forget_undone(world);
-        self.done.push_back(edit);
+        self.watched.forget(&edit.bodies());
+        self.push(edit);
         if self.done.len() > Self::LONGEST
             && let Some(oldest) = self.done.pop_front()
         {
-            oldest.forget(world, true);
+            oldest.edit.forget(world, true);
         }
+    }
+
+    fn push(&mut self, edit: Edit) {
+        let since = Drift::default();
+        self.done.push_back(Entry { edit, since });
     }
 
     fn forget_undone(&mut self, world: &mut World) {
@@ -189,14 +263,40 @@ impl EditLog {
     }
 }
 
+impl Edited {
+    fn new(bodies: &[Entity], drift: &Drift) -> Self {
+        let (moved, gone) = drift.told(bodies);
+        Self {
+            bodies: bodies.into(),
+            moved,
+            gone,
+        }
+    }
+}
+
 impl Edit {
-    /// Makes it, or takes it back.
-    fn turn(&self, world: &mut World, make: bool) -> Result<(), EditError> {
+    fn bodies(&self) -> Vec<Entity> {
         match self {
-            Self::Placed(bodies) if make => enable(world, bodies),
-            Self::Placed(bodies) => disable(world, bodies),
-            Self::Taken(bodies) if make => disable(world, bodies),
-            Self::Taken(bodies) => enable(world, bodies),
+            Self::Placed { bodies, .. } => bodies.iter().map(|(body, ..)| *body).collect(),
+            Self::Taken { bodies, .. } => bodies.clone(),
+            Self::Put { body, .. } => vec![*body],
+        }
+    }
+
+    /// Makes it, or takes it back.
+    fn turn(&mut self, world: &mut World, make: bool) -> Result<(), EditError> {
+        let named = self.bodies();
+        match self {
+            Self::Placed { bodies, disabled } if make => {
+                enable(world, std::mem::take(disabled));
+                for &(body, at, velocity) in &*bodies {
+                    // One that is gone is told below.
+                    set(world, body, at, velocity).ok();
+                }
+            }
+            Self::Placed { disabled, .. } => *disabled = disable(world, &named),
+            Self::Taken { disabled, .. } if make => *disabled = disable(world, &named),
+            Self::Taken { disabled, .. } => enable(world, std::mem::take(disabled)),
             Self::Put {
                 body,
                 before,
@@ -206,19 +306,19 @@ impl Edit {
                 false => set(world, *body, before.0, before.1)?,
             },
         }
-        match self {
-            Self::Placed(bodies) | Self::Taken(bodies) => check(world, bodies),
-            Self::Put { .. } => Ok(()),
-        }
+        check(world, &named)
     }
 
     /// Nobody can call back what it has disabled.
     fn forget(self, world: &mut World, made: bool) {
-        let gone = match (self, made) {
-            (Self::Taken(bodies), true) | (Self::Placed(bodies), false) => bodies,
+        let named = self.bodies();
+        let disabled = match (self, made) {
+            (Self::Taken { disabled, .. }, true) | (Self::Placed { disabled, .. }, false) => {
+                disabled
+            }
             _ => return,
         };
-        for body in gone {
+        for body in disabled.into_iter().filter(|body| named.contains(body)) {
             if let Ok(body) = world.get_entity_mut(body)
                 && body.contains::<Disabled>()
             {
@@ -239,18 +339,29 @@ fn check(world: &World, bodies: &[Entity]) -> Result<(), EditError> {
     }
 }
 
-fn disable(world: &mut World, bodies: &[Entity]) {
-    for &body in bodies {
-        if let Ok(mut body) = world.get_entity_mut(body) {
-            body.insert_recursive::<Children>(Disabled);
+/// Disables bodies and all below them: those that were not disabled before.
+fn disable(world: &mut World, bodies: &[Entity]) -> Vec<Entity> {
+    let mut disabled = Vec::new();
+    let mut next: Vec<Entity> = bodies.iter().rev().copied().collect();
+    while let Some(entity) = next.pop() {
+        let Ok(mut entity) = world.get_entity_mut(entity) else {
+            continue;
+        };
+        if !entity.contains::<Disabled>() {
+            disabled.push(entity.id());
+            entity.insert(Disabled);
+        }
+        if let Some(children) = entity.get::<Children>() {
+            next.extend(children.iter().rev());
         }
     }
+    disabled
 }
 
-fn enable(world: &mut World, bodies: &[Entity]) {
-    for &body in bodies {
-        if let Ok(mut body) = world.get_entity_mut(body) {
-            body.remove_recursive::<Children, Disabled>();
+fn enable(world: &mut World, disabled: Vec<Entity>) {
+    for entity in disabled {
+        if let Ok(mut entity) = world.get_entity_mut(entity) {
+            entity.remove::<Disabled>();
         }
     }
 }
@@ -282,6 +393,6 @@ fn set(
     let mut entity = world
         .get_entity_mut(body)
         .map_err(|_| EditError::NoBody(body))?;
-    entity.insert((transform, velocity));
+    entity.insert((transform, velocity)).remove::<Grab>();
     Ok(())
 }

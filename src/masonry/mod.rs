@@ -28,6 +28,7 @@ mod arch;
 mod bond;
 mod corner;
 mod dome;
+mod drift;
 mod error;
 mod log;
 mod snap;
@@ -39,7 +40,7 @@ pub use bond::Bond;
 pub use corner::Corner;
 pub use dome::Dome;
 pub use error::MasonryError;
-pub use log::{EditError, EditLog};
+pub use log::{EditError, EditLog, Edited};
 pub use snap::{Snapped, snap};
 pub use stacks::{CardHouse, Pyramid, Tower};
 pub use wall::{Opening, Wall};
@@ -53,6 +54,9 @@ use glam::{Quat, Vec3};
 
 /// A brick's length (x), height (y) and depth (z), m: twice as long as deep, as bonds want it.
 pub const BRICK: Vec3 = Vec3::new(1.0, 0.5, 0.5);
+
+/// Blocks of one building, at most. Ten times as many as a scene may well have; a count beyond is a mistake, and would take all memory.
+pub const MOST_BLOCKS: u64 = 1_000_000;
 
 /// A shape where it is to stand.
 #[derive(Clone, Debug)]

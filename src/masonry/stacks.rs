@@ -30,7 +30,7 @@ impl Pyramid {
     /// Its cubes, row by row from the ground.
     ///
     /// # Errors
-    /// Where a size is no size, or there are no cubes.
+    /// Where a size is no size, or there are no cubes or too many.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         error::size("a cube", self.cube)?;
         error::gap("the lateral gap", self.lateral_gap)?;
@@ -38,6 +38,8 @@ impl Pyramid {
         if self.base == 0 {
             return Err(MasonryError::Nothing("cubes"));
         }
+        let base = u64::from(self.base);
+        error::count(base * (base + 1) / 2)?;
         let mut blocks = Vec::new();
         for course in 0..self.base {
             let y = level(course, self.cube, self.vertical_gap);
@@ -78,7 +80,7 @@ impl Tower {
     /// Its planks, layer by layer from the ground; of a layer from one side to the other.
     ///
     /// # Errors
-    /// Where a size is no size, or there are no layers.
+    /// Where a size is no size, or there are no layers or too many.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         for size in self.plank.to_array() {
             error::size("a plank", size)?;
@@ -88,6 +90,7 @@ impl Tower {
         if self.layers == 0 {
             return Err(MasonryError::Nothing("layers"));
         }
+        error::count(3 * u64::from(self.layers))?;
         let mut blocks = Vec::new();
         for layer in 0..self.layers {
             let y = level(layer, self.plank.y, self.vertical_gap);
@@ -135,7 +138,7 @@ impl CardHouse {
     /// Its cards, level by level from the ground.
     ///
     /// # Errors
-    /// Where a size is no size, or there are no levels.
+    /// Where a size is no size, or there are no levels or too many.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         for size in self.card.to_array() {
             error::size("a card", size)?;
@@ -147,6 +150,8 @@ impl CardHouse {
         if self.levels == 0 {
             return Err(MasonryError::Nothing("levels"));
         }
+        let levels = u64::from(self.levels);
+        error::count((levels * (levels + 1)).saturating_add(levels - 1))?;
         let Vec3 {
             x: length,
             y: thickness,

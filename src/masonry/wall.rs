@@ -58,7 +58,7 @@ impl Wall {
     /// Its bricks, course by course from the ground, from left to right.
     ///
     /// # Errors
-    /// Where a size is no size, the bond has no room at the end, or an opening is where it cannot be.
+    /// Where a size is no size, the bond has no room at the end, there are too many bricks, or an opening is where it cannot be.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         for (what, size) in [
             ("a brick's length", self.brick.x),
@@ -74,6 +74,10 @@ impl Wall {
             return Err(MasonryError::Nothing("courses"));
         }
         let quarters = self.bond.quarters(self.length, self.brick.x)?;
+        // A lintel, and a piece that is cut in two, for each opening.
+        let more = 2 * self.bond.depth() as u64 * self.openings.len() as u64;
+        let course = self.bond.most_blocks(quarters) + more;
+        error::count(course.saturating_mul(self.courses.into()))?;
         self.check_openings(quarters)?;
         let mut blocks = Vec::new();
         for course in 0..self.courses {

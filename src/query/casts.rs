@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_math::Dir3;
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
-use parry3d::partitioning::BvhNode;
+use parry3d::partitioning::{Bvh, BvhNode};
 use parry3d::query::{Ray, RayCast, ShapeCastOptions, cast_shapes};
 use std::cell::Cell;
 
@@ -139,12 +139,14 @@ impl SpatialQuery<'_, '_> {
             })
         };
         let distance = |slot, best| hit(slot, best).map(|hit| hit.distance);
-        let found = (self.broadphase.tree()).find_best(
-            cast.most,
-            |node: &BvhNode, _| cast.way_to(node),
-            distance,
-        );
-        let nearest = self.nearest(found, cast.most, distance, |slot| hit(slot, cast.most));
+        let search = |tree: &Bvh, first: u32, most| {
+            tree.find_best(
+                most,
+                |node: &BvhNode, _| cast.way_to(node),
+                |leaf, best| distance(first + leaf, best),
+            )
+        };
+        let nearest = self.nearest(cast.most, search, distance, |slot| hit(slot, cast.most));
         failed.take().map_or(Ok(nearest), Err)
     }
 
@@ -161,8 +163,7 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Vec<CastHit>, QueryError> {
         let cast = Cast::new(collider, from, direction, most)?;
-        let tree = self.broadphase.tree();
-        let near = tree.leaves(|node| cast.way_to(node) < f32::MAX);
+        let near = self.view().along(|node| cast.way_to(node) < f32::MAX);
         let hits = self.all(near, |slot| {
             let hit = cast.hit(&self.target(slot, filter)?, cast.most, filter);
             hit.transpose()

@@ -2,8 +2,9 @@
 //! overlaps, and whether it fits somewhere.
 //!
 //! [`SpatialQuery`] is a parameter of a system. It looks through the tree of the [`broadphase`](crate::broadphase), and answers for bodies
-//! where the last step left them, with the shapes and layers that they had in it: what was spawned, changed or put elsewhere since is seen
-//! after the next one, what was despawned is no longer found. Of two hits at one distance either may come first, the same one in every run.
+//! where the last step left them, with the shapes and layers that they had in it. Bodies that were despawned are no longer found. Bodies that were
+//! spawned, changed or put elsewhere since are found as they are now after the next step or [`refresh`](crate::refresh()), whichever comes first;
+//! the plugin refreshes in every frame in which time stands still. Of two hits at one distance either may come first, the same one in every run.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -42,6 +43,7 @@ mod filter;
 mod overlaps;
 mod points;
 mod rays;
+mod view;
 
 pub use bevy_math::Dir3;
 pub use bevy_shape::Ray3d;
@@ -52,19 +54,22 @@ pub use overlaps::Overlap;
 pub use points::PointHit;
 pub use rays::RayHit;
 
-use crate::body::{BodyState, BodyTable, Pose, Quarantined};
+use crate::body::{BodyState, BodyTable, Pending, Pose, Quarantined, RigidBody};
 use crate::broadphase::Broadphase;
 use crate::settings::PhysicsThreads;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use parry3d::partitioning::Bvh;
 use parry3d::shape::Shape;
+use view::View;
 
-/// See the module's text. In a world without a system at hand it is had by `run_system_once`, or by a `SystemState`.
+/// Asks the world; see the [module](self). In a world without a system at hand it is had by `run_system_once`, or by a `SystemState`.
 #[derive(SystemParam)]
 pub struct SpatialQuery<'w, 's> {
     broadphase: Res<'w, Broadphase>,
     table: Res<'w, BodyTable>,
-    poses: Query<'w, 's, &'static Pose, Without<Quarantined>>,
+    pending: Res<'w, Pending>,
+    poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Without<Quarantined>)>,
     threads: Res<'w, PhysicsThreads>,
 }
 
@@ -78,54 +83,82 @@ struct Target<'a> {
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The body in a slot, if the filter lets it through and it is still there.
+    /// The pose for which answers about a body are given: that after the last step, or the one where it was put since, as of the last
+    /// [`refresh`](crate::refresh()). None where it is no body, or is not known yet.
+    pub fn pose(&self, body: Entity) -> Option<Pose> {
+        let pose = self.poses.get(body).ok()?;
+        let view = self.view();
+        match view.pending(body) {
+            Some(number) => Some(view.get(number)?.pose),
+            None => Some(*pose),
+        }
+    }
+
     #[inline]
-    fn target(&self, slot: u32, filter: &QueryFilter) -> Option<Target<'_>> {
-        let body = self.table.get(slot)?;
+    fn view(&self) -> View<'_> {
+        View::new(&self.table, &self.broadphase, &self.pending)
+    }
+
+    /// The body of a number, if the filter lets it through and it is still there.
+    #[inline]
+    fn target(&self, number: u32, filter: &QueryFilter) -> Option<Target<'_>> {
+        let view = self.view();
+        let body = view.get(number)?;
         if !filter.admits(body) {
             return None;
         }
+        let pose = *self.poses.get(body.entity).ok()?;
         Some(Target {
             body,
             shape: body.shape()?,
-            pose: *self.poses.get(body.entity).ok()?,
+            pose: if view.is_pending(number) {
+                body.pose
+            } else {
+                pose
+            },
         })
     }
 
-    /// The nearest of what the tree has found and of what is not in it, where `look` gives by how much it is away.
+    /// The nearest body: `search` finds that of a tree, whose numbers are higher by so many than those of its leaves; `distance` says by how much
+    /// a body is away, where that is less than so much.
     fn nearest<H>(
         &self,
-        in_tree: Option<(u32, f32)>,
         most: f32,
+        search: impl Fn(&Bvh, u32, f32) -> Option<(u32, f32)>,
         distance: impl Fn(u32, f32) -> Option<f32>,
         hit: impl FnOnce(u32) -> Option<H>,
     ) -> Option<H> {
-        let (mut best, mut least) = match in_tree {
-            Some((slot, distance)) => (Some(slot), distance),
-            None => (None, most),
-        };
-        for slot in self.broadphase.outside() {
-            if let Some(distance) = distance(slot, least)
+        let (mut best, mut least) = (None, most);
+        for (tree, first) in self.view().trees() {
+            if let Some((leaf, distance)) = search(tree, first, least)
+                && (best.is_none() || distance < least)
+            {
+                (best, least) = (Some(first + leaf), distance);
+            }
+        }
+        for number in self.view().outside() {
+            if let Some(distance) = distance(number, least)
                 && distance < least
             {
-                (best, least) = (Some(slot), distance);
+                (best, least) = (Some(number), distance);
             }
         }
         hit(best?)
     }
 
-    /// All of what the tree has found and of what is not in it.
+    /// All of those that the trees have found and of those that are in none.
     fn all<H>(
         &self,
-        in_tree: impl Iterator<Item = u32>,
+        mut numbers: Vec<u32>,
         hit: impl Fn(u32) -> Option<H>,
     ) -> Vec<(&BodyState, H)> {
-        let mut slots: Vec<u32> = in_tree.chain(self.broadphase.outside()).collect();
-        // What has left its box may be in both. The order of the tree is that of its history.
-        slots.sort_unstable_by_key(|&slot| (self.table.get(slot).map(|body| body.age), slot));
-        slots.dedup();
-        let hits = slots.into_iter();
-        hits.filter_map(|slot| Some((self.table.get(slot)?, hit(slot)?)))
+        let view = self.view();
+        numbers.extend(view.outside());
+        // One that has left its box may be in both. The order of a tree is that of its history.
+        numbers.sort_unstable_by_key(|&number| (view.get(number).map(|body| body.age), number));
+        numbers.dedup();
+        let hits = numbers.into_iter();
+        hits.filter_map(|number| Some((view.get(number)?, hit(number)?)))
             .collect()
     }
 }

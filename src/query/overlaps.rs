@@ -60,8 +60,7 @@ impl SpatialQuery<'_, '_> {
         let pose = posed(collider, pose)?;
         let tolerance = super::rays::at_most(tolerance)?;
         let aabb = collider.shape().compute_aabb(&pose.to_parry());
-        let near = self.broadphase.tree().intersect_aabb(&aabb);
-        let hits = self.all(near, |slot| {
+        let hits = self.all(self.view().near(&aabb), |slot| {
             let overlap = self.target(slot, filter)?.overlap(collider, pose);
             overlap.transpose()
         });

@@ -5,7 +5,7 @@ use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
-use parry3d::partitioning::BvhNode;
+use parry3d::partitioning::{Bvh, BvhNode};
 use parry3d::query::PointQuery;
 
 /// The point of a body that is nearest to another.
@@ -48,8 +48,7 @@ impl SpatialQuery<'_, '_> {
     pub fn bodies_at(&self, point: Vec3, filter: &QueryFilter) -> Result<Vec<Entity>, QueryError> {
         let point = checked(point)?;
         let here = Aabb::new(point, point);
-        let near = self.broadphase.tree().intersect_aabb(&here);
-        let hits = self.all(near, |slot| {
+        let hits = self.all(self.view().near(&here), |slot| {
             let target = self.target(slot, filter)?;
             let at = target.pose.to_parry();
             target.shape.contains_point(&at, point).then_some(())
@@ -70,11 +69,13 @@ impl SpatialQuery<'_, '_> {
         let (point, most) = (checked(point)?, at_most(most)?);
         let hit = |slot| Some(self.target(slot, filter)?.nearest_to(point));
         let distance = |slot, _| hit(slot).map(|hit| hit.distance);
-        let found = (self.broadphase.tree()).find_best(
-            most,
-            |node: &BvhNode, _| node.aabb().distance_to_local_point(point, true),
-            distance,
-        );
-        Ok(self.nearest(found, most, distance, hit))
+        let search = |tree: &Bvh, first: u32, most| {
+            tree.find_best(
+                most,
+                |node: &BvhNode, _| node.aabb().distance_to_local_point(point, true),
+                |leaf, best| distance(first + leaf, best),
+            )
+        };
+        Ok(self.nearest(most, search, distance, hit))
     }
 }

@@ -4,6 +4,7 @@ use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use bevy_ecs::prelude::*;
 use bevy_shape::Ray3d;
 use glam::Vec3;
+use parry3d::partitioning::Bvh;
 use parry3d::query::Ray;
 use rayon::prelude::*;
 
@@ -84,9 +85,11 @@ impl SpatialQuery<'_, '_> {
             self.target(slot, filter)?
                 .distance_along(&ray, best, filter)
         };
-        let found = self.broadphase.tree().cast_ray(&ray, most, distance);
+        let search = |tree: &Bvh, first: u32, most| {
+            tree.cast_ray(&ray, most, |leaf, best| distance(first + leaf, best))
+        };
         let hit = |slot| self.target(slot, filter)?.ray_hit(&ray, most, filter);
-        Ok(self.nearest(found, most, distance, hit))
+        Ok(self.nearest(most, search, distance, hit))
     }
 
     /// Whatever a ray hits up to `most` (m), nearest first; each body once, where the ray enters it.
@@ -100,8 +103,9 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Vec<RayHit>, QueryError> {
         let (ray, most) = checked(ray, most)?;
-        let tree = self.broadphase.tree();
-        let near = tree.leaves(|node| node.cast_ray(&ray, most) < f32::MAX);
+        let near = self
+            .view()
+            .along(|node| node.cast_ray(&ray, most) < f32::MAX);
         let hits = self.all(near, |slot| {
             self.target(slot, filter)?.ray_hit(&ray, most, filter)
         });

@@ -23,6 +23,8 @@ pub struct Grip {
     pub error: Vec3,
     /// The turn from how the body should be turned to how it is, rad; nothing where it only shall not spin.
     pub turn: Vec3,
+    /// One for each axis of the world along which it pulls, and zero for the others; the same of the axes about which it turns.
+    pub axes: [Vec3; 2],
     /// Time in which an error fades to 1/e, s.
     pub response: f32,
     /// The fastest that it goes, m/s.
@@ -65,16 +67,20 @@ impl Held {
             Mat3::from_diagonal(Vec3::splat(body.inverse_mass)) + skew.transpose() * inertia * skew;
         let eases = [body.inverse_mass, trace(&inertia) / 3.0];
         let strengths = [grip.max_force, grip.max_torque];
+        let [reach, spin] = [(response, grip.axes[0]), (inertia, grip.axes[1])].map(within);
         let mut held = Self {
             grip: *grip,
             h,
             wanted: [Vec3::ZERO; 2],
-            masses: [inverse(response), inverse(inertia)],
-            least: [response, inertia].map(|w| trace(&w).max(f32::MIN_POSITIVE).recip()),
+            masses: [(reach, grip.axes[0]), (spin, grip.axes[1])].map(inverse_within),
+            least: [reach, spin].map(|w| trace(&w).max(f32::MIN_POSITIVE).recip()),
             inverse_mass: body.inverse_mass,
             inverse_inertia: inertia,
             braking: std::array::from_fn(|i| (2.0 * BRAKES * strengths[i] * eases[i]).sqrt()),
-            impulse: [h * grip.force, h * grip.torque],
+            impulse: [
+                h * grip.force * grip.axes[0],
+                h * grip.torque * grip.axes[1],
+            ],
         };
         held.aim([Vec3::ZERO; 2]);
         held
@@ -83,7 +89,11 @@ impl Held {
     /// Asks for the velocity that takes it where it should be, when it has moved and turned by so much since the step began.
     pub fn aim(&mut self, [moved, turned]: [Vec3; 2]) {
         let Grip {
-            arm, error, turn, ..
+            arm,
+            error,
+            turn,
+            axes,
+            ..
         } = self.grip;
         let time = self.grip.response.max(self.h);
         let towards = |error: Vec3, braking: f32, fastest: f32| {
@@ -96,10 +106,10 @@ impl Held {
                 false => Vec3::ZERO,
             }
         };
-        let error = error + moved + turned.cross(arm);
+        let error = (error + moved + turned.cross(arm)) * axes[0];
         let spin = match turn == Vec3::ZERO {
             true => Vec3::ZERO,
-            false => towards(turn + turned, self.braking[1], f32::INFINITY),
+            false => towards((turn + turned) * axes[1], self.braking[1], f32::INFINITY),
         };
         self.wanted = [towards(error, self.braking[0], self.grip.max_speed), spin];
     }
@@ -155,6 +165,7 @@ impl Held {
         let mut after = before + self.masses[i] * missing;
         if after.length_squared() > most * most {
             // All that it has it gives in the direction of what is missing; an effective mass would turn it.
+            let missing = missing * self.grip.axes[i];
             after = (before + self.least[i] * missing).clamp_length_max(most);
         }
         self.impulse[i] = after;
@@ -177,6 +188,24 @@ fn add(velocity: &mut State, change: [Vec3; 2]) {
 
 fn trace(matrix: &Mat3) -> f32 {
     matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
+}
+
+/// What an answer is to impulses along some axes only, seen along these: rows and columns of the others are zero.
+fn within((answer, axes): (Mat3, Vec3)) -> Mat3 {
+    Mat3::from_cols(
+        answer.x_axis * axes * axes.x,
+        answer.y_axis * axes * axes.y,
+        answer.z_axis * axes * axes.z,
+    )
+}
+
+/// The inverse of such an answer, with zero rows and columns for the other axes.
+fn inverse_within((answer, axes): (Mat3, Vec3)) -> Mat3 {
+    if axes == Vec3::ONE {
+        return inverse(answer);
+    }
+    let free = Mat3::from_diagonal(trace(&answer) * (Vec3::ONE - axes));
+    within((inverse(answer + free), axes))
 }
 
 /// Of a matrix of any size: the determinant of a small one would be nothing. Zero of what nothing moves.

@@ -188,7 +188,7 @@ fn innocent(site: &mut Site) -> Result<(), Fault> {
 fn guest(site: &Site, guest: Entity) -> Result<(), Fault> {
     let world = &site.noisy.world;
     let body = world.entity(guest);
-    if let Some(Quarantined { problem }) = body.get() {
+    if let Some(Quarantined { problem, .. }) = body.get() {
         return match site.tainted.contains(&guest) {
             true => Ok(()),
             false => fault(format!("quarantined for nothing: {}", name(problem)), guest),

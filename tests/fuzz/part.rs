@@ -15,7 +15,7 @@ use drystone::collider::{
 };
 use drystone::contact::ContactEvents;
 use drystone::grab::Grab;
-use glam::{Quat, Vec3};
+use glam::{BVec3, Quat, Vec3};
 
 macro_rules! parts {
     ($($name:ident($value:ty => $component:ty)),+ $(,)?) => {
@@ -143,6 +143,8 @@ impl Part {
                 max_speed: dice.number(0.0, 20.0),
                 max_force: dice.number(0.0, 1e5),
                 max_torque: dice.number(0.0, 1e4),
+                axes: BVec3::from_array([(); 3].map(|()| dice.chance(0.9))),
+                turn_axes: BVec3::from_array([(); 3].map(|()| dice.chance(0.9))),
             }),
             17 => Self::Age(Age(dice.pick(&[0, 1, 2, 1000, u64::MAX]))),
             18 => Self::Teleport(Teleport),

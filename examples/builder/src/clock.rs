@@ -15,9 +15,6 @@ pub struct Clock {
     pub hz: f64,
     /// One step is wanted while paused.
     pub step: bool,
-    /// Something was built while paused, and is to be known: bodies are, from the step after they came. So one is taken that is too
-    /// short for anything to move.
-    pub renew: bool,
 }
 
 impl Default for Clock {
@@ -27,13 +24,9 @@ impl Default for Clock {
             speed: 1.0,
             hz: 60.0,
             step: false,
-            renew: false,
         }
     }
 }
-
-/// How long a step is in which nothing moves.
-const INSTANT: Duration = Duration::from_micros(10);
 
 /// Steps that have been taken.
 #[derive(Resource, Default)]
@@ -78,9 +71,6 @@ fn set(
     }
     if clock.paused && std::mem::take(&mut clock.step) {
         fixed.accumulate_overstep(length);
-    } else if clock.paused && std::mem::take(&mut clock.renew) {
-        fixed.set_timestep(INSTANT);
-        fixed.accumulate_overstep(INSTANT);
     }
-    (clock.step, clock.renew) = (false, false);
+    clock.step = false;
 }

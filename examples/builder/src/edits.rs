@@ -1,6 +1,5 @@
 //! Edits: what they do to the world, that they can be taken back, and that they can be saved.
 
-use crate::clock::Clock;
 use crate::compare;
 use crate::journal::{Entry, Journal};
 use crate::pieces::{Piece, to_transform};
@@ -50,7 +49,8 @@ fn with_log<T>(world: &mut World, edit: impl FnOnce(&mut World, &mut EditLog) ->
     compare::end(world);
     let done = world.resource_scope(|world, mut log: Mut<EditLog>| edit(world, &mut log));
     world.resource_mut::<Edits>().0 += 1;
-    world.resource_mut::<Clock>().renew = true;
+    // Who asks in this frame is told of it.
+    drystone::refresh(world);
     done
 }
 
@@ -98,7 +98,7 @@ pub fn take(world: &mut World, bodies: &[Entity]) -> Result {
 /// # Errors
 /// Where a body of it is gone.
 pub fn undo(world: &mut World) -> Result {
-    if with_log(world, |world, log| log.undo(world))? {
+    if with_log(world, |world, log| log.undo(world))?.is_some() {
         world.resource::<Journal>().say(&Entry::Undid);
     }
     Ok(())
@@ -109,7 +109,7 @@ pub fn undo(world: &mut World) -> Result {
 /// # Errors
 /// Where a body of it is gone.
 pub fn redo(world: &mut World) -> Result {
-    if with_log(world, |world, log| log.redo(world))? {
+    if with_log(world, |world, log| log.redo(world))?.is_some() {
         world.resource::<Journal>().say(&Entry::Redid);
     }
     Ok(())

@@ -20,10 +20,6 @@ const FLAT: f32 = 0.1;
 /// A body falls if this share of the square of its velocity is downwards.
 const DOWNWARDS: f32 = 0.5;
 
-/// Only what comes to rest on what it lies on is handed down: of its kinetic energy no more than this share is left. A beam that lands on
-/// its end goes on turning.
-const LEFT: f64 = 0.1;
-
 /// Visits to the points under one body, at most.
 const VISITS: usize = 8;
 

@@ -1,0 +1,233 @@
+//! Bodies that were spawned, moved or changed since the last step, for those who ask about them before the next one.
+//!
+//! The [`BodyTable`] holds bodies as they were at the start of the last step, and the simulation depends on that. So edits that were made
+//! since are not written there: [`Pending`] holds these bodies as the next step will find them, with a tree of their own, and
+//! [`SpatialQuery`](crate::query::SpatialQuery) prefers them to those of the table. The stage *prepare* makes all of it obsolete, and
+//! nothing of it reaches the simulation.
+
+use super::describe::{Changes, Described, describe};
+use super::placement::{Placed, user_pose};
+use super::resting::{RestingBodies, RestingChildren, find_carried, find_written};
+use super::{
+    Age, BodyIndex, BodyState, BodyTable, Pose, Quarantined, Resting, RigidBody, Velocity, limits,
+};
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy_ecs::{hierarchy::ChildOf, prelude::*};
+use bevy_transform::components::Transform;
+use parry3d::partitioning::{Bvh, BvhWorkspace};
+
+/// The tree is put in order when one in so many of its boxes was changed.
+const TIDY: usize = 16;
+
+/// The bodies that differ from those of the [`BodyTable`]: spawned, moved or changed since the last step.
+#[derive(Resource, Default)]
+pub struct Pending {
+    /// The visit of *prepare* after which they differ.
+    visit: u64,
+    /// None where one is as the table has it again.
+    bodies: Vec<Option<BodyState>>,
+    places: EntityHashMap<u32>,
+    /// By place.
+    tree: Bvh,
+    workspace: BvhWorkspace,
+    untidy: usize,
+    /// Places of half-spaces.
+    unbounded: Vec<u32>,
+}
+
+impl Pending {
+    /// False where nobody has been refreshed since the last step, or nobody differs.
+    pub(crate) fn is_of(&self, table: &BodyTable) -> bool {
+        !self.places.is_empty() && self.visit == table.visits()
+    }
+
+    /// A body by its place.
+    pub(crate) fn get(&self, place: u32) -> Option<&BodyState> {
+        self.bodies.get(place as usize)?.as_ref()
+    }
+
+    /// The place of a body.
+    pub(crate) fn place_of(&self, body: Entity) -> Option<u32> {
+        self.places.get(&body).copied()
+    }
+
+    /// The boxes of the bodies that have one, by place.
+    pub(crate) fn tree(&self) -> &Bvh {
+        &self.tree
+    }
+
+    /// Places of bodies that have a shape without end.
+    pub(crate) fn unbounded(&self) -> &[u32] {
+        &self.unbounded
+    }
+
+    fn clear(&mut self) {
+        self.bodies.clear();
+        self.places.clear();
+        self.tree = Bvh::new();
+        self.untidy = 0;
+        self.unbounded.clear();
+    }
+
+    /// A body differs from that of the table.
+    fn insert(&mut self, body: BodyState) {
+        let entity = body.entity;
+        let last = self.bodies.len() as u32;
+        let place = *self.places.entry(entity).or_insert(last);
+        if place == last {
+            self.bodies.push(None);
+        }
+        self.forget_shape(place);
+        if let Some(shape) = body.shape() {
+            if body.radius.is_finite() {
+                let aabb = shape.compute_aabb(&body.pose.to_parry());
+                self.tree.insert(aabb, place);
+                self.untidy += 1;
+            } else {
+                self.unbounded.push(place);
+            }
+        }
+        self.bodies[place as usize] = Some(body);
+    }
+
+    /// A body is as the table has it.
+    fn remove(&mut self, body: Entity) {
+        if let Some(place) = self.places.remove(&body) {
+            self.forget_shape(place);
+            self.bodies[place as usize] = None;
+        }
+    }
+
+    fn forget_shape(&mut self, place: u32) {
+        self.tree.remove(place);
+        self.unbounded.retain(|&other| other != place);
+    }
+
+    fn tidy(&mut self) {
+        if self.untidy * TIDY > self.tree.leaf_count() as usize {
+            self.untidy = 0;
+            self.tree.refit(&mut self.workspace);
+            self.tree.optimize_incremental(&mut self.workspace);
+        }
+    }
+}
+
+type Placing<'w> = (
+    (Entity, &'w Age, &'w BodyIndex, &'w Pose, &'w Velocity),
+    (&'w Transform, Option<&'w ChildOf>),
+);
+
+type Sound = (With<RigidBody>, Without<Quarantined>);
+
+type Active = (Sound, Without<Resting>);
+
+/// The refresh: finds the bodies that differ from those of the table, and brings their
+/// [`MassProperties`](super::MassProperties) up to date.
+pub fn refresh(
+    mut pending: ResMut<Pending>,
+    table: Res<BodyTable>,
+    written: Query<Entity, (Active, Changes)>,
+    (resting, children): (RestingBodies, RestingChildren),
+    (active, all): (Query<Placing, Active>, Query<Placing, Sound>),
+    mut described: Query<Described, Without<Quarantined>>,
+    placed: Placed,
+) {
+    if pending.visit != table.visits() {
+        pending.visit = table.visits();
+        pending.clear();
+    }
+    let mut written: EntityHashSet = written.iter().collect();
+    written.extend(find_written(&table, resting, table.visited_at()));
+    let mut found: Vec<(Age, Entity)> = Vec::new();
+    for (of, placement) in &active {
+        let (entity, &age, index, &pose, _) = of;
+        let held = table.body(entity, *index).filter(|body| body.age == age);
+        let to = moved_to(held, pose, placement, placed);
+        let differs = match pending.place_of(entity).and_then(|at| pending.get(at)) {
+            Some(known) => known.pose != to.unwrap_or(pose).normalized(),
+            None => held.is_none() || to.is_some(),
+        };
+        if differs || written.contains(&entity) {
+            found.push((age, entity));
+        }
+    }
+    // One that rests and was carried off by its parent may have been carried back since.
+    let known = pending.places.keys().copied();
+    let known: Vec<Entity> = known.filter(|body| !active.contains(*body)).collect();
+    let resting = written.iter().copied();
+    let resting = resting.filter(|body| !active.contains(*body)).chain(known);
+    let resting: EntityHashSet = resting.chain(find_carried(children, placed)).collect();
+    found.extend(resting.into_iter().map(|body| (Age::NONE, body)));
+    // The order in which *prepare* takes them.
+    found.sort_unstable_by_key(|(age, entity)| {
+        (*age, entity.index_u32(), entity.generation().to_bits())
+    });
+    for (_, entity) in found {
+        let (Ok((of, placement)), Ok(description)) = (all.get(entity), described.get_mut(entity))
+        else {
+            pending.remove(entity);
+            continue;
+        };
+        let (_, &age, index, &pose, &velocity) = of;
+        let held = table.body(entity, *index).filter(|body| body.age == age);
+        let to = moved_to(held, pose, placement, placed);
+        let mut body = match held {
+            Some(body) => body.clone(),
+            None => BodyState::new(entity, pose, velocity),
+        };
+        body.age = age;
+        body.renewed = false;
+        body.pose = to.unwrap_or(pose).normalized();
+        let is_sound =
+            body.pose.is_finite() && limits::within(body.pose.position, limits::POSITION);
+        if !is_sound || describe(&mut body, description).is_err() {
+            // The next step will quarantine it.
+            body.collider = None;
+            body.renewed = true;
+        }
+        body.center = body.pose.transform_point(body.mass.local_center);
+        match held.is_none() || to.is_some() || body.renewed {
+            true => pending.insert(body),
+            false => pending.remove(entity),
+        }
+    }
+    pending.tidy();
+}
+
+/// Where a user has put a body since the last step.
+fn moved_to(
+    held: Option<&BodyState>,
+    pose: Pose,
+    placement: (&Transform, Option<&ChildOf>),
+    placed: Placed,
+) -> Option<Pose> {
+    let to = user_pose(placement, pose, held.is_none(), placed)?;
+    match held {
+        Some(body) if is_between(&to, &body.pose, &pose) => None,
+        _ => Some(to),
+    }
+}
+
+/// Interpolation draws a body between its last two poses, which does not move it.
+fn is_between(drawn: &Pose, before: &Pose, now: &Pose) -> bool {
+    /// As a share of the way, and of coordinates.
+    const ROUNDING: f32 = 1e-6;
+    let detour = |way: f32, there: f32, on: f32, rounding: f32| there + on <= way + rounding;
+    let position = |a: &Pose, b: &Pose| a.position.distance(b.position);
+    let angle = |a: &Pose, b: &Pose| {
+        let turn = a.rotation.inverse() * b.rotation;
+        2.0 * turn.xyz().length().min(1.0).asin()
+    };
+    let far = now.position.abs().max_element() + position(before, now);
+    detour(
+        position(before, now),
+        position(before, drawn),
+        position(drawn, now),
+        ROUNDING * far,
+    ) && detour(
+        angle(before, now),
+        angle(before, drawn),
+        angle(drawn, now),
+        1e3 * ROUNDING,
+    )
+}

@@ -1,0 +1,98 @@
+//! What has moved besides what was edited.
+
+use crate::body::{BodyIndex, BodyTable, Pose, RigidBody};
+use crate::preview::Moved;
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy_ecs::prelude::*;
+
+/// A body has moved when a point of it has come farther than this share of its radius, as in a
+/// [preview](crate::preview::PreviewSettings::moved).
+const SHARE: f32 = 0.05;
+
+/// Where bodies were when somebody looked last.
+#[derive(Debug, Default)]
+pub(super) struct Watched {
+    poses: EntityHashMap<Pose>,
+}
+
+/// What has become of bodies since then.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Drift {
+    /// With the bodies' radii, m.
+    moved: EntityHashMap<(Moved, f32)>,
+    gone: EntityHashSet,
+}
+
+impl Watched {
+    /// Looks, and tells what has changed since the last look.
+    pub fn look(&mut self, world: &mut World) -> Drift {
+        let mut drift = Drift::default();
+        let mut seen = EntityHashSet::default();
+        let mut bodies = world.query::<(Entity, &RigidBody, &BodyIndex, &Pose)>();
+        let table = world.resource::<BodyTable>();
+        for (body, kind, index, &to) in bodies.iter(world) {
+            // It is nowhere before its first step.
+            let Some(state) = table.get(index.0).filter(|state| state.entity == body) else {
+                continue;
+            };
+            if *kind != RigidBody::Dynamic {
+                continue;
+            }
+            seen.insert(body);
+            let known = self.poses.entry(body).or_insert(to);
+            let from = *known;
+            let moved = Moved { body, from, to };
+            if has_moved(&moved, state.radius) {
+                drift.moved.insert(body, (moved, state.radius));
+                *known = to;
+            }
+        }
+        let gone = self.poses.keys().filter(|body| !seen.contains(*body));
+        drift.gone.extend(gone);
+        self.poses.retain(|body, _| seen.contains(body));
+        drift
+    }
+
+    /// What has become of these since is nobody's news: an edit is about them.
+    pub fn forget(&mut self, bodies: &[Entity]) {
+        for body in bodies {
+            self.poses.remove(body);
+        }
+    }
+}
+
+impl Drift {
+    /// What came after this, of all bodies but some.
+    pub fn go_on(&mut self, next: Self, but: &[Entity]) {
+        for (body, moved) in next.moved {
+            let known = self.moved.entry(body).or_insert(moved);
+            known.0.to = moved.0.to;
+        }
+        self.gone.extend(next.gone);
+        for body in but {
+            self.moved.remove(body);
+            self.gone.remove(body);
+        }
+    }
+
+    /// Bodies that are there and elsewhere now, and bodies that are gone, but for some.
+    pub fn told(&self, but: &[Entity]) -> (Vec<Moved>, Vec<Entity>) {
+        let is_other = |body: &Entity| !but.contains(body);
+        let moved = self.moved.values();
+        let moved = moved.filter(|(moved, radius)| has_moved(moved, *radius));
+        let moved = moved.map(|(moved, _)| *moved);
+        let moved = moved.filter(|moved| is_other(&moved.body) && !self.gone.contains(&moved.body));
+        let gone = self.gone.iter().copied().filter(is_other);
+        let (mut moved, mut gone): (Vec<Moved>, Vec<Entity>) = (moved.collect(), gone.collect());
+        moved.sort_unstable_by_key(|moved| (moved.body.index_u32(), moved.body));
+        gone.sort_unstable_by_key(|body| (body.index_u32(), *body));
+        (moved, gone)
+    }
+}
+
+fn has_moved(Moved { from, to, .. }: &Moved, radius: f32) -> bool {
+    let far =
+        to.position.distance(from.position) + to.rotation.angle_between(from.rotation) * radius;
+    // A body without a shape has no radius.
+    far > SHARE * radius.max(1e-2)
+}

@@ -334,7 +334,7 @@ fn a_turned_beam_does_not_pass_a_post() {
             };
             hold(&mut lab, beam, grab);
             let mut deepest = 0f32;
-            for step in 0..(3.0 / lab.dt) as usize {
+            for _ in 0..(3.0 / lab.dt) as usize {
                 lab.step();
                 let pose = lab.pose(beam);
                 let post = pose.inverse_transform_point(Vec3::new(2.0, 0.0, 1.0));

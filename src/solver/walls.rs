@@ -15,8 +15,9 @@ const PRESSED: f32 = 1e-3;
 /// The share of that way which it wants to go in a substep. Contacts answer in some 20 substeps; faster, and the body would swing.
 const SHARE: f32 = 0.05;
 
-/// The speed with which a hand presses its body against contacts that are rigid, m/s. In one sweep it adds an impulse of so much.
-const PRESSES: f32 = 0.5;
+/// How far a hand wants to go in one step against contacts that are rigid, m. Every sweep adds the impulse of such a speed; with conjugate
+/// gradients about a quarter of this way is left as overlap.
+const PRESSED_RIGIDLY: f32 = 2e-3;
 
 /// A body leans against another where the contact between them faces the same way, as the cosine between both.
 const SAME_WAY: f32 = 0.5;
@@ -167,18 +168,19 @@ impl Walls {
         walls
     }
 
-    /// The same of points.
+    /// The same of points, in a step of `h` s.
     pub fn among_points(
         &self,
         body: u32,
         constraints: &[PointConstraint],
         bodies: &[Body],
+        h: f32,
     ) -> Vec<Wall> {
         let points = self.found(body).map(|(contact, other, normal)| {
             let point = &constraints[contact];
             let arms = self.arms(contact, body, point.arms);
             Wall {
-                least: point.target.x - PRESSES,
+                least: point.target.x - PRESSED_RIGIDLY / h,
                 ..wall(&bodies[body as usize], other, normal, arms)
             }
         });

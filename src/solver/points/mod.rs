@@ -194,7 +194,7 @@ impl PointProblem<'_> {
         let walls = Walls::of_points(self.constraints, self.bodies);
         let held = |grip: &Grip| {
             let held = Held::new(grip, &self.bodies[grip.body as usize], self.dt);
-            let walls = walls.among_points(grip.body, self.constraints, self.bodies);
+            let walls = walls.among_points(grip.body, self.constraints, self.bodies, self.dt);
             held.in_step(self.dt, walls)
         };
         self.grips.iter().map(held).collect()

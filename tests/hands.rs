@@ -197,6 +197,178 @@ fn what_is_pushed_hard_does_not_get_into_a_wall() {
     }
 }
 
+/// A fixed box of 1 m, hit at 4 m/s and then pressed against by ten thousand weights, or by all that a hand may have.
+#[test]
+fn however_strong_a_hand_nothing_passes_what_is_static() {
+    for weights in [1e4, f32::INFINITY] {
+        each(|name, mut lab| {
+            lab.ground();
+            let wall = Collider::cuboid(1.0, 4.0, 4.0);
+            let wall = lab.body(wall, Vec3::new(3.0, 2.0, 0.0));
+            lab.world.entity_mut(wall).insert(RigidBody::Static);
+            let cube = lab.cube(Vec3::Y * 0.5);
+            lab.run(0.5);
+            let grab = Grab {
+                max_force: weights * WEIGHT,
+                ..Grab::gentle(1000.0, Vec3::ZERO, Vec3::new(6.0, 1.5, 0.0))
+            };
+            hold(&mut lab, cube, grab);
+            let deepest = deepest(&mut lab, cube, 4.0, |at| at.x - 2.0);
+            assert!(deepest < 0.01, "{weights} weights, {name}: {deepest}");
+        });
+    }
+}
+
+/// By a corner too, so that it is pressed askew.
+#[test]
+fn however_strong_a_hand_nothing_goes_into_the_ground() {
+    for arm in [Vec3::ZERO, Vec3::new(0.5, 0.5, 0.3)] {
+        for speed in [4.0, f32::INFINITY] {
+            each(|name, mut lab| {
+                lab.ground();
+                let cube = lab.cube(Vec3::Y * 0.5);
+                lab.run(0.5);
+                let grab = Grab {
+                    max_force: f32::INFINITY,
+                    max_speed: speed,
+                    ..Grab::gentle(1000.0, arm, Vec3::new(0.0, -3.0, 0.0))
+                };
+                hold(&mut lab, cube, grab);
+                // Its centre is nowhere nearer to the ground than when it lies flat.
+                let deepest = deepest(&mut lab, cube, 3.0, |at| 0.5 - at.y);
+                assert!(deepest < 0.01, "{arm}, {speed} m/s, {name}: {deepest}");
+            });
+        }
+    }
+}
+
+/// Between the hand and the wall is a body that nobody holds.
+#[test]
+fn a_body_pushed_by_what_is_held_does_not_pass_either() {
+    each(|name, mut lab| {
+        lab.ground();
+        let wall = Collider::cuboid(1.0, 4.0, 4.0);
+        let wall = lab.body(wall, Vec3::new(3.0, 2.0, 0.0));
+        lab.world.entity_mut(wall).insert(RigidBody::Static);
+        let cube = lab.cube(Vec3::new(-0.5, 0.5, 0.0));
+        let between = lab.cube(Vec3::new(1.5, 0.5, 0.0));
+        lab.run(0.5);
+        let grab = Grab {
+            max_force: 1e4 * WEIGHT,
+            ..Grab::gentle(1000.0, Vec3::ZERO, Vec3::new(6.0, 0.5, 0.0))
+        };
+        hold(&mut lab, cube, grab);
+        let (mut held, mut pushed) = (0f32, 0f32);
+        for _ in 0..(3.0 / lab.dt) as usize {
+            lab.step();
+            held = held.max(lab.position(cube).x - 1.0);
+            pushed = pushed.max(lab.position(between).x - 2.0);
+        }
+        assert!(pushed < 0.03 && held < 0.06, "{name}: {pushed}, {held}");
+    });
+}
+
+/// In the air, and into the ground: it is there in no time, and stays.
+#[test]
+fn a_hand_without_any_limit_does_not_shake_what_it_holds() {
+    for arm in [Vec3::ZERO, Vec3::new(0.5, 0.5, 0.3)] {
+        for (rotation, torque) in [
+            (None, f32::INFINITY),
+            (Some(Quat::from_rotation_y(2.0)), f32::INFINITY),
+            (None, 0.0),
+        ] {
+            each(|name, mut lab| {
+                lab.ground();
+                let cube = lab.cube(Vec3::Y * 0.5);
+                lab.run(0.5);
+                let what = format!("{arm}, {rotation:?}, {torque} N m, {name}");
+                for target in [Vec3::new(1.0, 3.0, -1.0), Vec3::new(-1.0, -2.0, 0.0)] {
+                    let grab = Grab {
+                        target,
+                        local_point: arm,
+                        rotation,
+                        response: 0.0,
+                        max_speed: f32::INFINITY,
+                        max_force: f32::INFINITY,
+                        max_torque: torque,
+                    };
+                    hold(&mut lab, cube, grab);
+                    let mut farthest = 0f32;
+                    for _ in 0..(3.0 / lab.dt) as usize {
+                        lab.step();
+                        let at = lab.position(cube);
+                        // Swung by its corner, a corner of it may strike the ground at 30 rad/s.
+                        let swings = arm != Vec3::ZERO && torque == 0.0;
+                        let least = if swings { 0.25 } else { 0.49 };
+                        assert!(at.is_finite() && at.y > least, "{what}: {at}");
+                        farthest = farthest.max(at.distance(target));
+                    }
+                    assert!(farthest < 6.0, "{what}: {farthest}");
+                    assert!(
+                        lab.position(cube).y > 0.49,
+                        "{what}: {}",
+                        lab.position(cube)
+                    );
+                    let velocity = lab.velocity(cube);
+                    let still = velocity.linear.length().max(velocity.angular.length());
+                    let off = lab.pose(cube).transform_point(arm).distance(target);
+                    if target.y > 0.0 && (torque > 0.0 || arm == Vec3::ZERO) {
+                        assert!(still < 1e-2 && off < 1e-3, "{what}: {still} m/s, {off} m");
+                    }
+                }
+            });
+        }
+    }
+}
+
+/// A beam that a hand turns is stopped by a fixed post beside it, even where it would be turned through that in one step.
+#[test]
+fn a_turned_beam_does_not_pass_a_post() {
+    for response in [0.1, 0.0] {
+        each(|name, mut lab| {
+            let post = lab.body(Collider::cuboid(0.4, 2.0, 0.4), Vec3::new(2.0, 0.0, 1.0));
+            lab.world.entity_mut(post).insert(RigidBody::Static);
+            let beam = lab.body(Collider::cuboid(6.0, 0.2, 0.2), Vec3::ZERO);
+            lab.world.entity_mut(beam).insert(GravityScale(0.0));
+            let grab = Grab {
+                rotation: Some(Quat::from_rotation_y(-1.5)),
+                max_force: f32::INFINITY,
+                max_torque: f32::INFINITY,
+                response,
+                ..Grab::gentle(1000.0, Vec3::ZERO, Vec3::ZERO)
+            };
+            hold(&mut lab, beam, grab);
+            let mut deepest = 0f32;
+            for _ in 0..(3.0 / lab.dt) as usize {
+                lab.step();
+                let pose = lab.pose(beam);
+                let post = pose.inverse_transform_point(Vec3::new(2.0, 0.0, 1.0));
+                // As the beam sees it: its own half width, and that of the post, which is turned.
+                let [x, z] = [pose.rotation * Vec3::X, pose.rotation * Vec3::Z];
+                assert!(
+                    post.x.abs() < 3.0 && x.y.abs() < 0.01,
+                    "{name}: it slipped off, {post}"
+                );
+                deepest = deepest.max(0.1 + 0.2 * (z.x.abs() + z.z.abs()) - post.z);
+            }
+            assert!(deepest < 0.02, "{response} s, {name}: {deepest}");
+        });
+    }
+}
+
+/// How far it ever gets in so many seconds.
+fn deepest(lab: &mut Lab, body: Entity, seconds: f32, depth: impl Fn(Vec3) -> f32) -> f32 {
+    let steps = 0..(seconds / lab.dt) as usize;
+    let depths = steps.map(|_| {
+        lab.step();
+        depth(lab.position(body))
+    });
+    depths.fold(f32::NEG_INFINITY, |a, b| match b.is_nan() {
+        true => f32::INFINITY,
+        false => a.max(b),
+    })
+}
+
 #[test]
 fn what_is_let_go_falls_from_rest() {
     each(|name, mut lab| {

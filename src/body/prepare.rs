@@ -270,7 +270,20 @@ fn is_stirred(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bo
     *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
 }
 
-/// By how much a body becomes faster in the step by what pushes it, at most, m/s.
+/// The speed that a hand gives the surface of a body by turning it, at most, m/s. Never beyond the other side in one step.
+fn turned(body: &BodyState, grab: &Grab, dt: f32) -> f32 {
+    let inertia = body.mass.inverse_inertia;
+    let spin = match grab.rotation {
+        Some(_) => (grab.max_torque * inertia.max_element() * dt).min(2.0 / dt),
+        None => 0.0,
+    };
+    match spin > 0.0 {
+        true => spin * body.radius,
+        false => 0.0,
+    }
+}
+
+/// By how much a body becomes faster in the step by what pushes it and by a hand that turns it, at most, m/s at its surface.
 fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &Rules) -> f32 {
     if !body.is_dynamic() {
         return 0.0;
@@ -282,7 +295,7 @@ fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &R
         (dt * body.mass.inverse_mass * grab.max_force).min(grab.max_speed)
     });
     let gained = body.mass.inverse_mass * (dt * force + impulse) + hand;
-    gained.min(rules.speeds.linear)
+    gained.min(rules.speeds.linear) + grab.map_or(0.0, |grab| turned(body, grab, dt))
 }
 
 pub(super) fn check(

@@ -47,6 +47,7 @@ use super::grip::Held;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
 use super::lanes::{F32x4, F32xN};
+use super::walls::Walls;
 use super::width::Width;
 use super::{Body, Grip, Lanes, SolveReport};
 use blocks::{Cone, Disc, Square};
@@ -185,6 +186,20 @@ impl PointProblem<'_> {
         }
     }
 
+    /// The hands, ready to be visited, with what their bodies cannot be pulled through.
+    fn held(&self) -> Vec<Held> {
+        if self.grips.is_empty() {
+            return Vec::new();
+        }
+        let walls = Walls::of_points(self.constraints, self.bodies);
+        let held = |grip: &Grip| {
+            let held = Held::new(grip, &self.bodies[grip.body as usize], self.dt);
+            let walls = walls.among_points(grip.body, self.constraints, self.bodies, self.dt);
+            held.in_step(self.dt, walls)
+        };
+        self.grips.iter().map(held).collect()
+    }
+
     /// A report to record sweeps in.
     pub fn report(&self) -> SolveReport {
         SolveReport::new(self.free_merit, self.record_history)
@@ -192,16 +207,18 @@ impl PointProblem<'_> {
 
     /// One projected Gauss–Seidel sweep over all hands and then all contacts, pair after pair: Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
-        let bodies = &mut *self.bodies;
         let mut change = 0.0;
-        for grip in &mut *self.grips {
-            let body = &mut bodies[grip.body as usize];
-            let mut held = Held::new(grip, body, self.dt);
-            let (moved, changed) = held.relax([body.linear, body.angular]);
-            body.add(moved);
+        for (i, mut held) in self.held().into_iter().enumerate() {
+            let of = |body: u32| {
+                let body = &self.bodies[body as usize];
+                [body.linear, body.angular]
+            };
+            let (moved, changed) = held.relax(of(held.grip.body), of);
+            self.bodies[held.grip.body as usize].add(moved);
             change += changed;
-            *grip = held.found();
+            self.grips[i] = held.found();
         }
+        let bodies = &mut *self.bodies;
         for pair in self.constraints.chunk_by_mut(|a, b| a.bodies == b.bodies) {
             match grouping {
                 Grouping::Pair => {

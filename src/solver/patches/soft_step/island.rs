@@ -11,6 +11,7 @@ use super::refresh::{End, Fresh, Refresh};
 use crate::solver::batches::Batches;
 use crate::solver::grip::Held;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
+use crate::solver::walls::Walls;
 use crate::solver::{Body, Grip, Lanes, PatchConstraint, PatchProblem};
 use glam::{Mat3, Vec3, Vec4};
 
@@ -245,9 +246,15 @@ impl<L: F32xN> Island<L> {
         self.begin(problem, changed, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
         let h = problem.dt / substeps as f32;
-        let held = |grip: &Grip| Held::new(grip, &problem.bodies[grip.body as usize], h);
         self.grips.clear();
-        self.grips.extend(problem.grips.iter().map(held));
+        if !problem.grips.is_empty() {
+            let walls = Walls::of_patches(problem);
+            let held = |grip: &Grip| {
+                let held = Held::new(grip, &problem.bodies[grip.body as usize], h);
+                held.in_step(problem.dt, walls.among_patches(grip.body, problem))
+            };
+            self.grips.extend(problem.grips.iter().map(held));
+        }
         self.refresh(problem, spring, &passes[0], f32::INFINITY);
         self.warm_start().sqrt()
     }
@@ -339,7 +346,7 @@ impl<L: F32xN> Island<L> {
     pub fn visit_grips(&mut self) -> f32 {
         let mut change = 0.0;
         for held in &mut self.grips {
-            held.aim(self.motions[held.grip.body as usize].map(Vec4::truncate));
+            held.aim_among(&self.motions, self.fastest);
             change += held.visit(&mut self.velocities);
         }
         change

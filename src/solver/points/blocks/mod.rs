@@ -12,7 +12,6 @@ mod conjugate;
 mod visit;
 
 use super::{Direction, PointConstraint, PointProblem};
-use crate::solver::Grip;
 use crate::solver::batches::Batches;
 use crate::solver::grip::Held;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
@@ -89,9 +88,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
             patches: &mut patches,
             points: &mut points,
         });
-        let grips = problem.grips.iter();
-        let held = |grip: &Grip| Held::new(grip, &bodies[grip.body as usize], problem.dt);
-        let grips = grips.map(held).collect();
+        let grips = problem.held();
         Self {
             batches,
             pairs,

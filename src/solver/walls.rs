@@ -1,0 +1,251 @@
+//! What a held body cannot be pulled through, however strong the hand is: what is static, and bodies that lean against it on their other side.
+//!
+//! Contacts are springs, or found by sweeps that have not converged; a hand that is strong enough overcomes both. So a hand does not ask for
+//! what contacts cannot give: before it pulls, the velocity that it wants is projected onto those that lead its body no farther into a
+//! wall than [`PRESSED`]. A body that is pressed so far in presses as hard as contacts bear there.
+
+use super::lanes::State;
+use super::{Body, PatchProblem, PointConstraint};
+use glam::{Vec3, Vec4};
+
+/// How far a hand presses its body into a wall whose contacts are springs, m. With those of Soft Step a cube of 1 m is pressed by 50 to 550
+/// times its weight then: more with time, because springs take over what they carry.
+const PRESSED: f32 = 1e-3;
+
+/// The share of that way which it wants to go in a substep. Contacts answer in some 20 substeps; faster, and the body would swing.
+const SHARE: f32 = 0.05;
+
+/// How far a hand wants to go in one step against contacts that are rigid, m. Every sweep adds the impulse of such a speed; with conjugate
+/// gradients about a quarter of this way is left as overlap.
+const PRESSED_RIGIDLY: f32 = 2e-3;
+
+/// A body leans against another where the contact between them faces the same way, as the cosine between both.
+const SAME_WAY: f32 = 0.5;
+
+/// Visits to all walls of a body, at most; they end when none has changed the velocity by more than [`FOUND`], m/s.
+const VISITS: usize = 16;
+const FOUND: f32 = 1e-5;
+
+/// One point of contact between a held body and what it cannot be pulled through.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wall {
+    other: u32,
+    /// Out of the other body.
+    normal: Vec3,
+    /// From the centres of mass of the held body and of the other, m.
+    arms: [Vec3; 2],
+    /// When detected, m.
+    separation: f32,
+    /// The least velocity along the normal that contact allows, relative to the other body, m/s.
+    least: f32,
+    /// Inverse effective mass of the held body, 1/kg.
+    response: f32,
+    /// Of the projection, N·s.
+    impulse: f32,
+}
+
+impl Wall {
+    /// Brings it up to date in a substep of `h` s: bodies have moved and turned by so much since detection.
+    pub fn aim(&mut self, body: u32, motions: &[State], h: f32, fastest: f32) {
+        let [a, b] = [(body, self.arms[0]), (self.other, self.arms[1])].map(|(body, arm)| {
+            let [moved, turned] = motions[body as usize].map(Vec4::truncate);
+            moved + turned.cross(arm)
+        });
+        let separation = self.separation + self.normal.dot(a - b);
+        let way = separation.max(0.0) + SHARE * (separation.min(0.0) + PRESSED);
+        self.least = (-way / h).min(fastest);
+    }
+}
+
+/// Changes what a hand wants as little as possible so that its body does not go through walls: linear and angular velocity, m/s and rad/s.
+/// True where something had to change. The hand pulls with `pull`.
+pub(super) fn project(
+    walls: &mut [Wall],
+    wanted: &mut [Vec3; 2],
+    pull: Vec3,
+    answer: impl Fn(Vec3, Vec3) -> [Vec3; 2],
+    other: impl Fn(u32) -> [Vec3; 2],
+) -> bool {
+    let mut changed = false;
+    for visit in 0..VISITS {
+        let mut most = 0f32;
+        for wall in &mut *walls {
+            if visit == 0 {
+                wall.impulse = 0.0;
+            }
+            let [linear, angular] = other(wall.other);
+            // It wants out only where it has pressed the body in.
+            let least = match wall.normal.dot(pull) < 0.0 {
+                true => wall.least,
+                false => wall.least.min(0.0),
+            };
+            let theirs = linear + angular.cross(wall.arms[1]);
+            let own = wanted[0] + wanted[1].cross(wall.arms[0]);
+            let lack = least - wall.normal.dot(own - theirs);
+            let found = (wall.impulse + lack / wall.response).max(0.0);
+            let given = found - wall.impulse;
+            if given == 0.0 {
+                continue;
+            }
+            changed = true;
+            wall.impulse = found;
+            most = most.max(given.abs() * wall.response);
+            let [linear, angular] = answer(given * wall.normal, wall.arms[0]);
+            wanted[0] += linear;
+            wanted[1] += angular;
+        }
+        if most < FOUND {
+            break;
+        }
+    }
+    changed
+}
+
+/// Who touches whom, by body.
+pub(super) struct Walls {
+    /// Bodies A and B of each contact, and the normal from B to A.
+    contacts: Vec<([u32; 2], Vec3)>,
+    /// Where the contacts of each body begin among `of_bodies`, and where the last one's end.
+    starts: Vec<u32>,
+    of_bodies: Vec<u32>,
+    moves: Vec<bool>,
+}
+
+impl Walls {
+    fn new(contacts: impl Iterator<Item = ([u32; 2], Vec3)>, bodies: &[Body]) -> Self {
+        let contacts: Vec<_> = contacts.collect();
+        let mut starts = vec![0u32; bodies.len() + 1];
+        for body in contacts.iter().flat_map(|(bodies, _)| *bodies) {
+            starts[body as usize] += 1;
+        }
+        let mut end = 0;
+        for start in &mut starts {
+            end += *start;
+            *start = end;
+        }
+        let mut of_bodies = vec![0; end as usize];
+        for (contact, (bodies, _)) in contacts.iter().enumerate().rev() {
+            for body in bodies {
+                let start = &mut starts[*body as usize];
+                *start -= 1;
+                of_bodies[*start as usize] = contact as u32;
+            }
+        }
+        Self {
+            contacts,
+            starts,
+            of_bodies,
+            moves: bodies.iter().map(|body| body.inverse_mass > 0.0).collect(),
+        }
+    }
+
+    pub fn of_patches(problem: &PatchProblem) -> Self {
+        let patches = problem.patches.iter();
+        Self::new(
+            patches.map(|patch| (patch.bodies, patch.normal)),
+            problem.bodies,
+        )
+    }
+
+    pub fn of_points(constraints: &[PointConstraint], bodies: &[Body]) -> Self {
+        let points = constraints.iter();
+        Self::new(points.map(|point| (point.bodies, point.normal)), bodies)
+    }
+
+    /// The walls of a held body, whose contacts are those of patches.
+    pub fn among_patches(&self, body: u32, problem: &PatchProblem) -> Vec<Wall> {
+        let mut walls = Vec::new();
+        for (contact, other, normal) in self.found(body) {
+            let patch = &problem.patches[contact];
+            for point in &problem.points[patch.range()] {
+                let arms = self.arms(contact, body, patch.arms.map(|arm| arm + point.offset));
+                walls.push(Wall {
+                    separation: point.separation,
+                    ..wall(&problem.bodies[body as usize], other, normal, arms)
+                });
+            }
+        }
+        walls
+    }
+
+    /// The same of points, in a step of `h` s.
+    pub fn among_points(
+        &self,
+        body: u32,
+        constraints: &[PointConstraint],
+        bodies: &[Body],
+        h: f32,
+    ) -> Vec<Wall> {
+        let points = self.found(body).map(|(contact, other, normal)| {
+            let point = &constraints[contact];
+            let arms = self.arms(contact, body, point.arms);
+            Wall {
+                least: point.target.x - PRESSED_RIGIDLY / h,
+                ..wall(&bodies[body as usize], other, normal, arms)
+            }
+        });
+        points.collect()
+    }
+
+    /// Its own arm first.
+    fn arms(&self, contact: usize, body: u32, [a, b]: [Vec3; 2]) -> [Vec3; 2] {
+        match self.contacts[contact].0[0] == body {
+            true => [a, b],
+            false => [b, a],
+        }
+    }
+
+    /// The contacts of a body, each with the other body and the normal out of that.
+    fn contacts_of(&self, body: u32) -> impl Iterator<Item = (usize, u32, Vec3)> {
+        let range = self.starts[body as usize] as usize..self.starts[body as usize + 1] as usize;
+        self.of_bodies[range].iter().map(move |&contact| {
+            let (bodies, normal) = self.contacts[contact as usize];
+            match bodies[0] == body {
+                true => (contact as usize, bodies[1], normal),
+                false => (contact as usize, bodies[0], -normal),
+            }
+        })
+    }
+
+    /// Those with what it cannot be pulled through.
+    fn found(&self, body: u32) -> impl Iterator<Item = (usize, u32, Vec3)> {
+        self.contacts_of(body)
+            .filter(move |&(_, other, normal)| self.stands(other, normal, body))
+    }
+
+    /// The body is static, or leans against something that is, seen from a body that lies on it in a direction.
+    fn stands(&self, body: u32, direction: Vec3, from: u32) -> bool {
+        if !self.moves[body as usize] {
+            return true;
+        }
+        let mut seen = vec![from, body];
+        let mut open = vec![body];
+        while let Some(body) = open.pop() {
+            for (_, other, normal) in self.contacts_of(body) {
+                if normal.dot(direction) < SAME_WAY {
+                    continue;
+                }
+                if !self.moves[other as usize] {
+                    return true;
+                }
+                if !seen.contains(&other) {
+                    seen.push(other);
+                    open.push(other);
+                }
+            }
+        }
+        false
+    }
+}
+
+fn wall(body: &Body, other: u32, normal: Vec3, arms: [Vec3; 2]) -> Wall {
+    Wall {
+        other,
+        normal,
+        arms,
+        separation: 0.0,
+        least: f32::NEG_INFINITY,
+        response: body.response(normal, arms[0]),
+        impulse: 0.0,
+    }
+}

@@ -291,6 +291,8 @@ fn a_hand_without_any_limit_does_not_shake_what_it_holds() {
                         max_speed: f32::INFINITY,
                         max_force: f32::INFINITY,
                         max_torque: torque,
+                        axes: BVec3::TRUE,
+                        turn_axes: BVec3::TRUE,
                     };
                     hold(&mut lab, cube, grab);
                     let mut farthest = 0f32;

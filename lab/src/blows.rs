@@ -160,7 +160,7 @@ impl Wall {
         self.run(6.0);
         let pairs = self.positions().into_iter().zip(&self.start);
         pairs
-            .filter(|(now, start)| !(now.distance(**start) <= LOST))
+            .filter(|(now, start)| now.distance(**start) > LOST || now.is_nan())
             .count()
     }
 }

@@ -432,8 +432,8 @@ impl<L: F32xN> Block<L> {
         let rolling = [gone * self.rolling[0], gone * self.rolling[1]];
         for i in 0..2 {
             self.given[i] += friction[i];
-            self.tangential[i] = self.tangential[i] - friction[i];
-            self.rolling[i] = self.rolling[i] - rolling[i];
+            self.tangential[i] -= friction[i];
+            self.rolling[i] -= rolling[i];
         }
         self.twist = twist;
         let friction = wrench(friction, rolling);

@@ -14,8 +14,8 @@
 //!    heaps would jam; with friction they would drag along what lies beside a shot.
 //! 6. The next substep, or step, begins without the blow: with no more than the impulses that contacts had before it or carry at rest.
 //!
-//! The additional sweeps are over-relaxed, and end when they change little. A step goes this way if its free motion [tells](expected)
-//! that bodies will hit each other.
+//! The rigid sweeps are over-relaxed. All of them visit what the one before has changed, and end when that is little. A step goes this way
+//! if its free motion [tells](expected) that bodies will hit each other.
 
 mod hand_down;
 mod hot;
@@ -37,7 +37,7 @@ const SETTLED: f32 = 0.002;
 
 /// What turns by more than this in a step takes no blow, rad: arms are frozen in a step, and more sweeps over arms that are wrong gain
 /// energy.
-const TURNED: f32 = 0.5;
+const TURNED: f32 = 0.75;
 
 /// Nor does what is so slender, as a ratio of radii of gyration: the ends of a beam of 10 × 0.2 × 0.2 m (20) move by its thickness where it
 /// turns by a hundredth.
@@ -57,7 +57,7 @@ const SOFT: More = More {
 };
 const RIGID: More = More {
     sweeps: 16,
-    over: 0.5,
+    over: 0.7,
 };
 
 /// Whether some bodies will hit each other in this step, as far as their free motion tells.

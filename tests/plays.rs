@@ -7,8 +7,8 @@ use drystone_lab::play::{Play, Played};
 /// How far a wall may move as a whole, m.
 const MOVED: f32 = 1e-3;
 
-/// Momentum of a wall beyond that of the balls thrown so far, N·s: a twentieth of one ball's.
-const UNEXPLAINED: f32 = 2.0;
+/// Momentum of a wall beyond that of the balls thrown so far, N·s: half of one ball's.
+const UNEXPLAINED: f32 = 20.0;
 
 fn check(play: Play) -> Played {
     let played = play.run();

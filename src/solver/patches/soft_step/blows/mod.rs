@@ -25,6 +25,7 @@ use super::island::Island;
 use super::kinds::{MoreRigid, MoreSoft, Noting};
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem};
+use glam::Vec3;
 use hand_down::HandDown;
 use hot::Hot;
 use std::cell::Cell;
@@ -62,34 +63,39 @@ const RIGID: More = More {
 
 /// Whether some bodies will hit each other in this step, as far as their free motion tells.
 pub fn expected(problem: &PatchProblem) -> bool {
-    problem.bodies.iter().any(is_fast) && problem.patches.iter().any(|patch| hits(problem, patch))
-}
-
-/// Two bodies approach each other with no more than the sum of their speeds.
-fn is_fast(body: &Body) -> bool {
-    speed(body) > 0.5 * BLOW
+    problem.patches.iter().any(|patch| hits(problem, patch))
 }
 
 /// Whether the free motion of its bodies closes a patch in this step with the speed of a blow. Not of one that bounces: its bodies are
 /// thrown back after the substeps.
 fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
-    let [a, b] = patch.bodies.map(|body| &problem.bodies[body as usize]);
-    let closes = |point: &PatchPoint| {
-        let [at_a, at_b] = [(a, patch.arms[0]), (b, patch.arms[1])]
-            .map(|(body, arm)| body.linear + body.angular.cross(arm + point.offset));
-        let approach = -patch.normal.dot(at_a - at_b);
-        approach > BLOW && point.separation < approach * problem.dt
-    };
-    let lands = patch.restitution == 0.0 && (is_fast(a) || is_fast(b));
-    lands && problem.points[patch.range()].iter().any(closes)
+    let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
+    // Two bodies approach each other with no more than the sum of their speeds, and what rests gathers speed only over a gap.
+    let is_fast = bodies.iter().any(|body| speed(body) > 0.5 * BLOW);
+    let fall = problem.gravity.length();
+    let gathers = |point: &PatchPoint| 2.0 * fall * point.separation > BLOW * BLOW;
+    let points = &problem.points[patch.range()];
+    if patch.restitution > 0.0 || !is_fast && !points.iter().any(gathers) {
+        return false;
+    }
+    points.iter().any(|point| {
+        let arms = patch.arms.map(|arm| arm + point.offset);
+        let along = |[a, b]: [[Vec3; 2]; 2]| {
+            let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
+            patch.normal.dot(at(b, arms[1]) - at(a, arms[0]))
+        };
+        let before = along(bodies.map(|body| body.start));
+        let gained = along(bodies.map(Body::push));
+        let apart = point.separation.max(0.0);
+        // With a steady force, over the way to the surface.
+        let gathered = 2.0 * gained.max(0.0) / problem.dt * apart;
+        before.max(0.0).powi(2) + gathered > BLOW * BLOW && apart < (before + gained) * problem.dt
+    })
 }
 
-/// Speed of the centre of mass, and at the radius of gyration, together, m/s.
+/// Speed of the centre of mass, and at the radius of gyration, together, before this step's forces, m/s.
 fn speed(body: &Body) -> f32 {
-    size_of_motion(
-        [body.linear, body.angular].map(|v| v.extend(0.0)),
-        gyration(body),
-    )
+    size_of_motion(body.start.map(|v| v.extend(0.0)), gyration(body))
 }
 
 fn size_of_motion([linear, angular]: State, gyration: f32) -> f32 {

@@ -138,19 +138,29 @@ pub(super) fn empty(world: &World) -> World {
     shadow
 }
 
-/// A copy of a body, asleep where it sleeps. One that is near the structures, and lies, sleeps until it is hit.
-pub(super) fn copy(
-    world: &World,
-    body: &BodyState,
-    shadow: &mut World,
-    in_structure: bool,
-) -> Entity {
+/// How a copy begins.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lies {
+    /// Asleep where the body sleeps.
+    AsItIs,
+    /// Asleep, if it does not move: it is near the structures, and not in them.
+    UntilHit,
+    /// Awake: it has lost what it touched.
+    Falls,
+}
+
+/// A copy of a body.
+pub(super) fn copy(world: &World, body: &BodyState, shadow: &mut World, lies: Lies) -> Entity {
     let original = world.entity(body.entity);
     let pose = original.get::<Pose>().copied().unwrap_or(body.pose);
     let velocity = original.get::<Velocity>().copied().unwrap_or_default();
     let mut sleeping = original.get::<Sleeping>().copied().unwrap_or_default();
-    let lies = body.is_dynamic() && velocity == Velocity::default();
-    sleeping.asleep |= !in_structure && lies;
+    let still = body.is_dynamic() && velocity == Velocity::default();
+    match lies {
+        Lies::AsItIs => (),
+        Lies::UntilHit => sleeping.asleep |= still,
+        Lies::Falls => sleeping = Sleeping::default(),
+    }
     // All of it at once: each insertion of its own would move the body to another table.
     macro_rules! current {
         ($component:ty) => {

@@ -15,8 +15,10 @@ pub(super) struct Region<'w> {
     broadphase: &'w Broadphase,
     /// In the order of their age.
     pub slots: Vec<u32>,
-    /// Those of the structures, and those that touched what has gone since the last step: they lie still no longer.
+    /// Those of the structures.
     pub structure: HashSet<u32>,
+    /// Those that touched what has gone since the last step: they sleep and lie still no longer.
+    pub bereft: HashSet<u32>,
 }
 
 impl<'w> Region<'w> {
@@ -32,6 +34,7 @@ impl<'w> Region<'w> {
             broadphase,
             slots: Vec::new(),
             structure: HashSet::default(),
+            bereft: HashSet::default(),
         };
         for &body in bodies {
             let slot = table.slot_of(world, body);
@@ -72,7 +75,7 @@ impl<'w> Region<'w> {
         };
         let slots = region.slots.iter().copied();
         let bereft = slots.filter(|&slot| broadphase.pairs.of(slot).any(has_lost));
-        region.structure.extend(bereft);
+        region.bereft.extend(bereft);
         let age = |&slot: &u32| (table.get(slot).map(|body| body.age), slot);
         region.slots.sort_unstable_by_key(age);
         region.slots.dedup();

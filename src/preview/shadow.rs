@@ -1,6 +1,6 @@
 //! A copy of part of a world.
 
-use super::copy::{Taken, copy, empty, to_transform};
+use super::copy::{Lies, Taken, copy, empty, to_transform};
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{Pose, RigidBody, Sleeping};
@@ -197,8 +197,15 @@ impl Shadow {
         let (mut copies, mut poses) = (HashMap::default(), HashMap::default());
         for &slot in &region.slots {
             let body = region.table.get(slot).expect("it is in the region");
-            let in_structure = region.structure.contains(&slot);
-            let copy = copy(world, body, &mut shadow.world, in_structure);
+            let lies = match (
+                region.bereft.contains(&slot),
+                region.structure.contains(&slot),
+            ) {
+                (true, _) => Lies::Falls,
+                (false, true) => Lies::AsItIs,
+                (false, false) => Lies::UntilHit,
+            };
+            let copy = copy(world, body, &mut shadow.world, lies);
             let from = world.get::<Pose>(body.entity).copied().unwrap_or(body.pose);
             copies.insert(body.entity, copy);
             poses.insert(copy, (from, from != body.pose));

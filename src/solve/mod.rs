@@ -4,7 +4,7 @@
 //! to the components. Bodies and contacts stand in the order of their level of support and their age ([`Islands`]), so the result does
 //! not depend on threads or on where the ECS keeps things.
 //!
-//! Islands that sleep are not solved. Those of which bodies have just come are [loaded](arrivals).
+//! Islands that sleep are not solved. Those of which bodies have just come are loaded (`arrivals.rs`).
 //!
 //! Where a solve goes wrong all the same, with input that was checked, its island keeps the velocities and poses from before, and
 //! forgets its impulses; nobody else notices.

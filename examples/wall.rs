@@ -6,6 +6,7 @@
 
 use bevy_app::{ScheduleRunnerPlugin, prelude::*};
 use bevy_ecs::prelude::*;
+use bevy_log::LogPlugin;
 use bevy_time::{TimePlugin, common_conditions::on_timer, prelude::*};
 use bevy_transform::prelude::*;
 use drystone::masonry::{Bond, Wall};
@@ -16,6 +17,7 @@ fn main() {
     App::new()
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::from_millis(16)))
         .add_plugins((TimePlugin, TransformPlugin))
+        .add_plugins(LogPlugin::default()) // drystone names bodies with invalid input there
         .add_plugins(DrystonePlugins::default()) // steps in FixedPostUpdate; DrystonePlugins::new(Update) elsewhere
         .add_systems(Startup, build)
         .add_systems(Update, watch.run_if(on_timer(Duration::from_secs(1))))

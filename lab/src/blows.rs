@@ -2,12 +2,11 @@
 //!
 //! Restitution is 0 throughout, so nothing should hop at all, at any length of the step.
 
+use crate::experiment::empty_world;
 use crate::metrics::{self, watch};
 use crate::scenes::{Scene, SceneOptions};
-use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::DrystonePlugins;
 use drystone::body::{Density, RigidBody, Sleeping, Velocity};
 use drystone::collider::{Collider, Friction, Restitution};
 use drystone::schedule::step;
@@ -47,12 +46,6 @@ pub struct Hop {
 /// Seconds for which a drop is watched after it has landed.
 const WATCHED: f32 = 2.0;
 
-fn world() -> World {
-    let mut app = App::new();
-    app.add_plugins(DrystonePlugins::default());
-    std::mem::take(app.world_mut())
-}
-
 fn advance(world: &mut World, dt: f32) {
     step(world, dt).expect("the step's length is positive");
 }
@@ -64,7 +57,7 @@ fn height_of(world: &World, body: Entity) -> f32 {
 impl Drop {
     /// Drops it, and measures.
     pub fn run(&self, dt: f32) -> Hop {
-        let mut world = world();
+        let mut world = empty_world();
         let (scene, size, top) = match self.onto {
             Target::Stack(n) => (Scene::Stack(n), Vec3::ONE, n as f32),
             Target::Wall => (Scene::Wall(10, 10), Vec3::new(1.0, 0.5, 0.5), 5.0),
@@ -129,7 +122,7 @@ struct Wall {
 
 impl Wall {
     fn new(dt: f32) -> Self {
-        let mut world = world();
+        let mut world = empty_world();
         let bricks = Scene::Wall(8, 8)
             .build(&mut world, &SceneOptions::default())
             .bodies;
@@ -200,7 +193,7 @@ pub fn bricks_lost_with_one(dt: f32) -> usize {
 /// A column of ten cubes of 1 m, a fifth of a second after a steel ball of 2.1 t at 15 m/s has struck its foot: speed of the cube that is
 /// struck, and of all above it together, along the shot, m/s.
 pub fn column_shot_at_its_foot(dt: f32) -> [f32; 2] {
-    let mut world = world();
+    let mut world = empty_world();
     let cubes = Scene::Stack(10)
         .build(&mut world, &SceneOptions::default())
         .bodies;
@@ -224,7 +217,7 @@ pub struct Row {
 impl Row {
     /// Speeds of all cubes along the row, m/s, after so many steps.
     pub fn run(&self, dt: f32, steps: usize) -> Vec<f32> {
-        let mut world = world();
+        let mut world = empty_world();
         world.spawn((
             RigidBody::Static,
             Collider::half_space(Vec3::Y),
@@ -273,7 +266,7 @@ pub struct Settling {
 
 /// Drops the bodies of a scene and waits for them to sleep, for so many steps at most.
 pub fn settle(scene: Scene, seed: u64, dt: f32, steps: usize) -> Settling {
-    let mut world = world();
+    let mut world = empty_world();
     let options = SceneOptions {
         seed,
         ..Default::default()

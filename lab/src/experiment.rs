@@ -38,6 +38,13 @@ pub struct Experiment {
     pub threads: PhysicsThreads,
 }
 
+/// A world with drystone's defaults and no bodies, without an app.
+pub(crate) fn empty_world() -> World {
+    let mut app = App::new();
+    app.add_plugins(DrystonePlugins::default());
+    std::mem::take(app.world_mut())
+}
+
 impl Experiment {
     /// A scene under a preset. [`Preset::Paper`] has the prototype's noise and gaps.
     pub fn new(scene: Scene, preset: Preset) -> Self {
@@ -67,9 +74,7 @@ impl Experiment {
 
     /// Builds the scene; vertical gaps are the method's ideal distance.
     pub fn start(&self) -> Run {
-        let mut app = App::new();
-        app.add_plugins(DrystonePlugins::default());
-        let mut world = std::mem::take(app.world_mut());
+        let mut world = empty_world();
         world.insert_resource(self.stabilization);
         world.insert_resource(self.narrowphase);
         world.insert_resource(self.solver.clone());

@@ -1,11 +1,10 @@
 //! A player at a wall: every half second a brick is laid on it or taken off again, or a ball is thrown at it.
 
+use crate::experiment::empty_world;
 use crate::metrics::watch;
 use crate::scenes::{Scene, SceneOptions};
-use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::DrystonePlugins;
 use drystone::body::{MassProperties, RigidBody, Velocity};
 use drystone::collider::{Collider, Friction};
 use drystone::schedule::step;
@@ -53,9 +52,7 @@ const SETTLES: f32 = 1.0;
 impl Play {
     /// Plays.
     pub fn run(&self) -> Played {
-        let mut app = App::new();
-        app.add_plugins(DrystonePlugins::default());
-        let mut world = std::mem::take(app.world_mut());
+        let mut world = empty_world();
         let scene = Scene::Wall(self.columns, self.courses);
         let bricks = scene.build(&mut world, &SceneOptions::default()).bodies;
         let advance = |world: &mut World| step(world, self.dt).expect("it is positive");

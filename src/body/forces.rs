@@ -135,6 +135,7 @@ pub fn forces(
 
 impl Velocity {
     /// What gravity (m/s²) and a steady force make of it in `dt` s.
+    #[inline]
     pub(crate) fn push(
         &mut self,
         mass: &MassProperties,

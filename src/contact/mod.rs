@@ -258,16 +258,23 @@ impl ContactImpulses {
     }
 
     /// Makes the lists as long as those of the manifold, where somebody has changed the length of either. Entries stay in their places.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn fit(&mut self, manifold: &Manifold) {
         let (points, patches) = (manifold.points.len(), manifold.patches.len());
-        if self.points.len() != points {
-            self.points.resize(points, Impulse::default());
+        let friction = self.friction.len();
+        if self.points.len() != points
+            || self.patches.len() != patches
+            || friction != 0 && friction != points
+        {
+            self.resize(points, patches);
         }
-        if self.patches.len() != patches {
-            self.patches.resize(patches, PatchImpulse::default());
-        }
-        if !self.friction.is_empty() && self.friction.len() != points {
+    }
+
+    #[cold]
+    fn resize(&mut self, points: usize, patches: usize) {
+        self.points.resize(points, Impulse::default());
+        self.patches.resize(patches, PatchImpulse::default());
+        if !self.friction.is_empty() {
             self.friction.resize(points, PointFriction::default());
         }
     }

@@ -16,7 +16,9 @@ use glam::{BVec3, Quat, Vec3};
 /// Holds a point of a dynamic body where the hand is, and the body awake. Take the component off to let go.
 ///
 /// The hand asks for a velocity, and gives the force that it takes, no more than it has. So it lifts a load without sagging, at any step;
-/// what is too heavy for it, or stuck, stays; and what it presses against something is held by that.
+/// what is too heavy for it, or stuck, stays; and what it presses against something is held by that. However strong it is, it pulls nothing
+/// through a static body: an infinite limit means as much force as contacts can bear. It takes back an error in no less than one step, even
+/// with a `response` of 0.
 ///
 /// A body that is [disabled](Disabled) is let go: the component is taken off, so that it does not hang in the air when it is enabled again. The
 /// clone of a held body is not held.

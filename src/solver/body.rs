@@ -36,6 +36,11 @@ impl Default for Body {
     }
 }
 
+/// Speed of the centre of mass and at the radius of gyration together, m/s, of a linear and an angular velocity.
+pub(super) fn speed_of(linear: Vec3, angular: Vec3, square_gyration: f32) -> f32 {
+    (linear.length_squared() + square_gyration * angular.length_squared()).sqrt()
+}
+
 impl Body {
     /// What this step's forces have changed of the linear and angular velocity, m/s, rad/s. As long as nothing else has.
     #[inline]
@@ -58,6 +63,16 @@ impl Body {
         let [linear, angular] = self.answer(impulse, arm);
         self.linear += linear;
         self.angular += angular;
+    }
+
+    /// The square of the mean radius of gyration, m²; 0 of what nothing moves.
+    pub(super) fn square_gyration(&self) -> f32 {
+        let inertia = &self.inverse_inertia;
+        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        match trace > 0.0 {
+            true => 3.0 * self.inverse_mass / trace,
+            false => 0.0,
+        }
     }
 
     /// Adds to the linear and angular velocity, m/s, rad/s.

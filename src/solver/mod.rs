@@ -5,7 +5,9 @@
 
 mod batches;
 mod body;
+mod by_body;
 mod grip;
+mod groups;
 mod lanes;
 pub mod patches;
 pub mod points;

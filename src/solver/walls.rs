@@ -4,6 +4,7 @@
 //! what contacts cannot give: before it pulls, the velocity that it wants is projected onto those that lead its body no farther into a
 //! wall than [`PRESSED`]. A body that is pressed so far in presses as hard as contacts bear there.
 
+use super::by_body::ByBody;
 use super::lanes::State;
 use super::{Body, PatchProblem, PointConstraint};
 use glam::{Vec3, Vec4};
@@ -105,35 +106,19 @@ pub(super) fn project(
 pub(super) struct Walls {
     /// Bodies A and B of each contact, and the normal from B to A.
     contacts: Vec<([u32; 2], Vec3)>,
-    /// Where the contacts of each body begin among `of_bodies`, and where the last one's end.
-    starts: Vec<u32>,
-    of_bodies: Vec<u32>,
+    of_bodies: ByBody<u32>,
     moves: Vec<bool>,
 }
 
 impl Walls {
     fn new(contacts: impl Iterator<Item = ([u32; 2], Vec3)>, bodies: &[Body]) -> Self {
         let contacts: Vec<_> = contacts.collect();
-        let mut starts = vec![0u32; bodies.len() + 1];
-        for body in contacts.iter().flat_map(|(bodies, _)| *bodies) {
-            starts[body as usize] += 1;
-        }
-        let mut end = 0;
-        for start in &mut starts {
-            end += *start;
-            *start = end;
-        }
-        let mut of_bodies = vec![0; end as usize];
-        for (contact, (bodies, _)) in contacts.iter().enumerate().rev() {
-            for body in bodies {
-                let start = &mut starts[*body as usize];
-                *start -= 1;
-                of_bodies[*start as usize] = contact as u32;
-            }
-        }
+        let ends = (0..).zip(&contacts);
+        let ends = ends.flat_map(|(contact, (bodies, _))| bodies.map(|body| (body, contact)));
+        let mut of_bodies = ByBody::default();
+        of_bodies.fill(bodies.len(), ends);
         Self {
             contacts,
-            starts,
             of_bodies,
             moves: bodies.iter().map(|body| body.inverse_mass > 0.0).collect(),
         }
@@ -197,8 +182,7 @@ impl Walls {
 
     /// The contacts of a body, each with the other body and the normal out of that.
     fn contacts_of(&self, body: u32) -> impl Iterator<Item = (usize, u32, Vec3)> {
-        let range = self.starts[body as usize] as usize..self.starts[body as usize + 1] as usize;
-        self.of_bodies[range].iter().map(move |&contact| {
+        self.of_bodies.of(body).iter().map(move |&contact| {
             let (bodies, normal) = self.contacts[contact as usize];
             match bodies[0] == body {
                 true => (contact as usize, bodies[1], normal),

@@ -99,7 +99,9 @@ pub fn anchors(
             let bodies = [a, b];
             impulses.fit(manifold);
             let patches = manifold.patches.len();
-            anchors.patches.resize(patches, PatchAnchor::default());
+            if anchors.patches.len() != patches {
+                anchors.patches.resize(patches, PatchAnchor::default());
+            }
             if friction.anchors == AnchorRule::PairPose {
                 hold_patches(
                     &friction, pair, manifold, impulses, bodies, anchors, time.dt,

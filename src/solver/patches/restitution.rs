@@ -5,6 +5,7 @@
 //! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn don't keep to that, so what would
 //! gain is weakened.
 
+use crate::solver::groups::Groups;
 use crate::solver::{Body, PatchPoint, PatchProblem};
 use glam::{DVec3, Vec3};
 
@@ -76,7 +77,7 @@ struct Row {
     point: usize,
     patch: usize,
     /// Rows of other groups have no part in its bounce.
-    group: usize,
+    group: u32,
     bodies: [usize; 2],
     normal: Vec3,
     arms: [Vec3; 2],
@@ -153,24 +154,17 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
 
 /// Sorts rows into groups that share bodies which can be moved.
 fn group(rows: &mut [Row], bodies: &[Body]) {
-    let mut parent: Vec<usize> = (0..bodies.len()).collect();
-    fn root(parent: &mut [usize], mut body: usize) -> usize {
-        while parent[body] != body {
-            parent[body] = parent[parent[body]];
-            body = parent[body];
-        }
-        body
-    }
+    let mut groups = Groups::default();
+    groups.begin(bodies.len());
     let moves = |body: usize| bodies[body].inverse_mass > 0.0;
     for row in rows.iter() {
         if row.bodies.into_iter().all(moves) {
-            let [a, b] = row.bodies.map(|body| root(&mut parent, body));
-            parent[a.max(b)] = a.min(b);
+            groups.link(row.bodies.map(|body| body as u32));
         }
     }
     for row in rows.iter_mut() {
         let moved = row.bodies.into_iter().find(|&body| moves(body));
-        row.group = root(&mut parent, moved.unwrap_or(0));
+        row.group = groups.first_of(moved.unwrap_or(0) as u32);
     }
     rows.sort_by_key(|row| row.group);
 }

@@ -1,4 +1,5 @@
-//! What the lanes of a block do in one visit: all are soft, all rigid, or each what the sweep is that it is in.
+//! What the lanes of a block do in one visit: all are soft, all rigid, each what the sweep is that it is in, or only some of them are visited
+//! once more.
 
 use super::block::Points;
 use crate::solver::lanes::{F32xN, SpatialVec};
@@ -79,32 +80,23 @@ pub struct Mixed<L> {
     pub soft_again: L,
 }
 
-/// [`Soft`], and the impulses before the visit are noted.
+/// Some lanes are soft once more in the same substep; the others stay as they are.
 #[derive(Clone, Copy)]
-pub struct Noting<'a, L> {
-    pub first: bool,
-    /// By point of the island.
-    pub impulses: &'a [Cell<L>],
-}
-
-/// Some lanes are soft once more in the same substep, and over-relaxed; the others stay as they are.
-#[derive(Clone, Copy)]
-pub struct MoreSoft<'a, L> {
+pub struct MoreSoft<L> {
     /// 1 in those, else 0.
     pub lanes: L,
     /// 1 where springs give way, 0 where they hold all that they give.
     pub gives: L,
+}
+
+/// Some lanes are rigid once more, without friction and over-relaxed; the others stay as they are.
+#[derive(Clone, Copy)]
+pub struct MoreRigid<'a, L> {
+    /// 1 in those, else 0.
+    pub lanes: L,
     /// The share of the change of each normal impulse that is added to it.
     pub over: L,
     /// Room for the impulses before the visit, by point of the island.
-    pub was: &'a [Cell<L>],
-}
-
-/// The same of rigid lanes; without friction.
-#[derive(Clone, Copy)]
-pub struct MoreRigid<'a, L> {
-    pub lanes: L,
-    pub over: L,
     pub was: &'a [Cell<L>],
 }
 
@@ -201,42 +193,7 @@ impl<L: F32xN> Kinds<L> for Mixed<L> {
     }
 }
 
-impl<L: F32xN> Kinds<L> for Noting<'_, L> {
-    const SOFT: bool = true;
-    const RIGID: bool = false;
-
-    #[inline(always)]
-    fn soft(self, new: L, _: L) -> L {
-        new
-    }
-
-    #[inline(always)]
-    fn rigid(self, _: L, old: L) -> L {
-        old
-    }
-
-    #[inline(always)]
-    fn if_soft(self, x: L) -> L {
-        x
-    }
-
-    #[inline(always)]
-    fn if_rigid(self, _: L) -> L {
-        L::ZERO
-    }
-
-    #[inline(always)]
-    fn add_if_again(self, sum: L, x: L) -> L {
-        Soft { first: self.first }.add_if_again(sum, x)
-    }
-
-    #[inline(always)]
-    fn before_normals(self, first: u32, points: &[Points<L>]) {
-        note(self.impulses, first, points);
-    }
-}
-
-impl<L: F32xN> Kinds<L> for MoreSoft<'_, L> {
+impl<L: F32xN> Kinds<L> for MoreSoft<L> {
     const SOFT: bool = true;
     const RIGID: bool = false;
     // The sweep before has stopped it.
@@ -282,16 +239,6 @@ impl<L: F32xN> Kinds<L> for MoreSoft<'_, L> {
     #[inline(always)]
     fn visited(self, new: L, old: L) -> L {
         self.lanes.select_above(L::ZERO, new, old)
-    }
-
-    #[inline(always)]
-    fn before_normals(self, first: u32, points: &[Points<L>]) {
-        note(self.was, first, points);
-    }
-
-    #[inline(always)]
-    fn after_normals(self, first: u32, points: &mut [Points<L>], wrench: &mut SpatialVec<L>) {
-        over_relax(self.over, self.was, first, points, wrench);
     }
 }
 

@@ -44,6 +44,7 @@ mod pipeline;
 mod refresh;
 mod survey;
 mod together;
+mod upright;
 mod visit;
 
 use super::restitution::{self, Bounces};

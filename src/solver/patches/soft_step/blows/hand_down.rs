@@ -9,13 +9,12 @@
 
 use super::hot::{Hot, Place};
 use super::{BLOW, SETTLED};
+use crate::solver::groups::Groups;
 use crate::solver::lanes::{F32xN, State};
 use crate::solver::patches::soft_step::island::Island;
-use crate::solver::{Body, PatchConstraint, PatchProblem};
+use crate::solver::patches::soft_step::upright::{up, upper};
+use crate::solver::{Body, PatchProblem};
 use glam::{Vec3, Vec4};
-
-/// Normals flatter than this, as a cosine to the vertical, hand nothing down.
-const FLAT: f32 = 0.1;
 
 /// A body falls if this share of the square of its velocity is downwards.
 const DOWNWARDS: f32 = 0.5;
@@ -39,8 +38,10 @@ pub struct HandDown {
     /// Velocities and impulses before, which come back where momentum that is handed down gains energy.
     before: Vec<State>,
     impulses: Vec<Before>,
-    /// By body: one that it has handed something to or got something from, up to the last one, which is itself.
-    linked: Vec<u32>,
+    /// Bodies that have handed something to each other.
+    linked: Groups,
+    /// By the first body of each of them: what energy they have gained, J.
+    gains: Vec<f64>,
 }
 
 /// The impulse of a point before, N·s.
@@ -88,16 +89,6 @@ impl Row {
     }
 }
 
-/// On which side of a patch what lies on it is; none where it is too steep.
-fn upper(patch: &PatchConstraint, up: Vec3) -> Option<u32> {
-    let slope = patch.normal.dot(up);
-    (slope.abs() >= FLAT).then_some(if slope > 0.0 { 0 } else { 1 })
-}
-
-fn up(problem: &PatchProblem) -> Vec3 {
-    -problem.gravity.normalize_or_zero()
-}
-
 /// The patches on which a body lies, each with the body below.
 fn beneath<'a, L: F32xN>(
     hot: &'a Hot<L>,
@@ -110,7 +101,7 @@ fn beneath<'a, L: F32xN>(
     let places = hot.places_of(body).iter().filter(move |_| moves);
     places.filter_map(move |place| {
         let patch = &problem.patches[place.patch as usize];
-        (upper(patch, up) == Some(place.side))
+        (upper(patch, up) == Some(place.side as usize))
             .then(|| (place, patch.bodies[1 - place.side as usize]))
     })
 }
@@ -145,7 +136,7 @@ impl HandDown {
         self.order = None;
     }
 
-    /// Hands down what bodies that fall have, in a substep of length 1/`rate`. Bodies that get much of it become hot.
+    /// Hands down the momentum of falling bodies, in a substep of length 1/`rate`. Bodies that get much of it become hot.
     pub fn run<L: F32xN>(
         &mut self,
         problem: &PatchProblem,
@@ -163,8 +154,7 @@ impl HandDown {
         self.find_stopped(&order, problem, island, hot, rate);
         self.before.clone_from(&island.velocities);
         self.impulses.clear();
-        self.linked.clear();
-        self.linked.extend(0..problem.bodies.len() as u32);
+        self.linked.begin(problem.bodies.len());
         for &body in &order {
             if !self.stops[body as usize] {
                 continue;
@@ -187,21 +177,22 @@ impl HandDown {
 
     /// Takes back what has gained energy: where what is below can give way after all, bodies would be thrown.
     fn take_back<L: F32xN>(&mut self, problem: &PatchProblem, island: &mut Island<L>) {
-        let mut gains = vec![0.0f64; problem.bodies.len()];
+        self.gains.clear();
+        self.gains.resize(problem.bodies.len(), 0.0);
         for (body, of) in (0..).zip(problem.bodies.iter()) {
             let [now, before] = [&island.velocities, &self.before].map(|list| list[body as usize]);
             if now != before {
                 let gain = kinetic_energy(of, &now) - kinetic_energy(of, &before);
-                gains[last(&mut self.linked, body) as usize] += gain;
+                self.gains[self.linked.first_of(body) as usize] += gain;
             }
         }
         for body in 0..problem.bodies.len() as u32 {
-            if gains[last(&mut self.linked, body) as usize] > 0.0 {
+            if self.gains[self.linked.first_of(body) as usize] > 0.0 {
                 island.velocities[body as usize] = self.before[body as usize];
             }
         }
         for before in &self.impulses {
-            if gains[last(&mut self.linked, before.body) as usize] > 0.0 {
+            if self.gains[self.linked.first_of(before.body) as usize] > 0.0 {
                 let point = &mut island.points[before.point as usize];
                 point.impulse[before.lane as usize] = before.impulse;
             }
@@ -279,8 +270,7 @@ impl HandDown {
             });
             let below = &problem.bodies[row.below as usize];
             if below.inverse_mass > 0.0 {
-                let [one, other] = [body, row.below].map(|body| last(&mut self.linked, body));
-                self.linked[one.max(other) as usize] = one.min(other);
+                self.linked.link([body, row.below]);
                 let answer = below.answer(-given * row.normal, row.arms[1]);
                 let state = &mut island.velocities[row.below as usize];
                 for (velocity, change) in state.iter_mut().zip(answer) {
@@ -331,15 +321,6 @@ impl HandDown {
             }
         }
     }
-}
-
-/// The last of the bodies that are linked with this one.
-fn last(linked: &mut [u32], mut body: u32) -> u32 {
-    while linked[body as usize] != body {
-        linked[body as usize] = linked[linked[body as usize] as usize];
-        body = linked[body as usize];
-    }
-    body
 }
 
 /// J

@@ -3,6 +3,7 @@
 use super::SETTLED;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
+use crate::solver::by_body::ByBody;
 use crate::solver::lanes::F32xN;
 use fixedbitset::FixedBitSet;
 
@@ -42,9 +43,7 @@ pub struct Hot<L> {
     /// By body.
     is: Vec<bool>,
     pub bodies: Vec<u32>,
-    /// The patches of each body: where they begin among `places`, by body, and where the last one's end.
-    starts: Vec<u32>,
-    places: Vec<Place>,
+    places: ByBody<Place>,
     /// By block.
     lanes: Vec<HotLanes<L>>,
     /// Blocks with hot lanes, and with stirred ones.
@@ -73,42 +72,26 @@ impl<L: F32xN> Hot<L> {
             blocks.clear();
             blocks.grow(batches.blocks());
         }
-        self.find_places(problem, batches);
-    }
-
-    /// Sorts the patches by body.
-    fn find_places(&mut self, problem: &PatchProblem, batches: &Batches) {
-        self.starts.clear();
-        self.starts.resize(problem.bodies.len() + 1, 0);
-        for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
-            self.starts[body as usize] += 1;
-        }
-        let mut end = 0;
-        for start in &mut self.starts {
-            end += *start;
-            *start = end;
-        }
-        self.places.resize(end as usize, Place::default());
-        // From the back, so that each ends where its patches begin, in the order of the blocks.
-        for block in (0..batches.blocks()).rev() {
-            for (lane, patch) in batches.block(block) {
-                for (side, body) in (0..).zip(problem.patches[patch as usize].bodies) {
-                    let start = &mut self.starts[body as usize];
-                    *start -= 1;
-                    self.places[*start as usize] = Place {
+        let places = (0..).zip(batches.iter()).flat_map(|(block, patches)| {
+            patches.flat_map(move |(lane, patch)| {
+                let ends = (0..).zip(problem.patches[patch as usize].bodies);
+                ends.map(move |(side, body)| {
+                    let place = Place {
                         patch,
-                        block: block as u32,
+                        block,
                         lane: lane as u32,
                         side,
                     };
-                }
-            }
-        }
+                    (body, place)
+                })
+            })
+        });
+        self.places.fill(problem.bodies.len(), places);
     }
 
-    /// The patches of a body.
+    /// The patches of a body, in the order of the blocks.
     pub fn places_of(&self, body: u32) -> &[Place] {
-        range_of(&self.starts, &self.places, body)
+        self.places.of(body)
     }
 
     pub fn is(&self, body: u32) -> bool {
@@ -121,7 +104,7 @@ impl<L: F32xN> Hot<L> {
             return;
         }
         self.bodies.push(body);
-        for place in range_of(&self.starts, &self.places, body) {
+        for place in self.places.of(body) {
             self.lanes[place.block as usize].hot[place.lane as usize] = 1.0;
             self.hot_blocks.insert(place.block as usize);
         }
@@ -130,15 +113,15 @@ impl<L: F32xN> Hot<L> {
     /// Makes a body hot whose patches are to be visited.
     fn stir(&mut self, body: u32) {
         self.heat(body);
-        for place in range_of(&self.starts, &self.places, body) {
+        for place in self.places.of(body) {
             self.lanes[place.block as usize].stirred[place.lane as usize] = 1.0;
             self.stirred_blocks.insert(place.block as usize);
         }
     }
 
-    /// Lets the springs of a body's patches hold all that they give.
+    /// Makes the springs of a body's patches hold all that they give.
     pub fn hold(&mut self, body: u32) {
-        for place in range_of(&self.starts, &self.places, body) {
+        for place in self.places.of(body) {
             self.lanes[place.block as usize].gives[place.lane as usize] = 0.0;
         }
     }
@@ -195,10 +178,4 @@ impl<L: F32xN> Hot<L> {
         self.stirred_blocks.clear();
         !self.visits.is_empty()
     }
-}
-
-/// The patches of a body among those of all, which are sorted by body.
-fn range_of<'a>(starts: &[u32], places: &'a [Place], body: u32) -> &'a [Place] {
-    let [first, end] = [0, 1].map(|next| starts[body as usize + next] as usize);
-    &places[first..end]
 }

@@ -5,7 +5,7 @@
 //! substep in which contacts change the velocity of some body by more than [`BLOW`] goes on after its soft sweep:
 //!
 //! 1. Bodies that take the blow are [hot](hot). Sweeps visit patches of hot bodies only; bodies become hot as the blow reaches them.
-//! 2. What bodies that fall bring along is [handed down](hand_down) to the ground, which stops a column in one pass.
+//! 2. The momentum of falling bodies is [handed down](hand_down) to the ground, which stops a column in one pass.
 //! 3. Up to 16 soft sweeps. Where momentum was handed down, springs hold all that they give, since they would give way by
 //!    more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with rigid rows a ball that is shot
 //!    through a wall drags two to three times as many bricks along.
@@ -22,8 +22,9 @@ mod hot;
 
 use super::block::Pass;
 use super::island::Island;
-use super::kinds::{MoreRigid, MoreSoft, Noting};
-use crate::solver::lanes::{F32xN, Kernel, State, cells};
+use super::kinds::{MoreRigid, MoreSoft, Soft};
+use crate::solver::body::speed_of;
+use crate::solver::lanes::{F32xN, Kernel, cells};
 use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem};
 use glam::Vec3;
 use hand_down::HandDown;
@@ -44,79 +45,56 @@ const TURNED: f32 = 0.75;
 /// turns by a hundredth.
 const SLENDER: f32 = 6.0;
 
-/// Additional sweeps.
-struct More {
-    /// At most.
-    sweeps: usize,
-    /// The share of the change of each normal impulse that is added to it.
-    over: f32,
-}
+/// Additional sweeps at most, soft and rigid.
+const SOFT_SWEEPS: usize = 16;
+const RIGID_SWEEPS: usize = 16;
 
-const SOFT: More = More {
-    sweeps: 16,
-    over: 0.0,
-};
-const RIGID: More = More {
-    sweeps: 16,
-    over: 0.7,
-};
+/// The share of the change of each normal impulse that a rigid one of them adds to it.
+const OVER: f32 = 0.7;
 
 /// Whether some bodies will hit each other in this step, as far as their free motion tells.
 pub fn expected(problem: &PatchProblem) -> bool {
-    problem.patches.iter().any(|patch| hits(problem, patch))
+    // Two bodies approach each other with no more than the sum of their speeds, and a body at rest gathers speed only over a gap.
+    let gap = 0.5 * BLOW * BLOW / problem.gravity.length();
+    let widest = |most: f32, point: &PatchPoint| most.max(point.separation);
+    (problem.bodies.iter().any(is_fast) || problem.points.iter().fold(0.0, widest) > gap)
+        && problem.patches.iter().any(|patch| hits(problem, patch))
+}
+
+/// Whether a body moves or turns, before this step's forces, with half of the speed of a blow.
+fn is_fast(body: &Body) -> bool {
+    let [linear, angular] = body.start.map(Vec3::length_squared);
+    let limit = 0.25 * BLOW * BLOW;
+    linear + angular * body.square_gyration() > limit
 }
 
 /// Whether the free motion of its bodies closes a patch in this step with the speed of a blow. Not of one that bounces: its bodies are
 /// thrown back after the substeps.
 fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
     let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
-    // Two bodies approach each other with no more than the sum of their speeds, and what rests gathers speed only over a gap.
-    let is_fast = bodies.iter().any(|body| speed(body) > 0.5 * BLOW);
-    let fall = problem.gravity.length();
-    let gathers = |point: &PatchPoint| 2.0 * fall * point.separation > BLOW * BLOW;
     let points = &problem.points[patch.range()];
-    if patch.restitution > 0.0 || !is_fast && !points.iter().any(gathers) {
-        return false;
-    }
-    points.iter().any(|point| {
-        let arms = patch.arms.map(|arm| arm + point.offset);
-        let along = |[a, b]: [[Vec3; 2]; 2]| {
-            let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
-            patch.normal.dot(at(b, arms[1]) - at(a, arms[0]))
-        };
-        let before = along(bodies.map(|body| body.start));
-        let gained = along(bodies.map(Body::push));
-        let apart = point.separation.max(0.0);
-        // With a steady force, over the way to the surface.
-        let gathered = 2.0 * gained.max(0.0) / problem.dt * apart;
-        before.max(0.0).powi(2) + gathered > BLOW * BLOW && apart < (before + gained) * problem.dt
-    })
+    patch.restitution == 0.0
+        && points.iter().any(|point| {
+            let arms = patch.arms.map(|arm| arm + point.offset);
+            let along = |[a, b]: [[Vec3; 2]; 2]| {
+                let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
+                patch.normal.dot(at(b, arms[1]) - at(a, arms[0]))
+            };
+            let before = along(bodies.map(|body| body.start));
+            let gained = along(bodies.map(Body::push));
+            let apart = point.separation.max(0.0);
+            // With a steady force, over the way to the surface.
+            let gathered = 2.0 * gained.max(0.0) / problem.dt * apart;
+            before.max(0.0).powi(2) + gathered > BLOW * BLOW
+                && apart < (before + gained) * problem.dt
+        })
 }
 
-/// Speed of the centre of mass, and at the radius of gyration, together, before this step's forces, m/s.
-fn speed(body: &Body) -> f32 {
-    size_of_motion(body.start.map(|v| v.extend(0.0)), gyration(body))
-}
-
-fn size_of_motion([linear, angular]: State, gyration: f32) -> f32 {
-    (linear.length_squared() + gyration * gyration * angular.length_squared()).sqrt()
-}
-
-/// The mean radius of gyration, m; 0 of what nothing moves.
-fn gyration(body: &Body) -> f32 {
-    let inertia = &body.inverse_inertia;
-    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    match trace > 0.0 {
-        true => (3.0 * body.inverse_mass / trace).sqrt(),
-        false => 0.0,
-    }
-}
-
-/// The largest radius of gyration, m.
-fn longest_gyration(body: &Body) -> f32 {
+/// The square of the largest radius of gyration, m².
+fn longest_square_gyration(body: &Body) -> f32 {
     let inertia = body.inverse_inertia.inverse();
     let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    (0.5 * trace * body.inverse_mass).sqrt()
+    0.5 * trace * body.inverse_mass
 }
 
 /// What an island keeps for its blows.
@@ -124,31 +102,31 @@ fn longest_gyration(body: &Body) -> f32 {
 pub struct Blows<L> {
     hot: Hot<L>,
     hand_down: HandDown,
-    /// By body: its mean radius of gyration, m; 0 of what takes no blow.
-    gyrations: Vec<f32>,
+    /// By body: the square of its mean radius of gyration, m²; 0 of what takes no blow.
+    square_gyrations: Vec<f32>,
     /// Bodies that may take a blow: those that hit others in this step, and those beside bodies that have taken one.
     candidates: Vec<u32>,
     /// By body.
     is_candidate: Vec<bool>,
     /// By point: the impulse with which the substep began, N·s.
     earlier: Vec<L>,
-    /// By point: the impulse before its patch is visited, N·s.
+    /// Room for the impulses before a patch is visited, by point, N·s.
     was: Vec<L>,
 }
 
 impl<L: F32xN> Blows<L> {
     fn begin(&mut self, problem: &PatchProblem, island: &Island<L>) {
-        self.gyrations.clear();
-        let takes_blows = |body: &Body| {
-            body.angular.length() * problem.dt <= TURNED
-                && longest_gyration(body) <= SLENDER * gyration(body)
-        };
-        let gyrations = problem.bodies.iter().map(|body| match takes_blows(body) {
-            true => gyration(body),
-            false => 0.0,
+        self.square_gyrations.clear();
+        let square_gyrations = problem.bodies.iter().map(|body| {
+            let square = body.square_gyration();
+            let turns_little = body.angular.length() * problem.dt <= TURNED;
+            let is_stocky = longest_square_gyration(body) <= SLENDER * SLENDER * square;
+            match turns_little && is_stocky {
+                true => square,
+                false => 0.0,
+            }
         });
-        self.gyrations.extend(gyrations);
-        self.earlier.resize(island.points.len(), L::ZERO);
+        self.square_gyrations.extend(square_gyrations);
         self.was.resize(island.points.len(), L::ZERO);
         self.hot.begin(problem, &island.batches);
         self.hand_down.begin();
@@ -164,7 +142,7 @@ impl<L: F32xN> Blows<L> {
 
     /// A body may take a blow.
     fn add(&mut self, body: u32) {
-        if self.gyrations[body as usize] > 0.0
+        if self.square_gyrations[body as usize] > 0.0
             && !std::mem::replace(&mut self.is_candidate[body as usize], true)
         {
             self.candidates.push(body);
@@ -187,8 +165,8 @@ impl<L: F32xN> Blows<L> {
         for &body in &self.candidates {
             let [now, before] =
                 [&island.velocities, &island.before].map(|list| list[body as usize]);
-            let change = [now[0] - before[0], now[1] - before[1]];
-            if size_of_motion(change, self.gyrations[body as usize]) > BLOW {
+            let [linear, angular] = [0, 1].map(|i| (now[i] - before[i]).truncate());
+            if speed_of(linear, angular, self.square_gyrations[body as usize]) > BLOW {
                 self.hot.heat(body);
             }
         }
@@ -209,12 +187,17 @@ impl<L: F32xN> Island<L> {
         let mut takes_blow = false;
         for (number, pass) in passes.iter().enumerate() {
             if pass.soft {
-                tell(self.visit_grips() + self.sweep_noting(&mut blows, pass));
+                let held_change = self.visit_grips();
+                let impulses = self.points.iter().map(|point| point.impulse);
+                blows.earlier.clear();
+                blows.earlier.extend(impulses);
+                let soft = Soft { first: pass.first };
+                tell(held_change + self.sweep_as(soft, pass));
                 takes_blow = blows.find(problem, self);
                 if takes_blow {
                     let Blows { hot, hand_down, .. } = &mut blows;
                     hand_down.run(problem, self, hot, pass.rate);
-                    self.sweep_more(problem, &mut blows, pass, SOFT);
+                    self.sweep_more(problem, &mut blows, pass, SOFT_SWEEPS);
                 }
                 self.drift(pass);
                 if takes_blow {
@@ -222,7 +205,7 @@ impl<L: F32xN> Island<L> {
                         soft: false,
                         ..*pass
                     };
-                    self.sweep_more(problem, &mut blows, &rigid, RIGID);
+                    self.sweep_more(problem, &mut blows, &rigid, RIGID_SWEEPS);
                 }
             } else {
                 tell(self.visit_grips() + self.sweep_rigidly(pass));
@@ -241,24 +224,13 @@ impl<L: F32xN> Island<L> {
         self.blows = blows;
     }
 
-    /// A soft sweep that notes the impulses with which the substep began.
-    fn sweep_noting(&mut self, blows: &mut Blows<L>, pass: &Pass) -> f32 {
-        self.sweep_as(
-            Noting {
-                first: pass.first,
-                impulses: Cell::from_mut(&mut *blows.earlier).as_slice_of_cells(),
-            },
-            pass,
-        )
-    }
-
     /// Sweeps over the patches of hot bodies until none changes much.
     fn sweep_more(
         &mut self,
         problem: &PatchProblem,
         blows: &mut Blows<L>,
         pass: &Pass,
-        More { sweeps, over }: More,
+        sweeps: usize,
     ) {
         let Blows { hot, was, .. } = blows;
         let was = Cell::from_mut(&mut **was).as_slice_of_cells();
@@ -270,7 +242,7 @@ impl<L: F32xN> Island<L> {
                 hot,
                 was,
                 // The last one must leave nothing to be taken back.
-                over: if sweep < sweeps { over } else { 0.0 },
+                over: if sweep < sweeps { OVER } else { 0.0 },
                 pass,
             });
             if !hot.visit_stirred(problem, &self.batches) {
@@ -301,6 +273,7 @@ struct SweepMore<'a, L: F32xN> {
     island: &'a mut Island<L>,
     hot: &'a mut Hot<L>,
     was: &'a [Cell<L>],
+    /// The share of the change of each normal impulse that a rigid one adds to it.
     over: f32,
     pass: &'a Pass,
 }
@@ -328,8 +301,6 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
                     let kinds = MoreSoft {
                         lanes: visit.lanes,
                         gives: visit.gives,
-                        over,
-                        was,
                     };
                     block.relax(kinds, points, velocities, motions, pass)
                 }

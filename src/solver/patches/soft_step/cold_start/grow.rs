@@ -6,18 +6,17 @@
 //! contacts are the solver's own springs, without load, friction slides as Coulomb's does, and bodies move under a weight that grows,
 //! until they rest or are seen to go. Nothing of where they come is kept, only the forces.
 
+use super::super::SoftStep;
 use super::super::block::{Pass, Spring};
 use super::super::island::{Island, batches};
+use crate::solver::body::speed_of;
 use crate::solver::lanes::{F32xN, State};
 use crate::solver::{Body, PatchProblem};
+use glam::Vec4;
 use std::f32::consts::TAU;
 
 /// Length of a substep, s.
 const SUBSTEP: f32 = 1.0 / 720.0;
-
-/// Of the springs; as [`SoftStep`](super::super::SoftStep) has them by default.
-const DAMPING_RATIO: f32 = 10.0;
-const SWEEPS_PER_PERIOD: f32 = 10.0;
 
 /// Soft sweeps in a round, which a rigid one ends.
 const SOFT_SWEEPS: usize = 3;
@@ -121,9 +120,10 @@ impl<L: F32xN> Island<L> {
     /// As if everything stood still without weight, touched where it is not open, and stuck there.
     fn on_springs(problem: &PatchProblem, closed: f32) -> Self {
         let rate = SWEEPS as f32 / (SOFT_SWEEPS as f32 * SUBSTEP);
+        let default = SoftStep::default();
         let spring = Spring {
-            omega: TAU * rate / SWEEPS_PER_PERIOD,
-            damping_ratio: DAMPING_RATIO,
+            omega: TAU * rate / default.sweeps_per_period,
+            damping_ratio: default.damping_ratio,
             h: SUBSTEP,
         };
         let mut island = Self::new(problem, batches(L::LANES, problem));
@@ -147,14 +147,9 @@ impl<L: F32xN> Island<L> {
 
     /// The speed of the fastest body at the end of a substep, at its radius of gyration where it turns, m/s.
     fn fastest(&self, bodies: &[Body]) -> f32 {
-        let speed = |(body, [linear, angular]): (&Body, &State)| {
-            let inertia = &body.inverse_inertia;
-            let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-            let square = match trace > 0.0 {
-                true => 3.0 * body.inverse_mass / trace,
-                false => 0.0,
-            };
-            (linear.length_squared() + square * angular.length_squared()).sqrt()
+        let speed = |(body, state): (&Body, &State)| {
+            let [linear, angular] = state.map(Vec4::truncate);
+            speed_of(linear, angular, body.square_gyration())
         };
         let states = bodies.iter().zip(&self.before);
         states.map(speed).fold(0.0, f32::max)

@@ -1,11 +1,9 @@
 //! Loads go down: from the top, each body hands its own weight and what it has been given to what it lies on, as if that could not
 //! give way. One pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
 
-use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem};
+use super::super::upright::{up, upper};
+use crate::solver::{Body, PatchPoint, PatchProblem};
 use glam::Vec3;
-
-/// Normals flatter than this, as a cosine to the vertical, carry no load.
-const FLAT: f32 = 0.1;
 
 /// Visits to the supports of one body, which share its load, at most.
 const VISITS: usize = 200;
@@ -22,16 +20,6 @@ struct Supports {
     of: Vec<Vec<(usize, usize)>>,
     /// How many patches lie on each body and have not handed down their load.
     above: Vec<usize>,
-}
-
-/// On which side of a patch what it carries is; none where it is too steep to carry.
-fn upper(patch: &PatchConstraint, up: Vec3) -> Option<usize> {
-    let slope = patch.normal.dot(up);
-    (slope.abs() >= FLAT).then_some(if slope > 0.0 { 0 } else { 1 })
-}
-
-fn up(problem: &PatchProblem) -> Vec3 {
-    -problem.gravity.normalize_or_zero()
 }
 
 /// Whether a way down to what nothing moves leads from each body through closed patches. They come in the order of their level, so
@@ -204,8 +192,8 @@ pub fn is_balanced(problem: &PatchProblem) -> bool {
         .all(|(_, motion)| motion.iter().all(|part| part.length() <= most))
 }
 
-/// Hands down what is not balanced of bodies that are new, or have lost what lay on them. What is below keeps what it carries where that is enough. Through how many bodies the
-/// longest way led.
+/// Hands down what is not balanced of bodies that are new, or have lost what lay on them. The bodies below keep what they carry where that is
+/// enough. Through how many bodies the longest way led.
 pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize {
     let down = -up(problem);
     let mut supports = Supports::new(problem);

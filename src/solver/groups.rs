@@ -1,0 +1,32 @@
+//! Bodies in groups: those that are linked with each other, directly or through others.
+
+/// A union–find over bodies.
+#[derive(Default)]
+pub(super) struct Groups {
+    /// By body: another of its group, the first of it in the end.
+    parents: Vec<u32>,
+}
+
+impl Groups {
+    /// Each body is a group of its own.
+    pub fn begin(&mut self, bodies: usize) {
+        self.parents.clear();
+        self.parents.extend(0..bodies as u32);
+    }
+
+    /// The first body of a body's group.
+    pub fn first_of(&mut self, mut body: u32) -> u32 {
+        while self.parents[body as usize] != body {
+            let above = self.parents[self.parents[body as usize] as usize];
+            self.parents[body as usize] = above;
+            body = above;
+        }
+        body
+    }
+
+    /// Makes one group of those of two bodies.
+    pub fn link(&mut self, bodies: [u32; 2]) {
+        let [a, b] = bodies.map(|body| self.first_of(body));
+        self.parents[a.max(b) as usize] = a.min(b);
+    }
+}

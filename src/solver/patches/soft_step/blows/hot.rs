@@ -43,6 +43,9 @@ pub struct Hot<L> {
     /// By body.
     is: Vec<bool>,
     pub bodies: Vec<u32>,
+    /// By body: its patches are to be visited.
+    is_stirred: Vec<bool>,
+    stirred: Vec<u32>,
     places: ByBody<Place>,
     /// By block.
     lanes: Vec<HotLanes<L>>,
@@ -60,6 +63,8 @@ impl<L: F32xN> Hot<L> {
     pub fn begin(&mut self, problem: &PatchProblem, batches: &Batches) {
         self.is.clear();
         self.is.resize(problem.bodies.len(), false);
+        self.is_stirred.clear();
+        self.is_stirred.resize(problem.bodies.len(), false);
         self.bodies.clear();
         self.lanes.clear();
         let none = HotLanes {
@@ -112,6 +117,10 @@ impl<L: F32xN> Hot<L> {
 
     /// Makes a body hot whose patches are to be visited.
     fn stir(&mut self, body: u32) {
+        if std::mem::replace(&mut self.is_stirred[body as usize], true) {
+            return;
+        }
+        self.stirred.push(body);
         self.heat(body);
         for place in self.places.of(body) {
             self.lanes[place.block as usize].stirred[place.lane as usize] = 1.0;
@@ -176,6 +185,9 @@ impl<L: F32xN> Hot<L> {
             });
         }
         self.stirred_blocks.clear();
+        for body in self.stirred.drain(..) {
+            self.is_stirred[body as usize] = false;
+        }
         !self.visits.is_empty()
     }
 }

@@ -23,6 +23,8 @@ const SPOT: f32 = 0.003;
 pub struct Pass {
     /// Rows are springs, and not rigid.
     pub soft: bool,
+    /// From the last block to the first.
+    pub down: bool,
     /// The first substep of the step.
     pub first: bool,
     /// 1/s: of one substep.

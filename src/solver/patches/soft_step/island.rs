@@ -82,17 +82,17 @@ pub struct Island<L: F32xN> {
 }
 
 impl<L: F32xN> Island<L> {
-    /// That of the last step, if it may be, and which of its patches were found anew since. Where something `hits`, its blocks are not
-    /// folded: what a sweep has found must be known before the next begins.
+    /// That of the last step, if it may be, and which of its patches were found anew since. Its blocks are not folded if it shall be
+    /// `unfolded`: where a sweep must have ended before the next begins.
     pub fn of(
         kept: Option<(Box<Self>, Vec<u32>)>,
         problem: &PatchProblem,
         lanes: Lanes,
         found: Option<Batches>,
-        hits: bool,
+        unfolded: bool,
     ) -> (Box<Self>, Vec<u32>) {
         let alone = stands_by_itself(problem);
-        let may_be = |island: &Self| match hits {
+        let may_be = |island: &Self| match unfolded {
             true => island.batches.laps() == 1,
             false => !island.unfolded,
         };
@@ -103,12 +103,12 @@ impl<L: F32xN> Island<L> {
                     && may_be(island)
             })
             .unwrap_or_else(|| {
-                let batches = match hits {
+                let batches = match unfolded {
                     true => batches(L::LANES, problem),
                     false => found.unwrap_or_else(|| laps(L::LANES, problem)),
                 };
                 let mut island = Self::new(problem, batches);
-                island.unfolded = hits && alone;
+                island.unfolded = unfolded && alone;
                 (Box::new(island), Vec::new())
             });
         island.lanes = lanes;
@@ -302,7 +302,9 @@ impl<L: F32xN> Island<L> {
             return self.sweep_in_laps(problem, passes, tell);
         }
         let pipeline = self.pipeline.take();
-        let pipeline = match problem.threads > 1 && self.alone {
+        // Sweeps that meet cannot chase one another.
+        let chase = problem.threads > 1 && self.alone && !passes.iter().any(|pass| pass.down);
+        let pipeline = match chase {
             true => pipeline.or_else(|| Some(self.find_pipeline(problem))),
             false => None,
         };
@@ -426,7 +428,7 @@ impl<L: F32xN> Kernel for Start<'_, L> {
     }
 }
 
-/// One sweep from the first block to the last. Σ Wᵢᵢ Δλᵢ², J.
+/// One sweep, from the first block to the last or down again. Σ Wᵢᵢ Δλᵢ², J.
 struct Sweep<'a, L: F32xN, K> {
     island: &'a mut Island<L>,
     kinds: K,
@@ -448,10 +450,18 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Sweep<'_, L, K> {
         } = self.island;
         let (velocities, motions) = (cells(velocities), cells(motions));
         let mut sum = L::ZERO;
-        for (block, change) in blocks.iter_mut().zip(changes.iter_mut()) {
+        let count = blocks.len();
+        let mut i = 0;
+        while i < count {
+            let number = match self.pass.down {
+                true => count - 1 - i,
+                false => i,
+            };
+            let block = &mut blocks[number];
             let points = &mut points[block.range()];
-            *change = block.relax(self.kinds, points, velocities, motions, self.pass);
-            sum += *change;
+            changes[number] = block.relax(self.kinds, points, velocities, motions, self.pass);
+            sum += changes[number];
+            i += 1;
         }
         sum.sum()
     }

@@ -13,6 +13,7 @@
 //! - **Every third substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
 //!   course in walls and pyramids of 40 courses; those get one after every second, with which, at equal sweeps, arches tremble and
 //!   small pyramids drift twice as far.
+//! - **Down again where it is very tall** ([`Effort::downwards`]): there rigid sweeps go from the top to the ground.
 //! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry their load at rest by
 //!   themselves, and springs rest where surfaces meet and where friction took hold: integral action. The mean of a patch is followed
 //!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
@@ -62,6 +63,11 @@ use island::Island;
 use island::{laps, stands_by_itself};
 use std::f32::consts::TAU;
 use survey::{Footing, Survey};
+
+/// In what is very tall ([`Effort::downwards`]) loads at rest follow so many times slower. It sways slowly, and loads that follow its swaying
+/// push it on: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or stiffer springs, and drifts by
+/// 3 mm in a minute if they follow a tenth as fast.
+const SLOWER: f32 = 40.0;
 
 /// Most sweeps that a step may be asked for.
 const SWEEPS: usize = 1_000_000;
@@ -183,7 +189,8 @@ impl SoftStep {
         let span = tracing::info_span!("refresh").entered();
         let (effort, bounces) = self.begin::<L>(problem, &mut scratch);
         let hits = blows::expected(problem);
-        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches, hits);
+        let unfolded = hits || effort.downwards;
+        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches, unfolded);
         let spring = self.spring(effort, problem.dt);
         self.plan_in(effort, problem.dt, &mut scratch.passes);
         let free_merit = island.start(problem, &changed, effort.substeps, &spring, &scratch.passes);
@@ -199,7 +206,7 @@ impl SoftStep {
         }
         drop(span);
         let _span = tracing::info_span!("store").entered();
-        island.store(problem, self.followed(report.sweeps));
+        island.store(problem, self.followed(effort));
         island.scratch = scratch;
         problem.memory.keep(island);
         self.end(problem, bounces, effort.substeps);
@@ -239,9 +246,13 @@ impl SoftStep {
         }
     }
 
-    /// The share by which loads at rest follow what was found in so many sweeps.
-    fn followed(&self, sweeps: usize) -> f32 {
-        (sweeps as f32 / self.preload_sweeps).min(1.0)
+    /// The share by which loads at rest follow what was found.
+    fn followed(&self, effort: Effort) -> f32 {
+        let slower = match effort.downwards {
+            true => SLOWER,
+            false => 1.0,
+        };
+        (effort.sweeps() as f32 / (slower * self.preload_sweeps)).min(1.0)
     }
 
     /// The sweeps of a step of `dt` s, and what is done after each.
@@ -259,6 +270,7 @@ impl SoftStep {
             let last = substep == effort.substeps;
             let soft = Pass {
                 soft: true,
+                down: false,
                 first: substep == 1,
                 rate: 1.0 / h,
                 preload: self.preload,
@@ -269,6 +281,7 @@ impl SoftStep {
             if substep % effort.substeps_per_rigid_sweep == 0 || last {
                 passes.push(Pass {
                     soft: false,
+                    down: effort.downwards,
                     drift: None,
                     ..soft
                 });

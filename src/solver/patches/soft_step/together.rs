@@ -153,7 +153,7 @@ impl SoftStep {
         for pass in &passes {
             island.sweep_alone(pass);
         }
-        island.store(&mut problem, self.followed(passes.len()));
+        island.store(&mut problem, self.followed(effort));
         let (free, last) = (
             island.by_owner(&island.missing, &owners, count),
             island.by_owner(&island.changes, &owners, count),

@@ -106,6 +106,7 @@ fn passes() -> [Pass; SWEEPS] {
         let soft = sweep < SOFT_SWEEPS;
         Pass {
             soft,
+            down: false,
             first: true,
             rate: 1.0 / SUBSTEP,
             preload: 0.0,

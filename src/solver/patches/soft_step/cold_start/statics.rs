@@ -173,6 +173,7 @@ impl Pass {
     fn whole(dt: f32) -> Self {
         Self {
             soft: false,
+            down: false,
             first: true,
             rate: 1.0 / dt,
             preload: 0.0,

@@ -7,7 +7,7 @@ use super::round::{self, Part};
 use super::{parry, passing};
 use crate::body::BodyState;
 use crate::contact::{ContactPoint, Manifold, ManifoldPatch, NarrowphaseCache};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use smallvec::{SmallVec, smallvec};
 
 /// Nearer than this share of the smaller radius two centres are one.
@@ -119,7 +119,8 @@ pub(super) fn detect(
             if form_a.is_round() || form_b.is_round() {
                 let place = Placement::between(at(a), at(b));
                 let [part_a, part_b] = Part::two(form_a, form_b, place);
-                apart = round::meet(&part_a, &part_b, search, &mut contact) as f32;
+                let last = last_direction(old, at(a).1);
+                apart = round::meet(&part_a, &part_b, search, last, &mut contact) as f32;
             } else {
                 let two = Two {
                     bodies: [a, b],
@@ -176,6 +177,12 @@ pub(super) fn most(rules: &Rules) -> usize {
         true => 4,
         false => usize::MAX,
     }
+}
+
+/// From A to B along the normal of the last time, in the frame of A, which is turned so now. A normal turns with the surfaces less than they do.
+fn last_direction(old: &Manifold, turn: Quat) -> Option<DVec3> {
+    let normal = old.patches.first()?.normal.as_dvec3();
+    (-(turn.as_dquat().normalize().inverse() * normal)).try_normalize()
 }
 
 fn at(body: &BodyState) -> (Vec3, Quat) {

@@ -185,7 +185,7 @@ impl Parts<'_> {
 
     fn with_round(self, a: &Form, b: &Form) {
         let [a, b] = Part::two(a, b, self.place());
-        let Ok(found) = round::separate(&a, &b, self.search.reach) else {
+        let Ok(found) = round::separate(&a, &b, self.search.reach, None) else {
             return;
         };
         if let Some(normal) = self.constrained(found.normal) {

@@ -23,11 +23,11 @@ pub use simplify::simplify;
 /// together within it.
 const LINE: f64 = 0.02;
 
-/// Where the two touch, or may soon, in the frame that they share. The contact that is handed in is written over. Gives by how much they are
-/// apart at least, m, where that is out of reach; −∞ where they touch.
-pub fn meet(a: &Part, b: &Part, search: Search, contact: &mut Contact) -> f64 {
+/// Where the two touch, or may soon, in the frame that they share. `last`: the direction from A to B along which they did in the last step. The
+/// contact that is handed in is written over. Gives by how much they are apart at least, m, where that is out of reach; −∞ where they touch.
+pub fn meet(a: &Part, b: &Part, search: Search, last: Option<DVec3>, contact: &mut Contact) -> f64 {
     contact.points.clear();
-    let found = match separate(a, b, search.reach) {
+    let found = match separate(a, b, search.reach, last) {
         Ok(found) => found,
         Err(apart) => return apart,
     };

@@ -13,7 +13,7 @@ use glam::DVec3;
 /// this share of their radius.
 const OFF: f64 = 0.05;
 
-/// Times it is moved off, at most.
+/// Times it is moved off, at most. Each leaves a twentieth of the error of the direction before it.
 const ROUNDS: usize = 8;
 
 /// A direction is better from this share of the smaller size on, …
@@ -34,9 +34,11 @@ pub struct Found {
     pub on: [DVec3; 2],
 }
 
+/// `last`: the normal of the last step, from which the true one is not far.
+///
 /// # Errors
 /// Where they are farther apart than `reach` (m): a distance, m, that no two of their points are nearer than.
-pub fn separate(a: &Part, b: &Part, reach: f64) -> Result<Found, f64> {
+pub fn separate(a: &Part, b: &Part, reach: f64, last: Option<DVec3>) -> Result<Found, f64> {
     let apart = |normal: DVec3| normal.dot(b.farthest(-normal) - a.farthest(normal));
     let size = a.size().min(b.size());
     let mut flat = (f64::NEG_INFINITY, DVec3::Y);
@@ -54,6 +56,7 @@ pub fn separate(a: &Part, b: &Part, reach: f64) -> Result<Found, f64> {
         between.try_normalize(),
         a.side(between),
         b.side(-between).map(|normal| -normal),
+        last,
     ];
     let mut best = (flat.0 + MARGIN * size, flat.1);
     for normal in sides.into_iter().flatten() {
@@ -74,10 +77,12 @@ pub fn separate(a: &Part, b: &Part, reach: f64) -> Result<Found, f64> {
             break;
         };
         let distance = apart(normal);
-        if distance <= best.0 + 0.1 * MARGIN * size {
+        let gained = distance - best.0;
+        // Even the last bit of distance is much of a direction.
+        best = better(best, (distance, normal));
+        if gained <= 0.1 * MARGIN * size {
             break;
         }
-        best = (distance, normal);
     }
     let lies = || {
         let faces = [a.facing(flat.1), b.facing(-flat.1)];

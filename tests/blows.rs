@@ -128,7 +128,7 @@ fn a_struck_row_keeps_its_momentum_and_gains_no_energy() {
 }
 
 #[test]
-#[ignore = "missed: after one step speeds are within 9 % of a tenth, wanted 2 %"]
+#[ignore = "missed: after one step speeds are within 10 % of a tenth, wanted 2 %"]
 fn a_struck_row_goes_on_together_after_one_step() {
     for dt in [1.0 / 960.0, 1.0 / 60.0, 1.0 / 30.0, 0.1] {
         let speeds = Row { restitution: 0.0 }.run(dt, 1);

@@ -6,7 +6,7 @@
 //!
 //! 1. Bodies that take the blow are [hot](hot). Sweeps visit patches of hot bodies only; bodies become hot as the blow reaches them.
 //! 2. The momentum of falling bodies is [handed down](hand_down) to the ground, which stops a column in one pass.
-//! 3. Up to 16 soft sweeps. Where momentum was handed down, springs hold all that they give, since they would give way by
+//! 3. Up to 8 soft sweeps. Where momentum was handed down, springs hold all that they give, since they would give way by
 //!    more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with rigid rows a ball that is shot
 //!    through a wall drags two to three times as many bricks along.
 //! 4. Bodies drift, so that overlap is corrected with the velocities of the springs.
@@ -35,7 +35,7 @@ use std::cell::Cell;
 const BLOW: f32 = 0.25;
 
 /// Sweeps end, and a blow spreads no farther, where they change the relative velocity at a patch by no more than this, m/s.
-const SETTLED: f32 = 0.02;
+const SETTLED: f32 = 0.03;
 
 /// What turns by more than this in a step takes no blow, rad: arms are frozen in a step, and more sweeps over arms that are wrong gain
 /// energy.
@@ -46,11 +46,11 @@ const TURNED: f32 = 0.75;
 const SLENDER: f32 = 6.0;
 
 /// Additional sweeps at most, soft and rigid.
-const SOFT_SWEEPS: usize = 16;
+const SOFT_SWEEPS: usize = 8;
 const RIGID_SWEEPS: usize = 16;
 
 /// The share of the change of each normal impulse that a rigid one of them adds to it.
-const OVER: f32 = 0.7;
+const OVER: f32 = 0.55;
 
 /// Whether some bodies will hit each other in this step, as far as their free motion tells.
 pub fn expected(problem: &PatchProblem) -> bool {

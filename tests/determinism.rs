@@ -37,6 +37,26 @@ fn same_for_all_threads(seconds: f32, build: impl Fn(&mut Lab)) {
     }
 }
 
+/// Stacks that slide about on a plate that is far heavier than each of them.
+fn plate(lab: &mut Lab) {
+    lab.ground();
+    let slab = drystone::collider::Collider::cuboid(20.0, 1.0, 20.0);
+    lab.body(slab, Vec3::new(0.0, 0.5, 0.0));
+    for i in 0..81 {
+        let at = Vec3::new(2.0 * (i % 9) as f32 - 8.0, 1.5, 2.0 * (i / 9) as f32 - 8.0);
+        let cube = lab.cube(at);
+        lab.set_velocity(cube, Vec3::new(0.02 * i as f32, 0.0, 1.0), Vec3::ZERO);
+        if i % 3 == 0 {
+            lab.cube(at + Vec3::Y);
+        }
+    }
+}
+
+#[test]
+fn what_a_heavy_plate_carries_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(0.5, plate);
+}
+
 /// A scene with the noise that lets it move.
 fn scene(lab: &mut Lab, name: &str) {
     let options = SceneOptions {

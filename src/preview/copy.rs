@@ -167,7 +167,7 @@ pub(super) fn copy(world: &World, body: &BodyState, shadow: &mut World, lies: Li
             original.get::<$component>().copied().unwrap_or_default()
         };
     }
-    let mut copy = shadow.spawn((
+    let parts = (
         (body.kind, to_transform(pose), velocity, sleeping),
         (
             current!(ExternalForce),
@@ -180,7 +180,11 @@ pub(super) fn copy(world: &World, body: &BodyState, shadow: &mut World, lies: Li
             current!(RollingFriction),
             current!(CollisionLayers),
         ),
-    ));
+    );
+    let mut copy = match original.get::<Collider>() {
+        Some(collider) => shadow.spawn((parts, collider.clone())),
+        None => shadow.spawn(parts),
+    };
     macro_rules! take {
         ($($component:ty),+ $(,)?) => {
             $(if let Some(component) = original.get::<$component>() {
@@ -188,7 +192,7 @@ pub(super) fn copy(world: &World, body: &BodyState, shadow: &mut World, lies: Li
             })+
         };
     }
-    take!(Collider, Density, Mass, AngularInertia, CenterOfMass);
+    take!(Density, Mass, AngularInertia, CenterOfMass);
     copy.id()
 }
 

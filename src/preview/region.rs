@@ -109,10 +109,15 @@ impl<'w> Region<'w> {
         world: &World,
         copies: &HashMap<Entity, Entity>,
     ) -> HashMap<[Entity; 2], Contact> {
-        let mut contacts = HashMap::default();
+        let mut contacts =
+            HashMap::with_capacity_and_hasher(4 * self.slots.len(), Default::default());
         for &slot in &self.slots {
             for pair in self.broadphase.pairs.of(slot) {
-                contacts.extend(contact(world, pair, copies));
+                // Its other end has it, too.
+                let is_first = |pair: &ContactPair| pair.slots[0] == slot;
+                if world.get::<ContactPair>(pair).is_some_and(is_first) {
+                    contacts.extend(contact(world, pair, copies));
+                }
             }
         }
         contacts

@@ -21,6 +21,10 @@ const STILL: f32 = 0.25;
 /// time, does not fall. It would have to become faster by more than a body does that tips.
 const HARDLY: f32 = 0.4;
 
+/// What is slower by the share [`HARDLY`] and loses so much of its speed in each step comes to rest: what begins to fall gains speed. The springs
+/// of contacts whose load is gone push bodies away with some mm/s, and a quarter less in each step.
+const FADES: f32 = 0.9;
+
 /// A copy of part of a world, which takes steps by itself. It can be sent to another thread.
 pub struct Shadow {
     world: World,
@@ -32,18 +36,23 @@ pub struct Shadow {
     dt: f32,
 }
 
-/// Where a body was after the first step in which it was awake, and after the last one.
+/// Where a body was after the first step in which it was awake, and after the last one; and how far it came and turned in that, m, rad.
 struct Seen {
     first: Pose,
     last: Pose,
+    way: Option<[f32; 2]>,
+}
+
+/// How far a body has come and turned, m, rad.
+fn way(from: &Pose, to: &Pose) -> [f32; 2] {
+    // Of small angles; their cosine has no digits left for them.
+    let turned = 2.0 * (to.rotation - from.rotation).length();
+    [from.position.distance(to.position), turned]
 }
 
 /// Whether a body has come less far than one that has the speed limits of sleeping for so long, s.
-fn is_slower(limits: &SleepSettings, time: f32, from: &Pose, to: &Pose) -> bool {
-    // Of small angles; their cosine has no digits left for them.
-    let turned = 2.0 * (to.rotation - from.rotation).length();
-    from.position.distance(to.position) < time * limits.linear_speed
-        && turned < time * limits.angular_speed
+fn is_slower(limits: &SleepSettings, time: f32, [way, turned]: [f32; 2]) -> bool {
+    way < time * limits.linear_speed && turned < time * limits.angular_speed
 }
 
 /// A body and its copy.
@@ -150,14 +159,22 @@ impl Shadow {
                 let lies = passed >= STILL && sleeping.still_for >= STILL;
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {
-                        let last = std::mem::replace(&mut entry.get_mut().last, *pose);
-                        is_slower(&slow, hardly * dt, &last, pose)
-                            && is_slower(&slow, passed.min(STILL), &entry.get().first, pose)
+                        let seen = entry.get_mut();
+                        let now = way(&seen.last, pose);
+                        seen.last = *pose;
+                        let before = seen.way.replace(now).unwrap_or_default();
+                        let share = |i: usize| match now[i] < FADES * before[i] {
+                            true => HARDLY,
+                            false => hardly,
+                        };
+                        is_slower(&slow, dt, [now[0] / share(0), now[1] / share(1)])
+                            && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
                     }
                     Entry::Vacant(entry) => {
                         entry.insert(Seen {
                             first: *pose,
                             last: *pose,
+                            way: None,
                         });
                         false
                     }

@@ -11,11 +11,14 @@
 //! first courses would fill blocks along the whole wall before the next have room. How near decides how closely sweeps can follow each
 //! other ([`super::patches`]'s pipeline).
 //!
+//! Of a heavy body that many light ones touch several contacts may stand in one block ([`rounds`](super::rounds)).
+//!
 //! What stands in a row, as a stack does, fills one lane in a block, since each contact waits for the one before. There the sequence of
 //! blocks is *folded*: cut into laps of the same length, which lie side by side, each a sweep behind the one before it
 //! ([`super::patches`]'s laps).
 
 use super::Body;
+use super::rounds::{RoundEnds, Rounds, Waits};
 
 /// The contacts of each block.
 pub struct Batches {
@@ -26,6 +29,7 @@ pub struct Batches {
     /// By block and lane: the contact there, or [`NONE`].
     slots: Vec<u32>,
     contacts: usize,
+    rounds: Rounds,
 }
 
 /// In a lane without a contact.
@@ -46,16 +50,30 @@ impl Batches {
     pub fn of(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let pairs: Vec<[u32; 2]> = pairs.collect();
-        let waves = Waves::of(&pairs, bodies.len(), moves);
-        Self::new(lanes, &pairs, &waves, bodies.len(), moves)
+        let rounds = Rounds::default();
+        let waves = Waves::of(&pairs, bodies.len(), moves, &rounds);
+        Self::new(lanes, &pairs, &waves, bodies.len(), moves, rounds)
     }
 
-    /// The same, folded where that is worth it.
+    /// The same, with rounds where there are any.
+    pub fn in_rounds(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
+        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+        let pairs: Vec<[u32; 2]> = pairs.collect();
+        let rounds = Rounds::of(pairs.iter().copied(), bodies);
+        let waves = Waves::of(&pairs, bodies.len(), moves, &rounds);
+        Self::new(lanes, &pairs, &waves, bodies.len(), moves, rounds)
+    }
+
+    /// The same, folded where that is worth it. What has rounds is not: a body that so many others touch is in blocks all the way.
     pub fn folded(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let pairs: Vec<[u32; 2]> = pairs.collect();
-        let waves = Waves::of(&pairs, bodies.len(), moves);
-        let whole = Self::new(lanes, &pairs, &waves, bodies.len(), moves);
+        let rounds = Rounds::of(pairs.iter().copied(), bodies);
+        let waves = Waves::of(&pairs, bodies.len(), moves, &rounds);
+        let whole = Self::new(lanes, &pairs, &waves, bodies.len(), moves, rounds);
+        if whole.has_rounds() {
+            return whole;
+        }
         let fewest = pairs.len().div_ceil(lanes);
         let time = |blocks: usize, laps: usize| (blocks * (SWEEPS + laps - 1)) as f32 * MIXED;
         let mut least = WORTH * (whole.blocks() * SWEEPS) as f32;
@@ -65,7 +83,8 @@ impl Batches {
         let mut best = whole;
         let mut width = lanes / 2;
         while width > 0 {
-            let narrow = Self::new(width, &pairs, &waves, bodies.len(), moves);
+            let none = Rounds::default();
+            let narrow = Self::new(width, &pairs, &waves, bodies.len(), moves, none);
             let blocks = narrow.lap(lanes, &pairs, bodies.len(), moves);
             let laps = narrow.blocks().div_ceil(blocks);
             let time = time(blocks, laps);
@@ -85,18 +104,24 @@ impl Batches {
         waves: &Waves,
         bodies: usize,
         moves: impl Fn(u32) -> bool,
+        rounds: Rounds,
     ) -> Self {
         let mut slots: Vec<u32> = Vec::with_capacity(2 * pairs.len());
         let mut filled: Vec<u8> = Vec::with_capacity(2 * pairs.len() / lanes);
         // The first block that may hold a body next; and from each block the way to one with room.
         let mut after = vec![0u32; bodies];
+        let mut waits = vec![Waits::default(); rounds.bodies()];
         let mut next: Vec<u32> = Vec::new();
         let mut floor = 0;
         for wave in waves.iter() {
             let begun = filled.len() as u32;
             for &contact in wave {
                 let pair = pairs[contact as usize];
-                let free = pair.map(|body| after[body as usize]);
+                let seats = rounds.seats(contact);
+                let free: [u32; 2] = std::array::from_fn(|side| match seats[side] {
+                    Some(seat) => waits[seat.body as usize].earliest(seat.round),
+                    None => after[pair[side] as usize],
+                });
                 let block = with_room(&mut next, free[0].max(free[1]).max(floor));
                 if block as usize == filled.len() {
                     filled.push(0);
@@ -109,9 +134,11 @@ impl Batches {
                 if *fill as usize == lanes {
                     next[block as usize] = block + 1;
                 }
-                for body in pair {
-                    if moves(body) {
-                        after[body as usize] = block + 1;
+                for (body, seat) in pair.into_iter().zip(seats) {
+                    match seat {
+                        Some(seat) => waits[seat.body as usize].came(block),
+                        None if moves(body) => after[body as usize] = block + 1,
+                        None => {}
                     }
                 }
             }
@@ -123,6 +150,7 @@ impl Batches {
             share: lanes,
             slots,
             contacts: pairs.len(),
+            rounds,
         }
     }
 
@@ -162,7 +190,25 @@ impl Batches {
             share: self.lanes,
             slots,
             contacts: self.contacts,
+            rounds: Rounds::default(),
         }
+    }
+
+    /// Some contacts share a body with others of their block.
+    pub fn has_rounds(&self) -> bool {
+        !self.rounds.is_empty()
+    }
+
+    /// Which they are.
+    pub fn rounds(&self) -> &Rounds {
+        &self.rounds
+    }
+
+    /// After which blocks rounds are over. `first_seat`: index among the velocities.
+    pub fn round_ends(&self, first_seat: u32) -> RoundEnds {
+        let contacts = |block| Batches::block(self, block).map(|(_, contact)| contact);
+        self.rounds
+            .ends((0..self.blocks()).map(contacts), first_seat)
     }
 
     /// How many blocks there are.
@@ -215,28 +261,39 @@ struct Waves {
 }
 
 impl Waves {
-    fn of(pairs: &[[u32; 2]], bodies: usize, moves: impl Fn(u32) -> bool) -> Self {
+    fn of(pairs: &[[u32; 2]], bodies: usize, moves: impl Fn(u32) -> bool, rounds: &Rounds) -> Self {
         let mut after = vec![0u32; bodies];
+        let mut waits = vec![Waits::default(); rounds.bodies()];
         let mut waves: Vec<u32> = Vec::with_capacity(pairs.len());
-        for pair in pairs {
-            let wave = pair.map(|body| after[body as usize]);
+        for (contact, pair) in (0..).zip(pairs) {
+            let seats = rounds.seats(contact);
+            let wave: [u32; 2] = std::array::from_fn(|side| match seats[side] {
+                Some(seat) => waits[seat.body as usize].earliest(seat.round),
+                None => after[pair[side] as usize],
+            });
             let wave = wave[0].max(wave[1]);
             waves.push(wave);
-            for &body in pair.iter().filter(|&&body| moves(body)) {
-                after[body as usize] = wave + 1;
+            for (&body, seat) in pair.iter().zip(seats) {
+                match seat {
+                    Some(seat) => waits[seat.body as usize].came(wave),
+                    None if moves(body) => after[body as usize] = wave + 1,
+                    None => {}
+                }
             }
         }
         let mut sizes = vec![0u32; waves.iter().max().map_or(0, |&wave| wave as usize + 1)];
         // What could be first and waits for nobody, as what stands on the ground, comes right before the next contact of its bodies.
         let mut before = after;
         before.fill(u32::MAX);
-        for (pair, wave) in pairs.iter().zip(&mut waves).rev() {
+        for (contact, (pair, wave)) in pairs.iter().zip(&mut waves).enumerate().rev() {
             let moving = || pair.iter().filter(|&&body| moves(body));
+            // Who is in a round stays there.
+            let seated = rounds.seats(contact as u32) != [None; 2];
             let latest = moving().map(|&body| before[body as usize]);
             let (least, most) = latest.fold((u32::MAX, 0), |(least, most), wave| {
                 (least.min(wave), most.max(wave))
             });
-            if most < u32::MAX && least < u32::MAX {
+            if most < u32::MAX && least < u32::MAX && !seated {
                 *wave = least - 1;
             }
             sizes[*wave as usize] += 1;
@@ -288,8 +345,9 @@ mod tests {
         bodies: usize,
         moves: impl Fn(u32) -> bool + Copy,
     ) -> Batches {
-        let waves = Waves::of(pairs, bodies, moves);
-        Batches::new(lanes, pairs, &waves, bodies, moves)
+        let rounds = Rounds::default();
+        let waves = Waves::of(pairs, bodies, moves, &rounds);
+        Batches::new(lanes, pairs, &waves, bodies, moves, rounds)
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod lanes;
 pub mod patches;
 pub mod points;
 mod report;
+mod rounds;
 mod walls;
 mod width;
 

@@ -110,7 +110,8 @@ impl Spring {
 #[derive(Clone, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
-    /// Where their velocities are written to: `nowhere` for bodies that nothing moves, or visits that share one would wait for each other.
+    /// Where their velocities are written to: `nowhere` for bodies that nothing moves, or visits that share one would wait for each other;
+    /// a seat of its own for a body that has rounds ([`Rounds`](crate::solver::rounds::Rounds)).
     pub(super) targets: [L::Bodies; 2],
     pub(super) normal: Vec3xN<L>,
     pub(super) tangent: Vec3xN<L>,
@@ -207,6 +208,11 @@ impl<L: F32xN> Block<L> {
             targets: [L::bodies(nowhere); 2],
             ..Default::default()
         }
+    }
+
+    /// Where the velocity of a lane's body is written to.
+    pub fn write_to(&mut self, lane: usize, side: usize, target: u32) {
+        L::set_body(&mut self.targets[side], lane, target);
     }
 
     /// The indices of its points.

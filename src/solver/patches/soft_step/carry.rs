@@ -54,9 +54,6 @@ impl<L: F32xN> Block<L> {
         for side in 0..2 {
             let body = &problem.bodies[patch.bodies[side] as usize];
             L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
-            if body.inverse_mass > 0.0 {
-                L::set_body(&mut self.targets[side], lane, patch.bodies[side]);
-            }
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
             self.turn(lane, side, &body.inverse_inertia);

@@ -11,6 +11,7 @@ use super::refresh::{End, Fresh, Refresh};
 use crate::solver::batches::Batches;
 use crate::solver::grip::Held;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
+use crate::solver::rounds::{ROUND, RoundEnds, Rounds};
 use crate::solver::walls::Walls;
 use crate::solver::{Body, Grip, Lanes, PatchConstraint, PatchProblem};
 use glam::{Mat3, Vec3, Vec4};
@@ -28,8 +29,13 @@ pub fn laps(lanes: usize, problem: &PatchProblem) -> Batches {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     match stands_by_itself(problem) {
         true => Batches::folded(lanes, patches, problem.bodies),
-        false => Batches::of(lanes, patches, problem.bodies),
+        false => Batches::in_rounds(lanes, patches, problem.bodies),
     }
+}
+
+fn rounds(problem: &PatchProblem) -> Rounds {
+    let patches = problem.patches.iter().map(|patch| patch.bodies);
+    Rounds::of(patches, problem.bodies)
 }
 
 /// What contacts cannot change does not move either, and nobody holds anything, so that sweeps may be at it all at once.
@@ -50,8 +56,10 @@ pub struct Island<L: F32xN> {
     pub(super) fastest: f32,
     /// See [`stands_by_itself`].
     pub(super) alone: bool,
-    /// Its blocks are not folded, though they may be when nothing hits any more.
+    /// Its blocks are not folded and have no rounds, though they might be and have some in another step.
     unfolded: bool,
+    /// Bodies take what their rounds have changed.
+    pub(super) round_ends: RoundEnds,
     /// By body, 1/(kg·m²): with which blocks were prepared.
     pub(super) inertias: Vec<Mat3>,
     /// By body: its inverse inertia is not that of the last step.
@@ -61,7 +69,7 @@ pub struct Island<L: F32xN> {
     pub(super) batches: Batches,
     pub(super) blocks: Vec<Block<L>>,
     pub(super) points: Vec<Points<L>>,
-    /// By body; behind them one that nothing moves, for lanes without a patch, and for each block one that nothing reads.
+    /// By body; behind them one that nothing moves, for lanes without a patch, for each block one that nothing reads, and the seats of rounds.
     pub(super) velocities: Vec<State>,
     /// The same when the substep began.
     pub(super) before: Vec<State>,
@@ -82,8 +90,8 @@ pub struct Island<L: F32xN> {
 }
 
 impl<L: F32xN> Island<L> {
-    /// That of the last step, if it may be, and which of its patches were found anew since. Its blocks are not folded if it shall be
-    /// `unfolded`: where a sweep must have ended before the next begins.
+    /// That of the last step, if it may be, and which of its patches were found anew since. Its blocks are not folded and have no rounds if it
+    /// shall be `unfolded`: where a visit, or a sweep, must have ended before the next begins.
     pub fn of(
         kept: Option<(Box<Self>, Vec<u32>)>,
         problem: &PatchProblem,
@@ -92,15 +100,19 @@ impl<L: F32xN> Island<L> {
         unfolded: bool,
     ) -> (Box<Self>, Vec<u32>) {
         let alone = stands_by_itself(problem);
-        let may_be = |island: &Self| match unfolded {
-            true => island.batches.laps() == 1,
-            false => !island.unfolded,
+        let may_be = |island: &Self, changed: &[u32]| match unfolded {
+            true => island.batches.laps() == 1 && !island.batches.has_rounds(),
+            // A new mass comes with new patches.
+            false => {
+                !island.unfolded
+                    && (changed.is_empty() || *island.batches.rounds() == rounds(problem))
+            }
         };
         let (mut island, changed) = kept
-            .filter(|(island, _)| {
+            .filter(|(island, changed)| {
                 island.fastest == problem.max_correction_speed
                     && island.alone == alone
-                    && may_be(island)
+                    && may_be(island, changed)
             })
             .unwrap_or_else(|| {
                 let batches = match unfolded {
@@ -108,7 +120,7 @@ impl<L: F32xN> Island<L> {
                     false => found.unwrap_or_else(|| laps(L::LANES, problem)),
                 };
                 let mut island = Self::new(problem, batches);
-                island.unfolded = unfolded && alone;
+                island.unfolded = unfolded && (alone || !rounds(problem).is_empty());
                 (Box::new(island), Vec::new())
             });
         island.lanes = lanes;
@@ -129,12 +141,14 @@ impl<L: F32xN> Island<L> {
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
+        let first_seat = nobody + 1 + batches.blocks() as u32;
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
         // Block by block: one that is filled patch by patch leaves the cache in between.
         for lanes in batches.iter() {
-            let patches = lanes.map(|(lane, patch)| (lane, &problem.patches[patch as usize]));
-            let counts = patches.clone().map(|(_, patch)| patch.count);
+            let patches =
+                lanes.map(|(lane, number)| (lane, number, &problem.patches[number as usize]));
+            let counts = patches.clone().map(|(.., patch)| patch.count);
             let count = counts.max().unwrap_or(0);
             let first = points.len();
             points.resize(first + count as usize, Points::default());
@@ -142,9 +156,20 @@ impl<L: F32xN> Island<L> {
             blocks.push(Block::<L>::new(nobody, nowhere));
             let block = blocks.last_mut().expect("it was just added");
             block.place(first, count);
-            for (lane, patch) in patches {
+            for (lane, number, patch) in patches {
                 let shared = shared(patch);
                 block.load(&mut points[first..], lane, patch, problem, shared);
+                for (side, seat) in batches.rounds().seats(number).into_iter().enumerate() {
+                    let body = patch.bodies[side];
+                    match seat {
+                        Some(seat) => {
+                            let seat = first_seat + seat.body * ROUND as u32 + seat.number;
+                            block.write_to(lane, side, seat);
+                        }
+                        None if moves(body) => block.write_to(lane, side, body),
+                        None => {}
+                    }
+                }
                 // What lies inside many others would be thrown out by the sum of their corrections.
                 let hurry = (CROWD * 0.5 * shared).min(1.0);
                 block.hasten(lane, problem.max_correction_speed * hurry);
@@ -159,6 +184,7 @@ impl<L: F32xN> Island<L> {
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
             turned: Vec::new(),
             changed: Vec::new(),
+            round_ends: batches.round_ends(first_seat),
             batches,
             blocks,
             points,
@@ -188,7 +214,8 @@ impl<L: F32xN> Island<L> {
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));
-        let further = self.velocities.len() + 1 + self.blocks.len();
+        let seats = self.batches.rounds().count();
+        let further = self.velocities.len() + 1 + self.blocks.len() + seats;
         self.velocities.resize(further, State::default());
         self.before.clone_from(&self.velocities);
         self.changes.resize(self.blocks.len(), L::ZERO);
@@ -364,7 +391,8 @@ impl<L: F32xN> Island<L> {
         let blocks = self.batches.iter();
         let blocks = blocks.map(|patches| patches.flat_map(bodies));
         let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
-        Pipeline::new(blocks, problem.bodies.len(), moves)
+        let round_ends = self.round_ends.clone();
+        Pipeline::new(blocks, problem.bodies.len(), moves, round_ends)
     }
 
     /// Of all blocks.
@@ -416,12 +444,14 @@ impl<L: F32xN> Kernel for Start<'_, L> {
             points,
             velocities,
             missing,
+            round_ends,
             ..
         } = self.island;
         let velocities = cells(velocities);
         let mut all = L::ZERO;
-        for (block, missing) in blocks.iter().zip(missing.iter()) {
+        for (number, (block, missing)) in blocks.iter().zip(missing.iter()).enumerate() {
             block.warm_start(&points[block.range()], velocities, self.lanes);
+            round_ends.after(number, velocities);
             all += *missing;
         }
         all.sum()
@@ -446,6 +476,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Sweep<'_, L, K> {
             velocities,
             motions,
             changes,
+            round_ends,
             ..
         } = self.island;
         let (velocities, motions) = (cells(velocities), cells(motions));
@@ -460,9 +491,13 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Sweep<'_, L, K> {
             let block = &mut blocks[number];
             let points = &mut points[block.range()];
             changes[number] = block.relax(self.kinds, points, velocities, motions, self.pass);
+            round_ends.after(number, velocities);
             sum += changes[number];
             i += 1;
         }
         sum.sum()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -110,6 +110,20 @@ impl Masonry {
         masonry
     }
 
+    /// So many cubes of 1 m squared, 2 m apart, on a plate 1 m thick.
+    pub fn plate(n: usize, tilt: f32) -> Self {
+        let mut masonry = Self::new(tilt, Vec3::X);
+        let half = n as f32;
+        let plate = masonry.block(0.5 * Vec3::Y, Vec3::new(2.0 * half, 1.0, 2.0 * half), 0.0);
+        masonry.bed([plate, 0], Vec3::ZERO, half, half);
+        for i in 0..n * n {
+            let [x, z] = [i % n, i / n].map(|n| 2.0 * n as f32 + 1.0 - half);
+            let cube = masonry.block(Vec3::new(x, 1.5, z), Vec3::ONE, 0.0);
+            masonry.bed([cube, plate], Vec3::new(x, 1.0, z), 0.5, 0.5);
+        }
+        masonry
+    }
+
     /// A half circle of a mean radius of 3 m, 0.6 m thick.
     pub fn arch(n: usize, tilt: f32) -> Self {
         let mut masonry = Self::new(tilt, Vec3::X);

@@ -26,6 +26,7 @@
 //!   is gone is relieved of it.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose
 //!   patches share no body ([`batches`](crate::solver::batches)); where patches stand in a row, those of several sweeps ([`laps`]).
+//!   Light bodies on one that is far heavier are relaxed in rounds ([`rounds`](crate::solver::rounds)).
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.

@@ -21,6 +21,7 @@
 use super::block::{Block, Pass, Points};
 use super::kinds::{Rigid, Soft};
 use crate::solver::lanes::{F32xN, Kernel, State};
+use crate::solver::rounds::RoundEnds;
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering::*};
@@ -46,6 +47,7 @@ pub struct Pipeline {
     bodies: Vec<u32>,
     /// By block: where its bodies end in `bodies`.
     ends: Vec<u32>,
+    round_ends: RoundEnds,
     /// How far a sweep stays behind the one before, blocks, at most.
     lag: usize,
 }
@@ -75,6 +77,7 @@ impl Pipeline {
         blocks: impl Iterator<Item = Bodies> + Clone,
         bodies: usize,
         moves: impl Fn(u32) -> bool,
+        round_ends: RoundEnds,
     ) -> Self {
         let mut last = vec![0u32; bodies];
         let mut count = 0;
@@ -99,6 +102,7 @@ impl Pipeline {
             lag: lags.max().unwrap_or(0) as usize + 1,
             reach,
             bodies,
+            round_ends,
         }
     }
 
@@ -359,6 +363,7 @@ impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
             }
             false => block.relax(Rigid, points, velocities, motions, pass),
         };
+        pipeline.round_ends.after(number, velocities);
         let first = match number {
             0 => 0,
             _ => pipeline.ends[number - 1] as usize,

@@ -1,9 +1,11 @@
 use super::*;
 use crate::solver::Memory;
+use crate::solver::batches::Batches;
 use crate::solver::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
-use crate::solver::patches::soft_step::island::{Island, batches};
+use crate::solver::patches::PatchProblem;
+use crate::solver::patches::soft_step::island::{Island, batches, laps};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
 use std::time::Duration;
 
@@ -19,10 +21,10 @@ fn bits<L: F32xN>(island: &Island<L>, bodies: usize, changes: &[f32]) -> Vec<u32
     bits
 }
 
-fn equal<L: F32xN>() {
-    let mut wall = Masonry::wall(40, 12, 0.1).shaken();
+fn equal<L: F32xN>(masonry: Masonry, batches: fn(usize, &PatchProblem) -> Batches) {
+    let mut masonry = masonry.shaken();
     let mut memory = Memory::default();
-    let problem = wall.problem(&mut memory);
+    let problem = masonry.problem(&mut memory);
     let count = problem.bodies.len();
     let (mut alone, passes) = started::<L>(&problem, batches(L::LANES, &problem));
     let changes: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
@@ -71,10 +73,15 @@ fn equal<L: F32xN>() {
 
 #[test]
 fn sweeps_that_chase_each_other_are_sweeps_one_by_one() {
-    equal::<F32x4>();
+    let wall = || Masonry::wall(40, 12, 0.1);
+    // In rounds.
+    let plate = || Masonry::plate(12, 0.1);
+    equal::<F32x4>(wall(), batches);
+    equal::<F32x4>(plate(), laps);
     #[cfg(target_arch = "x86_64")]
     if F32x8::is_available() {
-        equal::<F32x8>();
+        equal::<F32x8>(wall(), batches);
+        equal::<F32x8>(plate(), laps);
     }
 }
 
@@ -83,7 +90,7 @@ fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
     // Body 0 is not moved; 3 is in no block.
     let blocks = [vec![0, 1], vec![0, 2], vec![1, 2], vec![2, 4]];
     let blocks = blocks.iter().map(|bodies| bodies.iter().copied());
-    let pipeline = Pipeline::new(blocks, 5, |body| body != 0);
+    let pipeline = Pipeline::new(blocks, 5, |body| body != 0, Default::default());
     assert_eq!(pipeline.reach, [2, 3, 3, 3]);
     assert_eq!(pipeline.lag, 3);
     assert_eq!(pipeline.bodies, [3, 1, 2, 4]);

@@ -100,6 +100,12 @@ fn a_long_wall_comes_out_the_same_on_any_number_of_threads() {
     same_for_all_threads(0.25, |lab| scene(lab, "wall:100x50"));
 }
 
+/// So tall that some of its sweeps go down.
+#[test]
+fn a_tall_wall_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(0.1, |lab| scene(lab, "wall:80x60"));
+}
+
 #[test]
 fn a_heap_comes_out_the_same_on_any_number_of_threads() {
     same_for_all_threads(1.5, |lab| scene(lab, "heap:200"));

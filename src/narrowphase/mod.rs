@@ -164,7 +164,12 @@ fn look(
         if let Some(lost) = lost {
             *manifold = lost;
         } else {
-            let near = outer + fall * time.dt;
+            // The cast knows of no turns, by which alone the end of a rod may come.
+            let turns = match a.is_slender() || b.is_slender() {
+                true => a.comes_by + b.comes_by,
+                false => 0.0,
+            };
+            let near = outer + fall * time.dt + turns;
             let passing =
                 !manifold.points.is_empty() && passing::pass(a, b, manifold, near, time.dt);
             if passing {

@@ -2,6 +2,7 @@
 //! where something is to be computed.
 
 use super::block::{Block, Points};
+use super::parting::DEEP;
 use crate::solver::lanes::{F32xN, Frame, Vec3xN};
 use crate::solver::{PatchConstraint, PatchProblem, Slip};
 use glam::Mat3;
@@ -237,7 +238,7 @@ impl<L: F32xN> Beginning<L> {
         self.load_twist[lane] = patch.load_twist;
         for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
             to.load[lane] = point.load;
-            to.separation[lane] = point.separation;
+            to.separation[lane] = point.separation.max(-DEEP);
             to.impulse[lane] = point.warm_normal;
         }
     }

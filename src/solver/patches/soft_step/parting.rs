@@ -2,7 +2,7 @@
 //!
 //! A spring takes an overlap back by a velocity, and what has a velocity keeps it. That is as nothing where bodies rest, and rest
 //! within a millimetre. But of three hundred balls in one place each would push on its neighbours, and they on theirs: those outside
-//! would leave with the sum. So springs see no more of an overlap than [`DEEP`], and the rest is taken back here, by positions alone:
+//! would leave with the sum. So where something is that deep springs see no more of an overlap than [`DEEP`], and the rest is taken back here, by positions alone:
 //! at the end of a step each point that is deeper is moved apart along its normal, no faster than the fastest correction with what it has
 //! come by itself, shared as impulses would be.
 
@@ -11,8 +11,11 @@ use crate::solver::lanes::{F32xN, State};
 use crate::solver::{Body, PatchConstraint, PatchProblem};
 use glam::{Vec3, Vec4};
 
-/// What is deeper is not left to springs, m.
-pub const DEEP: f32 = 0.02;
+/// Where something lies so deep, m. What lands hard in a heap comes nearly as deep, and springs alone take it back.
+const NEEDED: f32 = 0.05;
+
+/// What is deeper is not left to springs then, m.
+const DEEP: f32 = 0.02;
 
 /// Visits to each point.
 const SWEEPS: usize = 4;
@@ -25,7 +28,18 @@ const TURN: f32 = 0.1;
 
 /// Whether anything lies so deep.
 pub fn is_needed(problem: &PatchProblem) -> bool {
-    problem.points.iter().any(|point| point.separation < -DEEP)
+    problem
+        .points
+        .iter()
+        .any(|point| point.separation < -NEEDED)
+}
+
+/// No point is deeper to its spring than this, a separation, m.
+pub fn deepest(problem: &PatchProblem) -> f32 {
+    match is_needed(problem) {
+        true => -DEEP,
+        false => f32::NEG_INFINITY,
+    }
 }
 
 /// A point that is to be moved apart.

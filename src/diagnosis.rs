@@ -39,6 +39,9 @@ pub enum BodyProblem {
         /// The other body.
         other: Entity,
     },
+    /// It lies in a crowd of bodies that overlap so many others that only the deepest contacts of each count; the others wait until those
+    /// have been parted. Said once for each crowd.
+    Crowded,
     /// An entity has a collider but is no body: nothing touches it.
     ColliderWithoutBody,
     /// An entity has a collider and a body above it in the hierarchy: it is no part of that body, and nothing touches it.
@@ -61,6 +64,7 @@ impl BodyProblem {
             Self::Diverged
                 | Self::ExtremeMassRatio { .. }
                 | Self::Coincident { .. }
+                | Self::Crowded
                 | Self::ColliderWithoutBody
                 | Self::ChildCollider { .. }
                 | Self::ScaleIgnored
@@ -125,6 +129,9 @@ impl fmt::Display for BodyProblem {
             Self::Coincident { other } => {
                 write!(f, "it lies exactly where {other} lies; they are parted along one axis")
             }
+            Self::Crowded => f.write_str(
+                "it lies in a crowd of bodies that overlap too many others: they are parted by the deepest contacts of each first",
+            ),
             Self::ColliderWithoutBody => f.write_str(
                 "it has a `Collider` but no `RigidBody`: nothing touches it; make it static if it is to stand still",
             ),

@@ -181,7 +181,15 @@ impl Plugin for CollisionPlugin {
                 .chain()
                 .in_set(PhysicsSystems::Broadphase),
         );
-        stages!(app, Narrowphase: "narrowphase" narrowphase::narrowphase);
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "narrowphase", narrowphase::narrowphase),
+                timed(&profile, "narrowphase", narrowphase::crowd),
+            )
+                .chain()
+                .in_set(PhysicsSystems::Narrowphase),
+        );
         app.add_systems(
             PhysicsSchedule,
             timed(&profile, "broadphase", broadphase::outrun)

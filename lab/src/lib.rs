@@ -14,6 +14,7 @@
 //! |---|---|
 //! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
 //! | [`blows`] | what falls on a stack or is shot at a wall, and how far things go |
+//! | [`energy`] | what loose bodies gain that must not gain any |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
@@ -29,6 +30,7 @@
 #![deny(unsafe_code)]
 
 pub mod blows;
+pub mod energy;
 pub mod experiment;
 pub mod metrics;
 pub mod output;

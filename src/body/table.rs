@@ -160,6 +160,14 @@ impl BodyState {
         }
     }
 
+    /// True for a rod: so long against both other sizes that a small turn about its length takes a face of it away from what is found
+    /// at one of its edges.
+    pub(crate) fn is_slender(&self) -> bool {
+        let (longest, shortest) = (self.half.max_element(), self.half.min_element());
+        let other = self.half.element_sum() - longest - shortest;
+        longest > SLENDER * other
+    }
+
     /// The parry shape, if it has one.
     pub fn shape(&self) -> Option<&dyn Shape> {
         self.collider.as_ref().map(|collider| &**collider.shape())
@@ -196,6 +204,9 @@ impl BodyState {
 
 /// A body thinner than its bounding radius by this is thin: a brick of 1 × 0.5 × 0.5 m is not, just.
 const THICKNESS: f32 = 2.5;
+
+/// What is longer than its second longest side by this is slender; a plank of 0.75 × 0.15 × 0.245 m is not.
+const SLENDER: f32 = 6.0;
 
 /// All live bodies by slot. See the module's text.
 #[derive(Resource, Default)]

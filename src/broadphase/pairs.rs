@@ -28,9 +28,9 @@ impl Pairs {
     }
 
     /// The entities of a body's pairs.
-    pub fn of(&self, slot: u32) -> impl Iterator<Item = Entity> {
-        let pairs = self.of.get(slot as usize).into_iter().flatten();
-        pairs.map(|&pair| self.pairs[pair as usize].entity)
+    pub fn of(&self, slot: u32) -> impl ExactSizeIterator<Item = Entity> {
+        let pairs = self.of.get(slot as usize).map_or(&[][..], |pairs| pairs);
+        pairs.iter().map(|&pair| self.pairs[pair as usize].entity)
     }
 
     /// False where it is known. Its entity is told later.

@@ -70,6 +70,8 @@ pub struct ContactPair {
     pub(crate) revision: u32,
     /// They were last looked at in vain, and nothing is kept of them: no points, no impulses.
     pub(crate) empty: bool,
+    /// For so many steps it is not looked at, one of a [crowd](crate::narrowphase::crowd).
+    pub(crate) waits: u8,
     /// Touching, as last told to listeners.
     pub(crate) announced: bool,
 }
@@ -91,6 +93,7 @@ impl ContactPair {
             idle: false,
             revision: 0,
             empty: false,
+            waits: 0,
             announced: false,
         };
         pair.combine([a, b]);

@@ -2,7 +2,9 @@
 
 use super::Rules;
 use super::forms::{Form, WithTwo, ours, with_two};
-use super::polyhedra::{Axis, Contact, FeatureId, Placement, Search, Solid, meet, meet_plane};
+use super::polyhedra::{
+    Axis, Contact, FeatureId, Placement, Search, Solid, across, meet, meet_plane, touch_along,
+};
 use super::round::{self, Part};
 use super::{parry, passing};
 use crate::body::BodyState;
@@ -215,6 +217,9 @@ impl WithTwo for Two<'_> {
         if distance > search.reach {
             *apart = distance as f32;
         }
+        if matches!(contact.points.len(), 1 | 2) && (body_a.is_slender() || body_b.is_slender()) {
+            find_beside(a, b, &place, search.reach, contact);
+        }
         if distance > search.reach || !contact.points.is_empty() {
             return;
         }
@@ -235,6 +240,30 @@ impl WithTwo for Two<'_> {
         }
     }
 }
+
+/// Adds to the edge at which a slender body is met what else the faces beside it have in common with the other, within reach. A blow at
+/// one edge makes a rod spin about its length so fast that within the step its face would be as deep in the other as the rod is thick.
+fn find_beside<A: Solid, B: Solid>(
+    a: &A,
+    b: &B,
+    place: &Placement,
+    reach: f64,
+    contact: &mut Contact,
+) {
+    let nearest = |contact: &Contact| {
+        let distances = contact.points.iter().map(|point| point.distance);
+        distances.fold(f64::INFINITY, f64::min)
+    };
+    let mut beside = Contact::default();
+    touch_along(a, b, place, -contact.normal, reach, &mut beside);
+    let slack = BESIDE * across(a).min(across(b));
+    if beside.points.len() > contact.points.len() && nearest(&beside) <= nearest(contact) + slack {
+        *contact = beside;
+    }
+}
+
+/// Faces beside an edge hold the edge itself, but for this share of the smaller body's size.
+const BESIDE: f64 = 0.004;
 
 /// Where a body touches a half-space, in its own frame; the normal points out of the plane.
 fn on_plane(

@@ -6,6 +6,7 @@
 //! static) keep theirs untouched.
 
 mod capsules;
+mod crowd;
 mod detect;
 mod dispatcher;
 mod forms;
@@ -18,6 +19,7 @@ mod reduction;
 mod round;
 
 use crate::body::{BodyState, BodyTable, Pose, Resting};
+pub use crowd::crowd;
 pub(crate) use dispatcher::ParryManifold;
 pub(crate) use matching::{Origins, inherit};
 
@@ -117,10 +119,15 @@ fn look(
         // Parry would keep the points of shapes that are no more.
         cache.forget();
         pair.empty = false;
+        pair.waits = 0;
     }
     pair.parted = false;
     pair.idle = pair.detected && is_idle(a) && is_idle(b);
     if pair.idle {
+        return;
+    }
+    if pair.waits > 0 && a.put_from.is_none() && b.put_from.is_none() {
+        pair.waits -= 1;
         return;
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
@@ -164,7 +171,12 @@ fn look(
         if let Some(lost) = lost {
             *manifold = lost;
         } else {
-            let near = outer + fall * time.dt;
+            // The cast knows of no turns, by which alone the end of a rod may come.
+            let turns = match a.is_slender() || b.is_slender() {
+                true => a.comes_by + b.comes_by,
+                false => 0.0,
+            };
+            let near = outer + fall * time.dt + turns;
             let passing =
                 !manifold.points.is_empty() && passing::pass(a, b, manifold, near, time.dt);
             if passing {

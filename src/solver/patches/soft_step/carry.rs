@@ -88,7 +88,8 @@ impl<L: F32xN> Block<L> {
         self.max_speed[lane] = max_speed;
     }
 
-    /// Takes over distances, slips, and impulses, which are cut into so many substeps, and forgets what the last step gave.
+    /// Takes over distances, slips, and impulses, which are cut into so many substeps, and forgets what the last step gave. No
+    /// point is taken to be deeper than `deepest`, a separation, m.
     #[inline(always)]
     pub fn begin(
         &mut self,
@@ -96,10 +97,12 @@ impl<L: F32xN> Block<L> {
         patches: impl Iterator<Item = (usize, u32)>,
         problem: &PatchProblem,
         substeps: usize,
+        deepest: f32,
     ) {
         let mut found = Beginning::default();
         for (lane, number) in patches {
-            found.read(points, lane, &problem.patches[number as usize], problem);
+            let patch = &problem.patches[number as usize];
+            found.read(points, lane, patch, problem, deepest);
         }
         let share = L::splat(1.0 / substeps as f32);
         let Frame { t1, t2, .. } = self.frame();
@@ -217,6 +220,7 @@ impl<L: F32xN> Beginning<L> {
         lane: usize,
         patch: &PatchConstraint,
         problem: &PatchProblem,
+        deepest: f32,
     ) {
         // Once, and not at each of a hundred numbers.
         assert!(lane < L::LANES);
@@ -234,7 +238,7 @@ impl<L: F32xN> Beginning<L> {
         self.load_twist[lane] = patch.load_twist;
         for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
             to.load[lane] = point.load;
-            to.separation[lane] = point.separation;
+            to.separation[lane] = point.separation.max(deepest);
             to.impulse[lane] = point.warm_normal;
         }
     }

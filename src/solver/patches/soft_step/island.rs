@@ -6,6 +6,7 @@ use super::blows::Blows;
 use super::halves::Part;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::laps::Laps;
+use super::parting;
 use super::pipeline::{Pipeline, Work};
 use super::refresh::{End, Fresh, Refresh};
 use crate::solver::batches::Batches;
@@ -245,6 +246,7 @@ impl<L: F32xN> Island<L> {
             spring,
             pass,
             closed,
+            deepest: parting::deepest(problem),
         };
         let all = Part {
             first: 0,

@@ -22,6 +22,7 @@
 //! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer with every short step
 //!   would throw what a long one has let sink.
 //! - **Blows** ([`blows`]): substeps in which bodies hit each other get more sweeps where they do, and the next begins without the blow.
+//! - **Parting** ([`parting`]): what lies deep in each other is moved apart, and gets no velocity by it.
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose
@@ -42,6 +43,7 @@ mod kinds;
 mod laps;
 #[cfg(test)]
 mod masonry;
+mod parting;
 mod pipeline;
 mod refresh;
 mod survey;
@@ -207,6 +209,9 @@ impl SoftStep {
         }
         drop(span);
         let _span = tracing::info_span!("store").entered();
+        if parting::is_needed(problem) {
+            island.part(problem);
+        }
         island.store(problem, self.followed(effort));
         island.scratch = scratch;
         problem.memory.keep(island);

@@ -22,6 +22,8 @@ pub struct Fresh<'a, 'p> {
     pub pass: &'a Pass,
     /// Points farther apart than this have no part, m.
     pub closed: f32,
+    /// No point is deeper than this, a separation, m.
+    pub deepest: f32,
 }
 
 /// Brings some blocks up to date, and finds what the free motion misses there, J. In one go, while a block is at hand.
@@ -56,7 +58,7 @@ impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
                     }
                 }
             }
-            block.begin(points, patches, problem, fresh.substeps);
+            block.begin(points, patches, problem, fresh.substeps, fresh.deepest);
             if fresh.closed < f32::INFINITY {
                 block.rest(points, fresh.closed);
             }

@@ -6,7 +6,7 @@
 
 use super::effort::Effort;
 use super::island::{Island, batches};
-use super::{Bounces, PatchSolver, SoftStep, blows};
+use super::{Bounces, PatchSolver, SoftStep, blows, parting};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
 
@@ -98,7 +98,7 @@ impl SoftStep {
         let mut reports = vec![SolveReport::default(); problems.len()];
         let mut begun = Vec::with_capacity(problems.len());
         for (number, problem) in problems.iter_mut().enumerate() {
-            if blows::expected(problem) {
+            if blows::expected(problem) || parting::is_needed(problem) {
                 reports[number] = self.solve(problem);
                 continue;
             }

@@ -1,0 +1,116 @@
+//! Crowds: bodies that lie in so many others that no solver could part them all at once.
+//!
+//! A thousand bricks in one cubic metre meet in half a million pairs, of which no body can follow more than a few: where it has come out of
+//! the deepest, the others are no longer what they were. So a pair counts while it is among the [`MOST`] deepest of one of its two bodies.
+//! The others have no contact, and are looked at again some steps later.
+//!
+//! Only overlap that no structure has is counted, so that what lies on a large floor, or in a bowl, is no crowd.
+
+use super::matching::Origins;
+use super::{PairColumns, is_idle};
+use crate::body::{BodyTable, Resting};
+use crate::broadphase::Broadphase;
+use crate::contact::{ContactPair, Manifold};
+use crate::diagnosis::{BodyProblem, Suspects};
+use crate::settings::StepTime;
+use bevy_ecs::prelude::*;
+
+/// So many pairs of a body that lie deep in each other count in any case.
+pub(crate) const MOST: usize = 16;
+
+/// Pairs that do not count are looked at again after so many steps, each of its own among that many, so that no step has all of them.
+const WAITS: u64 = 8;
+
+/// A pair is deep if it overlaps by this share of the smaller body's size.
+const DEEP: f32 = 0.1;
+
+/// A pair that is deep, the deepest first.
+struct DeepPair {
+    depth: f32,
+    pair: Entity,
+    slots: [u32; 2],
+}
+
+/// After the narrowphase. See the module's text.
+pub fn crowd(
+    (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
+    mut pairs: Query<(Entity, PairColumns), Without<Resting>>,
+    mut suspects: ResMut<Suspects>,
+    mut told: Local<bool>,
+) {
+    let is_crowded = |slot: u32| broadphase.pairs.of(slot).len() > MOST;
+    let any = table
+        .active()
+        .any(|(slot, body)| body.is_awake() && is_crowded(slot));
+    if !any {
+        *told = false;
+        return;
+    }
+    let mut deep: Vec<DeepPair> = pairs
+        .iter()
+        .filter_map(|(entity, (pair, _, manifold, ..))| {
+            let depth = depth(&table, pair, manifold)?;
+            Some(DeepPair {
+                depth,
+                pair: entity,
+                slots: pair.slots,
+            })
+        })
+        .collect();
+    let age = |slot: u32| table.get(slot).map(|body| body.age);
+    // Which entity a pair is must not count.
+    deep.sort_unstable_by(|a, b| {
+        let ages = |pair: &DeepPair| pair.slots.map(age);
+        b.depth.total_cmp(&a.depth).then(ages(a).cmp(&ages(b)))
+    });
+    let mut counts = vec![0usize; table.slots()];
+    deep.retain(|pair| {
+        let counts_for = pair.slots.map(|slot| {
+            counts[slot as usize] += 1;
+            counts[slot as usize] <= MOST
+        });
+        counts_for == [false; 2]
+    });
+    let Some(first) = deep.first() else {
+        *told = false;
+        return;
+    };
+    if !std::mem::replace(&mut *told, true)
+        && let Some(body) = table.get(first.slots[0])
+    {
+        suspects.0.push((body.entity, BodyProblem::Crowded));
+    }
+    for DeepPair { pair, .. } in deep {
+        let Ok((_, columns)) = pairs.get_mut(pair) else {
+            continue;
+        };
+        let (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) = columns;
+        let pair = pair.bypass_change_detection();
+        *manifold.bypass_change_detection() = Manifold::default();
+        let impulses = impulses.bypass_change_detection();
+        impulses.reorder(&Origins::default());
+        impulses.patches.clear();
+        let anchors = anchors.bypass_change_detection();
+        anchors.points.clear();
+        anchors.patches.clear();
+        anchors.measured = false;
+        let targets = targets.bypass_change_detection();
+        targets.points.clear();
+        targets.patches.clear();
+        cache.bypass_change_detection().stand.forget();
+        pair.revision = pair.revision.wrapping_add(1);
+        pair.waits = (WAITS / 2 + (pair.ages[0].0 + pair.ages[1].0) % WAITS) as u8;
+        pair.parted = pair.announced;
+        pair.touching = false;
+        pair.empty = time.substep == 0;
+    }
+}
+
+/// How deep the two bodies of a pair lie in each other, m, if they do and contacts can part them.
+fn depth(table: &BodyTable, pair: &ContactPair, manifold: &Manifold) -> Option<f32> {
+    let distances = manifold.points.iter().map(|point| point.distance);
+    let depth = -distances.fold(0.0, f32::min);
+    let [a, b] = table.both(pair.slots)?;
+    let counts = a.is_dynamic() && b.is_dynamic() && !(is_idle(a) && is_idle(b));
+    (counts && depth > DEEP * a.size.min(b.size)).then_some(depth)
+}

@@ -54,8 +54,8 @@ struct Balanced {
     pressure: f64,
     /// What rubs: the length of friction and its moment as the cone measures them, N.
     friction: f64,
-    /// How wide the cone is, where nothing presses, N: c.
-    cohesion: f64,
+    /// How wide the cone is where nothing presses, N: c.
+    width: f64,
     /// By how much more of the load, as a multiple, there could be for each N more of that.
     worth: f64,
 }
@@ -70,14 +70,23 @@ struct Found {
     velocities: Vec<[DVec3; 2]>,
 }
 
+/// What presses on the joints where friction is asked how far it goes, by joint: so much, N, and so much for each one of the load.
+#[derive(Clone, Copy)]
+struct Pressed {
+    now: f64,
+    gains: f64,
+}
+
 impl Structure {
     /// The largest load, as a multiple, and how it fails then.
     pub fn solve(&self, load: &Load) -> Result<Margin, StabilityError> {
         let live = self.live(load);
         let gains = self.gains(&live)?;
+        let still = |now: f64| Pressed { now, gains: 0.0 };
         let now = self.joints.iter().map(|joint| joint.pressure);
         let mut now: Vec<f64> = now.collect();
-        let mut found = match self.round(&live, Some(&now)) {
+        let first: Vec<Pressed> = now.iter().copied().map(still).collect();
+        let mut found = match self.round(&live, Some(&first)) {
             // What presses now may be that of a blow, or of something that does not stand.
             Err(StabilityError::Falls) => {
                 let found = self.round(&live, None)?;
@@ -86,6 +95,7 @@ impl Structure {
             }
             found => found?,
         };
+        let mut before = Vec::new();
         for _ in 0..ROUNDS {
             if found.most.is_infinite() {
                 return Ok(Margin {
@@ -94,19 +104,33 @@ impl Structure {
                     gives: Vec::new(),
                 });
             }
-            let under_load = now.iter().zip(&gains);
-            let under_load: Vec<f64> = under_load
+            let joints = now.iter().zip(&gains);
+            let under_load: Vec<f64> = joints
+                .clone()
                 .map(|(now, gains)| (now + found.most * gains).max(0.0))
                 .collect();
             if self.holds(&found, &under_load) {
                 break;
             }
-            let before = found.most;
-            found = match self.round(&live, Some(&under_load)) {
+            let bare: Vec<bool> = under_load
+                .iter()
+                .map(|&pressure| pressure <= WITHIN * self.units[0])
+                .collect();
+            if bare == before {
+                break;
+            }
+            let pressed = joints.zip(&bare).map(|((&now, &gains), bare)| match bare {
+                true => still(0.0),
+                false => Pressed { now, gains },
+            });
+            let pressed: Vec<Pressed> = pressed.collect();
+            before = bare;
+            let most = found.most;
+            found = match self.round(&live, Some(&pressed)) {
                 Err(StabilityError::Falls) => break,
                 found => found?,
             };
-            if (found.most - before).abs() <= STEADY * before.abs() {
+            if (found.most - most).abs() <= STEADY * most.abs() {
                 break;
             }
         }
@@ -120,40 +144,32 @@ impl Structure {
     /// By how much one of the load presses more on each joint, if all gave way alike: the least forces that balance it.
     fn gains(&self, live: &[[DVec3; 2]]) -> Result<Vec<f64>, StabilityError> {
         let [force_unit, _] = self.units;
-        let mut rows = self.rows();
+        let load_unit = self.load_unit(live);
+        let mut columns = Columns::default();
         for joint in &self.joints {
-            self.add(joint, 0.0, 0.0, &mut rows);
-        }
-        let balance = 6 * self.members.len();
-        let largest = live.iter().map(|[force, _]| force.length());
-        let load_unit = force_unit / largest.fold(1e-12, f64::max);
-        for (body, live) in live.iter().enumerate() {
-            for (row, number) in rows.of(body, live.map(|load| load * load_unit)) {
-                rows.wanted[row] = -number;
+            for force in joint.forces() {
+                self.add(force, 1.0, &mut columns);
+                columns.close();
             }
         }
-        let forces = rows.least(balance)?;
-        let share = force_unit / load_unit;
-        Ok(self
-            .pressures(&forces)
-            .map(|[pressure, _]| pressure * share)
-            .collect())
-    }
-
-    /// What presses on each joint and what rubs there, as forces have it.
-    fn pressures(&self, forces: &[f64]) -> impl Iterator<Item = [f64; 2]> {
+        let wanted: Vec<f64> = live
+            .iter()
+            .flat_map(|&live| self.counted(live, -load_unit / force_unit))
+            .collect();
+        let forces = least(columns, &wanted)?;
         let mut forces = forces.iter();
-        self.joints.iter().map(move |joint| {
-            let corners = forces.by_ref().take(joint.points.len());
-            let pressure: f64 = corners.sum();
+        let share = force_unit / load_unit;
+        let pressure = |joint: &Joint| {
+            let pressure: f64 = forces.by_ref().take(joint.points.len()).sum();
             let rubs = if joint.friction > 0.0 { 3 } else { 0 };
-            let squares = forces.by_ref().take(rubs).map(|force| force * force);
-            [pressure, squares.sum::<f64>().sqrt()]
-        })
+            forces.by_ref().take(rubs).for_each(drop);
+            pressure * share
+        };
+        Ok(self.joints.iter().map(pressure).collect())
     }
 
     /// How wide the cone of a joint is where so much presses on it, N: c.
-    fn cohesion(joint: &Joint, pressure: f64) -> f64 {
+    fn width(joint: &Joint, pressure: f64) -> f64 {
         joint.friction * (1.0 - SLOPE) * pressure
     }
 
@@ -166,9 +182,9 @@ impl Structure {
             if joint.friction <= 0.0 {
                 continue;
             }
-            let cohesion = Self::cohesion(joint, pressure);
-            more += balanced.worth * (cohesion - balanced.cohesion);
-            let cone = cohesion + joint.friction * SLOPE * balanced.pressure;
+            let width = Self::width(joint, pressure);
+            more += balanced.worth * (width - balanced.width);
+            let cone = width + joint.friction * SLOPE * balanced.pressure;
             if balanced.friction > cone + WITHIN * self.units[0] {
                 return false;
             }
@@ -176,72 +192,128 @@ impl Structure {
         more.abs() <= STEADY * found.most.abs()
     }
 
-    /// Of the balance, without a force.
-    fn rows(&self) -> Rows {
-        let [force_unit, length_unit] = self.units;
-        let balance = 6 * self.members.len();
-        Rows {
-            units: [force_unit, force_unit * length_unit],
-            columns: Columns::default(),
-            wanted: vec![0.0; balance],
-            cones: vec![ZeroConeT(balance)],
+    /// The load is counted so that one of it is as large as a body's weight: by so many.
+    fn load_unit(&self, live: &[[DVec3; 2]]) -> f64 {
+        let largest = live.iter().map(|[force, _]| force.length());
+        self.units[0] / largest.fold(1e-12, f64::max)
+    }
+
+    /// Force and moment as they are counted, times a number.
+    fn counted(&self, [force, moment]: [DVec3; 2], times: f64) -> [f64; 6] {
+        let [force, moment] = [force * times, moment * (times / self.units[1])];
+        [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+    }
+
+    /// A unit of a force of a joint, on both its bodies, times a number.
+    fn add(&self, force: Force, times: f64, columns: &mut Columns) {
+        let mut ends = [(force.ends[0], times), (force.ends[1], -times)];
+        // Rows of a column must rise.
+        ends.sort_by_key(|(end, _)| *end);
+        for (end, sign) in ends {
+            if let Some(body) = end {
+                let arm = force.at - self.members[body].center;
+                let wrench = [force.force, arm.cross(force.force) + force.moment];
+                for (row, number) in (6 * body..).zip(self.counted(wrench, sign)) {
+                    columns.push(row, number);
+                }
+            }
         }
     }
 
     /// With cones of friction as wide as these pressures make them; sloping as they are where there are none.
+    ///
+    /// It is the dual program that is handed over, of which the unknowns are velocities and how fast each joint slides:
+    ///
+    /// min  −w·u + Σ c τ  so that  l·u − Σ d τ = 1,  Gᵀu ≥ μ' τ at each corner,  ‖(Gᵀu)_t‖ ≤ τ for each joint
+    ///
+    /// with cones as wide as c + λ d. It has a third of the rows and columns of the other, and half its time.
     fn round(
         &self,
         live: &[[DVec3; 2]],
-        pressures: Option<&[f64]>,
+        pressed: Option<&[Pressed]>,
     ) -> Result<Found, StabilityError> {
         let [force_unit, length_unit] = self.units;
-        // The load is counted so that one of it is as large as a body's weight.
-        let largest = live.iter().map(|[force, _]| force.length());
-        let load_unit = force_unit / largest.fold(1e-12, f64::max);
-        let balance = 6 * self.members.len();
-        let mut rows = self.rows();
-        for (body, live) in live.iter().enumerate() {
-            rows.add(body, live.map(|load| load * load_unit));
+        let load_unit = self.load_unit(live);
+        let dead = self
+            .members
+            .iter()
+            .flat_map(|member| self.counted(member.dead, -1.0 / force_unit));
+        let mut cost: Vec<f64> = dead.collect();
+        let balance = cost.len();
+        // Its rows are written as columns.
+        let mut rows = Columns::default();
+        let power = live
+            .iter()
+            .flat_map(|&live| self.counted(live, load_unit / force_unit));
+        power
+            .enumerate()
+            .for_each(|(row, number)| rows.push(row, number));
+        let mut slopes = Vec::with_capacity(self.joints.len());
+        for (number, joint) in self
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, joint)| joint.friction > 0.0)
+        {
+            let pressed = pressed.map(|pressed| pressed[number]);
+            let width = |pressure: f64| Self::width(joint, pressure / force_unit);
+            let grows = pressed.map_or(0.0, |pressed| width(pressed.gains * load_unit));
+            rows.push(cost.len(), -grows);
+            cost.push(pressed.map_or(0.0, |pressed| width(pressed.now)));
+            slopes.push(joint.friction * if pressed.is_some() { SLOPE } else { 1.0 });
         }
-        rows.columns.close();
-        for (body, member) in self.members.iter().enumerate() {
-            for (row, number) in rows.of(body, member.dead) {
-                rows.wanted[row] = -number;
+        rows.close();
+        let mut cones = vec![ZeroConeT(1)];
+        let mut slide = balance;
+        for joint in &self.joints {
+            let corners = joint.points.len();
+            cones.push(NonnegativeConeT(corners));
+            for (number, force) in joint.forces().enumerate() {
+                if number == corners {
+                    rows.push(slide, -1.0);
+                    rows.close();
+                    cones.push(SecondOrderConeT(4));
+                }
+                self.add(force, -1.0, &mut rows);
+                if number < corners && joint.friction > 0.0 {
+                    rows.push(slide, slopes[slide - balance]);
+                }
+                rows.close();
+            }
+            if joint.friction > 0.0 {
+                slide += 1;
             }
         }
-        for (number, joint) in self.joints.iter().enumerate() {
-            let (cohesion, slope) = match pressures {
-                Some(pressures) => {
-                    let pressure = pressures[number] / force_unit;
-                    (Self::cohesion(joint, pressure), joint.friction * SLOPE)
-                }
-                None => (0.0, joint.friction),
-            };
-            self.add(joint, cohesion, slope, &mut rows);
-        }
-        let (most, forces, dual) = rows.maximize_first()?;
-        let mut row = balance;
-        let balanced = self.joints.iter().zip(self.pressures(&forces));
-        let joints = balanced
-            .enumerate()
-            .map(|(number, (joint, [pressure, friction]))| {
-                let cone = row + joint.points.len();
-                let rubs = joint.friction > 0.0;
-                row = cone + if rubs { 4 } else { 0 };
-                let given = pressures.map_or(0.0, |pressures| pressures[number]);
-                Balanced {
-                    pressure: pressure * force_unit,
-                    friction: friction * force_unit,
-                    cohesion: Self::cohesion(joint, given),
-                    worth: if rubs {
-                        dual[cone] * load_unit / force_unit
-                    } else {
-                        0.0
-                    },
-                }
+        let (most, unknowns, forces) = minimize(rows, cost, &cones)?;
+        let mut forces = &forces[1.min(forces.len())..];
+        let mut slides = unknowns.get(balance..).unwrap_or_default().iter();
+        let joints = self.joints.iter().enumerate().map(|(number, joint)| {
+            let mut take = |count: usize| forces.split_off(..count).unwrap_or_default();
+            let pressure = take(joint.points.len()).iter().sum::<f64>() * force_unit;
+            let rubs = if joint.friction > 0.0 { take(4) } else { &[] };
+            let friction = rubs
+                .iter()
+                .skip(1)
+                .map(|force| force * force)
+                .sum::<f64>()
+                .sqrt();
+            let pressed = pressed.map_or(0.0, |pressed| {
+                pressed[number].now + most * load_unit * pressed[number].gains
             });
+            Balanced {
+                pressure,
+                friction: friction * force_unit,
+                width: Self::width(joint, pressed),
+                worth: match joint.friction > 0.0 {
+                    true => slides
+                        .next()
+                        .map_or(0.0, |slide| slide * load_unit / force_unit),
+                    false => 0.0,
+                },
+            }
+        });
         let joints = joints.collect();
-        let (velocities, _) = dual[..balance].as_chunks::<6>();
+        let (velocities, _) = unknowns[..balance.min(unknowns.len())].as_chunks::<6>();
         let velocity = |[x, y, z, a, b, c]: &[f64; 6]| {
             [DVec3::new(*x, *y, *z), DVec3::new(*a, *b, *c) / length_unit]
         };
@@ -255,48 +327,6 @@ impl Structure {
             joints,
             velocities: velocities.iter().map(velocity).collect(),
         })
-    }
-
-    /// The forces of a joint: what presses at each corner; friction at its middle, along two tangents and about the normal.
-    fn add(&self, joint: &Joint, cohesion: f64, slope: f64, rows: &mut Rows) {
-        let force_unit = self.units[0];
-        let first = rows.wanted.len();
-        let cone = first + joint.points.len();
-        let rubs = joint.friction > 0.0;
-        let mut add = |at: DVec3, force: DVec3, moment: DVec3, own: &[(usize, f64)]| {
-            let mut ends = [(joint.ends[0], 1.0), (joint.ends[1], -1.0)];
-            // Rows of a column must rise.
-            ends.sort_by_key(|(end, _)| *end);
-            for (end, sign) in ends {
-                if let Some(body) = end {
-                    let arm = at - self.members[body].center;
-                    rows.add(body, [sign * force, sign * (arm.cross(force) + moment)]);
-                }
-            }
-            own.iter()
-                .for_each(|&(row, number)| rows.columns.push(row, number));
-            rows.columns.close();
-        };
-        let [normal, one, other] = joint.frame;
-        for (i, &point) in joint.points.iter().enumerate() {
-            let own = [(first + i, -1.0), (cone, -slope)];
-            let own = if rubs { &own[..] } else { &own[..1] };
-            add(point, force_unit * normal, DVec3::ZERO, own);
-        }
-        if rubs {
-            let center = joint.center;
-            for (row, tangent) in [(cone + 1, one), (cone + 2, other)] {
-                add(center, force_unit * tangent, DVec3::ZERO, &[(row, -1.0)]);
-            }
-            let twist = force_unit * joint.radius * normal;
-            add(center, DVec3::ZERO, twist, &[(cone + 3, -1.0)]);
-        }
-        rows.wanted.resize(cone, 0.0);
-        rows.cones.push(NonnegativeConeT(joint.points.len()));
-        if rubs {
-            rows.wanted.extend([cohesion, 0.0, 0.0, 0.0]);
-            rows.cones.push(SecondOrderConeT(4));
-        }
     }
 
     /// The load on each body, N and N·m.
@@ -367,79 +397,96 @@ impl Structure {
     }
 }
 
-/// A program that is being written.
-struct Rows {
-    /// What forces and moments are counted in, N and N·m.
-    units: [f64; 2],
-    columns: Columns,
-    wanted: Vec<f64>,
-    cones: Vec<SupportedConeT<f64>>,
+/// A unit of one of the forces of a joint.
+struct Force {
+    ends: [Option<usize>; 2],
+    at: DVec3,
+    force: DVec3,
+    moment: DVec3,
 }
 
-impl Rows {
-    /// Where force and moment on a body stand in its balance, and how large they are there.
-    fn of(&self, body: usize, wrench: [DVec3; 2]) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let [force, moment] = [wrench[0] / self.units[0], wrench[1] / self.units[1]];
-        let numbers = force.to_array().into_iter().chain(moment.to_array());
-        (6 * body..).zip(numbers)
-    }
-
-    /// Adds it to the column that is being written.
-    fn add(&mut self, body: usize, wrench: [DVec3; 2]) {
-        for (row, number) in self.of(body, wrench) {
-            self.columns.push(row, number);
-        }
-    }
-
-    /// The least numbers that fulfil the first so many equations.
-    fn least(self, equations: usize) -> Result<Vec<f64>, StabilityError> {
-        let count = self.columns.count();
-        let matrix = self.columns.into_matrix(self.wanted.len());
-        let mut kept = vec![true; equations];
-        kept.resize(matrix.m, false);
-        let matrix = matrix.select_rows(&kept);
-        let squares = CscMatrix::identity(count);
-        let cost = vec![0.0; count];
-        let cones = [ZeroConeT(equations)];
-        let wanted = &self.wanted[..equations];
-        let solver = DefaultSolver::new(&squares, &cost, &matrix, wanted, &cones, settings());
-        let mut solver = solver.map_err(|_| StabilityError::Unsolved)?;
-        solver.solve();
-        match solver.solution.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => Ok(solver.solution.x),
-            // Nothing balances it, so that the cones decide alone.
-            _ => Ok(vec![0.0; count]),
-        }
-    }
-
-    /// The largest first number, which may be infinite; the others then, and the dual variables.
-    fn maximize_first(self) -> Result<(f64, Vec<f64>, Vec<f64>), StabilityError> {
-        let count = self.columns.count();
-        let matrix = self.columns.into_matrix(self.wanted.len());
-        let mut cost = vec![0.0; count];
-        cost[0] = -1.0;
-        let nothing = CscMatrix::zeros((count, count));
-        let wanted = &self.wanted;
-        let solver = DefaultSolver::new(&nothing, &cost, &matrix, wanted, &self.cones, settings());
-        let mut solver = solver.map_err(|_| StabilityError::Unsolved)?;
-        solver.solve();
-        let solution = solver.solution;
-        use SolverStatus as Status;
-        let most = match solution.status {
-            Status::Solved | Status::AlmostSolved => solution.x[0],
-            Status::DualInfeasible | Status::AlmostDualInfeasible => f64::INFINITY,
-            Status::PrimalInfeasible | Status::AlmostPrimalInfeasible => {
-                return Err(StabilityError::Falls);
-            }
-            _ => return Err(StabilityError::Unsolved),
+impl Joint {
+    /// What presses at each corner; friction at its middle, along two tangents and about the normal.
+    fn forces(&self) -> impl Iterator<Item = Force> {
+        let of = |at: DVec3, force: DVec3, moment: DVec3| Force {
+            ends: self.ends,
+            at,
+            force,
+            moment,
         };
-        Ok((most, solution.x[1..].to_vec(), solution.z))
+        let [normal, one, other] = self.frame;
+        let presses = self
+            .points
+            .iter()
+            .map(move |&point| of(point, normal, DVec3::ZERO));
+        let rubs = [
+            of(self.center, one, DVec3::ZERO),
+            of(self.center, other, DVec3::ZERO),
+            of(self.center, DVec3::ZERO, self.radius * normal),
+        ];
+        let rubs = rubs
+            .into_iter()
+            .take(if self.friction > 0.0 { 3 } else { 0 });
+        presses.chain(rubs)
     }
 }
+
+/// The least numbers that fulfil equations.
+fn least(equations: Columns, wanted: &[f64]) -> Result<Vec<f64>, StabilityError> {
+    let count = equations.count();
+    let matrix = equations.into_matrix(wanted.len());
+    let squares = CscMatrix::identity(count);
+    let cost = vec![0.0; count];
+    let cones = [ZeroConeT(wanted.len())];
+    let solver = DefaultSolver::new(&squares, &cost, &matrix, wanted, &cones, settings());
+    let mut solver = solver.map_err(|_| StabilityError::Unsolved)?;
+    solver.solve();
+    match solver.solution.status {
+        SolverStatus::Solved | SolverStatus::AlmostSolved => Ok(solver.solution.x),
+        // Nothing balances it, so that the cones decide alone.
+        _ => Ok(vec![0.0; count]),
+    }
+}
+
+/// The least cost where the first row is 1 and the others are within cones, the unknowns then, and what each row is worth. The cost is infinite where
+/// nothing fulfils that.
+fn minimize(
+    rows: Columns,
+    cost: Vec<f64>,
+    cones: &[SupportedConeT<f64>],
+) -> Result<(f64, Vec<f64>, Vec<f64>), StabilityError> {
+    let count = rows.count();
+    let rows = rows.into_matrix(cost.len());
+    let matrix = CscMatrix::from(rows.t());
+    let nothing = CscMatrix::zeros((cost.len(), cost.len()));
+    let mut wanted = vec![0.0; count];
+    wanted[0] = 1.0;
+    let solver = DefaultSolver::new(&nothing, &cost, &matrix, &wanted, cones, settings());
+    let mut solver = solver.map_err(|_| StabilityError::Unsolved)?;
+    solver.solve();
+    let solution = solver.solution;
+    use SolverStatus as Status;
+    match solution.status {
+        Status::Solved | Status::AlmostSolved => Ok((-solution.z[0], solution.x, solution.z)),
+        Status::PrimalInfeasible | Status::AlmostPrimalInfeasible => {
+            Ok((f64::INFINITY, Vec::new(), Vec::new()))
+        }
+        Status::DualInfeasible | Status::AlmostDualInfeasible => Err(StabilityError::Falls),
+        _ => Err(StabilityError::Unsolved),
+    }
+}
+
+/// A margin is known to a ten-thousandth; asked for more, the last steps are lost in rounding.
+const EXACT: f64 = 1e-6;
 
 fn settings() -> DefaultSettings<f64> {
     DefaultSettings {
         verbose: false,
+        tol_gap_rel: EXACT,
+        tol_gap_abs: EXACT,
+        tol_feas: EXACT,
+        iterative_refinement_reltol: 1e-2 * EXACT,
+        iterative_refinement_abstol: 1e-2 * EXACT,
         ..Default::default()
     }
 }

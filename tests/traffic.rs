@@ -114,24 +114,27 @@ const ALL: [Drawn; 4] = [Drawn::Set, Drawn::SetLevel, Drawn::Hand, Drawn::HandLe
 fn goes(radii: [f32; 2], mass: f32, drawn: Drawn, speed: f32, rate: f32) -> f32 {
     let (mut lab, bodies) = arch(radii, 1.0 / rate);
     let level = matches!(drawn, Drawn::SetLevel | Drawn::HandLevel);
-    // Flat on its face, or level on the highest point beneath it.
+    // Flat on its face, or level on its front edge.
     let corners = corners(radii[1]);
-    let left = corners.iter().position(|corner| corner.x < -WAY).unwrap();
-    let slope = corners[left - 1] - corners[left];
-    let slope = slope.y / slope.x;
-    let (sin, cos) = slope.atan().sin_cos();
-    let at = |x: f32| corners[left].y + slope * (x - corners[left].x);
+    let face = |x: f32| {
+        let left = corners.iter().position(|corner| corner.x < x).unwrap();
+        let slope = corners[left - 1] - corners[left];
+        (corners[left], slope.y / slope.x)
+    };
+    let height = |x: f32, (corner, slope): (Vec2, f32)| corner.y + slope * (x - corner.x);
     let (height, turn) = match level {
         true => {
-            let ridge = corners[left - 1];
             let front = 0.5 * SLED.x - WAY;
-            let top = if ridge.x < front { ridge.y } else { at(front) };
-            (top + 0.5 * SLED.y, 0.0)
+            (height(front, face(front)) + 0.5 * SLED.y, 0.0)
         }
-        false => (
-            at(-WAY + 0.5 * SLED.y * sin) + 0.5 * SLED.y * cos,
-            slope.atan(),
-        ),
+        false => {
+            let (sin, cos) = face(-WAY).1.atan().sin_cos();
+            let foot = -WAY + 0.5 * SLED.y * sin;
+            (
+                height(foot, face(-WAY)) + 0.5 * SLED.y * cos,
+                face(-WAY).1.atan(),
+            )
+        }
     };
     let sled = lab.spawn((
         RigidBody::Dynamic,

@@ -100,7 +100,7 @@ pub enum How {
 }
 
 /// Most bodies of a structure that may be asked about. Time grows faster than their number: walls of a hundred bricks take some 0.1 s, walls of a
-/// thousand 2 to 14 s, those longest that fail by sliding.
+/// thousand one to three seconds, those longest that fail by sliding.
 pub const MAX_BODIES: usize = 2000;
 
 /// How much of something a structure can take. Bodies that are not in the list are taken to stand fast.

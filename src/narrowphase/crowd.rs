@@ -71,8 +71,8 @@ pub fn crowd(
         });
         counts_for == [false; 2]
     });
+    // Where there is none, pairs of the crowd may still wait.
     let Some(first) = deep.first() else {
-        *told = false;
         return;
     };
     if !std::mem::replace(&mut *told, true)

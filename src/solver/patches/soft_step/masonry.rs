@@ -185,6 +185,7 @@ pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>
     let effort = Effort {
         substeps: 7,
         substeps_per_rigid_sweep: 3,
+        downwards: false,
         rate: 700.0,
     };
     let passes = SoftStep::default().plan(effort, DT);

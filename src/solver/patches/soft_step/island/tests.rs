@@ -1,4 +1,4 @@
-use super::{Island, batches, laps};
+use super::{batches, laps};
 use crate::solver::Memory;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;

@@ -6,7 +6,6 @@ use super::blows::Blows;
 use super::halves::Part;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::laps::Laps;
-use super::parting;
 use super::pipeline::{Pipeline, Work};
 use super::refresh::{End, Fresh, Refresh};
 use crate::solver::batches::Batches;
@@ -51,6 +50,8 @@ pub fn stands_by_itself(problem: &PatchProblem) -> bool {
 /// One island on its way through a step.
 pub struct Island<L: F32xN> {
     pub(super) substeps: usize,
+    /// No point is deeper to its spring than this, a separation, m.
+    pub(super) deepest: f32,
     /// What was asked for.
     pub(super) lanes: Lanes,
     /// Fastest correction, m/s.
@@ -178,6 +179,7 @@ impl<L: F32xN> Island<L> {
         }
         Self {
             substeps: 1,
+            deepest: f32::NEG_INFINITY,
             lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
             alone: stands_by_itself(problem),
@@ -246,7 +248,7 @@ impl<L: F32xN> Island<L> {
             spring,
             pass,
             closed,
-            deepest: parting::deepest(problem),
+            deepest: self.deepest,
         };
         let all = Part {
             first: 0,

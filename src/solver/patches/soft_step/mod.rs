@@ -37,6 +37,7 @@ mod blows;
 mod carry;
 mod cold_start;
 mod effort;
+mod gaps;
 mod halves;
 mod island;
 mod kinds;
@@ -61,6 +62,7 @@ use crate::solver::width::Width;
 use crate::solver::{Lanes, SolveReport};
 use block::{Pass, Spring};
 use effort::{Course, Effort};
+use gaps::Gaps;
 use island::Island;
 #[cfg(target_arch = "x86_64")]
 use island::{laps, stands_by_itself};
@@ -191,9 +193,11 @@ impl SoftStep {
         };
         let span = tracing::info_span!("refresh").entered();
         let (effort, bounces) = self.begin::<L>(problem, &mut scratch);
-        let hits = blows::expected(problem);
+        let gaps = Gaps::of(problem);
+        let hits = blows::expected(problem, &gaps);
         let unfolded = hits || effort.downwards;
         let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches, unfolded);
+        island.deepest = parting::deepest(&gaps);
         let spring = self.spring(effort, problem.dt);
         self.plan_in(effort, problem.dt, &mut scratch.passes);
         let free_merit = island.start(problem, &changed, effort.substeps, &spring, &scratch.passes);
@@ -209,7 +213,7 @@ impl SoftStep {
         }
         drop(span);
         let _span = tracing::info_span!("store").entered();
-        if parting::is_needed(problem) {
+        if parting::is_needed(&gaps) {
             island.part(problem);
         }
         island.store(problem, self.followed(effort));

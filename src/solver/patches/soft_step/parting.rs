@@ -6,6 +6,7 @@
 //! at the end of a step each point that is deeper is moved apart along its normal, no faster than the fastest correction with what it has
 //! come by itself, shared as impulses would be.
 
+use super::gaps::Gaps;
 use super::island::Island;
 use crate::solver::lanes::{F32xN, State};
 use crate::solver::{Body, PatchConstraint, PatchProblem};
@@ -27,16 +28,13 @@ const FASTEST: f32 = 1.5;
 const TURN: f32 = 0.1;
 
 /// Whether anything lies so deep.
-pub fn is_needed(problem: &PatchProblem) -> bool {
-    problem
-        .points
-        .iter()
-        .any(|point| point.separation < -NEEDED)
+pub fn is_needed(gaps: &Gaps) -> bool {
+    gaps.deepest < -NEEDED
 }
 
 /// No point is deeper to its spring than this, a separation, m.
-pub fn deepest(problem: &PatchProblem) -> f32 {
-    match is_needed(problem) {
+pub fn deepest(gaps: &Gaps) -> f32 {
+    match is_needed(gaps) {
         true => -DEEP,
         false => f32::NEG_INFINITY,
     }

@@ -5,6 +5,7 @@
 //! of each is what would be found of it alone, to the bit, but for the sign of zeros.
 
 use super::effort::Effort;
+use super::gaps::Gaps;
 use super::island::{Island, batches};
 use super::{Bounces, PatchSolver, SoftStep, blows, parting};
 use crate::solver::lanes::F32xN;
@@ -98,7 +99,8 @@ impl SoftStep {
         let mut reports = vec![SolveReport::default(); problems.len()];
         let mut begun = Vec::with_capacity(problems.len());
         for (number, problem) in problems.iter_mut().enumerate() {
-            if blows::expected(problem) || parting::is_needed(problem) {
+            let gaps = Gaps::of(problem);
+            if blows::expected(problem, &gaps) || parting::is_needed(&gaps) {
                 reports[number] = self.solve(problem);
                 continue;
             }

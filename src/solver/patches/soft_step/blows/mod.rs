@@ -6,7 +6,7 @@
 //!
 //! 1. Bodies that take the blow are [hot](hot). Sweeps visit patches of hot bodies only; bodies become hot as the blow reaches them.
 //! 2. The momentum of falling bodies is [handed down](hand_down) to the ground, which stops a column in one pass.
-//! 3. Up to 8 soft sweeps. Where momentum was handed down, springs hold all that they give, since they would give way by
+//! 3. Up to 12 soft sweeps. Where momentum was handed down, springs hold all that they give, since they would give way by
 //!    more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with rigid rows a ball that is shot
 //!    through a wall drags two to three times as many bricks along.
 //! 4. Bodies drift, so that overlap is corrected with the velocities of the springs.
@@ -21,11 +21,12 @@ mod hand_down;
 mod hot;
 
 use super::block::Pass;
+use super::gaps::Gaps;
 use super::island::Island;
 use super::kinds::{MoreRigid, MoreSoft, Soft};
 use crate::solver::body::speed_of;
 use crate::solver::lanes::{F32xN, Kernel, cells};
-use crate::solver::{Body, PatchConstraint, PatchPoint, PatchProblem};
+use crate::solver::{Body, PatchConstraint, PatchProblem};
 use glam::Vec3;
 use hand_down::HandDown;
 use hot::Hot;
@@ -46,18 +47,17 @@ const TURNED: f32 = 0.75;
 const SLENDER: f32 = 6.0;
 
 /// Additional sweeps at most, soft and rigid.
-const SOFT_SWEEPS: usize = 8;
+const SOFT_SWEEPS: usize = 12;
 const RIGID_SWEEPS: usize = 16;
 
 /// The share of the change of each normal impulse that a rigid one of them adds to it.
 const OVER: f32 = 0.55;
 
 /// Whether some bodies will hit each other in this step, as far as their free motion tells.
-pub fn expected(problem: &PatchProblem) -> bool {
+pub fn expected(problem: &PatchProblem, gaps: &Gaps) -> bool {
     // Two bodies approach each other with no more than the sum of their speeds, and a body at rest gathers speed only over a gap.
     let gap = 0.5 * BLOW * BLOW / problem.gravity.length();
-    let widest = |most: f32, point: &PatchPoint| most.max(point.separation);
-    (problem.bodies.iter().any(is_fast) || problem.points.iter().fold(0.0, widest) > gap)
+    (problem.bodies.iter().any(is_fast) || gaps.widest > gap)
         && problem.patches.iter().any(|patch| hits(problem, patch))
 }
 

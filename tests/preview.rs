@@ -4,6 +4,7 @@ mod support;
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
 use drystone::body::{Pose, RigidBody, Sleeping, Velocity};
 use drystone::collider::Collider;
 use drystone::preview::{
@@ -452,4 +453,44 @@ fn an_edit_wakes_what_sleeps_in_a_shadow() {
 
 fn preview_of(lab: &Lab, edit: Edit) -> Preview {
     preview(&lab.world, &edit).unwrap()
+}
+
+/// A brick that was laid, and one that was put elsewhere, in this frame.
+#[test]
+fn bodies_of_this_frame_are_in_a_preview() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let brick = |lab: &mut Lab, x: f32, y: f32| {
+        let at = Transform::from_xyz(x, y, 0.0);
+        lab.spawn((RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), at))
+    };
+    let [left, right, spare] = [-1.0, 1.0, 4.0].map(|x| brick(&mut lab, x, 0.25));
+    lab.run(1.0);
+    // A lintel over both, and the spare brick on it.
+    let lintel = Transform::from_xyz(0.0, 0.75, 0.0);
+    let lintel = lab.spawn((RigidBody::Dynamic, Collider::cuboid(3.0, 0.5, 0.5), lintel));
+    let put = Transform::from_xyz(0.0, 1.25, 0.0);
+    lab.world.entity_mut(spare).insert(put);
+    drystone::refresh(&mut lab.world);
+    let moved = |world: &World, taken| {
+        let preview = preview(world, &Edit::Take(vec![taken])).unwrap();
+        assert!(preview.rests);
+        let moved: Vec<Entity> = preview.moved.iter().map(|moved| moved.body).collect();
+        moved
+    };
+    for end in [left, right] {
+        let mut moved = moved(&lab.world, end);
+        moved.sort();
+        let mut both = vec![spare, lintel];
+        both.sort();
+        assert_eq!(moved, both);
+    }
+    assert_eq!(moved(&lab.world, lintel), [spare]);
+    assert_eq!(moved(&lab.world, spare), []);
+
+    // A body that is gone again is nobody's.
+    lab.world.despawn(lintel);
+    assert_eq!(moved(&lab.world, left), [spare]);
+    let gone = preview(&lab.world, &Edit::Take(vec![lintel]));
+    assert_eq!(gone.err(), Some(PreviewError::NoBody(lintel)));
 }

@@ -14,6 +14,7 @@ use super::{
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
+use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhWorkspace};
 
 /// The tree is put in order when one in so many of its boxes was changed.
@@ -49,6 +50,17 @@ impl Pending {
     /// The place of a body.
     pub(crate) fn place_of(&self, body: Entity) -> Option<u32> {
         self.places.get(&body).copied()
+    }
+
+    /// A body as the next step will find it, if it differs from that of the table.
+    pub(crate) fn body(&self, body: Entity) -> Option<&BodyState> {
+        self.get(self.place_of(body)?)
+    }
+
+    /// Bodies whose boxes meet another.
+    pub(crate) fn near(&self, aabb: &Aabb) -> Vec<&BodyState> {
+        let places = self.tree.intersect_aabb(aabb);
+        places.filter_map(|place| self.get(place)).collect()
     }
 
     /// The boxes of the bodies that have one, by place.

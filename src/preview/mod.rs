@@ -4,7 +4,8 @@
 //! contacts carry. It takes steps until all of it lies still, which is a matter of milliseconds for a hundred bricks. With steps as long as the
 //! world's own, the default, it goes where the world would go, to the bit as long as nothing new comes near; with long ones it is there
 //! sooner, and what falls on what is rough. Systems of yours are not in the shadow, and nobody's hands. Nor are bodies that were despawned or
-//! disabled since the last step.
+//! disabled since the last step. Bodies that were spawned or moved since then are where they are now, if the world has been
+//! [refreshed](crate::refresh).
 //!
 //! ```
 //! use bevy_transform::components::Transform;

@@ -2,9 +2,10 @@
 
 use super::PreviewError;
 use super::copy::{Contact, contact};
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable, Pending, RigidBody};
 use crate::broadphase::Broadphase;
 use crate::contact::ContactPair;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -19,6 +20,8 @@ pub(super) struct Region<'w> {
     pub structure: HashSet<u32>,
     /// Those that touched what has gone since the last step: they sleep and lie still no longer.
     pub bereft: HashSet<u32>,
+    /// Bodies that were spawned or moved since the last step, as the next step will find them.
+    pub pending: Vec<&'w BodyState>,
 }
 
 impl<'w> Region<'w> {
@@ -35,30 +38,43 @@ impl<'w> Region<'w> {
             slots: Vec::new(),
             structure: HashSet::default(),
             bereft: HashSet::default(),
+            pending: Vec::new(),
         };
+        let pending = world.resource::<Pending>();
+        let pending = pending.is_of(table).then_some(pending);
+        let mut places = Vec::from_iter(there);
         for &body in bodies {
             let slot = table.slot_of(world, body);
-            region.add(world, slot.ok_or(PreviewError::NoBody(body))?);
+            let as_it_will_be = pending.and_then(|pending| pending.body(body));
+            let as_it_will_be = as_it_will_be.filter(|body| is_a_body(world, body));
+            if slot.is_none() && as_it_will_be.is_none() {
+                return Err(PreviewError::NoBody(body));
+            }
+            slot.into_iter().for_each(|slot| region.add(world, slot));
+            places.extend(as_it_will_be.and_then(extent));
         }
-        // What comes there may touch several, or come to lie on them.
-        if let Some(there) = there {
-            for slot in broadphase.tree().intersect_aabb(&there) {
+        // A body that comes there may touch several, or come to lie on them.
+        for there in &places {
+            for slot in broadphase.tree().intersect_aabb(there) {
                 if table.get(slot).is_some_and(BodyState::is_dynamic) {
                     region.add(world, slot);
                 }
             }
         }
-        let extent = |slot: &u32| {
-            let body = table.get(*slot)?;
-            Some(body.shape()?.compute_aabb(&body.pose.to_parry()))
-        };
-        let bounded = region.structure.iter().filter_map(extent);
+        let structure = region.structure.iter();
+        let bounded = structure.filter_map(|&slot| extent(table.get(slot)?));
         let bounded = bounded.filter(|aabb| aabb.half_extents().is_finite());
-        let bounded = bounded.chain(there);
+        let bounded = bounded.chain(places);
         if let Some(aabb) = bounded.reduce(|a, b| a.merged(&b)) {
             // What falls comes as far as it was high.
             let near = aabb.loosened(aabb.extents().max_element());
             region.slots.extend(broadphase.tree().intersect_aabb(&near));
+            let pending = pending.into_iter().flat_map(|pending| pending.near(&near));
+            let pending = pending.filter(|body| is_a_body(world, body));
+            region.pending.extend(pending);
+            region
+                .pending
+                .sort_unstable_by_key(|body| (body.age, body.entity));
         }
         region.slots.extend(&region.structure);
         region.slots.extend(broadphase.outside());
@@ -122,4 +138,15 @@ impl<'w> Region<'w> {
         }
         contacts
     }
+}
+
+/// It was not despawned or disabled since it was found.
+fn is_a_body(world: &World, body: &BodyState) -> bool {
+    let entity = world.get_entity(body.entity);
+    entity.is_ok_and(|body| body.contains::<RigidBody>() && !body.contains::<Disabled>())
+}
+
+/// The box that a body fills.
+fn extent(body: &BodyState) -> Option<Aabb> {
+    Some(body.shape()?.compute_aabb(&body.pose.to_parry()))
 }

@@ -3,7 +3,7 @@
 use super::copy::{Lies, Taken, copy, empty, to_transform};
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
-use crate::body::{Pose, RigidBody, Sleeping};
+use crate::body::{BodyState, Pose, RigidBody, Sleeping};
 use crate::collider::Collider;
 use crate::schedule::{LENGTHS, step};
 use crate::settings::{Preset, SleepSettings, StepTime};
@@ -235,8 +235,37 @@ impl Shadow {
             });
         }
         let contacts = region.contacts(world, &copies);
+        for body in region.pending {
+            shadow.bring_up_to_date(world, body);
+        }
         shadow.world.insert_resource(Taken { contacts, poses });
         Ok(shadow)
+    }
+}
+
+impl Shadow {
+    /// Puts a body that was spawned or moved since the last step where the next one will find it.
+    fn bring_up_to_date(&mut self, world: &World, body: &BodyState) {
+        let mut copies = self.bodies.iter_mut();
+        let copy = match copies.find(|copied| copied.original == body.entity) {
+            Some(copied) => {
+                copied.from = body.pose;
+                copied.copy
+            }
+            None => {
+                let copy = copy(world, body, &mut self.world, Lies::AsItIs);
+                self.bodies.push(Copied {
+                    original: body.entity,
+                    copy,
+                    from: body.pose,
+                    radius: body.radius,
+                    dynamic: body.is_dynamic(),
+                });
+                copy
+            }
+        };
+        let transform = to_transform(body.pose);
+        self.world.entity_mut(copy).insert(transform);
     }
 }
 

@@ -238,7 +238,10 @@ impl<L: F32xN> Beginning<L> {
         self.load_twist[lane] = patch.load_twist;
         for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
             to.load[lane] = point.load;
-            to.separation[lane] = point.separation.max(deepest);
+            to.separation[lane] = match point.separation > deepest {
+                true => point.separation,
+                false => deepest,
+            };
             to.impulse[lane] = point.warm_normal;
         }
     }

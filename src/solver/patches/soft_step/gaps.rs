@@ -1,6 +1,6 @@
 //! How far the bodies of a problem are apart, and how deep in each other.
 
-use crate::solver::PatchProblem;
+use crate::solver::{PatchPoint, PatchProblem};
 
 /// Of all points of contact.
 #[derive(Clone, Copy, Debug)]
@@ -17,9 +17,14 @@ impl Gaps {
             widest: 0.0,
             deepest: 0.0,
         };
-        for point in &*problem.points {
-            gaps.widest = gaps.widest.max(point.separation);
-            gaps.deepest = gaps.deepest.min(point.separation);
+        // By comparisons: `max` and `min` do more, for numbers that are none.
+        for &PatchPoint { separation, .. } in &*problem.points {
+            if separation > gaps.widest {
+                gaps.widest = separation;
+            }
+            if separation < gaps.deepest {
+                gaps.deepest = separation;
+            }
         }
         gaps
     }

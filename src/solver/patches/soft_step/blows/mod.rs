@@ -36,7 +36,7 @@ use std::cell::Cell;
 const BLOW: f32 = 0.25;
 
 /// Sweeps end, and a blow spreads no farther, where they change the relative velocity at a patch by no more than this, m/s.
-const SETTLED: f32 = 0.03;
+const SETTLED: f32 = 0.02;
 
 /// What turns by more than this in a step takes no blow, rad: arms are frozen in a step, and more sweeps over arms that are wrong gain
 /// energy.

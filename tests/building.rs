@@ -673,8 +673,13 @@ fn an_edit_is_undone_as_a_whole_after_things_have_fallen() {
         log.put(&mut lab.world, moved.body, at).unwrap();
     }
     lab.run(2.0);
-    for (pose, before) in poses(&lab, &bricks).iter().zip(&before) {
-        assert!(pose.position.distance(before.position) < 1e-2);
+    let ends = poses(&lab, &bricks);
+    for (i, brick) in bricks.iter().enumerate() {
+        let off = ends[i].position.distance(before[i].position);
+        // A brick that is not told of has moved by less than 3 cm, and was not put back.
+        let was_put_back = i < taken.len() || told.contains(brick);
+        let limit = if was_put_back { 0.01 } else { 0.03 };
+        assert!(off < limit, "{i}: {off} m, put back: {was_put_back}");
     }
 }
 

@@ -1,10 +1,9 @@
 //! What loose bodies gain that must not gain any energy: rods that fall crosswise, and bodies strewn over each other.
 
+use crate::experiment::empty_world;
 use crate::metrics;
-use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::DrystonePlugins;
 use drystone::body::{RigidBody, Sleeping};
 use drystone::collider::Collider;
 use drystone::schedule::step;
@@ -172,9 +171,7 @@ impl Loose {
 
     /// Lets them go for so many seconds, or until all sleep.
     pub fn run(&self, seed: u64, dt: f32, seconds: f32) -> Fall {
-        let mut app = App::new();
-        app.add_plugins(DrystonePlugins::default());
-        let mut world = std::mem::take(app.world_mut());
+        let mut world = empty_world();
         let bodies = self.build(&mut world, seed);
         let mut fall = Fall::default();
         let mut lowest = f64::INFINITY;

@@ -33,7 +33,7 @@ pub use quarantine::{Quarantined, lift, quarantine};
 pub use resting::Resting;
 pub use sleeping::Sleeping;
 pub use table::{BodyIndex, BodyState, BodyTable};
-pub(crate) use table::{lost_description, lost_parent};
+pub(crate) use table::{is_body, lost_description, lost_parent};
 
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};

@@ -229,6 +229,12 @@ pub struct BodyTable {
     version: u64,
 }
 
+/// Whether an entity is a body now: not despawned, disabled or robbed of its kind.
+pub(crate) fn is_body(world: &World, entity: Entity) -> bool {
+    let entity = world.get_entity(entity);
+    entity.is_ok_and(|body| body.contains::<RigidBody>() && !body.contains::<Disabled>())
+}
+
 impl BodyTable {
     /// Number of slots, free ones included.
     pub fn slots(&self) -> usize {
@@ -253,10 +259,8 @@ impl BodyTable {
 
     /// The slot of a body that is there now: in the table, and not despawned, disabled or robbed of its kind since the table was filled.
     pub(crate) fn slot_of(&self, world: &World, body: Entity) -> Option<u32> {
-        let body = world.get_entity(body).ok()?;
-        let index = *body.get::<BodyIndex>()?;
-        let there = body.contains::<RigidBody>() && !body.contains::<Disabled>();
-        (there && self.holds(body.id(), index)).then_some(index.0)
+        let index = *world.get::<BodyIndex>(body)?;
+        (is_body(world, body) && self.holds(body, index)).then_some(index.0)
     }
 
     /// The body in a slot, if there is one.

@@ -1,4 +1,4 @@
-//! Crowds: bodies that lie in so many others that no solver could part them all at once.
+//! Crowds: bodies that overlap so many others that no solver could part all of them at once.
 //!
 //! A thousand bricks in one cubic metre meet in half a million pairs, of which no body can follow more than a few: where it has come out of
 //! the deepest, the others are no longer what they were. So a pair counts while it is among the [`MOST`] deepest of one of its two bodies.
@@ -31,7 +31,7 @@ struct DeepPair {
     slots: [u32; 2],
 }
 
-/// After the narrowphase. See the module's text.
+/// Part of the stage *narrowphase*: takes the contacts from pairs that are not among the deepest of either body.
 pub fn crowd(
     (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
     mut pairs: Query<(Entity, PairColumns), Without<Resting>>,

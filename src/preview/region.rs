@@ -2,10 +2,9 @@
 
 use super::PreviewError;
 use super::copy::{Contact, contact};
-use crate::body::{BodyState, BodyTable, Pending, RigidBody};
+use crate::body::{BodyState, BodyTable, Pending, is_body};
 use crate::broadphase::Broadphase;
 use crate::contact::ContactPair;
-use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -18,7 +17,7 @@ pub(super) struct Region<'w> {
     pub slots: Vec<u32>,
     /// Those of the structures.
     pub structure: HashSet<u32>,
-    /// Those that touched what has gone since the last step: they sleep and lie still no longer.
+    /// Bodies that touched something that has gone since the last step: they are awake.
     pub bereft: HashSet<u32>,
     /// Bodies that were spawned or moved since the last step, as the next step will find them.
     pub pending: Vec<&'w BodyState>,
@@ -46,7 +45,7 @@ impl<'w> Region<'w> {
         for &body in bodies {
             let slot = table.slot_of(world, body);
             let as_it_will_be = pending.and_then(|pending| pending.body(body));
-            let as_it_will_be = as_it_will_be.filter(|body| is_a_body(world, body));
+            let as_it_will_be = as_it_will_be.filter(|body| is_body(world, body.entity));
             if slot.is_none() && as_it_will_be.is_none() {
                 return Err(PreviewError::NoBody(body));
             }
@@ -70,7 +69,7 @@ impl<'w> Region<'w> {
             let near = aabb.loosened(aabb.extents().max_element());
             region.slots.extend(broadphase.tree().intersect_aabb(&near));
             let pending = pending.into_iter().flat_map(|pending| pending.near(&near));
-            let pending = pending.filter(|body| is_a_body(world, body));
+            let pending = pending.filter(|body| is_body(world, body.entity));
             region.pending.extend(pending);
             region
                 .pending
@@ -138,12 +137,6 @@ impl<'w> Region<'w> {
         }
         contacts
     }
-}
-
-/// It was not despawned or disabled since it was found.
-fn is_a_body(world: &World, body: &BodyState) -> bool {
-    let entity = world.get_entity(body.entity);
-    entity.is_ok_and(|body| body.contains::<RigidBody>() && !body.contains::<Disabled>())
 }
 
 /// The box that a body fills.

@@ -222,17 +222,10 @@ impl Shadow {
                 (false, true) => Lies::AsItIs,
                 (false, false) => Lies::UntilHit,
             };
-            let copy = copy(world, body, &mut shadow.world, lies);
             let from = world.get::<Pose>(body.entity).copied().unwrap_or(body.pose);
+            let copy = shadow.add(world, body, from, lies);
             copies.insert(body.entity, copy);
             poses.insert(copy, (from, from != body.pose));
-            shadow.bodies.push(Copied {
-                original: body.entity,
-                copy,
-                from,
-                radius: body.radius,
-                dynamic: body.is_dynamic(),
-            });
         }
         let contacts = region.contacts(world, &copies);
         for body in region.pending {
@@ -241,9 +234,20 @@ impl Shadow {
         shadow.world.insert_resource(Taken { contacts, poses });
         Ok(shadow)
     }
-}
 
-impl Shadow {
+    /// Adds a copy of a body, which begins at a pose.
+    fn add(&mut self, world: &World, body: &BodyState, from: Pose, lies: Lies) -> Entity {
+        let copy = copy(world, body, &mut self.world, lies);
+        self.bodies.push(Copied {
+            original: body.entity,
+            copy,
+            from,
+            radius: body.radius,
+            dynamic: body.is_dynamic(),
+        });
+        copy
+    }
+
     /// Puts a body that was spawned or moved since the last step where the next one will find it.
     fn bring_up_to_date(&mut self, world: &World, body: &BodyState) {
         let mut copies = self.bodies.iter_mut();
@@ -252,17 +256,7 @@ impl Shadow {
                 copied.from = body.pose;
                 copied.copy
             }
-            None => {
-                let copy = copy(world, body, &mut self.world, Lies::AsItIs);
-                self.bodies.push(Copied {
-                    original: body.entity,
-                    copy,
-                    from: body.pose,
-                    radius: body.radius,
-                    dynamic: body.is_dynamic(),
-                });
-                copy
-            }
+            None => self.add(world, body, body.pose, Lies::AsItIs),
         };
         let transform = to_transform(body.pose);
         self.world.entity_mut(copy).insert(transform);

@@ -11,7 +11,7 @@
 //! first courses would fill blocks along the whole wall before the next have room. How near decides how closely sweeps can follow each
 //! other ([`super::patches`]'s pipeline).
 //!
-//! Of a heavy body that many light ones touch several contacts may stand in one block ([`rounds`](super::rounds)).
+//! Several contacts of one heavy body may stand in one block, if many light bodies touch it ([`rounds`](super::rounds)).
 //!
 //! What stands in a row, as a stack does, fills one lane in a block, since each contact waits for the one before. There the sequence of
 //! blocks is *folded*: cut into laps of the same length, which lie side by side, each a sweep behind the one before it
@@ -48,23 +48,24 @@ const SWEEPS: usize = 16;
 impl Batches {
     /// Of contacts between such pairs, in the order of the sweep, into blocks of so many lanes.
     pub fn of(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
-        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let pairs: Vec<[u32; 2]> = pairs.collect();
-        let rounds = Rounds::default();
-        let waves = Waves::of(&pairs, bodies.len(), moves, &rounds);
-        Self::new(lanes, &pairs, &waves, bodies.len(), moves, rounds)
+        Self::with(lanes, &pairs, bodies, Rounds::default())
     }
 
     /// The same, with rounds where there are any.
     pub fn in_rounds(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
-        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let pairs: Vec<[u32; 2]> = pairs.collect();
         let rounds = Rounds::of(pairs.iter().copied(), bodies);
-        let waves = Waves::of(&pairs, bodies.len(), moves, &rounds);
-        Self::new(lanes, &pairs, &waves, bodies.len(), moves, rounds)
+        Self::with(lanes, &pairs, bodies, rounds)
     }
 
-    /// The same, folded where that is worth it. What has rounds is not: a body that so many others touch is in blocks all the way.
+    fn with(lanes: usize, pairs: &[[u32; 2]], bodies: &[Body], rounds: Rounds) -> Self {
+        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+        let waves = Waves::of(pairs, bodies.len(), moves, &rounds);
+        Self::new(lanes, pairs, &waves, bodies.len(), moves, rounds)
+    }
+
+    /// The same, folded where that is worth it. Blocks with rounds are not folded: the body that so many others touch is in all of them.
     pub fn folded(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let pairs: Vec<[u32; 2]> = pairs.collect();
@@ -108,21 +109,16 @@ impl Batches {
     ) -> Self {
         let mut slots: Vec<u32> = Vec::with_capacity(2 * pairs.len());
         let mut filled: Vec<u8> = Vec::with_capacity(2 * pairs.len() / lanes);
-        // The first block that may hold a body next; and from each block the way to one with room.
-        let mut after = vec![0u32; bodies];
-        let mut waits = vec![Waits::default(); rounds.bodies()];
+        let mut turns = Turns::new(bodies, &rounds);
+        // From each block the way to one with room.
         let mut next: Vec<u32> = Vec::new();
         let mut floor = 0;
         for wave in waves.iter() {
             let begun = filled.len() as u32;
             for &contact in wave {
                 let pair = pairs[contact as usize];
-                let seats = rounds.seats(contact);
-                let free: [u32; 2] = std::array::from_fn(|side| match seats[side] {
-                    Some(seat) => waits[seat.body as usize].earliest(seat.round),
-                    None => after[pair[side] as usize],
-                });
-                let block = with_room(&mut next, free[0].max(free[1]).max(floor));
+                let free = turns.earliest(contact, pair);
+                let block = with_room(&mut next, free.max(floor));
                 if block as usize == filled.len() {
                     filled.push(0);
                     slots.resize(slots.len() + lanes, NONE);
@@ -134,13 +130,7 @@ impl Batches {
                 if *fill as usize == lanes {
                     next[block as usize] = block + 1;
                 }
-                for (body, seat) in pair.into_iter().zip(seats) {
-                    match seat {
-                        Some(seat) => waits[seat.body as usize].came(block),
-                        None if moves(body) => after[body as usize] = block + 1,
-                        None => {}
-                    }
-                }
+                turns.came(contact, pair, block, &moves);
             }
             floor = begun;
         }
@@ -253,6 +243,46 @@ fn contacts(slots: &[u32]) -> impl Iterator<Item = (usize, u32)> + Clone {
     lanes.filter(|&(_, contact)| contact != NONE)
 }
 
+/// In which wave, or block, the next contact of each body may come.
+struct Turns<'a> {
+    rounds: &'a Rounds,
+    /// By body: the first.
+    after: Vec<u32>,
+    /// By body that has rounds.
+    waits: Vec<Waits>,
+}
+
+impl<'a> Turns<'a> {
+    fn new(bodies: usize, rounds: &'a Rounds) -> Self {
+        Self {
+            rounds,
+            after: vec![0; bodies],
+            waits: vec![Waits::default(); rounds.bodies()],
+        }
+    }
+
+    /// The first in which a contact may come.
+    fn earliest(&mut self, contact: u32, pair: [u32; 2]) -> u32 {
+        let seats = self.rounds.seats(contact);
+        let earliest: [u32; 2] = std::array::from_fn(|side| match seats[side] {
+            Some(seat) => self.waits[seat.body as usize].earliest(seat.round),
+            None => self.after[pair[side] as usize],
+        });
+        earliest[0].max(earliest[1])
+    }
+
+    /// A contact comes in this one. `moves` tells which bodies must not be shared.
+    fn came(&mut self, contact: u32, pair: [u32; 2], when: u32, moves: impl Fn(u32) -> bool) {
+        for (body, seat) in pair.into_iter().zip(self.rounds.seats(contact)) {
+            match seat {
+                Some(seat) => self.waits[seat.body as usize].came(when),
+                None if moves(body) => self.after[body as usize] = when + 1,
+                None => {}
+            }
+        }
+    }
+}
+
 /// Contacts by wave, and those of a wave in their order.
 struct Waves {
     contacts: Vec<u32>,
@@ -262,32 +292,20 @@ struct Waves {
 
 impl Waves {
     fn of(pairs: &[[u32; 2]], bodies: usize, moves: impl Fn(u32) -> bool, rounds: &Rounds) -> Self {
-        let mut after = vec![0u32; bodies];
-        let mut waits = vec![Waits::default(); rounds.bodies()];
+        let mut turns = Turns::new(bodies, rounds);
         let mut waves: Vec<u32> = Vec::with_capacity(pairs.len());
-        for (contact, pair) in (0..).zip(pairs) {
-            let seats = rounds.seats(contact);
-            let wave: [u32; 2] = std::array::from_fn(|side| match seats[side] {
-                Some(seat) => waits[seat.body as usize].earliest(seat.round),
-                None => after[pair[side] as usize],
-            });
-            let wave = wave[0].max(wave[1]);
+        for (contact, &pair) in (0..).zip(pairs) {
+            let wave = turns.earliest(contact, pair);
             waves.push(wave);
-            for (&body, seat) in pair.iter().zip(seats) {
-                match seat {
-                    Some(seat) => waits[seat.body as usize].came(wave),
-                    None if moves(body) => after[body as usize] = wave + 1,
-                    None => {}
-                }
-            }
+            turns.came(contact, pair, wave, &moves);
         }
         let mut sizes = vec![0u32; waves.iter().max().map_or(0, |&wave| wave as usize + 1)];
         // What could be first and waits for nobody, as what stands on the ground, comes right before the next contact of its bodies.
-        let mut before = after;
+        let mut before = turns.after;
         before.fill(u32::MAX);
         for (contact, (pair, wave)) in pairs.iter().zip(&mut waves).enumerate().rev() {
             let moving = || pair.iter().filter(|&&body| moves(body));
-            // Who is in a round stays there.
+            // A contact of a round stays in its wave.
             let seated = rounds.seats(contact as u32) != [None; 2];
             let latest = moving().map(|&body| before[body as usize]);
             let (least, most) = latest.fold((u32::MAX, 0), |(least, most), wave| {

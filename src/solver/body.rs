@@ -36,6 +36,11 @@ impl Default for Body {
     }
 }
 
+/// The sum of the diagonal.
+pub(super) fn trace(matrix: &Mat3) -> f32 {
+    matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
+}
+
 /// Speed of the centre of mass and at the radius of gyration together, m/s, of a linear and an angular velocity.
 pub(super) fn speed_of(linear: Vec3, angular: Vec3, square_gyration: f32) -> f32 {
     (linear.length_squared() + square_gyration * angular.length_squared()).sqrt()
@@ -67,8 +72,7 @@ impl Body {
 
     /// The square of the mean radius of gyration, m²; 0 of what nothing moves.
     pub(super) fn square_gyration(&self) -> f32 {
-        let inertia = &self.inverse_inertia;
-        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        let trace = trace(&self.inverse_inertia);
         match trace > 0.0 {
             true => 3.0 * self.inverse_mass / trace,
             false => 0.0,

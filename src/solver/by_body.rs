@@ -18,7 +18,7 @@ impl<T> Default for ByBody<T> {
 }
 
 impl<T: Clone + Default> ByBody<T> {
-    /// Sorts the items of so many bodies, which are visited twice.
+    /// Sorts the items of so many bodies. The iterator runs twice.
     pub fn fill(&mut self, bodies: usize, items: impl Iterator<Item = (u32, T)> + Clone) {
         let Self {
             starts,

@@ -6,6 +6,7 @@
 //! whatever the step, and what a body is pressed against holds it: it does not ask for what [walls](super::walls) do not allow.
 
 use super::Body;
+use super::body::trace;
 use super::lanes::State;
 use super::walls::{self, Wall};
 use glam::{Mat3, Vec3, Vec4};
@@ -274,10 +275,6 @@ fn add(velocity: &mut State, change: [Vec3; 2]) {
     for (velocity, change) in velocity.iter_mut().zip(change) {
         *velocity += change.extend(0.0);
     }
-}
-
-fn trace(matrix: &Mat3) -> f32 {
-    matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
 }
 
 /// What an answer is to impulses along some axes only, seen along these: rows and columns of the others are zero.

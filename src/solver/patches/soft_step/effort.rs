@@ -117,10 +117,8 @@ impl Effort {
             rate: rate.min(sweeps(problem.longest) as f32 / problem.longest),
         }
     }
-}
 
-impl Effort {
-    /// Rigid ones included.
+    /// How many sweeps a step takes, rigid ones included.
     pub fn sweeps(&self) -> usize {
         self.substeps + self.substeps.div_ceil(self.substeps_per_rigid_sweep)
     }

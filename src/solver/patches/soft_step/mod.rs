@@ -13,7 +13,7 @@
 //! - **Every third substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
 //!   course in walls and pyramids of 40 courses; those get one after every second, with which, at equal sweeps, arches tremble and
 //!   small pyramids drift twice as far.
-//! - **Down again where it is very tall** ([`Effort::downwards`]): there rigid sweeps go from the top to the ground.
+//! - **Rigid sweeps go down** in very tall structures ([`Effort::downwards`]), from the top to the ground.
 //! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry their load at rest by
 //!   themselves, and springs rest where surfaces meet and where friction took hold: integral action. The mean of a patch is followed
 //!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
@@ -22,7 +22,7 @@
 //! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer with every short step
 //!   would throw what a long one has let sink.
 //! - **Blows** ([`blows`]): substeps in which bodies hit each other get more sweeps where they do, and the next begins without the blow.
-//! - **Parting** ([`parting`]): what lies deep in each other is moved apart, and gets no velocity by it.
+//! - **Parting** ([`parting`]): bodies that lie deep in each other are moved apart, and get no velocity by it.
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose
@@ -69,8 +69,8 @@ use island::{laps, stands_by_itself};
 use std::f32::consts::TAU;
 use survey::{Footing, Survey};
 
-/// In what is very tall ([`Effort::downwards`]) loads at rest follow so many times slower. It sways slowly, and loads that follow its swaying
-/// push it on: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or stiffer springs, and drifts by
+/// In very tall structures ([`Effort::downwards`]) loads at rest follow so many times slower. They sway slowly, and loads that follow their
+/// swaying push them on: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or stiffer springs, and drifts by
 /// 3 mm in a minute if they follow a tenth as fast.
 const SLOWER: f32 = 40.0;
 

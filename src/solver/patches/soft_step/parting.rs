@@ -1,10 +1,10 @@
 //! Bodies that lie deep in each other are moved apart, instead of being made faster.
 //!
-//! A spring takes an overlap back by a velocity, and what has a velocity keeps it. That is as nothing where bodies rest, and rest
-//! within a millimetre. But of three hundred balls in one place each would push on its neighbours, and they on theirs: those outside
-//! would leave with the sum. So where something is that deep springs see no more of an overlap than [`DEEP`], and the rest is taken back here, by positions alone:
-//! at the end of a step each point that is deeper is moved apart along its normal, no faster than the fastest correction with what it has
-//! come by itself, shared as impulses would be.
+//! A spring takes an overlap back by a velocity, and bodies keep that velocity. It hardly counts where bodies rest, since they overlap by less
+//! than a millimetre. But if three hundred balls are in one place, each pushes on its neighbours, and these on theirs: the outer balls
+//! would leave with the sum of all velocities. So where bodies are deeper in each other than [`NEEDED`], springs see no more of an overlap
+//! than [`DEEP`], and positions alone take back the rest: at the end of a step the bodies are moved apart at each point that is deeper, along
+//! its normal, shared as an impulse would be. Together with the motion of the step that is no faster than the fastest correction.
 
 use super::gaps::Gaps;
 use super::island::Island;
@@ -12,22 +12,22 @@ use crate::solver::lanes::{F32xN, State};
 use crate::solver::{Body, PatchConstraint, PatchProblem};
 use glam::{Vec3, Vec4};
 
-/// Where something lies so deep, m. What lands hard in a heap comes nearly as deep, and springs alone take it back.
+/// The depth from which on bodies are moved apart, m. Bodies that land hard in a heap come nearly as deep; springs alone part them.
 const NEEDED: f32 = 0.05;
 
-/// What is deeper is not left to springs then, m.
+/// The part of a depth that is left to springs then, m.
 const DEEP: f32 = 0.02;
 
 /// Visits to each point.
 const SWEEPS: usize = 4;
 
-/// Nothing is moved faster than this times the fastest correction, whatever it lies in.
+/// No body is moved faster than this times the fastest correction, however many others it lies in.
 const FASTEST: f32 = 1.5;
 
-/// Nor turned by more than this in a step, rad: arms are those of before.
+/// No body is turned by more than this in a step, rad: arms are those of before.
 const TURN: f32 = 0.1;
 
-/// Whether anything lies so deep.
+/// Whether some bodies are that deep in each other.
 pub fn is_needed(gaps: &Gaps) -> bool {
     gaps.deepest < -NEEDED
 }
@@ -108,7 +108,7 @@ impl Row {
 }
 
 impl<L: F32xN> Island<L> {
-    /// Moves what lies deep in something apart, after all sweeps.
+    /// Moves bodies apart that lie deep in each other, after all sweeps.
     pub fn part(&mut self, problem: &PatchProblem) {
         let fastest = problem.max_correction_speed * problem.dt;
         let patches = problem.patches.iter();

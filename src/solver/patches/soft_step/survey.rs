@@ -1,5 +1,6 @@
 //! What a problem's bodies stand on and its contacts carry, as a step begins: found in one pass over them.
 
+use crate::solver::body::trace;
 use crate::solver::{Body, PatchProblem};
 
 /// What bears so many times what a body is pressed down with still bears what is gone.
@@ -73,8 +74,7 @@ impl Survey {
 
 impl Footing {
     fn of(body: &Body) -> Self {
-        let inertia = &body.inverse_inertia;
-        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        let trace = trace(&body.inverse_inertia);
         Self {
             // That of a cube of side a is 18 / (m a²).
             yielding: (body.inverse_mass * trace * (4.0 / 18.0)).sqrt(),

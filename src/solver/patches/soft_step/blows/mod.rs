@@ -24,7 +24,7 @@ use super::block::Pass;
 use super::gaps::Gaps;
 use super::island::Island;
 use super::kinds::{MoreRigid, MoreSoft, Soft};
-use crate::solver::body::speed_of;
+use crate::solver::body::{speed_of, trace};
 use crate::solver::lanes::{F32xN, Kernel, cells};
 use crate::solver::{Body, PatchConstraint, PatchProblem};
 use glam::Vec3;
@@ -92,9 +92,7 @@ fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
 
 /// The square of the largest radius of gyration, m².
 fn longest_square_gyration(body: &Body) -> f32 {
-    let inertia = body.inverse_inertia.inverse();
-    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    0.5 * trace * body.inverse_mass
+    0.5 * trace(&body.inverse_inertia.inverse()) * body.inverse_mass
 }
 
 /// What an island keeps for its blows.

@@ -32,12 +32,14 @@ pub struct Played {
     pub moved: f32,
     /// The same of its top course, m.
     pub top_moved: f32,
-    /// Its momentum, at most, N·s.
+    /// Its momentum, at most, N·s. A wall that is hit at its top turns about its foot, where the ground pushes it on, so that this may be up
+    /// to 1.5 times the momentum of the ball.
     pub momentum: f32,
-    /// By how much its momentum exceeds that of the balls thrown so far, at most, N·s.
-    pub unexplained: f32,
     /// The momentum of all balls that were thrown, N·s.
     pub thrown: f32,
+    /// Its angular momentum about the axis of its foot, at most, over that which two balls in a row have brought so far and what its weight adds while
+    /// it swings. About 1, if none comes from nowhere.
+    pub swing: f32,
 }
 
 /// Seconds between what is done.
@@ -45,6 +47,9 @@ const PAUSE: f32 = 0.5;
 
 /// Speed of a ball along z, m/s; it flies up by a tenth of that.
 const THROWN: f32 = 10.0;
+
+/// Angular momentum that nobody asks about, N·m·s: half a percent of a ball's that hits a wall at 5 m.
+const ROUNDING: f32 = 1.0;
 
 /// How long the wall stands before, s.
 const SETTLES: f32 = 1.0;
@@ -68,11 +73,14 @@ impl Play {
             turns: 0,
         };
         let mut played = Played::default();
+        let mut budget = Budget::default();
         let top = self.columns as usize + self.courses.is_multiple_of(2) as usize;
         let pause = (PAUSE / self.dt).round() as usize;
         for number in 0..(self.seconds / self.dt).round() as usize {
             if number % pause == 0 {
-                played.thrown += player.act(&mut world);
+                let [momentum, angular] = player.act(&mut world);
+                played.thrown += momentum;
+                budget.bring(angular);
             }
             advance(&mut world);
             let off = bricks
@@ -81,15 +89,57 @@ impl Play {
                 .map(|(&b, z)| offset(&world, b) - z);
             let off: Vec<f32> = off.collect();
             let mean = |off: &[f32]| off.iter().sum::<f32>() / off.len() as f32;
-            let speeds = bricks.iter().map(|&b| watch(&world, b).1.linear.z);
-            let momentum: f32 = speeds.zip(&masses).map(|(v, m)| v * m).sum();
+            let (mut momentum, mut angular, mut lean) = (0.0, 0.0, 0.0);
+            for ((&brick, &mass), off) in bricks.iter().zip(&masses).zip(&off) {
+                let (pose, velocity) = watch(&world, brick);
+                let about_foot = pose.position.cross(velocity.linear);
+                momentum += mass * velocity.linear.z;
+                angular += mass * about_foot.x;
+                lean += mass * off;
+            }
             played.moved = played.moved.max(mean(&off).abs());
             played.top_moved = played.top_moved.max(mean(&off[off.len() - top..]).abs());
             played.momentum = played.momentum.max(momentum.abs());
-            let unexplained = momentum.abs() - played.thrown;
-            played.unexplained = played.unexplained.max(unexplained);
+            played.swing = played
+                .swing
+                .max(budget.swing(angular, 9.81 * lean * self.dt));
         }
         played
+    }
+}
+
+/// Angular momentum about the axis of a wall's foot, N·m·s.
+#[derive(Default)]
+struct Budget {
+    /// That of the last ball.
+    last: f32,
+    /// The most that two balls in a row have brought. (The wall may swing back from others when two hit it at its foot.)
+    brought: f32,
+    /// What the wall has.
+    angular: f32,
+    /// What its weight has added since it swings this way.
+    leaned: f32,
+}
+
+impl Budget {
+    /// A ball is thrown.
+    fn bring(&mut self, angular: f32) {
+        if angular > 0.0 {
+            self.brought = self.brought.max(self.last + angular);
+            self.last = angular;
+        }
+    }
+
+    /// After a step in which weight has given so much: what the wall has now over what it may have.
+    fn swing(&mut self, angular: f32, weight: f32) -> f32 {
+        if angular * self.angular <= 0.0 {
+            self.leaned = 0.0;
+        }
+        self.angular = angular;
+        self.leaned += (weight * angular.signum()).max(0.0);
+        let most = self.brought + self.leaned;
+        // Before the first ball a wall rests, but for rounding.
+        angular.abs() / (most + ROUNDING)
     }
 }
 
@@ -112,8 +162,8 @@ struct Player {
 }
 
 impl Player {
-    /// Does the next thing. The momentum of what is thrown, N·s.
-    fn act(&mut self, world: &mut World) -> f32 {
+    /// Does the next thing. The momentum of what is thrown, N·s, and its angular momentum about the foot of the wall, N·m·s.
+    fn act(&mut self, world: &mut World) -> [f32; 2] {
         let columns = self.wall.columns as f32;
         let top = 0.5 * self.wall.courses as f32;
         let column = (self.rng.f32() * (columns - 2.0)).floor() - 0.5 * columns + 1.0;
@@ -133,13 +183,14 @@ impl Player {
                     Transform::from_translation(at),
                     Velocity::linear(Vec3::new(0.0, 0.1 * THROWN, -THROWN)),
                 ));
-                1000.0 * 4.0 / 3.0 * std::f32::consts::PI * radius.powi(3) * THROWN
+                let mass = 1000.0 * 4.0 / 3.0 * std::f32::consts::PI * radius.powi(3);
+                [1.0, at.y].map(|arm| mass * THROWN * arm)
             }
             0 => {
                 if let Some(brick) = self.laid.pop() {
                     world.despawn(brick);
                 }
-                0.0
+                [0.0; 2]
             }
             _ => {
                 let shift = 0.5 * (self.wall.courses % 2) as f32;
@@ -157,7 +208,7 @@ impl Player {
                     );
                     self.laid.push(world.spawn(brick).id());
                 }
-                0.0
+                [0.0; 2]
             }
         }
     }

@@ -1,11 +1,16 @@
 //! Which bodies take a blow, and the lanes of their patches.
 
+use super::super::upright::up;
 use super::SETTLED;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::by_body::ByBody;
 use crate::solver::lanes::F32xN;
 use fixedbitset::FixedBitSet;
+
+/// A patch is steep if the cosine of its normal to the vertical is less than this. More sweeps visit steep patches only: on others momentum is
+/// handed down.
+const STEEP: f32 = 0.5;
 
 /// A patch of a body, and where it is in the blocks.
 #[derive(Clone, Copy, Default)]
@@ -15,6 +20,7 @@ pub struct Place {
     pub lane: u32,
     /// On which side of the patch the body is.
     pub side: u32,
+    is_steep: bool,
 }
 
 /// What is said of the lanes of a block.
@@ -22,7 +28,9 @@ pub struct Place {
 struct HotLanes<L> {
     /// 1 where a body is hot, else 0.
     hot: L,
-    /// 1 where a body has been stirred, else 0: they are to be visited.
+    /// The same of steep patches.
+    hot_and_steep: L,
+    /// 1 where a body of a steep patch has been stirred, else 0: they are to be visited.
     stirred: L,
     /// 0 where springs hold all that they give, else 1.
     gives: L,
@@ -69,6 +77,7 @@ impl<L: F32xN> Hot<L> {
         self.lanes.clear();
         let none = HotLanes {
             hot: L::ZERO,
+            hot_and_steep: L::ZERO,
             stirred: L::ZERO,
             gives: L::ONE,
         };
@@ -77,15 +86,19 @@ impl<L: F32xN> Hot<L> {
             blocks.clear();
             blocks.grow(batches.blocks());
         }
+        let up = up(problem);
         let places = (0..).zip(batches.iter()).flat_map(|(block, patches)| {
             patches.flat_map(move |(lane, patch)| {
-                let ends = (0..).zip(problem.patches[patch as usize].bodies);
+                let found = &problem.patches[patch as usize];
+                let is_steep = found.normal.dot(up).abs() < STEEP;
+                let ends = (0..).zip(found.bodies);
                 ends.map(move |(side, body)| {
                     let place = Place {
                         patch,
                         block,
                         lane: lane as u32,
                         side,
+                        is_steep,
                     };
                     (body, place)
                 })
@@ -110,19 +123,23 @@ impl<L: F32xN> Hot<L> {
         }
         self.bodies.push(body);
         for place in self.places.of(body) {
-            self.lanes[place.block as usize].hot[place.lane as usize] = 1.0;
+            let lanes = &mut self.lanes[place.block as usize];
+            lanes.hot[place.lane as usize] = 1.0;
+            if place.is_steep {
+                lanes.hot_and_steep[place.lane as usize] = 1.0;
+            }
             self.hot_blocks.insert(place.block as usize);
         }
     }
 
-    /// Makes a body hot whose patches are to be visited.
+    /// Makes a body hot whose steep patches are to be visited.
     fn stir(&mut self, body: u32) {
         if std::mem::replace(&mut self.is_stirred[body as usize], true) {
             return;
         }
         self.stirred.push(body);
         self.heat(body);
-        for place in self.places.of(body) {
+        for place in self.places.of(body).iter().filter(|place| place.is_steep) {
             self.lanes[place.block as usize].stirred[place.lane as usize] = 1.0;
             self.stirred_blocks.insert(place.block as usize);
         }
@@ -141,26 +158,38 @@ impl<L: F32xN> Hot<L> {
             self.is[body as usize] = false;
         }
         for block in self.hot_blocks.ones() {
-            self.lanes[block].hot = L::ZERO;
-            self.lanes[block].gives = L::ONE;
+            let lanes = &mut self.lanes[block];
+            (lanes.hot, lanes.hot_and_steep) = (L::ZERO, L::ZERO);
+            lanes.gives = L::ONE;
         }
         self.hot_blocks.clear();
         self.visits.clear();
     }
 
-    /// The next sweep visits all patches of hot bodies.
+    /// What is next visits all patches of hot bodies.
     pub fn visit_all(&mut self) {
-        self.visits.clear();
+        self.visit(|lanes| lanes.hot);
+    }
+
+    /// The next sweep visits all steep patches of hot bodies.
+    pub fn visit_steep(&mut self) {
+        self.visit(|lanes| lanes.hot_and_steep);
+    }
+
+    fn visit(&mut self, of: impl Fn(&HotLanes<L>) -> L) {
         let lanes = &self.lanes;
         let visit = |block: usize| Visit {
             block: block as u32,
-            lanes: lanes[block].hot,
+            lanes: of(&lanes[block]),
             gives: lanes[block].gives,
         };
-        self.visits.extend(self.hot_blocks.ones().map(visit));
+        let visits = self.hot_blocks.ones().map(visit);
+        let visits = visits.filter(|visit| visit.lanes.any_above(L::ZERO));
+        self.visits.clear();
+        self.visits.extend(visits);
     }
 
-    /// The next sweep visits the patches of those bodies that the last one has stirred; they become hot. Whether there are any.
+    /// The next sweep visits the steep patches of those bodies that the last one has stirred; they become hot. Whether there are any.
     pub fn visit_stirred(&mut self, problem: &PatchProblem, batches: &Batches) -> bool {
         let mut changes = std::mem::take(&mut self.changes);
         for (block, square) in changes.drain(..) {

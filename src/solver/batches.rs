@@ -228,19 +228,45 @@ impl Batches {
     }
 
     /// The contacts of one block, each with its lane.
-    pub fn block(&self, block: usize) -> impl Iterator<Item = (usize, u32)> + Clone {
-        contacts(&self.slots[block * self.lanes..][..self.lanes])
+    #[inline]
+    pub fn block(&self, block: usize) -> Contacts<'_> {
+        Contacts::of(&self.slots[block * self.lanes..][..self.lanes])
     }
 
     /// The contacts of each block, each with its lane.
-    pub fn iter(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, u32)> + Clone> + Clone {
-        self.slots.chunks_exact(self.lanes).map(contacts)
+    pub fn iter(&self) -> impl Iterator<Item = Contacts<'_>> + Clone {
+        self.slots.chunks_exact(self.lanes).map(Contacts::of)
     }
 }
 
-fn contacts(slots: &[u32]) -> impl Iterator<Item = (usize, u32)> + Clone {
-    let lanes = slots.iter().copied().enumerate();
-    lanes.filter(|&(_, contact)| contact != NONE)
+/// The contacts of a block, each with its lane. (A filter is not inlined into loops over lanes, and costs a twentieth of a step.)
+#[derive(Clone)]
+pub struct Contacts<'a> {
+    slots: &'a [u32],
+    lane: usize,
+}
+
+impl<'a> Contacts<'a> {
+    #[inline(always)]
+    fn of(slots: &'a [u32]) -> Self {
+        Self { slots, lane: 0 }
+    }
+}
+
+impl Iterator for Contacts<'_> {
+    type Item = (usize, u32);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Self::Item> {
+        while let Some(&contact) = self.slots.get(self.lane) {
+            let lane = self.lane;
+            self.lane += 1;
+            if contact != NONE {
+                return Some((lane, contact));
+            }
+        }
+        None
+    }
 }
 
 /// In which wave, or block, the next contact of each body may come.

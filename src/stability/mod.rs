@@ -2,7 +2,7 @@
 //!
 //! It is limit analysis, by the static theorem (Heyman 1966; for friction Livesley 1978): a structure of rigid blocks stands as long as there are
 //! forces in its joints, within the polygons in which faces touch and within the cones of friction, that balance what acts on it. The most of a
-//! load for which there are such forces is found by a cone program ([`clarabel`]), and its dual variables are the motion by which the structure
+//! load for which there are such forces is found by a cone program, and its dual variables are the motion by which the structure
 //! fails. Nothing is stepped, and what contacts carry now does not matter; only where they are.
 //!
 //! The theorem lets what slides open as well, which nothing does that is held from both sides. That is mended round by round (`program.rs`), so that
@@ -29,8 +29,14 @@
 //! assert_eq!(margin.moving.len(), bricks.len());
 //! ```
 
+mod cholesky;
+mod cone;
+mod cone_program;
 mod error;
+mod interior;
+mod order;
 mod program;
+mod scaled;
 mod structure;
 
 pub use error::StabilityError;

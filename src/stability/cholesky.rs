@@ -261,3 +261,41 @@ fn subtract_turned(from: &mut [f64], strip: &[[f64; 6]], vector: &[f64]) {
         *from -= (0..6).map(|r| column[r] * vector[r]).sum::<f64>();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bodies in a grid, of which neighbours are tied, with blocks of any numbers: what is solved is what was multiplied.
+    #[test]
+    fn it_solves_what_was_multiplied() {
+        let (wide, high) = (7, 5);
+        let count = wide * high;
+        let along = (0..count).filter(|i| i % wide > 0).map(|i| [i, i - 1]);
+        let up = (wide..count).map(|i| [i - wide, i]);
+        let ties: Vec<[usize; 2]> = along.chain(up).collect();
+        let plan = Plan::new(count, ties.iter().copied());
+        let mut factor = Factor::new(&plan);
+        factor.reset(&plan, 30.0);
+        let mut random = fastrand::Rng::with_seed(3);
+        let wanted: Vec<[f64; 6]> = (0..count)
+            .map(|_| std::array::from_fn(|_| random.f64()))
+            .collect();
+        let mut vector: Vec<[f64; 6]> = wanted.iter().map(|six| six.map(|x| 30.0 * x)).collect();
+        for [row, column] in ties {
+            let block: Block = std::array::from_fn(|_| std::array::from_fn(|_| random.f64()));
+            factor.add(plan.spot(row, column), &block);
+            for r in 0..6 {
+                for c in 0..6 {
+                    vector[row][r] += block[c][r] * wanted[column][c];
+                    vector[column][c] += block[c][r] * wanted[row][r];
+                }
+            }
+        }
+        factor.factorize(&plan);
+        factor.solve(&plan, &mut vector);
+        let pairs = vector.as_flattened().iter().zip(wanted.as_flattened());
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{off}");
+    }
+}

@@ -90,3 +90,42 @@ impl Scaling {
         self.turn(of, -1.0, 1.0 / self.size)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: Four = [3.0, 1.0, -2.0, 0.5];
+    const Z: Four = [1.5, 0.3, 0.2, -1.2];
+
+    fn assert_same(one: Four, other: Four) {
+        let off = (0..4).map(|i| (one[i] - other[i]).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{one:?} and {other:?}");
+    }
+
+    #[test]
+    fn a_scaling_takes_both_points_to_one() {
+        let scaling = Scaling::new(S, Z);
+        assert_same(scaling.times(Z), scaling.inverse(S));
+        assert_same(scaling.times(scaling.inverse(S)), S);
+    }
+
+    #[test]
+    fn a_quotient_undoes_a_product() {
+        assert_same(quotient(product(S, Z), S), Z);
+    }
+
+    #[test]
+    fn a_way_ends_at_the_rim() {
+        for along in [
+            [-1.0, 0.0, 0.0, 0.0],
+            [0.1, 5.0, 0.0, 1.0],
+            [-1.0, 0.2, 0.1, 0.0],
+        ] {
+            let far = reach(S, along);
+            let at: Four = std::array::from_fn(|i| S[i] + far * along[i]);
+            assert!(at[0] >= 0.0 && square(at).abs() < 1e-12, "{at:?}");
+        }
+        assert_eq!(reach(S, [1.0, 0.0, 0.0, 0.0]), f64::INFINITY);
+    }
+}

@@ -15,6 +15,10 @@ const SHIFT: f64 = 1e-9;
 const LEFT: f64 = 1e-8;
 const REFINEMENTS: usize = 2;
 
+/// Forces balance a load but for this share of it, or are not found in so many refinements.
+const BALANCED: f64 = 1e-6;
+const LEAST_REFINEMENTS: usize = 6;
+
 /// A matrix H and its factor.
 pub(super) struct Scaled {
     plan: Plan,
@@ -169,10 +173,6 @@ impl Scaled {
     }
 }
 
-/// Forces balance a load but for this share of it, or are not found in so many refinements.
-const BALANCED: f64 = 1e-6;
-const LEAST_REFINEMENTS: usize = 6;
-
 impl ScaledFace {
     /// What is left of W⁻² for the rows of G when the slide is eliminated: a square matrix, row by row.
     fn scale(&mut self, face: &Face, s: &[f64], z: &[f64]) -> Vec<f64> {
@@ -204,7 +204,7 @@ impl ScaledFace {
         for row in 0..count {
             for column in 0..count {
                 inner[row * count + column] += match (row >= corners) && (column >= corners) {
-                    // Written so that the large t² and ‖v‖² are subtracted by hand.
+                    // Here the large t² and ‖v‖² would cancel, so that it is written out what is left of them.
                     true => {
                         let [one, other] = [row - corners, column - corners];
                         let same = if one == other { share } else { 0.0 };

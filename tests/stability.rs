@@ -293,7 +293,7 @@ fn a_wall_of_a_hundred_bricks_is_soon_known() {
     });
     let least = times.min().unwrap();
     println!("{least:?}");
-    // Of a tenth of a second on a quiet machine.
+    // Of a hundredth of a second on a quiet machine.
     assert!(least.as_millis() < 500, "{least:?}");
 }
 

@@ -181,14 +181,16 @@ fn eliminate(strips: &mut [[f64; 6]], own: usize) {
             let block: &mut Block = (&mut now[..6]).try_into().expect("six columns");
             subtract(block, &product(before, passed));
             for c in 0..6 {
-                for d in 0..c {
-                    for r in 0..6 {
-                        block[c][r] -= diagonal[d][c] * block[d][r];
+                let (done, now) = block.split_at_mut(c);
+                let column = &mut now[0];
+                for (done, diagonal) in done.iter().zip(&*diagonal) {
+                    for (number, done) in column.iter_mut().zip(done) {
+                        *number -= diagonal[c] * done;
                     }
                 }
-                for r in 0..6 {
-                    block[c][r] *= diagonal[c][c];
-                }
+                column
+                    .iter_mut()
+                    .for_each(|number| *number *= diagonal[c][c]);
             }
         }
     }
@@ -204,9 +206,8 @@ fn root(block: &mut Block) {
         }
         let pivot = 1.0 / block[c][c].max(LEAST_PIVOT).sqrt();
         block[c][c] = pivot;
-        for r in c + 1..6 {
-            block[c][r] *= pivot;
-        }
+        let below = block[c][c + 1..].iter_mut();
+        below.for_each(|number| *number *= pivot);
     }
 }
 

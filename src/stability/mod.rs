@@ -105,7 +105,7 @@ pub enum How {
     Tips,
 }
 
-/// Most bodies of a structure that may be asked about. Time grows faster than their number: walls of a hundred bricks take some 0.02 s of one core,
+/// Most bodies of a structure that may be asked about. Time grows faster than their number: walls of a hundred bricks take some 0.01 s of one core,
 /// of a thousand 0.2 to 0.8 s, of five thousand 3 to 10 s, those longest that fail by sliding. A few loads that press within a wall take eight rounds
 /// instead of one or two, and as many times longer.
 pub const MAX_BODIES: usize = 5000;

@@ -141,7 +141,7 @@ impl Scaled {
         self.factor.reset(&self.plan, SHIFT);
         for (face, spots) in program.faces.iter().zip(&self.spots) {
             let count = face.rows.len();
-            let one = |at: usize| (at % (count + 1) == 0) as u8 as f64;
+            let one = |at: usize| at.is_multiple_of(count + 1) as u8 as f64;
             let inner: Vec<f64> = (0..count * count).map(one).collect();
             form(face, &inner, spots, &mut self.factor);
         }

@@ -12,13 +12,11 @@
 //! load adds to it if all gives way alike, which is least squares. The second is a multiple of λ, and stands in the program as such, c = c₀ + λ d: a round
 //! only has to know which joints the load takes all pressure off. The first knows nothing of the load, and most often is enough.
 
+use super::cone_program::{Face, Program, Six};
+use super::interior::{self, Outcome};
+use super::scaled::Scaled;
 use super::structure::{Joint, Structure};
 use super::{Giving, How, Margin, Moving, StabilityError};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SolverStatus,
-    SupportedConeT, ZeroConeT,
-};
 use glam::{DVec3, Vec3};
 
 /// What moves by less than this share of the fastest does not move.
@@ -82,15 +80,21 @@ impl Structure {
     /// The largest load, as a multiple, and how it fails then.
     pub fn solve(&self, load: &Load) -> Result<Margin, StabilityError> {
         let live = self.live(load);
-        let gains = self.gains(&live)?;
+        let mut program = self.program(&live);
+        let mut scaled = Scaled::new(&program);
+        let gains = self.gains(&live, &program, &mut scaled);
+        let mut round = |pressed: Option<&[Pressed]>| {
+            self.widen(&mut program, &live, pressed);
+            self.round(&program, &mut scaled, &live, pressed)
+        };
         let still = |now: f64| Pressed { now, gains: 0.0 };
         let now = self.joints.iter().map(|joint| joint.pressure);
         let mut now: Vec<f64> = now.collect();
         let first: Vec<Pressed> = now.iter().copied().map(still).collect();
-        let mut found = match self.round(&live, Some(&first)) {
+        let mut found = match round(Some(&first)) {
             // What presses now may be that of a blow, or of something that does not stand.
             Err(StabilityError::Falls) => {
-                let found = self.round(&live, None)?;
+                let found = round(None)?;
                 now = found.joints.iter().map(|joint| joint.pressure).collect();
                 found
             }
@@ -127,7 +131,7 @@ impl Structure {
             let pressed: Vec<Pressed> = pressed.collect();
             before = bare;
             let most = found.most;
-            found = match self.round(&live, Some(&pressed)) {
+            found = match round(Some(&pressed)) {
                 Err(StabilityError::Falls) => break,
                 found => found?,
             };
@@ -142,31 +146,22 @@ impl Structure {
         }
     }
 
-    /// By how much one of the load presses more on each joint, if all gave way alike: the least forces that balance it.
-    fn gains(&self, live: &[[DVec3; 2]]) -> Result<Vec<f64>, StabilityError> {
+    /// By how much one of the load presses more on each joint, if all gave way alike: the least forces that balance it. Where nothing balances it
+    /// the cones decide alone.
+    fn gains(&self, live: &[[DVec3; 2]], program: &Program, scaled: &mut Scaled) -> Vec<f64> {
         let [force_unit, _] = self.units;
-        let load_unit = self.load_unit(live);
-        let mut columns = Columns::default();
-        for joint in &self.joints {
-            for force in joint.forces() {
-                self.add(force, 1.0, &mut columns);
-                columns.close();
-            }
-        }
-        let wanted: Vec<f64> = live
-            .iter()
-            .flat_map(|&live| self.counted(live, -load_unit / force_unit))
-            .collect();
-        let forces = least(columns, &wanted)?;
+        let share = -force_unit / self.load_unit(live);
+        let Some(forces) = scaled.least(program, &program.load) else {
+            return vec![0.0; self.joints.len()];
+        };
         let mut forces = forces.iter();
-        let share = force_unit / load_unit;
-        let pressure = |joint: &Joint| {
-            let pressure: f64 = forces.by_ref().take(joint.points.len()).sum();
-            let rubs = if joint.friction > 0.0 { 3 } else { 0 };
+        let pressure = |face: &Face| {
+            let pressure: f64 = forces.by_ref().take(face.corners).sum();
+            let rubs = face.rows.len() - face.corners;
             forces.by_ref().take(rubs).for_each(drop);
             pressure * share
         };
-        Ok(self.joints.iter().map(pressure).collect())
+        program.faces.iter().map(pressure).collect()
     }
 
     /// How wide the cone of a joint is where so much presses on it, N: c.
@@ -205,130 +200,100 @@ impl Structure {
         [force.x, force.y, force.z, moment.x, moment.y, moment.z]
     }
 
-    /// A unit of a force of a joint, on both its bodies, times a number.
-    fn add(&self, force: Force, times: f64, columns: &mut Columns) {
-        let mut ends = [(force.ends[0], times), (force.ends[1], -times)];
-        // Rows of a column must rise.
-        ends.sort_by_key(|(end, _)| *end);
-        for (end, sign) in ends {
-            if let Some(body) = end {
+    /// What a unit of a force of a joint does to both its bodies.
+    fn row(&self, force: Force) -> [Six; 2] {
+        [(force.ends[0], 1.0), (force.ends[1], -1.0)].map(|(end, sign)| {
+            end.map_or([0.0; 6], |body| {
                 let arm = force.at - self.members[body].center;
                 let wrench = [force.force, arm.cross(force.force) + force.moment];
-                for (row, number) in (6 * body..).zip(self.counted(wrench, sign)) {
-                    columns.push(row, number);
-                }
-            }
+                self.counted(wrench, sign)
+            })
+        })
+    }
+
+    /// The program that all rounds solve; how wide cones are is still to be said.
+    ///
+    /// It is the dual of the one above, of which the unknowns are velocities and how fast each joint slides (`cone_program.rs`).
+    fn program(&self, live: &[[DVec3; 2]]) -> Program {
+        let [force_unit, _] = self.units;
+        let load_unit = self.load_unit(live);
+        let dead = self.members.iter().map(|member| member.dead);
+        let face = |joint: &Joint| Face {
+            ends: joint.ends,
+            rows: joint.forces().map(|force| self.row(force)).collect(),
+            corners: joint.points.len(),
+            slope: 0.0,
+            width: 0.0,
+            grows: 0.0,
+        };
+        let counted = |wrench, times| self.counted(wrench, times / force_unit);
+        Program {
+            cost: dead.map(|dead| counted(dead, -1.0)).collect(),
+            load: live.iter().map(|&live| counted(live, load_unit)).collect(),
+            faces: self.joints.iter().map(face).collect(),
         }
     }
 
-    /// With cones of friction as wide as these pressures make them; sloping as they are where there are none.
-    ///
-    /// It is the dual program that is handed over, of which the unknowns are velocities and how fast each joint slides:
-    ///
-    /// min  −w·u + Σ c τ  so that  l·u − Σ d τ = 1,  Gᵀu ≥ μ' τ at each corner,  ‖(Gᵀu)_t‖ ≤ τ for each joint
-    ///
-    /// with cones as wide as c + λ d. Unknowns and rows together are two thirds of those of the other (32 500 instead of 50 200 for a thousand bricks),
-    /// and none of them is there only to be set equal to another, which is where the last steps of the other were lost in rounding.
+    /// Makes cones of friction as wide as these pressures make them; sloping as they are where there are none.
+    fn widen(&self, program: &mut Program, live: &[[DVec3; 2]], pressed: Option<&[Pressed]>) {
+        let [force_unit, _] = self.units;
+        let load_unit = self.load_unit(live);
+        for (number, (joint, face)) in self.joints.iter().zip(&mut program.faces).enumerate() {
+            let width = |pressure: f64| Self::width(joint, pressure / force_unit);
+            [face.slope, face.width, face.grows] = match pressed.map(|pressed| pressed[number]) {
+                None => [joint.friction, 0.0, 0.0],
+                Some(Pressed { now, gains }) => {
+                    [joint.friction * SLOPE, width(now), width(gains * load_unit)]
+                }
+            };
+        }
+    }
+
+    /// Solves the program of a round.
     fn round(
         &self,
+        program: &Program,
+        scaled: &mut Scaled,
         live: &[[DVec3; 2]],
         pressed: Option<&[Pressed]>,
     ) -> Result<Found, StabilityError> {
         let [force_unit, length_unit] = self.units;
         let load_unit = self.load_unit(live);
-        let dead = self
-            .members
-            .iter()
-            .flat_map(|member| self.counted(member.dead, -1.0 / force_unit));
-        let mut cost: Vec<f64> = dead.collect();
-        let balance = cost.len();
-        // Its rows are written as columns.
-        let mut rows = Columns::default();
-        let power = live
-            .iter()
-            .flat_map(|&live| self.counted(live, load_unit / force_unit));
-        power
-            .enumerate()
-            .for_each(|(row, number)| rows.push(row, number));
-        let mut slopes = Vec::with_capacity(self.joints.len());
-        for (number, joint) in self
-            .joints
-            .iter()
-            .enumerate()
-            .filter(|(_, joint)| joint.friction > 0.0)
-        {
-            let pressed = pressed.map(|pressed| pressed[number]);
-            let width = |pressure: f64| Self::width(joint, pressure / force_unit);
-            let grows = pressed.map_or(0.0, |pressed| width(pressed.gains * load_unit));
-            rows.push(cost.len(), -grows);
-            cost.push(pressed.map_or(0.0, |pressed| width(pressed.now)));
-            slopes.push(joint.friction * if pressed.is_some() { SLOPE } else { 1.0 });
-        }
-        rows.close();
-        let mut cones = vec![ZeroConeT(1)];
-        let mut slide = balance;
-        for joint in &self.joints {
-            let corners = joint.points.len();
-            cones.push(NonnegativeConeT(corners));
-            for (number, force) in joint.forces().enumerate() {
-                if number == corners {
-                    rows.push(slide, -1.0);
-                    rows.close();
-                    cones.push(SecondOrderConeT(4));
-                }
-                self.add(force, -1.0, &mut rows);
-                if number < corners && joint.friction > 0.0 {
-                    rows.push(slide, slopes[slide - balance]);
-                }
-                rows.close();
-            }
-            if joint.friction > 0.0 {
-                slide += 1;
-            }
-        }
-        let Some([unknowns, worth]) = minimize(rows, cost, &cones)? else {
-            return Ok(Found {
-                most: f64::INFINITY,
-                joints: Vec::new(),
-                velocities: Vec::new(),
-            });
+        let endless = Found {
+            most: f64::INFINITY,
+            joints: Vec::new(),
+            velocities: Vec::new(),
         };
-        let most = -worth[0];
-        let mut forces = worth[1..].iter();
-        let (velocities, slides) = unknowns.split_at(balance);
-        let mut slides = slides.iter();
-        let joints = self.joints.iter().enumerate().map(|(number, joint)| {
-            let corners = forces.by_ref().take(joint.points.len());
-            let pressure = corners.sum::<f64>() * force_unit;
-            let rubs = joint.friction > 0.0;
-            // How wide the cone is, and what it holds.
-            let cone = forces.by_ref().take(if rubs { 4 } else { 0 }).skip(1);
-            let friction = cone.map(|force| force * force).sum::<f64>().sqrt();
-            let slide = slides.by_ref().take(rubs as usize).sum::<f64>();
+        let solution = match interior::solve(program, scaled) {
+            Outcome::Solved(solution) => solution,
+            Outcome::Endless => return Ok(endless),
+            Outcome::Falls => return Err(StabilityError::Falls),
+            Outcome::Unsolved => return Err(StabilityError::Unsolved),
+        };
+        if solution.most > ENDLESS * self.members.len() as f64 {
+            return Ok(endless);
+        }
+        let most = solution.most * load_unit;
+        let balanced = |(number, (face, start)): (usize, (&Face, usize))| {
+            let forces = &solution.forces[start..start + face.count()];
+            let (corners, cone) = forces.split_at(face.corners);
+            let friction = cone.iter().skip(1).map(|force| force * force).sum::<f64>();
             let pressed = pressed.map_or(0.0, |pressed| {
-                pressed[number].now + most * load_unit * pressed[number].gains
+                pressed[number].now + most * pressed[number].gains
             });
             Balanced {
-                pressure,
-                friction: friction * force_unit,
-                width: Self::width(joint, pressed),
-                worth: slide * load_unit / force_unit,
+                pressure: corners.iter().sum::<f64>() * force_unit,
+                friction: friction.sqrt() * force_unit,
+                width: Self::width(&self.joints[number], pressed),
+                worth: solution.motion.slides[number] * load_unit / force_unit,
             }
-        });
-        let joints = joints.collect();
-        let (velocities, _) = velocities.as_chunks::<6>();
-        let velocity = |[x, y, z, a, b, c]: &[f64; 6]| {
-            [DVec3::new(*x, *y, *z), DVec3::new(*a, *b, *c) / length_unit]
         };
-        let endless = most > ENDLESS * self.members.len() as f64;
+        let velocity =
+            |&[x, y, z, a, b, c]: &Six| [DVec3::new(x, y, z), DVec3::new(a, b, c) / length_unit];
         Ok(Found {
-            most: if endless {
-                f64::INFINITY
-            } else {
-                most * load_unit
-            },
-            joints,
-            velocities: velocities.iter().map(velocity).collect(),
+            most,
+            joints: program.starts().enumerate().map(balanced).collect(),
+            velocities: solution.motion.bodies.iter().map(velocity).collect(),
         })
     }
 
@@ -431,95 +396,5 @@ impl Joint {
             .into_iter()
             .take(if self.friction > 0.0 { 3 } else { 0 });
         presses.chain(rubs)
-    }
-}
-
-/// The least numbers that fulfil equations.
-fn least(equations: Columns, wanted: &[f64]) -> Result<Vec<f64>, StabilityError> {
-    let count = equations.count();
-    let matrix = equations.into_matrix(wanted.len());
-    let squares = CscMatrix::identity(count);
-    let cost = vec![0.0; count];
-    let cones = [ZeroConeT(wanted.len())];
-    let solver = DefaultSolver::new(&squares, &cost, &matrix, wanted, &cones, settings());
-    let mut solver = solver.map_err(|_| StabilityError::Unsolved)?;
-    solver.solve();
-    match solver.solution.status {
-        SolverStatus::Solved | SolverStatus::AlmostSolved => Ok(solver.solution.x),
-        // Nothing balances it, so that the cones decide alone.
-        _ => Ok(vec![0.0; count]),
-    }
-}
-
-/// The unknowns of least cost where the first row is 1 and the others are within cones, and what each row is worth. None where nothing fulfils that.
-fn minimize(
-    rows: Columns,
-    cost: Vec<f64>,
-    cones: &[SupportedConeT<f64>],
-) -> Result<Option<[Vec<f64>; 2]>, StabilityError> {
-    let count = rows.count();
-    let rows = rows.into_matrix(cost.len());
-    let matrix = CscMatrix::from(rows.t());
-    let nothing = CscMatrix::zeros((cost.len(), cost.len()));
-    let mut wanted = vec![0.0; count];
-    wanted[0] = 1.0;
-    let solver = DefaultSolver::new(&nothing, &cost, &matrix, &wanted, cones, settings());
-    let mut solver = solver.map_err(|_| StabilityError::Unsolved)?;
-    solver.solve();
-    let solution = solver.solution;
-    use SolverStatus as Status;
-    match solution.status {
-        Status::Solved | Status::AlmostSolved => Ok(Some([solution.x, solution.z])),
-        Status::PrimalInfeasible | Status::AlmostPrimalInfeasible => Ok(None),
-        Status::DualInfeasible | Status::AlmostDualInfeasible => Err(StabilityError::Falls),
-        _ => Err(StabilityError::Unsolved),
-    }
-}
-
-/// A margin is known to a ten-thousandth; asked for more, the last steps are lost in rounding.
-const EXACT: f64 = 1e-6;
-
-fn settings() -> DefaultSettings<f64> {
-    DefaultSettings {
-        verbose: false,
-        tol_gap_rel: EXACT,
-        tol_gap_abs: EXACT,
-        tol_feas: EXACT,
-        iterative_refinement_reltol: 1e-2 * EXACT,
-        iterative_refinement_abstol: 1e-2 * EXACT,
-        ..Default::default()
-    }
-}
-
-/// A sparse matrix, column by column.
-#[derive(Default)]
-struct Columns {
-    /// Where each ends.
-    ends: Vec<usize>,
-    rows: Vec<usize>,
-    numbers: Vec<f64>,
-}
-
-impl Columns {
-    fn push(&mut self, row: usize, number: f64) {
-        if number != 0.0 {
-            self.rows.push(row);
-            self.numbers.push(number);
-        }
-    }
-
-    /// The column is complete.
-    fn close(&mut self) {
-        self.ends.push(self.rows.len());
-    }
-
-    fn count(&self) -> usize {
-        self.ends.len()
-    }
-
-    fn into_matrix(self, rows: usize) -> CscMatrix<f64> {
-        let columns = self.count();
-        let starts = std::iter::once(0).chain(self.ends).collect();
-        CscMatrix::new(rows, columns, starts, self.rows, self.numbers)
     }
 }

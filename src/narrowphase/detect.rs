@@ -244,7 +244,7 @@ impl WithTwo for Two<'_> {
 
 /// Adds to the edge at which a slender body is met what else the faces beside it have in common with the other, within reach. A blow at
 /// one edge makes a rod spin about its length so fast that within the step its face would be as deep in the other as the rod is thick.
-pub(super) fn find_beside<A: Solid, B: Solid>(
+fn find_beside<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,

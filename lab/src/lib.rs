@@ -20,6 +20,7 @@
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
 //! | [`play`] | a player who lays, takes and throws |
 //! | [`report`] | what became of an experiment as JSON |
+//! | [`slopes`] | mixed bodies dropped on hills, and who of them does not come to rest |
 //! | [`output`] | where an example writes |
 //! | `plots` | a canvas with a font, and legends |
 //! | `pictures` | frames of a scene |
@@ -42,3 +43,4 @@ pub mod play;
 pub mod plots;
 pub mod report;
 pub mod scenes;
+pub mod slopes;

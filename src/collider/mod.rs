@@ -269,9 +269,14 @@ impl Collider {
 
     /// Mass, centre and moments at 1 kg/m³: of hulls in double precision, of other shapes as parry has them.
     pub(crate) fn mass_properties(&self) -> parry3d::mass_properties::MassProperties {
-        self.solid
-            .moments(&self.shape)
-            .map_or_else(|| self.shape.mass_properties(1.0), solid::rounded)
+        let solid = self.solid.moments(&self.shape);
+        let found = solid.map_or_else(|| self.shape.mass_properties(1.0), solid::rounded);
+        let bounds = self.shape.compute_local_aabb();
+        // An open mesh encloses no volume. What parry makes of it has its centre anywhere, and contacts are found relative to that.
+        match self.is_surface() && !bounds.contains_local_point(found.local_com) {
+            true => parry3d::mass_properties::MassProperties::new(bounds.center(), 0.0, Vec3::ZERO),
+            false => found,
+        }
     }
 
     /// True where no contact can be computed with it: a size that is zero, negative, not finite or beyond

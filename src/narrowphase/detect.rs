@@ -6,7 +6,7 @@ use super::polyhedra::{
     Axis, Contact, FeatureId, Placement, Search, Solid, across, meet, meet_plane, touch_along,
 };
 use super::round::{self, Part};
-use super::{parry, passing};
+use super::{parry, passing, rolling};
 use crate::body::BodyState;
 use crate::contact::{ContactPoint, Manifold, ManifoldPatch, NarrowphaseCache};
 use glam::{DVec3, Quat, Vec3};
@@ -167,9 +167,10 @@ pub(super) fn detect(
         feature: point.feature,
     });
     let normal = (turn * contact.normal).as_vec3();
-    // What touches in a line or a point rolls.
-    let rolls = radius.is_finite() && contact.points.len() < 3;
-    push(manifold, [a, b], normal, rolls, points.collect());
+    let points: Candidates = points.collect();
+    let size = || a.face_size(normal).min(b.face_size(normal));
+    let rolls = radius.is_finite() && rolling::rolls(&points, radius, size());
+    push(manifold, [a, b], normal, rolls, points);
     apart
 }
 

@@ -16,6 +16,7 @@ mod passing;
 pub mod polyhedra;
 mod recycling;
 mod reduction;
+mod rolling;
 mod round;
 
 use crate::body::{BodyState, BodyTable, Pose, Resting};

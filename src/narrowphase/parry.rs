@@ -4,13 +4,13 @@ use super::Rules;
 use super::detect::{Candidate, Candidates, most, push};
 use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
-use super::reduction;
+use super::{reduction, rolling};
 use crate::body::BodyState;
 use crate::collider::is_surface;
 use crate::contact::{Manifold, NarrowphaseCache, ParryCache};
 use glam::Vec3;
 use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
-use parry3d::shape::PackedFeatureId;
+use parry3d::shape::{PackedFeatureId, Shape, TypedShape};
 use smallvec::SmallVec;
 
 /// Points of a patch nearer to each other than this share of the smaller face's size become one.
@@ -69,7 +69,10 @@ pub(super) fn detect(
         let mut face = Face {
             normal,
             size,
-            height: None,
+            plane: surface.and_then(|side| match side {
+                0 => Plane::of(shape_a, found.subshape1),
+                _ => Plane::of(shape_b, found.subshape2),
+            }),
             candidates: Candidates::new(),
         };
         for contact in &found.points {
@@ -79,7 +82,6 @@ pub(super) fn detect(
                 a.pose.transform_point(local_a),
                 b.pose.transform_point(local_b),
             ];
-            face.height = surface.map(|side| normal.dot(on[side] - a.center));
             face.candidates.push(Candidate {
                 position: 0.5 * (on[0] + on[1]),
                 distance: contact.dist,
@@ -106,13 +108,14 @@ pub(super) fn detect(
         } = face;
         merge(&mut candidates, MERGE * size);
         // A round side touches along a line, whose middle adds nothing and comes and goes.
-        let rolls = curved && reduction::is_line(&candidates, size);
-        if rolls {
+        if curved && reduction::is_line(&candidates, size) {
             reduction::keep_ends(&mut candidates);
         }
         if candidates.len() > most(rules) {
             reduction::reduce(&mut candidates, normal);
         }
+        let radius = a.rolling_radius().min(b.rolling_radius());
+        let rolls = curved && rolling::rolls(&candidates, radius, size);
         push(manifold, [a, b], normal, rolls, candidates);
     }
 }
@@ -126,19 +129,42 @@ struct Face {
     normal: Vec3,
     /// Of the smaller face, m.
     size: f32,
-    /// Of a surface's plane along the normal, m.
-    height: Option<f32>,
+    /// Of the triangle, where one of the two is a surface.
+    plane: Option<Plane>,
     candidates: Candidates,
 }
 
 impl Face {
-    /// The plane of a surface is the same.
+    /// The surface is flat from one to the other. It does not suffice that the normals of the contact are one: a flat body on a ridge has
+    /// its own normal on either side of it, and four points of both sides together may leave out the ridge.
     fn goes_on_in(&self, other: &Self) -> bool {
-        let (Some(here), Some(there)) = (self.height, other.height) else {
+        let (Some(here), Some(there)) = (self.plane, other.plane) else {
             return false;
         };
         self.normal.dot(other.normal) > PARALLEL
-            && (here - there).abs() <= EVEN * self.size.min(other.size)
+            && here.normal.dot(there.normal) > PARALLEL
+            && here.normal.dot(there.on - here.on).abs() <= EVEN * self.size.min(other.size)
+    }
+}
+
+/// The plane of a triangle, in the frame of its surface.
+#[derive(Clone, Copy)]
+struct Plane {
+    normal: Vec3,
+    on: Vec3,
+}
+
+impl Plane {
+    fn of(surface: &dyn Shape, number: u32) -> Option<Self> {
+        let triangle = match surface.as_typed_shape() {
+            TypedShape::TriMesh(mesh) => mesh.triangle(number),
+            TypedShape::HeightField(field) => field.triangle_at_id(number)?,
+            _ => return None,
+        };
+        Some(Self {
+            normal: triangle.normal()?,
+            on: triangle.center(),
+        })
     }
 }
 

@@ -6,10 +6,9 @@
 //!
 //! 1. Bodies that take the blow are [hot](hot); bodies become hot as the blow reaches them.
 //! 2. The momentum of falling bodies is [handed down](hand_down) to the ground, which stops a column in one pass.
-//! 3. Up to 12 soft sweeps over the steep patches of hot bodies, through which nothing is handed down. (Over all patches they cost a third of the
-//!    time of a falling heap, and change little but that friction acts at once that has the whole step.) Where momentum was handed down, springs hold all that they give, since they would give way by
-//!    more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with rigid rows a ball that is shot
-//!    through a wall drags two to three times as many bricks along.
+//! 3. Up to 12 soft sweeps, first over steep patches, through which nothing is handed down. Where momentum was handed down, springs hold all that
+//!    they give, since they would give way by more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with
+//!    rigid rows a ball that is shot through a wall drags two to three times as many bricks along.
 //! 4. Bodies drift, so that overlap is corrected with the velocities of the springs.
 //! 5. Up to 16 rigid sweeps over normals take away what springs have left. Before the drift they would undo the correction of overlap, and
 //!    heaps would jam; with friction they would drag along what lies beside a shot.
@@ -223,7 +222,7 @@ impl<L: F32xN> Island<L> {
         self.blows = blows;
     }
 
-    /// Sweeps over the steep patches of hot bodies until none changes much.
+    /// Sweeps over patches of hot bodies until none changes much.
     fn sweep_more(
         &mut self,
         problem: &PatchProblem,
@@ -267,7 +266,7 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// One more sweep over the steep patches of hot bodies.
+/// One more sweep over patches of hot bodies.
 struct SweepMore<'a, L: F32xN> {
     island: &'a mut Island<L>,
     hot: &'a mut Hot<L>,

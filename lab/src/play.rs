@@ -37,8 +37,8 @@ pub struct Played {
     pub momentum: f32,
     /// The momentum of all balls that were thrown, N·s.
     pub thrown: f32,
-    /// Its angular momentum about the axis of its foot, at most, over that which two balls in a row have brought so far and what its weight adds while
-    /// it swings. About 1, if none comes from nowhere.
+    /// By how much its angular momentum about the axis of its foot exceeds, at most, that which two balls in a row have brought so far and what
+    /// its weight adds while it swings: a share of what a ball brings that hits its top.
     pub swing: f32,
 }
 
@@ -48,8 +48,9 @@ const PAUSE: f32 = 0.5;
 /// Speed of a ball along z, m/s; it flies up by a tenth of that.
 const THROWN: f32 = 10.0;
 
-/// Angular momentum that nobody asks about, N·m·s: half a percent of a ball's that hits a wall at 5 m.
-const ROUNDING: f32 = 1.0;
+/// Radius of a ball, m, and its mass, kg.
+const RADIUS: f32 = 0.1;
+const BALL: f32 = 1000.0 * 4.0 / 3.0 * std::f32::consts::PI * RADIUS * RADIUS * RADIUS;
 
 /// How long the wall stands before, s.
 const SETTLES: f32 = 1.0;
@@ -100,9 +101,9 @@ impl Play {
             played.moved = played.moved.max(mean(&off).abs());
             played.top_moved = played.top_moved.max(mean(&off[off.len() - top..]).abs());
             played.momentum = played.momentum.max(momentum.abs());
-            played.swing = played
-                .swing
-                .max(budget.swing(angular, 9.81 * lean * self.dt));
+            let excess = budget.excess(angular, 9.81 * lean * self.dt);
+            let at_top = BALL * THROWN * 0.5 * self.courses as f32;
+            played.swing = played.swing.max(excess / at_top);
         }
         played
     }
@@ -130,16 +131,14 @@ impl Budget {
         }
     }
 
-    /// After a step in which weight has given so much: what the wall has now over what it may have.
-    fn swing(&mut self, angular: f32, weight: f32) -> f32 {
+    /// After a step in which weight has given so much: what the wall has now beyond what it may have.
+    fn excess(&mut self, angular: f32, weight: f32) -> f32 {
         if angular * self.angular <= 0.0 {
             self.leaned = 0.0;
         }
         self.angular = angular;
         self.leaned += (weight * angular.signum()).max(0.0);
-        let most = self.brought + self.leaned;
-        // Before the first ball a wall rests, but for rounding.
-        angular.abs() / (most + ROUNDING)
+        angular.abs() - self.brought - self.leaned
     }
 }
 
@@ -175,16 +174,14 @@ impl Player {
                     self.rng.f32() * (top - 1.0) + 0.5,
                     2.0,
                 );
-                let radius = 0.1;
                 world.spawn((
                     RigidBody::Dynamic,
-                    Collider::ball(radius),
+                    Collider::ball(RADIUS),
                     Friction::new(0.5),
                     Transform::from_translation(at),
                     Velocity::linear(Vec3::new(0.0, 0.1 * THROWN, -THROWN)),
                 ));
-                let mass = 1000.0 * 4.0 / 3.0 * std::f32::consts::PI * radius.powi(3);
-                [1.0, at.y].map(|arm| mass * THROWN * arm)
+                [1.0, at.y].map(|arm| BALL * THROWN * arm)
             }
             0 => {
                 if let Some(brick) = self.laid.pop() {

@@ -182,7 +182,8 @@ impl Order {
             };
             let (pairs, manifolds) = (pairs.into_inner(), manifolds.into_inner());
             let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
-            for (row, impulses) in impulses.iter_mut().enumerate() {
+            let rows = impulses.iter_mut().zip(pairs).zip(manifolds).zip(targets);
+            for (row, (((impulses, pair), manifold), targets)) in rows.enumerate() {
                 let Some((number, at)) = next else {
                     break;
                 };
@@ -190,7 +191,6 @@ impl Order {
                     continue;
                 }
                 next = wanted.next();
-                let (pair, manifold) = (&pairs[row], &manifolds[row]);
                 let place = &mut self.touches[at as usize];
                 let revision = place.revision.replace(pair.revision);
                 let edited = edits.get(row).copied().unwrap_or(false);
@@ -201,7 +201,7 @@ impl Order {
                     changed: edited || revision != Some(pair.revision),
                     pair,
                     manifold,
-                    targets: &targets[row],
+                    targets,
                     impulses,
                 });
             }

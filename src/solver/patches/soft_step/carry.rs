@@ -102,7 +102,7 @@ impl<L: F32xN> Block<L> {
         let mut found = Beginning::default();
         for (lane, number) in patches {
             let patch = &problem.patches[number as usize];
-            found.read(points, lane, patch, problem, deepest);
+            found.read(points, lane, patch, problem);
         }
         let share = L::splat(1.0 / substeps as f32);
         let Frame { t1, t2, .. } = self.frame();
@@ -119,7 +119,9 @@ impl<L: F32xN> Block<L> {
             self.rolling = [share * t1.dot(found.rolling), share * t2.dot(found.rolling)];
         }
         let mut load = L::ZERO;
+        let deepest = L::splat(deepest);
         for point in points {
+            point.separation = point.separation.max(deepest);
             point.load = share * point.load;
             point.impulse = share * point.impulse;
             point.given = L::ZERO;
@@ -220,7 +222,6 @@ impl<L: F32xN> Beginning<L> {
         lane: usize,
         patch: &PatchConstraint,
         problem: &PatchProblem,
-        deepest: f32,
     ) {
         // Once, and not at each of a hundred numbers.
         assert!(lane < L::LANES);
@@ -238,10 +239,7 @@ impl<L: F32xN> Beginning<L> {
         self.load_twist[lane] = patch.load_twist;
         for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
             to.load[lane] = point.load;
-            to.separation[lane] = match point.separation > deepest {
-                true => point.separation,
-                false => deepest,
-            };
+            to.separation[lane] = point.separation;
             to.impulse[lane] = point.warm_normal;
         }
     }

@@ -47,8 +47,8 @@ impl Survey {
                 impulse += point.warm_normal;
             }
             new += (impulse - load).abs();
-            all += impulse.max(load);
-            let carries = load.max(impulse) > 0.0;
+            all += larger(impulse, load);
+            let carries = load > 0.0 || impulse > 0.0;
             let levels = patch.bodies.map(|body| problem.bodies[body as usize].level);
             let lower = patch.bodies[usize::from(levels[1] < levels[0])];
             footing[lower as usize].bears |= levels[0] != levels[1];
@@ -59,9 +59,9 @@ impl Survey {
                 let (long, now) = (sign * long, sign * now);
                 let footing = &mut footing[body as usize];
                 footing.carries |= carries;
-                footing.up += long.max(0.0);
-                footing.down -= long.min(now).min(0.0);
-                pressed = pressed.max(load * footing.yielding);
+                footing.up += larger(long, 0.0);
+                footing.down += larger(larger(-long, -now), 0.0);
+                pressed = larger(load * footing.yielding, pressed);
             }
         }
         Self {
@@ -70,6 +70,12 @@ impl Survey {
             bounces,
         }
     }
+}
+
+/// The larger one. (`f32::max` takes four instructions more, for numbers that are none.)
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 impl Footing {

@@ -24,6 +24,7 @@ pub struct Place {
     pub lane: u32,
     /// On which side of the patch the body is.
     pub side: u32,
+    /// See [`STEEP`]; or a hand holds a body of it.
     is_steep: bool,
 }
 
@@ -99,10 +100,13 @@ impl<L: F32xN> Hot<L> {
             blocks.grow(batches.blocks());
         }
         let up = up(problem);
+        // Hands are visited in every sweep: what they press against must answer.
+        let is_held = |body: u32| problem.grips.iter().any(|grip| grip.body == body);
         let places = (0..).zip(batches.iter()).flat_map(|(block, patches)| {
             patches.flat_map(move |(lane, patch)| {
                 let found = &problem.patches[patch as usize];
-                let is_steep = found.normal.dot(up).abs() < STEEP;
+                let is_steep =
+                    found.normal.dot(up).abs() < STEEP || found.bodies.into_iter().any(is_held);
                 let ends = (0..).zip(found.bodies);
                 ends.map(move |(side, body)| {
                     let place = Place {

@@ -112,24 +112,27 @@ fn what_falls_is_what_falls_at_60_hz() {
     }
 }
 
-/// Of the bodies that are taken, those of which steps of 0.1 s tell something else than 60 Hz. (Wanted: none. In a wall the brick beside one that falls into
-/// a gap is pushed aside by 18 mm, and one of two that fall stays.)
-const TOLD_WRONG: usize = 2;
+/// Bricks of a wall of which a preview with steps of 0.1 s tells something else than 60 Hz when they are taken. (Wanted: none. Where one is taken, the
+/// brick beside the one that falls into the gap is pushed aside by 18 mm; where the other is, one of two bricks that fall stays.)
+const WRONG_IN_A_WALL: usize = 2;
 
 #[test]
 fn with_long_steps_as_much_begins_to_fall() {
-    let wrong = RefCell::new(Vec::new());
-    for scene in ["wall:5x8", "pyramid:8", "stack:10"] {
+    for scene in ["pyramid:8", "stack:10"] {
         take_each(scene, Some(0.1), |_, moved, truth| {
-            let (found, truth) = (places(moved), places(truth));
-            if found != truth {
-                wrong.borrow_mut().push((scene, found, truth));
-            }
+            assert_eq!(places(moved), places(truth));
         });
     }
+    let wrong = RefCell::new(Vec::new());
+    take_each("wall:5x8", Some(0.1), |_, moved, truth| {
+        let (found, truth) = (places(moved), places(truth));
+        if found != truth {
+            wrong.borrow_mut().push((found, truth));
+        }
+    });
     let wrong = wrong.into_inner();
     println!("{wrong:?}");
-    assert!(wrong.len() <= TOLD_WRONG, "{wrong:?}");
+    assert!(wrong.len() <= WRONG_IN_A_WALL, "{wrong:?}");
     // What falls on what is another matter.
     for scene in ["arch:15", "cardhouse:3"] {
         take_each(scene, Some(0.1), |_, moved, truth| {

@@ -402,7 +402,7 @@ fn worked(since: Instant) -> Duration {
 }
 
 #[test]
-fn a_thousand_bricks_are_known_in_a_second() {
+fn a_thousand_bricks_are_known_in_two_seconds() {
     let (lab, bodies) = thousand();
     let brick = lab.position(bodies[500]);
     let top = lab.position(bodies[1000]) + Vec3::new(0.0, 0.25, 0.3);
@@ -413,7 +413,7 @@ fn a_thousand_bricks_are_known_in_a_second() {
         let time = worked(start) - before;
         println!("{what}: {time:?}, {}", margin.most);
         assert_near(margin.most, most, 2e-3, what);
-        // Of a third to two thirds of a second on a quiet machine.
+        // Of 0.2 to 0.7 s on a quiet machine, and up to 1.5 s without link-time optimization.
         assert!(time.as_secs_f32() < 2.0, "{what}: {time:?}");
     };
     let out = 0.05f32.atan();

@@ -1,19 +1,19 @@
 //! Which bodies take a blow, and the lanes of their patches.
 
-use super::super::upright::up;
 use super::SETTLED;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::by_body::ByBody;
 use crate::solver::lanes::F32xN;
+use crate::solver::patches::soft_step::upright::up;
 use fixedbitset::FixedBitSet;
 
 /// A patch is steep if the cosine of its normal to the vertical is less than this.
 const STEEP: f32 = 0.5;
 
-/// A change of the relative velocity at a patch from which on all patches of its bodies are visited, m/s. Where it is less, those that are
-/// not steep are left as they are: momentum is handed down on them, and sweeps over all take a third of the time of a falling heap. With 0.25 or
-/// none, piles come to rest with overlaps twice as deep.
+/// A change of the relative velocity at a patch from which on all patches of its bodies are visited, m/s. Where it is less, only the steep ones are:
+/// on the others momentum is handed down, and sweeps over all make a falling heap a fifth dearer. At 0.25, or if all changes count as less, piles of round
+/// bodies come to rest with deeper overlaps: 4.0 and 4.2 mm in the mean instead of 3.4.
 const MUCH: f32 = 0.1;
 
 /// A patch of a body, and where it is in the blocks.
@@ -24,7 +24,7 @@ pub struct Place {
     pub lane: u32,
     /// On which side of the patch the body is.
     pub side: u32,
-    /// See [`STEEP`]; or a hand holds a body of it.
+    /// It is steep, or a hand holds a body of it: sweeps visit it however little has changed.
     is_steep: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct Place {
 struct HotLanes<L> {
     /// 1 where a body is hot, else 0.
     hot: L,
-    /// The same of steep patches.
+    /// 1 where a body of a steep patch is hot, else 0.
     hot_and_steep: L,
     /// 1 where a body has been stirred, else 0: they are to be visited.
     stirred: L,
@@ -148,7 +148,7 @@ impl<L: F32xN> Hot<L> {
         }
     }
 
-    /// Makes a body hot of which such patches are to be visited.
+    /// Makes a body hot, and lets the next sweep visit these of its patches.
     fn stir(&mut self, body: u32, stirs: Stirred) {
         let before = self.stirs[body as usize];
         if before >= stirs {
@@ -188,12 +188,12 @@ impl<L: F32xN> Hot<L> {
         self.visits.clear();
     }
 
-    /// What is next visits all patches of hot bodies.
+    /// Selects all patches of hot bodies.
     pub fn visit_all(&mut self) {
         self.visit(|lanes| lanes.hot);
     }
 
-    /// The next sweep visits all steep patches of hot bodies.
+    /// Selects the steep patches of hot bodies.
     pub fn visit_steep(&mut self) {
         self.visit(|lanes| lanes.hot_and_steep);
     }

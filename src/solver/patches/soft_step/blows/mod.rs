@@ -6,7 +6,7 @@
 //!
 //! 1. Bodies that take the blow are [hot](hot); bodies become hot as the blow reaches them.
 //! 2. The momentum of falling bodies is [handed down](hand_down) to the ground, which stops a column in one pass.
-//! 3. Up to 12 soft sweeps, first over steep patches, through which nothing is handed down. Where momentum was handed down, springs hold all that
+//! 3. Up to 12 soft sweeps, first over steep patches, on which little is handed down. Where momentum was handed down, springs hold all that
 //!    they give, since they would give way by more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with
 //!    rigid rows a ball that is shot through a wall drags two to three times as many bricks along.
 //! 4. Bodies drift, so that overlap is corrected with the velocities of the springs.

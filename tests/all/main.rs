@@ -34,7 +34,6 @@ mod refresh;
 mod rest;
 mod rods;
 mod round;
-mod shots;
 mod sizes;
 mod slopes;
 mod solvers;

@@ -1,58 +1,10 @@
 //! Semicircular arches of hulls that touch exactly.
 
-use crate::masonry::blocks::{Frame, Masonry};
-use crate::masonry::drawings::{RADIUS, arch};
-use crate::masonry::limit::{Limit, SHARE, all_found, all_met};
-use crate::masonry::site::{As, End, How, Site, joints_stay_whole};
-use crate::masonry::statics::{limit_tilt, threshold};
-
-const VOUSSOIRS: [usize; 4] = [11, 12, 15, 20];
-
-/// The thickness, as a share of the mean radius, of arches that are tried in other ways.
-const THICK: f64 = 0.2;
-
-fn end(masonry: &Masonry, tilt: f64, how: How) -> End {
-    let [inner, outer] = [0, 1].map(|i| masonry.blocks[1].outline[i].length());
-    Site::leaning(masonry, tilt, how.shapes).end(0.05 * (outer - inner), how.slowly)
-}
-
-fn thickness(n: usize) -> Vec<Limit> {
-    let each = |friction| {
-        let of = move |share| arch(n, share, friction);
-        Limit::from(
-            format!("thickness of {n} voussoirs, friction {friction}"),
-            threshold(0.02, 0.3, of),
-            move |share, how| end(&of(share), 0.0, how),
-        )
-    };
-    [0.6, 0.84].map(each).into()
-}
-
-fn friction(n: usize) -> Vec<Limit> {
-    let of = move |friction| arch(n, THICK, friction);
-    vec![Limit::from(
-        format!("friction of {n} voussoirs"),
-        threshold(0.1, 0.9, of),
-        move |friction, how| end(&of(friction), 0.0, how),
-    )]
-}
-
-/// With joints that open, and with some that slide as well.
-fn tilt(n: usize, friction: f64) -> Vec<Limit> {
-    let masonry = arch(n, THICK, friction);
-    vec![Limit::up_to(
-        format!("tilt of {n} voussoirs, friction {friction}"),
-        limit_tilt(&masonry),
-        move |tilt, how| end(&masonry, tilt, how),
-    )]
-}
-
-fn all(n: usize) -> Vec<Limit> {
-    let tilts = [0.5, 0.84].map(|friction| tilt(n, friction));
-    let mut all = [thickness(n), friction(n)].concat();
-    all.extend(tilts.concat());
-    all
-}
+use support::masonry::blocks::Frame;
+use support::masonry::drawings::{RADIUS, arch};
+use support::masonry::limit::{SHARE, all_met};
+use support::masonry::limits::arches::*;
+use support::masonry::site::{As, How, Site, joints_stay_whole};
 
 #[test]
 fn an_arch_too_thin_falls() {
@@ -92,12 +44,6 @@ fn a_long_or_leaning_arch_built_at_once_stands_as_one_built_slowly() {
 fn an_arch_of_true_contacts_falls_where_statics_says() {
     let all = VOUSSOIRS.map(|n| [thickness(n), friction(n), tilt(n, 0.84)].concat());
     all_met(all.concat(), How::TRUE_SLOWLY, SHARE);
-}
-
-#[test]
-#[ignore = "long"]
-fn limits_of_arches() {
-    all_found(VOUSSOIRS.map(all).concat());
 }
 
 /// Far from all limits an arch hardly moves.

@@ -1,12 +1,12 @@
 //! A brick that slides over the seams of a floor, or along those of a wall, goes as on one slab.
 
-use crate::masonry::site::As;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{ExternalForce, Pose, RigidBody};
 use drystone::collider::{Collider, CombineRule, Friction};
 use glam::{Quat, Vec3, vec3};
 use support::Lab;
+use support::masonry::site::As;
 
 /// Of floors and walls, m.
 const BRICK: Vec3 = vec3(0.5, 0.25, 0.25);

@@ -1,21 +1,11 @@
 //! Columns of cubes on a slope, which turn over where statics says, whatever shape they are given as.
 
-use crate::masonry::blocks::{Frame, Masonry};
-use crate::masonry::drawings::stack;
-use crate::masonry::limit::{Limit, all_found, all_met};
-use crate::masonry::site::{As, End, How, Site, apart, joints_stay_whole};
-use crate::masonry::statics::limit_tilt;
-
-/// Enough not to slide before they tip.
-const FRICTION: f64 = 0.9;
-
-/// What a column may give way as it settles, m.
-const SETTLES: f64 = 0.05;
-
-/// The golden angle: no two scenes stand alike, and none along an axis.
-fn yaw(i: usize) -> f64 {
-    0.3 + 2.399_963 * i as f64
-}
+use support::masonry::blocks::{Frame, Masonry};
+use support::masonry::drawings::stack;
+use support::masonry::limit::all_met;
+use support::masonry::limits::columns::*;
+use support::masonry::site::{As, End, How, Site, apart, joints_stay_whole};
+use support::masonry::statics::limit_tilt;
 
 /// How far apart the same scene of hulls and of cuboids ends after 20 s, and how far the hulls moved, m.
 fn hulls_against_cuboids(masonry: &Masonry, frame: Frame) -> (f64, f64) {
@@ -65,17 +55,6 @@ fn cubes_given_as_hulls_stand_at_13_degrees_as_cuboids_do() {
     }
 }
 
-fn column(n: usize) -> Limit {
-    let masonry = stack(n, FRICTION);
-    let what = format!("tilt of {n} cubes");
-    Limit::up_to(what, limit_tilt(&masonry), move |tilt, how| {
-        let frame = Frame { tilt, yaw: yaw(n) };
-        Site::build(&masonry, frame, how.shapes).end(SETTLES, how.slowly)
-    })
-}
-
-const COLUMNS: [usize; 4] = [2, 3, 5, 8];
-
 #[test]
 fn a_column_tips_where_statics_says_whatever_it_is_built_of() {
     for shapes in [As::Cuboids, As::TrueContacts, As::Hulls] {
@@ -103,12 +82,6 @@ fn a_column_built_at_once_tips_where_statics_says_whatever_it_is_built_of() {
 #[test]
 fn a_tall_column_built_at_once_tips_where_statics_says() {
     all_met([column(8)], How::AT_ONCE, 0.02);
-}
-
-#[test]
-#[ignore = "long"]
-fn limits_of_columns() {
-    all_found(COLUMNS.map(column));
 }
 
 /// Leaning at all angles, short of falling: what stands is still.

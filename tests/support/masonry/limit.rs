@@ -57,7 +57,7 @@ impl Limit {
 
     /// How far the limit is from the true one, as a share of it, by bisection; infinite where it is not between half and one and a half
     /// of it.
-    fn off(&self, how: How) -> f64 {
+    pub fn off(&self, how: How) -> f64 {
         let (mut inside, mut outside) = (0.5, -0.5);
         let ends = [inside, outside].map(|share| (self.end)(self.within(share), how));
         let mut off = f64::INFINITY;
@@ -72,15 +72,6 @@ impl Limit {
             }
             off = -0.5 * (inside + outside);
         }
-        let found = match off.is_finite() {
-            true => format!("{:.1} % beyond", 100.0 * off),
-            false => format!("not found: {ends:?} half of it inside and out"),
-        };
-        let start = if how.slowly { "slowly" } else { "at once" };
-        println!(
-            "{} ({:?}, {start}): limit {:.4}, {found}",
-            self.what, how.shapes, self.at
-        );
         off
     }
 }
@@ -92,15 +83,4 @@ pub fn all_met(limits: impl IntoIterator<Item = Limit>, how: How, share: f64) {
     let missed: Vec<String> = limits.iter().filter_map(|l| l.missed(how, share)).collect();
     let (some, all) = (missed.len(), limits.len());
     assert!(some == 0, "{some} of {all} limits missed: {missed:#?}");
-}
-
-/// Bisects all limits, built in all ways, and asserts that they are the true ones.
-#[track_caller]
-pub fn all_found(limits: impl IntoIterator<Item = Limit>) {
-    let mut off = Vec::new();
-    for limit in limits {
-        off.extend(How::ALL.map(|how| limit.off(how)));
-    }
-    let missed = off.iter().filter(|off| off.abs() > SHARE).count();
-    assert!(missed == 0, "{missed} of {} limits missed", off.len());
 }

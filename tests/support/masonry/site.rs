@@ -1,5 +1,6 @@
 //! A drawing built in a world, and what is asked of it there.
 
+use crate::Lab;
 use crate::masonry::blocks::{Block, Frame, Joint, Masonry};
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -8,7 +9,6 @@ use drystone::collider::{Collider, Friction};
 use drystone::contact::{ContactPair, ContactPoint, Manifold};
 use drystone::settings::Gravity;
 use glam::{DQuat, DVec2, DVec3, Quat, Vec3};
-use support::Lab;
 
 /// What blocks are built as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,7 +149,7 @@ impl Site {
     pub fn leaning(masonry: &Masonry, tilt: f64, shapes: As) -> Self {
         let mut site = Self::build(masonry, Frame::default(), shapes);
         let down = DQuat::from_rotation_z(-tilt) * DVec3::NEG_Y;
-        site.lab.world.resource_mut::<Gravity>().0 = support::G * down.as_vec3();
+        site.lab.world.resource_mut::<Gravity>().0 = crate::G * down.as_vec3();
         site
     }
 

@@ -1,18 +1,28 @@
 //! What stands on a slope that can be tipped, and where it truly falls.
 
+use crate::G;
 use crate::masonry::blocks::Masonry;
 use crate::masonry::drawings::{arch, stack, wall};
 use crate::masonry::site::{As, End, Site};
 use crate::masonry::statics::limit_tilt;
 use drystone::settings::Gravity;
 use glam::DVec3;
-use support::G;
 
 /// The steepest limit of all is a slope of 1 in 3.
 const FRICTION: f64 = 0.9;
 
 /// What is farther from where it was built has fallen, m. It is a fifth of a brick's depth, and more than anything here settles.
 const FALLEN: f64 = 0.1;
+
+/// Shares of the limit a second, far from it and near it.
+pub const FAST: f64 = 0.02;
+pub const SLOW: f64 = 0.01;
+
+/// From where it is tipped slowly, as a share of the limit.
+pub const NEAR: f64 = 0.8;
+
+/// Step lengths, s, and how far from the true limit something may fall, as a share of it.
+pub const STEPS: [(f32, f64); 3] = [(1.0 / 60.0, 0.03), (1.0 / 30.0, 0.03), (0.1, 0.05)];
 
 /// Something built, and its true limit.
 #[derive(Clone)]

@@ -1,4 +1,6 @@
-//! What the tests share: a world without an app around it, and the bodies that stand in it.
+//! What the tests share: a world without an app around it, the bodies that stand in it, and [`masonry`] with its limits by statics.
+
+pub mod masonry;
 
 use bevy_app::App;
 use bevy_ecs::message::Messages;

@@ -29,30 +29,3 @@ fn report(profile: Res<Profile>, mut diagnostics: Diagnostics) {
         diagnostics.add_measurement(&path(name), || milliseconds(time));
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::DrystonePlugins;
-    use crate::schedule::PhysicsSystems;
-    use bevy_diagnostic::DiagnosticsStore;
-
-    #[test]
-    fn every_stage_is_a_diagnostic_with_measurements() {
-        let mut app = App::new();
-        app.add_plugins((DrystonePlugins::default(), DrystoneDiagnosticsPlugin));
-        app.init_resource::<DiagnosticsStore>();
-        crate::step(app.world_mut(), 0.01).unwrap();
-        app.update();
-        let store = app.world().resource::<DiagnosticsStore>();
-        let count = store
-            .iter()
-            .filter(|d| d.path().as_str().starts_with("drystone/"))
-            .count();
-        assert_eq!(count, PhysicsSystems::ORDER.len() + 1);
-        let solve = store
-            .get(&path("solve"))
-            .expect("the stage solve is registered");
-        assert!(solve.measurement().is_some_and(|m| m.value > 0.0));
-    }
-}

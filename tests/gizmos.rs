@@ -1,5 +1,4 @@
 //! What gizmos draw, and that pointers hit bodies: in an app without a window.
-#![cfg(all(feature = "gizmos", feature = "picking"))]
 
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_asset::{AssetPlugin, Assets};

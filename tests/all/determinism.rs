@@ -1,0 +1,188 @@
+//! The same bits, whatever the threads and wherever the ECS keeps things.
+
+use bevy_ecs::prelude::*;
+use drystone::body::BodyTable;
+use drystone::settings::{PhysicsThreads, SleepSettings};
+use drystone_lab::scenes::{Scene, SceneOptions};
+use glam::Vec3;
+use support::*;
+
+/// Poses and velocities after some seconds, while there is still motion.
+fn play(threads: usize, seconds: f32, build: impl Fn(&mut Lab)) -> Vec<[u32; 13]> {
+    let mut lab = Lab::new();
+    let threads = PhysicsThreads::new(threads).expect("threads are to be had");
+    // All that can be shared is, however little it is.
+    let threads = threads.sharing_from(1);
+    lab.world.insert_resource(threads);
+    lab.world.resource_mut::<SleepSettings>().enabled = false;
+    build(&mut lab);
+    lab.run(seconds);
+    let bits = lab.bits();
+    assert!(
+        bits.iter()
+            .flatten()
+            .all(|x| f32::from_bits(*x).is_finite())
+    );
+    bits
+}
+
+fn same_for_all_threads(seconds: f32, build: impl Fn(&mut Lab)) {
+    let alone = play(1, seconds, &build);
+    assert!(alone.len() > 10);
+    assert_eq!(alone, play(1, seconds, &build), "a second run");
+    for threads in [2, 4, 8] {
+        assert_eq!(alone, play(threads, seconds, &build), "{threads} threads");
+    }
+}
+
+/// Stacks that slide about on a plate that is far heavier than each of them.
+fn plate(lab: &mut Lab) {
+    lab.ground();
+    let slab = drystone::collider::Collider::cuboid(20.0, 1.0, 20.0);
+    lab.body(slab, Vec3::new(0.0, 0.5, 0.0));
+    for i in 0..81 {
+        let at = Vec3::new(2.0 * (i % 9) as f32 - 8.0, 1.5, 2.0 * (i / 9) as f32 - 8.0);
+        let cube = lab.cube(at);
+        lab.set_velocity(cube, Vec3::new(0.02 * i as f32, 0.0, 1.0), Vec3::ZERO);
+        if i % 3 == 0 {
+            lab.cube(at + Vec3::Y);
+        }
+    }
+}
+
+#[test]
+fn what_a_heavy_plate_carries_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(0.5, plate);
+}
+
+/// A scene with the noise that lets it move.
+fn scene(lab: &mut Lab, name: &str) {
+    let options = SceneOptions {
+        noise_position: 0.002,
+        noise_angle: 0.01,
+        ..Default::default()
+    };
+    let scene: Scene = name.parse().expect("it is a scene");
+    scene.build(&mut lab.world, &options);
+}
+
+/// Sixteen towers that lean, and loose bricks that fly about and join them.
+fn many_islands(lab: &mut Lab) {
+    lab.ground();
+    for i in 0..16 {
+        let at = Vec3::new((i % 4) as f32, 0.0, (i / 4) as f32) * 4.0;
+        for course in 0..5 {
+            lab.cube(at + Vec3::new(0.12 * course as f32, 0.5 + course as f32, 0.0));
+        }
+        let brick = lab.body(
+            drystone::collider::Collider::ball(0.3),
+            at + Vec3::new(-1.5, 3.0, 0.2),
+        );
+        lab.set_velocity(brick, Vec3::new(3.0, 1.0, 0.1 * i as f32), Vec3::X);
+    }
+}
+
+#[test]
+fn many_islands_come_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(2.0, many_islands);
+}
+
+#[test]
+fn a_wall_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(1.0, |lab| scene(lab, "wall:20x15"));
+}
+
+/// So large that its sweeps chase each other.
+#[test]
+fn a_long_wall_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(0.25, |lab| scene(lab, "wall:100x50"));
+}
+
+/// So tall that some of its sweeps go down.
+#[test]
+fn a_tall_wall_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(0.1, |lab| scene(lab, "wall:80x60"));
+}
+
+#[test]
+fn a_heap_comes_out_the_same_on_any_number_of_threads() {
+    same_for_all_threads(1.5, |lab| scene(lab, "heap:200"));
+}
+
+/// Sweeps then go from the ground up where walls are built so, which is worth a factor of several in drift.
+#[test]
+fn bodies_stand_in_the_order_in_which_they_were_spawned() {
+    let mut lab = Lab::new();
+    let mut bodies = vec![lab.ground()];
+    bodies.extend((0..5).map(|i| lab.cube(Vec3::Y * (i as f32 + 0.5))));
+    lab.world.entity_mut(bodies[3]).insert(Red);
+    lab.step();
+    let table = lab.world.resource::<BodyTable>();
+    let mut order: Vec<_> = table.iter().map(|(_, b)| (b.age, b.entity)).collect();
+    order.sort_unstable();
+    let order: Vec<_> = order.into_iter().map(|(_, body)| body).collect();
+    assert_eq!(order, bodies);
+}
+
+#[derive(Component)]
+struct Red;
+
+#[derive(Component)]
+struct Green(#[allow(dead_code)] u64);
+
+/// Other components put a body into another table, and so in another place of every query.
+#[test]
+fn a_users_own_components_change_nothing() {
+    let plain = play(2, 1.5, |lab| scene(lab, "heap:80"));
+    let painted = play(2, 1.5, |lab| {
+        scene(lab, "heap:80");
+        let mut bodies = lab
+            .world
+            .query_filtered::<Entity, With<drystone::body::RigidBody>>();
+        let bodies: Vec<_> = bodies.iter(&lab.world).collect();
+        for (i, &body) in bodies.iter().enumerate() {
+            match i % 3 {
+                0 => _ = lab.world.entity_mut(body).insert(Red),
+                1 => _ = lab.world.entity_mut(body).insert(Green(1)),
+                _ => (),
+            }
+        }
+    });
+    assert_eq!(plain, painted);
+}
+
+/// What a solve keeps from the last step is dropped as a whole when a body comes or goes anywhere, and in part where somebody writes.
+#[test]
+fn what_is_kept_gives_the_bits_of_what_is_made_anew() {
+    let run = |disturb: &dyn Fn(&mut Lab)| {
+        let mut lab = Lab::new();
+        lab.world.resource_mut::<SleepSettings>().enabled = false;
+        scene(&mut lab, "wall:8x6");
+        for step in 0..90 {
+            // Impulses are taken over from a step of another length too.
+            lab.dt = if step % 7 == 0 { 0.02 } else { 1.0 / 60.0 };
+            disturb(&mut lab);
+            lab.step();
+        }
+        lab.bits()
+    };
+    let kept = run(&|_| {});
+    let anew = run(&|lab| {
+        let mut passing = lab.world.query_filtered::<Entity, With<Red>>();
+        let gone: Vec<_> = passing.iter(&lab.world).collect();
+        gone.into_iter()
+            .for_each(|ball| _ = lab.world.despawn(ball));
+        let ball = lab.body(drystone::collider::Collider::ball(0.1), Vec3::Y * 500.0);
+        lab.world.entity_mut(ball).insert(Red);
+    });
+    // But for the ball, which is the youngest.
+    let anew = anew[..kept.len()].to_vec();
+    assert_eq!(kept, anew);
+    let written = run(&|lab| {
+        let mut impulses = lab.world.query::<&mut drystone::contact::ContactImpulses>();
+        let each = impulses.iter_mut(&mut lab.world).enumerate();
+        each.filter(|(i, _)| i % 3 == 0)
+            .for_each(|(_, mut impulses)| impulses.set_changed());
+    });
+    assert_eq!(kept, written);
+}

@@ -1,0 +1,332 @@
+//! What rests is in no list that a stage goes through, and nobody can tell by anything but the time it takes.
+
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use drystone::body::Sleeping;
+use drystone::body::{
+    BodyIndex, Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Resting,
+    RigidBody, Velocity,
+};
+use drystone::collider::{Collider, CollisionLayers, Friction};
+use drystone::contact::ContactPair;
+use drystone::grab::Grab;
+use glam::{Quat, Vec3};
+use support::*;
+
+/// Three stacks of three cubes that sleep, far from each other, on one slab each; and a frame with a static child beside the first.
+struct Yard {
+    lab: Lab,
+    stacks: [[Entity; 3]; 3],
+    slabs: [Entity; 3],
+    frame: Entity,
+    child: Entity,
+}
+
+impl Yard {
+    fn new() -> Self {
+        let mut lab = Lab::new();
+        let at = [0.0, 10.0, 20.0].map(|x| Vec3::X * x);
+        let slabs = at.map(|at| {
+            lab.spawn((
+                RigidBody::Static,
+                Collider::cuboid(4.0, 1.0, 4.0),
+                Friction::new(0.5),
+                Transform::from_translation(at - Vec3::Y * 0.5),
+            ))
+        });
+        let stacks = at.map(|at| [0.5, 1.5, 2.5].map(|y| lab.cube(at + Vec3::Y * y)));
+        let frame = lab.world.spawn(Transform::from_xyz(0.0, 0.0, 1.0)).id();
+        let child = lab.spawn((
+            RigidBody::Static,
+            Collider::cuboid(0.5, 0.5, 0.5),
+            Transform::from_xyz(0.0, 0.25, 0.0),
+            ChildOf(frame),
+        ));
+        lab.run(3.0);
+        let yard = Self {
+            lab,
+            stacks,
+            slabs,
+            frame,
+            child,
+        };
+        assert!(yard.stacks.as_flattened().iter().all(|&c| yard.sleeps(c)));
+        yard
+    }
+
+    fn sleeps(&self, body: Entity) -> bool {
+        self.lab.world.get::<Sleeping>(body).unwrap().asleep
+    }
+
+    /// Bodies and pairs that do not rest.
+    fn active(&mut self) -> (Vec<Entity>, usize) {
+        let world = &mut self.lab.world;
+        let mut bodies = world.query_filtered::<Entity, (With<RigidBody>, Without<Resting>)>();
+        let bodies = bodies.iter(world).collect();
+        let mut pairs = world.query_filtered::<(), (With<ContactPair>, Without<Resting>)>();
+        (bodies, pairs.iter(world).count())
+    }
+
+    /// As if somebody had written to all bodies: they must all be looked at.
+    fn touch(&mut self) {
+        let mut bodies = self.lab.world.query::<&mut BodyIndex>();
+        for mut index in bodies.iter_mut(&mut self.lab.world) {
+            index.set_changed();
+        }
+    }
+}
+
+#[test]
+fn what_sleeps_is_in_no_list_and_one_island_wakes_alone() {
+    let mut yard = Yard::new();
+    assert_eq!(yard.active(), (vec![], 0));
+    // By age: first the slabs, then the stacks.
+    let others = |yard: &Yard| {
+        let mut bits = yard.lab.bits();
+        bits.drain(3..6);
+        bits
+    };
+    let before = others(&yard);
+    let top = yard.stacks[0][2];
+    yard.lab
+        .world
+        .get_mut::<ExternalImpulse>(top)
+        .unwrap()
+        .linear = Vec3::X * 100.0;
+    yard.lab.step();
+    let (mut active, pairs) = yard.active();
+    active.sort_unstable();
+    let mut stack = yard.stacks[0].to_vec();
+    stack.sort_unstable();
+    assert_eq!(active, stack);
+    // On the slab, between the cubes, and with the static cube beside the lowest.
+    assert!((3..=5).contains(&pairs), "{pairs} pairs");
+    assert!(yard.stacks[0].iter().all(|&cube| !yard.sleeps(cube)));
+    yard.lab.run(4.0);
+    assert_eq!(yard.active(), (vec![], 0));
+    assert_eq!(others(&yard), before);
+}
+
+/// As `bevy_transform_interpolation` does it in every frame.
+#[test]
+fn what_is_drawn_where_it_lies_rests_on() {
+    let mut yard = Yard::new();
+    let draw = |yard: &mut Yard, aside: Vec3| {
+        let mut drawn = yard.lab.world.query::<&mut Transform>();
+        for mut at in drawn.iter_mut(&mut yard.lab.world) {
+            at.translation += aside;
+        }
+    };
+    let before = yard.lab.bits();
+    for _ in 0..3 {
+        draw(&mut yard, Vec3::ZERO);
+        yard.lab.step();
+        assert_eq!(yard.active(), (vec![], 0));
+    }
+    assert_eq!(yard.lab.bits(), before);
+    draw(&mut yard, Vec3::X);
+    yard.lab.step();
+    assert!(yard.active().0.len() >= 9);
+}
+
+/// What a user may do, each to a yard that rests and to one in which all are looked at in every step.
+#[test]
+fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
+    type Deed = fn(&mut Yard);
+    fn at<T: Component<Mutability = bevy_ecs::component::Mutable>>(
+        yard: &mut Yard,
+        body: Entity,
+    ) -> Mut<'_, T> {
+        yard.lab.world.get_mut::<T>(body).unwrap()
+    }
+    fn insert(yard: &mut Yard, body: Entity, bundle: impl Bundle) {
+        yard.lab.world.entity_mut(body).insert(bundle);
+    }
+    let deeds: [(&str, bool, Deed); 29] = [
+        ("nothing", false, |_| ()),
+        ("a cube is put elsewhere", true, |y| {
+            at::<Transform>(y, y.stacks[0][1]).translation.x += 0.3;
+        }),
+        ("a cube's pose is written", true, |y| {
+            at::<Pose>(y, y.stacks[0][2]).position.y += 0.3;
+        }),
+        ("a cube gets a velocity", true, |y| {
+            at::<Velocity>(y, y.stacks[0][2]).linear.x = 1.0;
+        }),
+        ("a cube is turned", true, |y| {
+            at::<Transform>(y, y.stacks[0][2]).rotation = Quat::from_rotation_y(0.4);
+        }),
+        ("a force", true, |y| {
+            at::<ExternalForce>(y, y.stacks[0][2]).force.x = 3000.0;
+        }),
+        ("an impulse", true, |y| {
+            at::<ExternalImpulse>(y, y.stacks[0][0]).linear.x = 3000.0;
+        }),
+        ("no weight", true, |y| {
+            at::<GravityScale>(y, y.stacks[0][2]).0 = -0.5;
+        }),
+        ("its weight is taken off", false, |y| {
+            y.lab
+                .world
+                .entity_mut(y.stacks[0][2])
+                .remove::<GravityScale>();
+        }),
+        ("damping", false, |y| {
+            at::<Damping>(y, y.stacks[0][2]).linear = 1.0;
+        }),
+        ("a hand", true, |y| {
+            insert(
+                y,
+                y.stacks[0][2],
+                Grab::gentle(1000.0, Vec3::ZERO, Vec3::Y * 5.0),
+            );
+        }),
+        ("it is woken", true, |y| {
+            at::<Sleeping>(y, y.stacks[0][1]).wake()
+        }),
+        ("a mass", true, |y| insert(y, y.stacks[0][2], Mass(10.0))),
+        ("another shape", true, |y| {
+            insert(y, y.stacks[0][1], Collider::cuboid(1.0, 0.5, 1.0));
+        }),
+        ("no shape", true, |y| {
+            y.lab.world.entity_mut(y.stacks[0][0]).remove::<Collider>();
+        }),
+        ("other layers", true, |y| {
+            let layers = CollisionLayers {
+                memberships: 2,
+                filters: 2,
+            };
+            insert(y, y.stacks[0][0], layers);
+        }),
+        ("no friction below", true, |y| {
+            insert(y, y.slabs[0], Friction::new(0.0));
+        }),
+        ("its friction is taken off", true, |y| {
+            y.lab.world.entity_mut(y.slabs[0]).remove::<Friction>();
+            insert(
+                y,
+                y.slabs[0],
+                Transform::from_rotation(Quat::from_rotation_z(0.3)),
+            );
+        }),
+        ("the slab sinks", true, |y| {
+            at::<Transform>(y, y.slabs[0]).translation.y -= 0.02;
+        }),
+        ("the slab becomes a belt", true, |y| {
+            at::<Velocity>(y, y.slabs[0]).linear.x = 1.0;
+        }),
+        ("the slab falls too", true, |y| {
+            insert(y, y.slabs[0], RigidBody::Dynamic);
+        }),
+        ("the slab is gone", true, |y| {
+            y.lab.world.despawn(y.slabs[0]);
+        }),
+        ("a cube in the middle is gone", true, |y| {
+            y.lab.world.despawn(y.stacks[0][1]);
+        }),
+        ("the slab is disabled", true, |y| {
+            insert(y, y.slabs[0], Disabled)
+        }),
+        ("one is disabled while another is spawned", true, |y| {
+            insert(y, y.stacks[0][1], Disabled);
+            y.lab.cube(Vec3::new(10.0, 5.0, 0.0));
+        }),
+        ("the frame of a static child moves", true, |y| {
+            at::<Transform>(y, y.frame).translation.z -= 0.4;
+        }),
+        ("the frame is left", true, |y| {
+            y.lab.world.entity_mut(y.child).remove::<ChildOf>();
+        }),
+        ("the marker is taken off", false, |y| {
+            y.lab.world.entity_mut(y.stacks[0][1]).remove::<Resting>();
+        }),
+        ("the pairs are taken away", true, |y| {
+            let mut pairs = y.lab.world.query_filtered::<Entity, With<ContactPair>>();
+            let pairs: Vec<Entity> = pairs.iter(&y.lab.world).collect();
+            for pair in pairs {
+                y.lab.world.despawn(pair);
+            }
+        }),
+    ];
+    for (what, wakes, deed) in deeds {
+        let mut yards = [Yard::new(), Yard::new()];
+        for yard in &mut yards {
+            deed(yard);
+        }
+        let mut woke = false;
+        for step in 0..30 {
+            yards[1].touch();
+            for yard in &mut yards {
+                yard.lab.step();
+            }
+            let [one, other] = [&yards[0], &yards[1]].map(|yard| yard.lab.bits());
+            assert_eq!(one, other, "{what}, step {step}");
+            woke |= !yards[0].sleeps(yards[0].stacks[0][2]);
+        }
+        assert_eq!(woke, wakes, "{what}");
+        assert!(
+            yards[0].sleeps(yards[0].stacks[1][0]) || what.contains("pairs"),
+            "{what}"
+        );
+    }
+}
+
+/// One that comes back takes nothing along from when it rested.
+#[test]
+fn who_was_disabled_at_rest_comes_back_and_takes_part() {
+    let mut yard = Yard::new();
+    let cube = yard.stacks[1][2];
+    yard.lab.world.entity_mut(cube).insert(Disabled);
+    yard.lab.run(1.0);
+    assert!(!yard.lab.world.entity(cube).contains::<Resting>());
+    yard.lab.world.entity_mut(cube).remove::<Disabled>();
+    yard.lab
+        .world
+        .get_mut::<Transform>(cube)
+        .unwrap()
+        .translation
+        .y += 1.0;
+    yard.lab.run(3.0);
+    assert_near(yard.lab.position(cube).y, 2.5, 1e-3, "height");
+    assert_eq!(yard.active(), (vec![], 0));
+}
+
+#[test]
+fn the_same_written_again_leaves_what_rests_at_rest() {
+    let mut yard = Yard::new();
+    let cube = yard.stacks[0][1];
+    let bodies: Vec<Entity> = yard.stacks.as_flattened().to_vec();
+    for body in bodies.into_iter().chain(yard.slabs) {
+        let world = &mut yard.lab.world;
+        let kind = *world.get::<RigidBody>(body).unwrap();
+        let collider = world.get::<Collider>(body).unwrap().clone();
+        let at = *world.get::<Transform>(body).unwrap();
+        let sleeping = *world.get::<Sleeping>(body).unwrap();
+        world.entity_mut(body).insert((
+            kind,
+            collider,
+            at,
+            sleeping,
+            Friction::default(),
+            CollisionLayers::default(),
+            Velocity::default(),
+            ExternalForce::default(),
+            ExternalImpulse::default(),
+            GravityScale::default(),
+            Damping::default(),
+        ));
+    }
+    yard.lab.step();
+    assert_eq!(yard.active(), (vec![], 0));
+    // And what is not the same wakes.
+    yard.lab.world.entity_mut(cube).insert(Friction::new(0.1));
+    yard.lab.step();
+    assert!(!yard.sleeps(cube));
+    yard.lab.run(3.0);
+    assert!(yard.sleeps(cube));
+    yard.lab.world.get_mut::<Sleeping>(cube).unwrap().wake();
+    yard.lab.step();
+    assert!(!yard.sleeps(cube) && yard.sleeps(yard.stacks[1][0]));
+}

@@ -1,0 +1,5 @@
+//! Families of limits that statics knows.
+
+pub mod arches;
+pub mod columns;
+pub mod wedges;

@@ -105,7 +105,7 @@ pub mod prelude {
     };
     pub use crate::contact::{
         Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,
-        ContactStarted, Contacts, FaceForce, Load, NoBody, Supports,
+        ContactStarted, Contacts, FaceForce, Load, NotABody, Supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, HeldBy};

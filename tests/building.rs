@@ -526,7 +526,7 @@ fn edits_of_nobody_are_told() {
     assert_eq!(log.take(world, &[]), Err(EditError::Nothing));
     assert_eq!(
         log.take(world, &[bricks[0], nobody]),
-        Err(EditError::NoBody(nobody))
+        Err(EditError::NotABody(nobody))
     );
     assert!(!world.entity(bricks[0]).contains::<Disabled>());
     let nowhere = Transform::from_xyz(f32::NAN, 0.0, 0.0);
@@ -537,7 +537,7 @@ fn edits_of_nobody_are_told() {
     assert!(log.is_empty());
     log.take(world, &[bricks[1]]).unwrap();
     world.despawn(bricks[1]);
-    assert_eq!(log.undo(world), Err(EditError::NoBody(bricks[1])));
+    assert_eq!(log.undo(world), Err(EditError::NotABody(bricks[1])));
     assert!(log.is_empty());
     // What moved when it was put elsewhere moves again.
     let velocity = Velocity::linear(Vec3::X);

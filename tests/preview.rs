@@ -267,11 +267,11 @@ fn what_cannot_be_tried_is_told() {
     let ball = Collider::ball(0.5);
     let tries = [
         (Edit::Take(vec![]), PreviewError::Nothing),
-        (Edit::Take(vec![left, nobody]), PreviewError::NoBody(nobody)),
-        (Edit::Take(vec![new]), PreviewError::NoBody(new)),
+        (Edit::Take(vec![left, nobody]), PreviewError::NotABody(nobody)),
+        (Edit::Take(vec![new]), PreviewError::NotABody(new)),
         (
             Edit::Move(nobody, at(0.0, 0.0)),
-            PreviewError::NoBody(nobody),
+            PreviewError::NotABody(nobody),
         ),
         (Edit::Move(left, at(f32::NAN, 0.0)), PreviewError::NotFinite),
         (
@@ -338,7 +338,7 @@ fn what_goes_in_the_same_frame_is_not_copied() {
         let (mut lab, [left, right, across]) = trilith();
         go(lab.world.entity_mut(left));
         let take = |body| preview(&lab.world, &Edit::Take(vec![body]));
-        assert_eq!(take(left), Err(PreviewError::NoBody(left)), "{way}");
+        assert_eq!(take(left), Err(PreviewError::NotABody(left)), "{way}");
         assert_eq!(take(across).unwrap().moved, [], "{way}");
         let found = take(right).unwrap();
         assert!(found.rests && found.moved.len() == 1, "{way}");
@@ -507,5 +507,5 @@ fn bodies_of_this_frame_are_in_a_preview() {
     lab.world.despawn(lintel);
     assert_eq!(moved(&lab.world, left), [spare]);
     let gone = preview(&lab.world, &Edit::Take(vec![lintel]));
-    assert_eq!(gone.err(), Some(PreviewError::NoBody(lintel)));
+    assert_eq!(gone.err(), Some(PreviewError::NotABody(lintel)));
 }

@@ -314,7 +314,7 @@ fn what_has_no_margin_is_told() {
     let east = Trial::Tilt(Vec3::X);
     use StabilityError::*;
     assert_eq!(ask(&lab, &[], east), Err(Nothing));
-    assert_eq!(ask(&lab, &[bodies[0], nobody], east), Err(NoBody(nobody)));
+    assert_eq!(ask(&lab, &[bodies[0], nobody], east), Err(NotABody(nobody)));
     assert_eq!(ask(&lab, &[fixed], east), Err(Fixed(fixed)));
     assert_eq!(ask(&lab, &bodies, up), Err(NoDirection));
     assert_eq!(ask(&lab, &bodies, Trial::Tilt(Vec3::NAN)), Err(NoDirection));
@@ -346,7 +346,7 @@ fn what_is_despawned_in_the_same_frame_bears_nothing() {
     let tilt = |lab: &Lab, bodies: &[Entity]| stability(&lab.world, bodies, &Trial::Tilt(Vec3::X));
     assert!((tilt(&lab, &bodies).unwrap().most - 0.4636).abs() < 1e-3);
     lab.world.despawn(bodies[0]);
-    assert_eq!(tilt(&lab, &bodies), Err(StabilityError::NoBody(bodies[0])));
+    assert_eq!(tilt(&lab, &bodies), Err(StabilityError::NotABody(bodies[0])));
     assert_eq!(tilt(&lab, &bodies[1..]), Err(StabilityError::Falls));
     let (mut lab, bodies) = build(stack(2), 0.5);
     let mut ground = lab.world.query::<(Entity, &RigidBody)>();
@@ -386,7 +386,7 @@ fn a_thousand_bricks_are_asked_about_in_a_task() {
 
     // What is wrong is told at once.
     let gone = stability_task(&lab.world, &bodies, &Trial::Tilt(Vec3::Z)).map(drop);
-    assert_eq!(gone, Err(StabilityError::NoBody(bodies[0])));
+    assert_eq!(gone, Err(StabilityError::NotABody(bodies[0])));
     let many = vec![bodies[1]; MAX_BODIES + 1];
     let many = stability(&lab.world, &many, &Trial::Tilt(Vec3::Z)).map(drop);
     assert_eq!(many, Err(StabilityError::TooMany(MAX_BODIES + 1)));

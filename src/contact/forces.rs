@@ -76,9 +76,9 @@ pub struct FaceForce {
 /// An entity is no body that simulation knows: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or has come since the last
 /// step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoBody(pub Entity);
+pub struct NotABody(pub Entity);
 
-impl fmt::Display for NoBody {
+impl fmt::Display for NotABody {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -88,7 +88,7 @@ impl fmt::Display for NoBody {
     }
 }
 
-impl std::error::Error for NoBody {}
+impl std::error::Error for NotABody {}
 
 type Pair = (
     &'static ContactPair,
@@ -110,17 +110,17 @@ pub struct Contacts<'w, 's> {
 
 impl Contacts<'_, '_> {
     /// The slot of a body that is there: one that has been despawned, disabled or robbed of its kind since the last step is not.
-    pub(super) fn slot(&self, body: Entity) -> Result<u32, NoBody> {
+    pub(super) fn slot(&self, body: Entity) -> Result<u32, NotABody> {
         let index = self.bodies.get(body).ok();
         let index = index.filter(|index| self.table.holds(body, **index));
-        index.map(|index| index.0).ok_or(NoBody(body))
+        index.map(|index| index.0).ok_or(NotABody(body))
     }
 
     /// The forces on a body, face by face, those from the eldest neighbour first.
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn on(&self, body: Entity) -> Result<Vec<FaceForce>, NoBody> {
+    pub fn on(&self, body: Entity) -> Result<Vec<FaceForce>, NotABody> {
         let slot = self.slot(body)?;
         let mut faces = Vec::new();
         for pair in self.pairs_of(slot) {
@@ -133,7 +133,7 @@ impl Contacts<'_, '_> {
     ///
     /// # Errors
     /// Where one of them is no body.
-    pub fn between(&self, on: Entity, by: Entity) -> Result<Vec<FaceForce>, NoBody> {
+    pub fn between(&self, on: Entity, by: Entity) -> Result<Vec<FaceForce>, NotABody> {
         self.slot(by)?;
         let mut faces = self.on(on)?;
         faces.retain(|face| face.by == by);

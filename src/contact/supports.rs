@@ -38,7 +38,7 @@
 //! world.run_system_once(tell).unwrap();
 //! ```
 
-use super::{Contacts, NoBody};
+use super::{Contacts, NotABody};
 use crate::body::BodyState;
 use crate::islands::Islands;
 use crate::settings::Gravity;
@@ -82,7 +82,7 @@ impl Supports<'_, '_> {
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn supported_by(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+    pub fn supported_by(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let slot = self.contacts.slot(body)?;
         let Some(least) = self.least(slot) else {
             return Ok(Vec::new());
@@ -109,7 +109,7 @@ impl Supports<'_, '_> {
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn supports(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+    pub fn supports(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let slot = self.contacts.slot(body)?;
         let down = self.gravity.0.normalize_or_zero();
         let mut bearings = Vec::new();
@@ -133,7 +133,7 @@ impl Supports<'_, '_> {
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn load_path(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+    pub fn load_path(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let mut path = Vec::new();
         // Where each body's bearings stand in the path, and how many bear on it.
         let mut below: EntityHashMap<Range<usize>> = EntityHashMap::default();
@@ -179,7 +179,7 @@ impl Supports<'_, '_> {
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn hanging_on(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+    pub fn hanging_on(&self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         let down = self.gravity.0.normalize_or_zero();
         let mut search = Search {
             supports: self,
@@ -210,7 +210,7 @@ impl Supports<'_, '_> {
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn structure(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+    pub fn structure(&self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         let slot = self.contacts.slot(body)?;
         let table = &*self.contacts.table;
         if !table.get(slot).is_some_and(BodyState::is_dynamic) {
@@ -250,7 +250,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// Looks for a way down that does not lead through the body. Where there is none, whatever was come through hangs on it too, and is told.
-    fn decide(&mut self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+    fn decide(&mut self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         // From where each was come to.
         let mut from = EntityHashMap::from_iter([(body, body)]);
         let mut next = vec![body];

@@ -91,7 +91,7 @@ pub struct Edited {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EditError {
     /// No body: it has no [`RigidBody`], or is gone.
-    NoBody(Entity),
+    NotABody(Entity),
     /// No body is named.
     Nothing,
     /// A place or turn that is not finite.
@@ -101,7 +101,7 @@ pub enum EditError {
 impl fmt::Display for EditError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoBody(entity) => write!(f, "{entity} is no body, or is gone"),
+            Self::NotABody(entity) => write!(f, "{entity} is no body, or is gone"),
             Self::Nothing => f.write_str("an edit of no body"),
             Self::NotFinite => {
                 f.write_str("a body is to be put where no place is: its `Transform` is not finite")
@@ -334,7 +334,7 @@ fn check(world: &World, bodies: &[Entity]) -> Result<(), EditError> {
     }
     let mut missing = bodies.iter();
     match missing.find(|body| world.get::<RigidBody>(**body).is_none()) {
-        Some(&body) => Err(EditError::NoBody(body)),
+        Some(&body) => Err(EditError::NotABody(body)),
         None => Ok(()),
     }
 }
@@ -392,7 +392,7 @@ fn set(
 ) -> Result<(), EditError> {
     let mut entity = world
         .get_entity_mut(body)
-        .map_err(|_| EditError::NoBody(body))?;
+        .map_err(|_| EditError::NotABody(body))?;
     entity.insert((transform, velocity)).remove::<Grab>();
     Ok(())
 }

@@ -8,7 +8,7 @@ use std::fmt;
 pub enum PreviewError {
     /// It is no body that simulation knows: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or has come since the last
     /// step.
-    NoBody(Entity),
+    NotABody(Entity),
     /// Nothing is to be taken.
     Nothing,
     /// A position or rotation is not finite, or a rotation has no length.
@@ -22,7 +22,7 @@ pub enum PreviewError {
 impl fmt::Display for PreviewError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoBody(entity) => crate::contact::NoBody(*entity).fmt(f),
+            Self::NotABody(entity) => crate::contact::NotABody(*entity).fmt(f),
             Self::Nothing => f.write_str("an edit that takes no body: there is nothing to try"),
             Self::NotFinite => f.write_str("a pose of the edit is not finite, or its rotation has no length"),
             Self::InvalidShape => f.write_str(

@@ -10,7 +10,7 @@ pub enum StabilityError {
     Nothing,
     /// It is no body that simulation knows: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or has come since the last
     /// step.
-    NoBody(Entity),
+    NotABody(Entity),
     /// A static or kinematic body, which stands whatever is done to it.
     Fixed(Entity),
     /// What is pulled is not of the structure.
@@ -33,7 +33,7 @@ impl fmt::Display for StabilityError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nothing => f.write_str("a structure of no bodies has no margin"),
-            Self::NoBody(entity) => crate::contact::NoBody(*entity).fmt(f),
+            Self::NotABody(entity) => crate::contact::NotABody(*entity).fmt(f),
             Self::Fixed(entity) => write!(
                 f,
                 "{entity} is static or kinematic: name the dynamic bodies of a structure only"

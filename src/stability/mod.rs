@@ -179,8 +179,8 @@ impl Question {
         let mut slots = Vec::with_capacity(structure.len());
         for &body in structure {
             let slot = table.slot_of(world, body);
-            let slot = slot.ok_or(StabilityError::NoBody(body))?;
-            let state = table.get(slot).ok_or(StabilityError::NoBody(body))?;
+            let slot = slot.ok_or(StabilityError::NotABody(body))?;
+            let state = table.get(slot).ok_or(StabilityError::NotABody(body))?;
             if !state.is_dynamic() {
                 return Err(StabilityError::Fixed(body));
             }

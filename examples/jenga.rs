@@ -120,7 +120,7 @@ impl Game {
         let bears = |plank: Entity| {
             self.world
                 .get::<Load>(plank)
-                .map_or(0.0, |load| load.carries)
+                .map_or(0.0, |load| load.supported_weight)
         };
         planks.sort_by(|a, b| bears(a.0).total_cmp(&bears(b.0)));
         for (plank, layer, place) in planks {

@@ -291,7 +291,7 @@ pub fn collapses(
             && watch.strength.is_finite()
             && contacts
                 .on(entity)
-                .is_ok_and(|faces| faces.iter().any(|face| face.pressure > watch.strength));
+                .is_ok_and(|faces| faces.iter().any(|face| face.normal_force > watch.strength));
         if !has_left(place, *pose, body.radius, &settings) && !crushed {
             continue;
         }

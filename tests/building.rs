@@ -131,7 +131,7 @@ fn a_lintel_bears_what_is_over_an_opening() {
     let lintel = bodies[lintel.unwrap()];
     lab.world.entity_mut(lintel).insert(Load::default());
     lab.step();
-    let carries = lab.world.get::<Load>(lintel).unwrap().carries;
+    let carries = lab.world.get::<Load>(lintel).unwrap().supported_weight;
     // Two courses over 2.5 m and half a brick more on each side would be all that can be on it; a metre and a half has nothing else below.
     let weight = |length: f32| length * 1.0 * 0.5 * 1000.0 * G;
     assert!((weight(1.0)..weight(3.5)).contains(&carries), "{carries}");

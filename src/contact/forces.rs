@@ -31,7 +31,7 @@
 //! assert!(face.point.distance(Vec3::Y * 0.5) < 1e-2);
 //!
 //! let load = world.get::<Load>(lower).unwrap();
-//! assert!((load.carries - weight).abs() < 1e-3 * weight);
+//! assert!((load.supported_weight - weight).abs() < 1e-3 * weight);
 //! # let _ = ground;
 //! ```
 
@@ -59,7 +59,7 @@ pub struct FaceForce {
     /// The whole force, N, world: what presses, and friction.
     pub force: Vec3,
     /// What presses, N.
-    pub pressure: f32,
+    pub normal_force: f32,
     /// Where it acts: the centre of pressure, world, m.
     pub point: Vec3,
     /// The moment of friction about the normal through that point, N·m.
@@ -173,14 +173,14 @@ impl Contacts<'_, '_> {
 
     /// The force of a pair on A, N, world, where it presses.
     fn whole(&self, manifold: &Manifold, impulses: &ContactImpulses, rests: bool) -> Option<Vec3> {
-        let (mut pressure, mut force) = (0.0, Vec3::ZERO);
+        let (mut normal_force, mut force) = (0.0, Vec3::ZERO);
         for (number, patch) in manifold.patches.iter().enumerate() {
             let range = manifold.range(patch);
             let given = Given::at(impulses, range, number, self.per_second(rests));
-            pressure += given.pressure;
-            force += patch.normal * given.pressure + given.tangential;
+            normal_force += given.normal_force;
+            force += patch.normal * given.normal_force + given.tangential;
         }
-        (pressure > 0.0).then_some(force)
+        (normal_force > 0.0).then_some(force)
     }
 
     /// What makes forces of the impulses of a pair. Of what rests no impulse is anew; forces stay what they are.
@@ -205,14 +205,14 @@ impl Contacts<'_, '_> {
         for (number, patch) in manifold.patches.iter().enumerate() {
             let range = manifold.range(patch);
             let given = Given::at(impulses, range.clone(), number, per_second);
-            if given.pressure <= 0.0 {
+            if given.normal_force <= 0.0 {
                 continue;
             }
             let shares = range.clone().zip(&given.normal);
             let points = shares.map(|(i, &force)| (a.center + manifold.points[i].arm, force));
             let points: SmallVec<[(Vec3, f32); 4]> = points.collect();
             let moment: Vec3 = points.iter().map(|&(at, force)| at * force).sum();
-            let point = moment / given.pressure;
+            let point = moment / given.normal_force;
             // One friction force of a patch acts at its centre, those of points at the points.
             let center = a.center + patch.center;
             let arm = match impulses.friction.is_empty() {
@@ -221,13 +221,13 @@ impl Contacts<'_, '_> {
             };
             let twist = given.twist + patch.normal.dot(arm.cross(given.tangential));
             let way = if of_a { 1.0 } else { -1.0 };
-            let most = pair.friction * given.pressure;
+            let most = pair.friction * given.normal_force;
             faces.push(FaceForce {
                 on,
                 by,
                 normal: way * patch.normal,
-                force: way * (patch.normal * given.pressure + given.tangential),
-                pressure: given.pressure,
+                force: way * (patch.normal * given.normal_force + given.tangential),
+                normal_force: given.normal_force,
                 point,
                 twist,
                 friction_use: if most > 0.0 {
@@ -246,7 +246,7 @@ impl Contacts<'_, '_> {
 struct Given {
     /// At each point.
     normal: SmallVec<[f32; 4]>,
-    pressure: f32,
+    normal_force: f32,
     tangential: Vec3,
     twist: f32,
 }
@@ -278,7 +278,7 @@ impl Given {
             }
         };
         Self {
-            pressure: normal.iter().sum(),
+            normal_force: normal.iter().sum(),
             normal,
             tangential,
             twist: of_patch.warm_twist,
@@ -303,9 +303,9 @@ pub struct Load {
     /// The sum of all contact forces on it, N, world; at rest its weight upwards.
     pub force: Vec3,
     /// What presses on it from all sides, N.
-    pub pressure: f32,
+    pub normal_force: f32,
     /// What others put on it along gravity, N: the weight of what it carries.
-    pub carries: f32,
+    pub supported_weight: f32,
     /// The largest [`FaceForce::friction_use`] of its faces.
     pub friction_use: f32,
 }
@@ -326,8 +326,8 @@ pub fn loads(
         // Of what is no body nothing is borne.
         for face in contacts.on(body).unwrap_or_default() {
             sum.force += face.force;
-            sum.pressure += face.pressure;
-            sum.carries += face.force.dot(down).max(0.0);
+            sum.normal_force += face.normal_force;
+            sum.supported_weight += face.force.dot(down).max(0.0);
             sum.friction_use = sum.friction_use.max(face.friction_use);
         }
         load.set_if_neq(sum);

@@ -268,7 +268,7 @@ fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {
         && let Ok((load, mass, sleeping)) = known.bodies.get(body)
     {
         let own = 1.0 / mass.inverse_mass.max(1e-9);
-        lines[0] = format!("{own:.0} kg, carries {:.2} kN", 1e-3 * load.carries);
+        lines[0] = format!("{own:.0} kg, carries {:.2} kN", 1e-3 * load.supported_weight);
         let bearings = known.supports.supported_by(body).unwrap_or_default();
         let rest = if sleeping.asleep { ", sleeps" } else { "" };
         let friction = 100.0 * load.friction_use;

@@ -125,7 +125,7 @@ fn carrying(criterion: &mut Criterion) {
         black_box(supports.load_path(top)).ok();
     });
     ask("hanging on", &|| {
-        black_box(supports.hanging_on(middle)).ok();
+        black_box(supports.supported_only_by(middle)).ok();
     });
     ask("structure", &|| {
         black_box(supports.structure(middle)).ok();

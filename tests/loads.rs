@@ -298,7 +298,7 @@ fn what_is_loaded_asleep_bears_its_weight_at_once() {
             0.01,
             "of the top on the ground",
         );
-        assert_eq!(supports.hanging_on(ground).unwrap().len(), bricks.len());
+        assert_eq!(supports.supported_only_by(ground).unwrap().len(), bricks.len());
         assert_eq!(supports.supported_by(bricks[14]).unwrap().len(), 2);
         // It carries on where it was. (The paper's envelope lifts what is spawned in touch, awake or not.)
         if preset == Preset::Paper {

@@ -28,8 +28,8 @@
 //!     let under = supports.supported_by(across).unwrap();
 //!     assert_eq!(under.iter().map(|bearing| bearing.below).collect::<Vec<_>>(), [left, right]);
 //!     assert!((under[0].share - 0.5).abs() < 0.01);
-//!     assert_eq!(supports.hanging_on(across).unwrap(), [top]);
-//!     assert_eq!(supports.hanging_on(left).unwrap(), []);
+//!     assert_eq!(supports.supported_only_by(across).unwrap(), [top]);
+//!     assert_eq!(supports.supported_only_by(left).unwrap(), []);
 //!     let path = supports.load_path(top).unwrap();
 //!     assert_eq!(path.len(), 5);
 //!     let to_the_ground = path.iter().filter(|bearing| bearing.below == ground);
@@ -179,7 +179,7 @@ impl Supports<'_, '_> {
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn hanging_on(&self, body: Entity) -> Result<Vec<Entity>, NotABody> {
+    pub fn supported_only_by(&self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         let down = self.gravity.0.normalize_or_zero();
         let mut search = Search {
             supports: self,

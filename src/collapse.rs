@@ -63,7 +63,7 @@ pub struct Collapse {
     /// The first of it that gave way.
     pub first: Entity,
     /// How that did.
-    pub how: GaveWay,
+    pub how: FailureMode,
     /// Those of it that still stand where they stood, or rather did until now; in no order of meaning.
     pub rest: Vec<Entity>,
     /// How many watched bodies the structure has, `first` and `rest` together.
@@ -78,7 +78,7 @@ pub struct CollapseEnded {
     /// The first of it that gave way, as in [`Collapse`].
     pub first: Entity,
     /// How that did.
-    pub how: GaveWay,
+    pub how: FailureMode,
     /// Those of the structure that have left their places, the eldest first. Bodies that have been despawned since are not among them.
     pub moved: Vec<Entity>,
     /// Their mass, kg.
@@ -87,7 +87,7 @@ pub struct CollapseEnded {
 
 /// How a body gave way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
-pub enum GaveWay {
+pub enum FailureMode {
     /// A hand or a force of the user's was on it.
     Pulled,
     /// More pressed on a face of it than its [`Watch::strength`].
@@ -172,7 +172,7 @@ pub struct Structures {
 /// A body that was held as it left its structure.
 struct Pulled {
     body: Entity,
-    how: GaveWay,
+    how: FailureMode,
     stood: Pose,
     /// s
     when: f64,
@@ -181,7 +181,7 @@ struct Pulled {
 /// A structure that has collapsed.
 struct Falling {
     first: Entity,
-    how: GaveWay,
+    how: FailureMode,
     /// When it did, s.
     since: f64,
     /// Its bodies, and where they stood.
@@ -253,7 +253,7 @@ pub fn collapses(
     structures.now += f64::from(time.whole());
     let down = gravity.0.normalize_or_zero();
     // By structure: who has gone farthest beyond what counts, of those that do so in this step, and where all of those stood.
-    let mut gone: HashMap<u64, (f32, Age, Entity, GaveWay)> = HashMap::default();
+    let mut gone: HashMap<u64, (f32, Age, Entity, FailureMode)> = HashMap::default();
     let mut left: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
     let mut settled: Vec<(usize, Entity, u32, Pose)> = Vec::new();
     let mut known: HashMap<usize, u64> = HashMap::default();
@@ -299,11 +299,11 @@ pub fn collapses(
         stands.leave();
         left.entry(structure).or_default().push((entity, place));
         let how = match () {
-            () if crushed => GaveWay::Crushed,
-            () if held => GaveWay::Pulled,
-            () if turned > went.length() => GaveWay::Tipped,
-            () if went.dot(down) > 0.7 * went.length() => GaveWay::Fell,
-            () => GaveWay::Slid,
+            () if crushed => FailureMode::Crushed,
+            () if held => FailureMode::Pulled,
+            () if turned > went.length() => FailureMode::Tipped,
+            () if went.dot(down) > 0.7 * went.length() => FailureMode::Fell,
+            () => FailureMode::Slid,
         };
         if held && !crushed {
             let pulled = Pulled {

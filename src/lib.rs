@@ -99,7 +99,7 @@ pub mod prelude {
         Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
         GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
     };
-    pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, GaveWay, Watch};
+    pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{
         Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
     };

@@ -330,11 +330,11 @@ fn banner(
     let now = time.elapsed_secs();
     if let Some(collapse) = collapses.read().last() {
         let how = match collapse.how {
-            GaveWay::Pulled => "was pulled",
-            GaveWay::Crushed => "was crushed",
-            GaveWay::Fell => "lost what bore it",
-            GaveWay::Slid => "slid",
-            GaveWay::Tipped => "tipped",
+            FailureMode::Pulled => "was pulled",
+            FailureMode::Crushed => "was crushed",
+            FailureMode::Fell => "lost what bore it",
+            FailureMode::Slid => "slid",
+            FailureMode::Tipped => "tipped",
         };
         let height = poses
             .get(collapse.first)

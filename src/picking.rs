@@ -35,7 +35,7 @@ pub fn pick(
     mut hits: MessageWriter<PointerHits>,
 ) {
     let seen = |body| pickables.get(body) != Ok(&Pickable::IGNORE);
-    let filter = QueryFilter::default().that(&seen);
+    let filter = QueryFilter::default().with_predicate(&seen);
     for (&id, &ray) in rays.iter() {
         let Ok(camera) = cameras.get(id.camera) else {
             continue;

@@ -16,7 +16,7 @@ use bevy_ecs::prelude::*;
 ///     .excluding(&held)
 ///     .with_layers(CollisionLayers { memberships: 1, filters: 0b110 });
 /// let is_real = |entity| !ghosts.contains(&entity);
-/// let filter = filter.that(&is_real);
+/// let filter = filter.with_predicate(&is_real);
 /// ```
 #[derive(Clone, Copy, Default)]
 pub struct QueryFilter<'a> {
@@ -24,7 +24,7 @@ pub struct QueryFilter<'a> {
     excluded: &'a [Entity],
     predicate: Option<&'a (dyn Fn(Entity) -> bool + Sync)>,
     dynamic_only: bool,
-    hollow: bool,
+    solid: bool,
     ignores_start: bool,
 }
 
@@ -42,7 +42,7 @@ impl<'a> QueryFilter<'a> {
     }
 
     /// Only those for which this holds. It is asked last, and on several threads by what asks for many at once.
-    pub fn that(mut self, predicate: &'a (dyn Fn(Entity) -> bool + Sync)) -> Self {
+    pub fn with_predicate(mut self, predicate: &'a (dyn Fn(Entity) -> bool + Sync)) -> Self {
         self.predicate = Some(predicate);
         self
     }
@@ -54,8 +54,8 @@ impl<'a> QueryFilter<'a> {
     }
 
     /// A ray that begins in a body hits it where it leaves it, and not at once.
-    pub fn hollow(mut self) -> Self {
-        self.hollow = true;
+    pub fn solid(mut self, solid: bool) -> Self {
+        self.solid = solid;
         self
     }
 
@@ -73,7 +73,7 @@ impl<'a> QueryFilter<'a> {
 
     /// Whether a ray hits the body that it begins in at once.
     pub(super) fn is_solid(&self) -> bool {
-        !self.hollow || self.ignores_start
+        self.solid || self.ignores_start
     }
 
     #[inline]

@@ -30,7 +30,7 @@ struct Cast<'a> {
     collider: &'a Collider,
     from: Pose,
     direction: Vec3,
-    most: f32,
+    max_distance: f32,
     /// Its box.
     aabb: Aabb,
 }
@@ -40,7 +40,7 @@ impl<'a> Cast<'a> {
         collider: &'a Collider,
         from: Pose,
         direction: Dir3,
-        most: f32,
+        max_distance: f32,
     ) -> Result<Self, QueryError> {
         if !direction.is_finite() {
             return Err(QueryError::NotFinite("the direction"));
@@ -50,7 +50,7 @@ impl<'a> Cast<'a> {
             collider,
             from,
             direction: *direction,
-            most: at_most(most)?,
+            max_distance: at_most(max_distance)?,
             aabb: collider.shape().compute_aabb(&from.to_parry()),
         })
     }
@@ -61,20 +61,20 @@ impl<'a> Cast<'a> {
         let widened = Aabb::new(node.mins() - half, node.maxs() + half);
         let ray = Ray::new(self.aabb.center(), self.direction);
         widened
-            .cast_local_ray(&ray, self.most, true)
+            .cast_local_ray(&ray, self.max_distance, true)
             .unwrap_or(f32::MAX)
     }
 
-    /// Where it touches a body, nearer than `most` (m).
+    /// Where it touches a body, nearer than `max_distance` (m).
     fn hit(
         &self,
         target: &Target,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
         let at = target.pose.to_parry();
         let options = ShapeCastOptions {
-            max_time_of_impact: most,
+            max_time_of_impact: max_distance,
             ..Default::default()
         };
         let shape = &**self.collider.shape();
@@ -90,7 +90,7 @@ impl<'a> Cast<'a> {
         );
         let entity = target.body.entity;
         let hit = hit.map_err(|_| QueryError::Unsupported(entity))?;
-        let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, most));
+        let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, max_distance));
         Ok(hit.map(|hit| CastHit {
             entity,
             distance: hit.time_of_impact,
@@ -116,7 +116,7 @@ pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError>
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The first body that a shape touches which begins at a pose and goes straight on, without turning, for less than `most` (m).
+    /// The first body that a shape touches which begins at a pose and goes straight on, without turning, for less than `max_distance` (m).
     ///
     /// # Errors
     /// Where pose or direction are not finite, the distance is negative, the shape has no volume or no end, or it cannot be compared with that
@@ -126,31 +126,31 @@ impl SpatialQuery<'_, '_> {
         collider: &Collider,
         from: Pose,
         direction: Dir3,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
-        let cast = Cast::new(collider, from, direction, most)?;
+        let cast = Cast::new(collider, from, direction, max_distance)?;
         let failed = Cell::new(None);
-        let hit = |slot, most| {
-            let hit = cast.hit(&self.target(slot, filter)?, most, filter);
+        let hit = |slot, max_distance| {
+            let hit = cast.hit(&self.target(slot, filter)?, max_distance, filter);
             hit.unwrap_or_else(|error| {
                 failed.set(Some(error));
                 None
             })
         };
         let distance = |slot, best| hit(slot, best).map(|hit| hit.distance);
-        let search = |tree: &Bvh, first: u32, most| {
+        let search = |tree: &Bvh, first: u32, max_distance| {
             tree.find_best(
-                most,
+                max_distance,
                 |node: &BvhNode, _| cast.way_to(node),
                 |leaf, best| distance(first + leaf, best),
             )
         };
-        let nearest = self.nearest(cast.most, search, distance, |slot| hit(slot, cast.most));
+        let nearest = self.nearest(cast.max_distance, search, distance, |slot| hit(slot, cast.max_distance));
         failed.take().map_or(Ok(nearest), Err)
     }
 
-    /// Whatever the shape would touch up to `most` (m), nearest first, as if it went through all of it.
+    /// Whatever the shape would touch up to `max_distance` (m), nearest first, as if it went through all of it.
     ///
     /// # Errors
     /// As [`Self::cast_shape`].
@@ -159,13 +159,13 @@ impl SpatialQuery<'_, '_> {
         collider: &Collider,
         from: Pose,
         direction: Dir3,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Vec<CastHit>, QueryError> {
-        let cast = Cast::new(collider, from, direction, most)?;
+        let cast = Cast::new(collider, from, direction, max_distance)?;
         let near = self.view().along(|node| cast.way_to(node) < f32::MAX);
         let hits = self.all(near, |slot| {
-            let hit = cast.hit(&self.target(slot, filter)?, cast.most, filter);
+            let hit = cast.hit(&self.target(slot, filter)?, cast.max_distance, filter);
             hit.transpose()
         });
         let hits = hits.into_iter().map(|(_, hit)| hit);

@@ -66,9 +66,9 @@ impl<'a> QueryFilter<'a> {
         self
     }
 
-    /// Whether a hit at a distance, m, counts, where `most` is the farthest.
-    pub(super) fn reaches(&self, distance: f32, most: f32) -> bool {
-        distance <= most && (distance > 0.0 || !self.ignores_start)
+    /// Whether a hit at a distance, m, counts, where `max_distance` is the farthest.
+    pub(super) fn reaches(&self, distance: f32, max_distance: f32) -> bool {
+        distance <= max_distance && (distance > 0.0 || !self.ignores_start)
     }
 
     /// Whether a ray hits the body that it begins in at once.

@@ -123,12 +123,12 @@ impl SpatialQuery<'_, '_> {
     /// a body is away, where that is less than so much.
     fn nearest<H>(
         &self,
-        most: f32,
+        max_distance: f32,
         search: impl Fn(&Bvh, u32, f32) -> Option<(u32, f32)>,
         distance: impl Fn(u32, f32) -> Option<f32>,
         hit: impl FnOnce(u32) -> Option<H>,
     ) -> Option<H> {
-        let (mut best, mut least) = (None, most);
+        let (mut best, mut least) = (None, max_distance);
         for (tree, first) in self.view().trees() {
             if let Some((leaf, distance)) = search(tree, first, least)
                 && (best.is_none() || distance < least)

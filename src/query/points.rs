@@ -56,26 +56,26 @@ impl SpatialQuery<'_, '_> {
         Ok(hits.into_iter().map(|(body, ())| body.entity).collect())
     }
 
-    /// The nearest point of any body that is nearer than `most` (m).
+    /// The nearest point of any body that is nearer than `max_distance` (m).
     ///
     /// # Errors
     /// Where the point is not finite or the distance negative.
     pub fn closest_point(
         &self,
         point: Vec3,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<PointHit>, QueryError> {
-        let (point, most) = (checked(point)?, at_most(most)?);
+        let (point, max_distance) = (checked(point)?, at_most(max_distance)?);
         let hit = |slot| Some(self.target(slot, filter)?.nearest_to(point));
         let distance = |slot, _| hit(slot).map(|hit| hit.distance);
-        let search = |tree: &Bvh, first: u32, most| {
+        let search = |tree: &Bvh, first: u32, max_distance| {
             tree.find_best(
-                most,
+                max_distance,
                 |node: &BvhNode, _| node.aabb().distance_to_local_point(point, true),
                 |leaf, best| distance(first + leaf, best),
             )
         };
-        Ok(self.nearest(most, search, distance, hit))
+        Ok(self.nearest(max_distance, search, distance, hit))
     }
 }

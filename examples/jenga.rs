@@ -159,7 +159,7 @@ impl Game {
         let mut least = f32::INFINITY;
         for direction in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
             let margin = stability(&copy.world, &planks, &Trial::Tilt(direction));
-            least = least.min(margin.ok()?.most);
+            least = least.min(margin.ok()?.limit);
         }
         Some(least)
     }

@@ -25,7 +25,7 @@
 //!
 //! // Half a metre deep and five high, it falls out of its plane at 5.7°, about its foot.
 //! let margin = stability(world, &bricks, &Trial::Tilt(Vec3::Z)).unwrap();
-//! assert!((margin.most.to_degrees() - 5.71).abs() < 0.05);
+//! assert!((margin.limit.to_degrees() - 5.71).abs() < 0.05);
 //! assert_eq!(margin.moving.len(), bricks.len());
 //! ```
 
@@ -69,16 +69,16 @@ pub enum Trial {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margin {
     /// The tilt, rad, or the force, N, at which it fails; infinite where it never does by it, and for a tilt then π/2.
-    pub most: f32,
+    pub limit: f32,
     /// The bodies that begin to move then, in the order of the structure. None where it never fails.
-    pub moving: Vec<Moving>,
+    pub moving: Vec<MovingBody>,
     /// The joints that give way.
-    pub gives: Vec<Giving>,
+    pub failing: Vec<FailingJoint>,
 }
 
 /// A body that begins to move: a velocity, of which only the proportions to those of others mean something; the fastest has 1 m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moving {
+pub struct MovingBody {
     /// Which.
     pub body: Entity,
     /// Of its centre of mass, world.
@@ -89,16 +89,16 @@ pub struct Moving {
 
 /// A joint that gives way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Giving {
+pub struct FailingJoint {
     /// The bodies on both sides, the elder first.
     pub between: [Entity; 2],
     /// How.
-    pub how: How,
+    pub how: JointFailure,
 }
 
 /// How a joint gives way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum How {
+pub enum JointFailure {
     /// One face slides on the other.
     Slides,
     /// One body tips over an edge or corner of the other, or is lifted off it.
@@ -145,7 +145,7 @@ pub fn stability(
 /// let task = stability_task(world, &bricks, &Trial::Tilt(Vec3::Z)).unwrap();
 /// // Frames go by, until `task.is_finished()`.
 /// let margin = block_on(task).unwrap();
-/// assert!(margin.most > 0.0);
+/// assert!(margin.limit > 0.0);
 /// ```
 ///
 /// # Errors
@@ -196,7 +196,7 @@ impl Question {
     fn answer(&self) -> Result<Margin, StabilityError> {
         let mut margin = self.structure.solve(&self.load)?;
         if self.is_tilt {
-            margin.most = margin.most.atan();
+            margin.limit = margin.limit.atan();
         }
         Ok(margin)
     }

@@ -16,7 +16,7 @@ use super::cone_program::{Face, Program, Six};
 use super::interior::{self, Outcome};
 use super::scaled::Scaled;
 use super::structure::{Joint, Structure};
-use super::{Giving, How, Margin, Moving, StabilityError};
+use super::{FailingJoint, JointFailure, Margin, MovingBody, StabilityError};
 use glam::{DVec3, Vec3};
 
 /// What moves by less than this share of the fastest does not move.
@@ -104,9 +104,9 @@ impl Structure {
         for _ in 0..ROUNDS {
             if found.most.is_infinite() {
                 return Ok(Margin {
-                    most: f32::INFINITY,
+                    limit: f32::INFINITY,
                     moving: Vec::new(),
-                    gives: Vec::new(),
+                    failing: Vec::new(),
                 });
             }
             let joints = now.iter().zip(&gains);
@@ -328,7 +328,7 @@ impl Structure {
         let moving = moving.filter(|(_, velocity)| fast(velocity) > MOVES * fastest);
         let moving = moving.map(|(member, velocity)| {
             let [linear, angular] = velocity.map(|v| (v / fastest).as_vec3());
-            Moving {
+            MovingBody {
                 body: member.entity,
                 linear,
                 angular,
@@ -349,18 +349,18 @@ impl Structure {
                 slides += (apart - open * joint.frame[0]).length();
             }
             let share = 1.0 / joint.points.len() as f64;
-            ((opens + slides) * share > MOVES * fastest).then_some(Giving {
+            ((opens + slides) * share > MOVES * fastest).then_some(FailingJoint {
                 between: joint.between,
                 how: match slides > opens {
-                    true => How::Slides,
-                    false => How::Tips,
+                    true => JointFailure::Slides,
+                    false => JointFailure::Tips,
                 },
             })
         });
         Margin {
-            most: found.most.max(0.0) as f32,
+            limit: found.most.max(0.0) as f32,
             moving: moving.collect(),
-            gives: gives.collect(),
+            failing: gives.collect(),
         }
     }
 }

@@ -72,7 +72,7 @@ pub struct Collapse {
     pub mass: f32,
 }
 
-/// What has come down in a collapse: sent once all that is left of the structure stands again, or after [`CollapseSettings::longest`].
+/// What has come down in a collapse: sent once all that is left of the structure stands again, or after [`CollapseSettings::max_time`].
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct CollapseEnded {
     /// The first of it that gave way, as in [`Collapse`].
@@ -143,7 +143,7 @@ pub struct CollapseSettings {
     /// A body that was pulled away so long ago, s, has nothing to do with what falls now; 2 by default.
     pub memory: f32,
     /// A collapse has ended after so long, s, whatever still moves then; 30 by default.
-    pub longest: f32,
+    pub max_time: f32,
 }
 
 impl Default for CollapseSettings {
@@ -152,7 +152,7 @@ impl Default for CollapseSettings {
             moved: 0.05,
             still_for: 0.25,
             memory: 2.0,
-            longest: 30.0,
+            max_time: 30.0,
         }
     }
 }
@@ -423,7 +423,7 @@ impl Structures {
                 .iter()
                 .filter_map(|(body, _)| all.get(*body).ok());
             let stand = left.all(|(.., stands, _)| stands.at.is_some());
-            if !stand && now - falling.since < f64::from(settings.longest) {
+            if !stand && now - falling.since < f64::from(settings.max_time) {
                 return true;
             }
             let moved = falling.bodies.iter().filter_map(|&(entity, place)| {

@@ -290,7 +290,7 @@ fn what_cannot_be_tried_is_told() {
     for (edit, error) in tries {
         assert_eq!(preview(&lab.world, &edit), Err(error), "{edit:?}");
     }
-    for (dt, longest, moved) in [
+    for (dt, max_time, moved) in [
         (0.0, 1.0, 0.1),
         (f32::NAN, 1.0, 0.1),
         (0.1, -1.0, 0.1),
@@ -298,7 +298,7 @@ fn what_cannot_be_tried_is_told() {
     ] {
         let settings = PreviewSettings {
             dt: Some(dt),
-            longest,
+            max_time,
             moved,
         };
         let shadow = Shadow::around(&lab.world, &[left]).unwrap();
@@ -315,7 +315,7 @@ fn what_never_rests_is_given_up() {
     lab.world.entity_mut(ball).insert(Velocity::linear(Vec3::X));
     lab.run(0.1);
     let settings = PreviewSettings {
-        longest: 1.0,
+        max_time: 1.0,
         ..Default::default()
     };
     let shadow = Shadow::around(&lab.world, &[ball]).unwrap();
@@ -383,7 +383,7 @@ fn a_preview_ends_before_the_first_step_and_while_paused() {
         .insert_resource(bevy_time::Time::<bevy_time::Fixed>::from_hz(20.0));
     for lab in [&paused, &new, &clocked] {
         let settings = PreviewSettings {
-            longest: 1.0,
+            max_time: 1.0,
             ..Default::default()
         };
         let found = finish(preview_task(&lab.world, &edit, settings).unwrap());

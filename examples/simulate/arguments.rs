@@ -177,9 +177,9 @@ impl Arguments {
         match self.solver.unwrap_or(own) {
             SolverName::SoftStep => {
                 let default = SoftStep::default();
-                let most_sweeps = self.iterations.unwrap_or(default.most_sweeps);
+                let max_sweeps = self.iterations.unwrap_or(default.max_sweeps);
                 let soft_step = SoftStep {
-                    most_sweeps,
+                    max_sweeps,
                     lanes,
                     ..default
                 };
@@ -342,7 +342,7 @@ mod tests {
         let ContactSolver::SoftStep(soft_step) = experiment.solver.solver else {
             panic!("{}", experiment.solver.solver.name());
         };
-        assert_eq!((soft_step.most_sweeps, soft_step.lanes), (12, Lanes::Four));
+        assert_eq!((soft_step.max_sweeps, soft_step.lanes), (12, Lanes::Four));
         assert_eq!(experiment.solver.substeps, 2);
         assert_eq!(experiment.options.noise_position, 0.002);
         assert_eq!(experiment.options.noise_angle, 0.01);

@@ -1,6 +1,6 @@
 //! What cannot be built.
 
-use super::MOST_BLOCKS;
+use super::MAX_BLOCKS;
 use std::fmt;
 
 /// Why something cannot be built.
@@ -23,7 +23,7 @@ pub enum MasonryError {
     BadOpening(usize),
     /// A voussoir, or a block of a dome, has no volume.
     DegenerateBlock,
-    /// More blocks than [`MOST_BLOCKS`](super::MOST_BLOCKS) at once: so many, or a few less.
+    /// More blocks than [`MAX_BLOCKS`](super::MAX_BLOCKS) at once: so many, or a few less.
     TooMany(u64),
 }
 
@@ -60,7 +60,7 @@ impl fmt::Display for MasonryError {
             }
             Self::TooMany(blocks) => write!(
                 f,
-                "{blocks} blocks, more than {MOST_BLOCKS} at once: build it in parts"
+                "{blocks} blocks, more than {MAX_BLOCKS} at once: build it in parts"
             ),
         }
     }
@@ -80,7 +80,7 @@ pub(super) fn gap(what: &'static str, number: f32) -> Result<(), MasonryError> {
 
 /// As many blocks as may be. To be asked before any is made.
 pub(super) fn count(blocks: u64) -> Result<(), MasonryError> {
-    match blocks <= MOST_BLOCKS {
+    match blocks <= MAX_BLOCKS {
         true => Ok(()),
         false => Err(MasonryError::TooMany(blocks)),
     }

@@ -114,7 +114,7 @@ impl std::error::Error for EditError {}
 
 impl EditLog {
     /// Edits that are kept; the oldest are forgotten.
-    pub const LONGEST: usize = 1000;
+    pub const MAX_EDITS: usize = 1000;
 
     /// Notes that bodies have been spawned, as one edit.
     ///
@@ -244,7 +244,7 @@ impl EditLog {
         self.forget_undone(world);
         self.watched.forget(&edit.bodies());
         self.push(edit);
-        if self.done.len() > Self::LONGEST
+        if self.done.len() > Self::MAX_EDITS
             && let Some(oldest) = self.done.pop_front()
         {
             oldest.edit.forget(world, true);

@@ -56,7 +56,7 @@ use glam::{Quat, Vec3};
 pub const BRICK: Vec3 = Vec3::new(1.0, 0.5, 0.5);
 
 /// Blocks of one building, at most. Ten times as many as a scene may well have; a count beyond is a mistake, and would take all memory.
-pub const MOST_BLOCKS: u64 = 1_000_000;
+pub const MAX_BLOCKS: u64 = 1_000_000;
 
 /// A shape where it is to stand.
 #[derive(Clone, Debug)]

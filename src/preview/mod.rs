@@ -77,7 +77,7 @@ pub struct PreviewSettings {
     /// such clock.
     pub dt: Option<f32>,
     /// What has not come to rest by then is left as it is, s.
-    pub longest: f32,
+    pub max_time: f32,
     /// A body has moved when a point of it has come farther than this share of its radius.
     pub moved: f32,
 }
@@ -86,7 +86,7 @@ impl Default for PreviewSettings {
     fn default() -> Self {
         Self {
             dt: None,
-            longest: 10.0,
+            max_time: 10.0,
             moved: 0.05,
         }
     }
@@ -149,7 +149,7 @@ pub fn preview_task(
 impl PreviewSettings {
     fn check(&self) -> Result<(), PreviewError> {
         let is_length = |dt: f32| crate::schedule::LENGTHS.contains(&dt);
-        let numbers = [self.longest, self.moved];
+        let numbers = [self.max_time, self.moved];
         (self.dt.is_none_or(is_length) && numbers.iter().all(|number| (0.0..=1e6).contains(number)))
             .then_some(())
             .ok_or(PreviewError::InvalidSettings)

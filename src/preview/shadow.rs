@@ -145,7 +145,7 @@ impl Shadow {
         let mut rests = false;
         let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
         let mut seen: EntityHashMap<Seen> = EntityHashMap::default();
-        while time < f64::from(settings.longest) && !rests {
+        while time < f64::from(settings.max_time) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
             let passed = time as f32;

@@ -9,11 +9,11 @@ pub struct StepTime {
     /// Length of the substep at hand, s.
     pub dt: f32,
     /// Length of the one before, s; of this one if it is the first.
-    pub last: f32,
+    pub previous_dt: f32,
     /// The longest of recent substeps, s: this one, or a longer one that fades within half a second. Errors of position are taken
     /// back as fast as it allows, so that a short step among long ones does not make a blow of what the long ones left. With
     /// steps of one length it is that.
-    pub longest: f32,
+    pub max_recent_dt: f32,
     /// Number of the substep at hand, from 0.
     pub substep: usize,
     /// How many there are.
@@ -24,8 +24,8 @@ impl Default for StepTime {
     fn default() -> Self {
         Self {
             dt: 0.0,
-            last: 0.0,
-            longest: 0.0,
+            previous_dt: 0.0,
+            max_recent_dt: 0.0,
             substep: 0,
             substeps: 1,
         }
@@ -36,11 +36,11 @@ impl StepTime {
     /// The substep after this one, of a step of `dt` s in so many.
     pub(crate) fn next(&self, dt: f32, substep: usize, substeps: usize) -> Self {
         let dt = dt / substeps as f32;
-        let faded = self.longest * ops::exp(-dt / Self::FADES);
+        let faded = self.max_recent_dt * ops::exp(-dt / Self::FADES);
         Self {
             dt,
-            last: if self.dt > 0.0 { self.dt } else { dt },
-            longest: dt.max(faded),
+            previous_dt: if self.dt > 0.0 { self.dt } else { dt },
+            max_recent_dt: dt.max(faded),
             substep,
             substeps,
         }
@@ -49,7 +49,7 @@ impl StepTime {
     /// The time for which a force of the last step is taken to go on, s.
     #[inline]
     pub(crate) fn carried(&self) -> f32 {
-        self.dt.min(self.last)
+        self.dt.min(self.previous_dt)
     }
 
     /// How long it takes the longest step to fade to 1/e, s.

@@ -296,7 +296,7 @@ pub fn friction_error(
                 if by_points {
                     let targets = &mut targets.points[range];
                     let at = (a.center, points);
-                    demand(settings, slip, at, held, targets, time.longest);
+                    demand(settings, slip, at, held, targets, time.max_recent_dt);
                 }
             }
         });

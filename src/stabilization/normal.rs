@@ -94,7 +94,7 @@ pub fn normal_correction(
     mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets), Without<Resting>>,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
-    let (rest, share) = (settings.rest_distance(), dt / time.longest);
+    let (rest, share) = (settings.rest_distance(), dt / time.max_recent_dt);
     for (pairs, manifolds, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")

@@ -140,7 +140,7 @@ fn previews(criterion: &mut Criterion) {
     }
     let mut group = criterion.benchmark_group("preview, 105 bricks");
     for (name, brick) in [("nothing falls", 60), ("a corner falls", 0)] {
-        let edit = Edit::Take(vec![run.bodies[brick]]);
+        let edit = Edit::Remove(vec![run.bodies[brick]]);
         group.bench_function(name, |bencher| {
             bencher.iter(|| black_box(preview(&run.world, &edit)));
         });

@@ -124,7 +124,7 @@ impl Game {
         };
         planks.sort_by(|a, b| bears(a.0).total_cmp(&bears(b.0)));
         for (plank, layer, place) in planks {
-            let falls = preview(&self.world, &Edit::Take(vec![plank]));
+            let falls = preview(&self.world, &Edit::Remove(vec![plank]));
             if !falls.is_ok_and(|preview| preview.moved.is_empty()) {
                 continue;
             }

@@ -6,7 +6,7 @@ use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 
 /// A body has moved when a point of it has come farther than this share of its radius, as in a
-/// [preview](crate::preview::PreviewSettings::moved).
+/// [preview](crate::preview::PreviewSettings::movement_threshold).
 const SHARE: f32 = 0.05;
 
 /// Where bodies were when somebody looked last.

@@ -29,7 +29,7 @@ impl fmt::Display for PreviewError {
                 "what is placed has no volume or no end: a half-space, a surface, or a size that is not positive",
             ),
             Self::InvalidSettings => f.write_str(
-                "the settings of a preview: `dt` must be a step's length, `max_time` and `moved` between 0 and 1e6",
+                "the settings of a preview: `dt` must be a step's length, `max_time` and `movement_threshold` between 0 and 1e6",
             ),
         }
     }

@@ -26,7 +26,7 @@
 //!     drystone::step(world, 1.0 / 60.0).unwrap();
 //! }
 //! let falls = |body| {
-//!     let preview = preview(world, &Edit::Take(vec![body])).unwrap();
+//!     let preview = preview(world, &Edit::Remove(vec![body])).unwrap();
 //!     preview.moved.iter().map(|moved| moved.body).collect::<Vec<_>>()
 //! };
 //! assert_eq!(falls(right), []);
@@ -38,7 +38,7 @@
 //! let ends = |x| {
 //!     let pose = Pose { position: Vec3::new(x, 0.75, 0.0), ..Pose::default() };
 //!     let edit = Edit::Place(Collider::cuboid(1.0, 0.5, 0.5), pose);
-//!     preview(world, &edit).unwrap().ends.unwrap().position
+//!     preview(world, &edit).unwrap().end_pose.unwrap().position
 //! };
 //! assert!(ends(1.4).distance(Vec3::new(1.4, 0.75, 0.0)) < 1e-3);
 //! assert!(ends(1.6).y < 0.7);
@@ -63,7 +63,7 @@ use bevy_tasks::{AsyncComputeTaskPool, Task};
 #[derive(Clone, Debug)]
 pub enum Edit {
     /// Bodies are taken away.
-    Take(Vec<Entity>),
+    Remove(Vec<Entity>),
     /// A body is put elsewhere.
     Move(Entity, Pose),
     /// A body is added, with the default surface and density.
@@ -79,7 +79,7 @@ pub struct PreviewSettings {
     /// What has not come to rest by then is left as it is, s.
     pub max_time: f32,
     /// A body has moved when a point of it has come farther than this share of its radius.
-    pub moved: f32,
+    pub movement_threshold: f32,
 }
 
 impl Default for PreviewSettings {
@@ -87,7 +87,7 @@ impl Default for PreviewSettings {
         Self {
             dt: None,
             max_time: 10.0,
-            moved: 0.05,
+            movement_threshold: 0.05,
         }
     }
 }
@@ -98,9 +98,9 @@ pub struct Preview {
     /// The bodies that would move, the eldest first. Those that are taken or placed are not among them.
     pub moved: Vec<Moved>,
     /// Where what was moved or placed is in the end.
-    pub ends: Option<Pose>,
+    pub end_pose: Option<Pose>,
     /// All lies still in the end. False where it was given up before that.
-    pub rests: bool,
+    pub at_rest: bool,
     /// After how long, s.
     pub time: f32,
 }
@@ -149,7 +149,7 @@ pub fn preview_task(
 impl PreviewSettings {
     fn check(&self) -> Result<(), PreviewError> {
         let is_length = |dt: f32| crate::schedule::LENGTHS.contains(&dt);
-        let numbers = [self.max_time, self.moved];
+        let numbers = [self.max_time, self.movement_threshold];
         (self.dt.is_none_or(is_length) && numbers.iter().all(|number| (0.0..=1e6).contains(number)))
             .then_some(())
             .ok_or(PreviewError::InvalidSettings)

@@ -72,7 +72,7 @@ impl Shadow {
     /// As [`preview`](super::preview).
     pub fn of(world: &World, edit: &Edit) -> Result<Self, PreviewError> {
         match edit {
-            Edit::Take(bodies) => {
+            Edit::Remove(bodies) => {
                 if bodies.is_empty() {
                     return Err(PreviewError::Nothing);
                 }
@@ -188,7 +188,7 @@ impl Shadow {
             let to = *self.world.get::<Pose>(body.copy)?;
             let far = to.position.distance(body.from.position)
                 + to.rotation.angle_between(body.from.rotation) * body.radius;
-            (far > settings.moved * body.radius).then_some(Moved {
+            (far > settings.movement_threshold * body.radius).then_some(Moved {
                 body: body.original,
                 from: body.from,
                 to,
@@ -196,8 +196,8 @@ impl Shadow {
         });
         Ok(Preview {
             moved: moved.collect(),
-            ends: self.edited.and_then(|copy| self.world.get(copy).copied()),
-            rests,
+            end_pose: self.edited.and_then(|copy| self.world.get(copy).copied()),
+            at_rest: rests,
             time: time as f32,
         })
     }

@@ -137,7 +137,7 @@ impl Stands {
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct CollapseSettings {
     /// A body has left its place when a point of it has come farther than this share of its radius; 0.05 by default.
-    pub moved: f32,
+    pub movement_threshold: f32,
     /// It stands when it has been still for so long, s; 0.25 by default. (How slow that is say [`SleepSettings`].)
     pub still_for: f32,
     /// A body that was pulled away so long ago, s, has nothing to do with what falls now; 2 by default.
@@ -149,7 +149,7 @@ pub struct CollapseSettings {
 impl Default for CollapseSettings {
     fn default() -> Self {
         Self {
-            moved: 0.05,
+            movement_threshold: 0.05,
             still_for: 0.25,
             memory: 2.0,
             max_time: 30.0,
@@ -398,7 +398,7 @@ pub fn collapses(
 /// Whether a body of this radius, m, has gone from its place.
 fn has_left(place: Pose, pose: Pose, radius: f32, settings: &CollapseSettings) -> bool {
     let turned = pose.rotation.angle_between(place.rotation) * radius;
-    (pose.position - place.position).length() + turned > settings.moved * radius
+    (pose.position - place.position).length() + turned > settings.movement_threshold * radius
 }
 
 /// The mass of those that are still there, kg.

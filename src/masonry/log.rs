@@ -16,7 +16,7 @@ use crate::preview::Moved;
 /// as the same entity: to the bit, and the bodies around it as well if they have not moved in the meantime.
 ///
 /// Undo puts back the bodies that the edit took, put or placed, however far they or others have fallen since, and no others: it
-/// [says](Edited) which others have moved since the edit.
+/// [says](EditReport) which others have moved since the edit.
 ///
 /// ```
 /// use bevy_transform::components::Transform;
@@ -29,9 +29,9 @@ use crate::preview::Moved;
 /// let mut log = EditLog::default();
 /// let brick = (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5));
 /// let brick = world.spawn((brick, Transform::from_xyz(0.0, 0.25, 0.0))).id();
-/// log.placed(world, &[brick]).unwrap();
-/// log.put(world, brick, Transform::from_xyz(3.0, 0.25, 0.0)).unwrap();
-/// log.take(world, &[brick]).unwrap();
+/// log.record_placed(world, &[brick]).unwrap();
+/// log.move_to(world, brick, Transform::from_xyz(3.0, 0.25, 0.0)).unwrap();
+/// log.remove(world, &[brick]).unwrap();
 /// log.undo(world).unwrap();
 /// let undone = log.undo(world).unwrap().unwrap();
 /// assert_eq!(undone.bodies, [brick]);
@@ -42,33 +42,33 @@ use crate::preview::Moved;
 #[derive(Resource, Debug, Default)]
 pub struct EditLog {
     done: VecDeque<Entry>,
-    undone: Vec<Edit>,
+    undone: Vec<Operation>,
     watched: Watched,
 }
 
 /// An edit that has been made.
 #[derive(Debug)]
 struct Entry {
-    edit: Edit,
+    edit: Operation,
     /// What has changed since, until the next one was made.
     since: Drift,
 }
 
 /// One edit.
 #[derive(Debug)]
-enum Edit {
+enum Operation {
     Placed {
         /// Where and how fast they were when they were placed.
         bodies: Vec<(Entity, Transform, Velocity)>,
         /// The entities that its undoing has disabled.
         disabled: Vec<Entity>,
     },
-    Taken {
+    Removed {
         bodies: Vec<Entity>,
         /// The entities that it has disabled: not those that were before.
         disabled: Vec<Entity>,
     },
-    Put {
+    Moved {
         body: Entity,
         before: (Transform, Velocity),
         after: Transform,
@@ -77,11 +77,11 @@ enum Edit {
 
 /// What an edit that was undone, or made again, was about, and what else has changed.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Edited {
+pub struct EditReport {
     /// The bodies that it took, put or placed.
     pub bodies: Vec<Entity>,
     /// Other dynamic bodies that have moved since the edit was made, or, where it was made again, since the last use of the log: by more than a
-    /// twentieth of their radius. They are left where they are now, `to`; to put them back, [put](EditLog::put) them where they were, `from`.
+    /// twentieth of their radius. They are left where they are now, `to`; to put them back, [put](EditLog::move_to) them where they were, `from`.
     pub moved: Vec<Moved>,
     /// Other dynamic bodies that are gone or disabled since then.
     pub gone: Vec<Entity>,
@@ -120,7 +120,7 @@ impl EditLog {
     ///
     /// # Errors
     /// Where one is no body, or there is none.
-    pub fn placed(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
+    pub fn record_placed(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
         check(world, bodies)?;
         self.look(world);
         let place = |&body: &Entity| {
@@ -129,7 +129,7 @@ impl EditLog {
         };
         let bodies = bodies.iter().map(place).collect();
         let disabled = Vec::new();
-        self.note(world, Edit::Placed { bodies, disabled });
+        self.note(world, Operation::Placed { bodies, disabled });
         Ok(())
     }
 
@@ -137,12 +137,12 @@ impl EditLog {
     ///
     /// # Errors
     /// Where one is no body, or there is none; nothing is taken then.
-    pub fn take(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
+    pub fn remove(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
         check(world, bodies)?;
         self.look(world);
         let disabled = disable(world, bodies);
         let bodies = bodies.into();
-        self.note(world, Edit::Taken { bodies, disabled });
+        self.note(world, Operation::Removed { bodies, disabled });
         Ok(())
     }
 
@@ -150,7 +150,7 @@ impl EditLog {
     ///
     /// # Errors
     /// Where it is no body, or is put where no place is.
-    pub fn put(
+    pub fn move_to(
         &mut self,
         world: &mut World,
         body: Entity,
@@ -166,7 +166,7 @@ impl EditLog {
         set(world, body, after, Velocity::default())?;
         self.note(
             world,
-            Edit::Put {
+            Operation::Moved {
                 body,
                 before,
                 after,
@@ -179,13 +179,13 @@ impl EditLog {
     ///
     /// # Errors
     /// Where somebody has despawned one of its bodies; the edit is forgotten then, and what is left of it taken back.
-    pub fn undo(&mut self, world: &mut World) -> Result<Option<Edited>, EditError> {
+    pub fn undo(&mut self, world: &mut World) -> Result<Option<EditReport>, EditError> {
         self.look(world);
         let Some(Entry { mut edit, since }) = self.done.pop_back() else {
             return Ok(None);
         };
         let bodies = edit.bodies();
-        let edited = Edited::new(&bodies, &since);
+        let edited = EditReport::new(&bodies, &since);
         if let Some(before) = self.done.back_mut() {
             before.since.go_on(since, &bodies);
         }
@@ -199,13 +199,13 @@ impl EditLog {
     ///
     /// # Errors
     /// As [`Self::undo`].
-    pub fn redo(&mut self, world: &mut World) -> Result<Option<Edited>, EditError> {
+    pub fn redo(&mut self, world: &mut World) -> Result<Option<EditReport>, EditError> {
         let drift = self.look(world);
         let Some(mut edit) = self.undone.pop() else {
             return Ok(None);
         };
         let bodies = edit.bodies();
-        let edited = Edited::new(&bodies, &drift);
+        let edited = EditReport::new(&bodies, &drift);
         self.watched.forget(&bodies);
         edit.turn(world, true)?;
         self.push(edit);
@@ -240,7 +240,7 @@ impl EditLog {
         drift
     }
 
-    fn note(&mut self, world: &mut World, edit: Edit) {
+    fn note(&mut self, world: &mut World, edit: Operation) {
         self.forget_undone(world);
         self.watched.forget(&edit.bodies());
         self.push(edit);
@@ -251,7 +251,7 @@ impl EditLog {
         }
     }
 
-    fn push(&mut self, edit: Edit) {
+    fn push(&mut self, edit: Operation) {
         let since = Drift::default();
         self.done.push_back(Entry { edit, since });
     }
@@ -263,7 +263,7 @@ impl EditLog {
     }
 }
 
-impl Edited {
+impl EditReport {
     fn new(bodies: &[Entity], drift: &Drift) -> Self {
         let (moved, gone) = drift.told(bodies);
         Self {
@@ -274,12 +274,12 @@ impl Edited {
     }
 }
 
-impl Edit {
+impl Operation {
     fn bodies(&self) -> Vec<Entity> {
         match self {
             Self::Placed { bodies, .. } => bodies.iter().map(|(body, ..)| *body).collect(),
-            Self::Taken { bodies, .. } => bodies.clone(),
-            Self::Put { body, .. } => vec![*body],
+            Self::Removed { bodies, .. } => bodies.clone(),
+            Self::Moved { body, .. } => vec![*body],
         }
     }
 
@@ -295,9 +295,9 @@ impl Edit {
                 }
             }
             Self::Placed { disabled, .. } => *disabled = disable(world, &named),
-            Self::Taken { disabled, .. } if make => *disabled = disable(world, &named),
-            Self::Taken { disabled, .. } => enable(world, std::mem::take(disabled)),
-            Self::Put {
+            Self::Removed { disabled, .. } if make => *disabled = disable(world, &named),
+            Self::Removed { disabled, .. } => enable(world, std::mem::take(disabled)),
+            Self::Moved {
                 body,
                 before,
                 after,
@@ -313,7 +313,7 @@ impl Edit {
     fn forget(self, world: &mut World, made: bool) {
         let named = self.bodies();
         let disabled = match (self, made) {
-            (Self::Taken { disabled, .. }, true) | (Self::Placed { disabled, .. }, false) => {
+            (Self::Removed { disabled, .. }, true) | (Self::Placed { disabled, .. }, false) => {
                 disabled
             }
             _ => return,

@@ -40,7 +40,7 @@ pub use bond::Bond;
 pub use corner::Corner;
 pub use dome::Dome;
 pub use error::MasonryError;
-pub use log::{EditError, EditLog, Edited};
+pub use log::{EditError, EditLog, EditReport};
 pub use snap::{Snapped, snap};
 pub use stacks::{CardHouse, Pyramid, Tower};
 pub use wall::{Opening, Wall};

@@ -60,7 +60,7 @@ fn with_log<T>(world: &mut World, edit: impl FnOnce(&mut World, &mut EditLog) ->
 /// Where it has no size.
 pub fn place(world: &mut World, piece: &Piece, pose: Pose) -> Result<Entity> {
     let body = world.spawn(piece.bundle(pose)?).id();
-    with_log(world, |world, log| log.placed(world, &[body]))?;
+    with_log(world, |world, log| log.record_placed(world, &[body]))?;
     world.resource::<Journal>().say(&Entry::Placed {
         body: body.to_string(),
         at: pose.position,
@@ -73,7 +73,7 @@ pub fn place(world: &mut World, piece: &Piece, pose: Pose) -> Result<Entity> {
 /// # Errors
 /// Where it is gone.
 pub fn put(world: &mut World, body: Entity, pose: Pose) -> Result {
-    with_log(world, |world, log| log.put(world, body, to_transform(pose)))?;
+    with_log(world, |world, log| log.move_to(world, body, to_transform(pose)))?;
     world.resource::<Journal>().say(&Entry::Moved {
         body: body.to_string(),
         at: pose.position,
@@ -86,7 +86,7 @@ pub fn put(world: &mut World, body: Entity, pose: Pose) -> Result {
 /// # Errors
 /// Where one is gone already.
 pub fn take(world: &mut World, bodies: &[Entity]) -> Result {
-    with_log(world, |world, log| log.take(world, bodies))?;
+    with_log(world, |world, log| log.remove(world, bodies))?;
     world.resource::<Journal>().say(&Entry::Took {
         bodies: bodies.iter().map(Entity::to_string).collect(),
     });

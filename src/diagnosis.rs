@@ -1,7 +1,7 @@
 //! Bad input, as values with a sentence a user can act on.
 
 use crate::body::limits;
-use crate::schedule::LENGTHS;
+use crate::schedule::STEP_LENGTHS;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;
@@ -179,7 +179,7 @@ impl std::error::Error for BodyError {}
 /// Sent when a step cannot be taken at all, or not as asked for.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum StepError {
-    /// Δt is negative, not finite or not in [`LENGTHS`]. (Zero is a pause, and takes no step either.)
+    /// Δt is negative, not finite or not in [`STEP_LENGTHS`]. (Zero is a pause, and takes no step either.)
     InvalidTimeStep(f32),
     /// A resource holds what cannot be; it has been set back to what it was before, and the step was taken with that.
     InvalidSettings {
@@ -196,8 +196,8 @@ impl fmt::Display for StepError {
             Self::InvalidTimeStep(dt) => write!(
                 f,
                 "no step taken: Δt is {dt} s, but must be between {:e} and {} s",
-                LENGTHS.start(),
-                LENGTHS.end()
+                STEP_LENGTHS.start(),
+                STEP_LENGTHS.end()
             ),
             Self::InvalidSettings { resource, why } => {
                 write!(f, "`{resource}` is set back to what it was before: {why}")

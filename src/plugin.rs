@@ -11,7 +11,7 @@ use crate::schedule::{
 };
 use crate::settings::{
     Gravity, InForce, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings,
-    SpeedLimits, StabilizationSettings, StepTime, solves_points,
+    SpeedLimits, StabilizationSettings, StepTime, uses_point_solver,
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
@@ -222,7 +222,7 @@ impl Plugin for NormalStabilizationPlugin {
         app.add_systems(
             PhysicsSchedule,
             timed(&profile, "normal_correction", normal::normal_correction)
-                .run_if(solves_points)
+                .run_if(uses_point_solver)
                 .in_set(PhysicsSystems::NormalCorrection),
         );
     }

@@ -81,7 +81,7 @@ pub(crate) fn physics_schedule() -> Schedule {
 }
 
 /// How long a step may be, s. Shorter ones can't be divided by in single precision, longer ones are none.
-pub const LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
+pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 
 /// Takes a step of `dt` seconds in a world without an app around it, whose every step is a frame: messages of drystone's live until
 /// the step after the next, and the world forgets what was removed ([`World::clear_trackers`]). Zero is a pause.
@@ -89,7 +89,7 @@ pub const LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 /// In an app the plugin takes steps, and the app does the rest.
 ///
 /// # Errors
-/// [`StepError::InvalidTimeStep`] (also sent as a message and logged) where `dt` is negative, not finite or not in [`LENGTHS`]; nothing
+/// [`StepError::InvalidTimeStep`] (also sent as a message and logged) where `dt` is negative, not finite or not in [`STEP_LENGTHS`]; nothing
 /// moves then.
 pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<BodyError>>().update();
@@ -117,7 +117,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     if dt == 0.0 {
         return Ok(());
     }
-    if !LENGTHS.contains(&dt) {
+    if !STEP_LENGTHS.contains(&dt) {
         let error = StepError::InvalidTimeStep(dt);
         tracing::error!("{error}");
         world.write_message(error.clone());

@@ -148,7 +148,7 @@ pub fn preview_task(
 
 impl PreviewSettings {
     fn check(&self) -> Result<(), PreviewError> {
-        let is_length = |dt: f32| crate::schedule::LENGTHS.contains(&dt);
+        let is_length = |dt: f32| crate::schedule::STEP_LENGTHS.contains(&dt);
         let numbers = [self.max_time, self.movement_threshold];
         (self.dt.is_none_or(is_length) && numbers.iter().all(|number| (0.0..=1e6).contains(number)))
             .then_some(())

@@ -5,7 +5,7 @@ use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
 use crate::collider::Collider;
-use crate::schedule::{LENGTHS, step};
+use crate::schedule::{STEP_LENGTHS, step};
 use crate::settings::{Preset, SleepSettings, StepTime};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
@@ -270,7 +270,7 @@ fn length_of_a_step(world: &World) -> f32 {
     let clock = world.get_resource::<Time<Fixed>>();
     let fixed = clock.map(|clock| clock.timestep().as_secs_f32());
     let known = [Some(last), fixed].into_iter().flatten();
-    let mut known = known.filter(|dt| LENGTHS.contains(dt));
+    let mut known = known.filter(|dt| STEP_LENGTHS.contains(dt));
     known.next().unwrap_or_else(|| Preset::Default.dt())
 }
 

@@ -15,7 +15,7 @@ pub(crate) use check::check;
 pub use narrowphase::NarrowphaseSettings;
 pub use preset::Preset;
 pub(crate) use solver::Method;
-pub use solver::{ContactSolver, SolverSettings, solves_points};
+pub use solver::{ContactSolver, SolverSettings, uses_point_solver};
 pub use stabilization::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, StabilizationSettings,
 };

@@ -82,7 +82,7 @@ impl ContactSolver {
 
     /// True where it works on points, so that their bounds and demands ([`ContactTargets`](crate::contact::ContactTargets)) are
     /// to be found for it.
-    pub fn is_by_points(&self) -> bool {
+    pub fn is_point_solver(&self) -> bool {
         matches!(self.method(), Method::Points(_))
     }
 
@@ -118,6 +118,6 @@ impl From<Nncg> for ContactSolver {
 }
 
 /// Run condition: the solver is one of points.
-pub fn solves_points(settings: Res<SolverSettings>) -> bool {
-    settings.solver.is_by_points()
+pub fn uses_point_solver(settings: Res<SolverSettings>) -> bool {
+    settings.solver.is_point_solver()
 }

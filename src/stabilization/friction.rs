@@ -246,7 +246,7 @@ pub fn friction_error(
     >,
 ) {
     let (table, settings, last) = (&*table, &*settings, time.last);
-    let by_points = solver.solver.is_by_points();
+    let by_points = solver.solver.is_point_solver();
     let by_pose = settings.friction.anchors == AnchorRule::PairPose;
     for (pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()

@@ -1,7 +1,7 @@
 //! The stage **anchors**: classifies every contact with the impulses just solved, equation (10), and writes or deletes anchors,
 //! equation (11), at the poses where the contacts were detected.
 
-use super::classifier::{Given, classify, holds_twist, sticks};
+use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PatchAnchor,
@@ -128,7 +128,7 @@ fn hold_points(
         let range = manifold.range(patch);
         let held = &mut anchors.points[range.clone()];
         let given = given(impulses, patch, range.clone(), number);
-        let given: SmallVec<[Given; 8]> = given.collect();
+        let given: SmallVec<[ContactImpulse; 8]> = given.collect();
         classify(friction.classifier, pair.friction, &given, held);
         for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
             let position = bodies[0].center + point.arm;
@@ -149,8 +149,8 @@ fn given<'a>(
     patch: &'a ManifoldPatch,
     range: Range<usize>,
     number: usize,
-) -> impl Iterator<Item = Given> + 'a {
-    range.map(move |point| Given {
+) -> impl Iterator<Item = ContactImpulse> + 'a {
+    range.map(move |point| ContactImpulse {
         normal: impulses.points[point].normal,
         tangential: impulses.tangential_at(patch, number, point),
     })
@@ -212,7 +212,7 @@ fn holds(
         Some(points) => points.iter().map(|point| point.tangential).sum(),
         None => of_patch.tangential,
     };
-    let sum = Given { normal, tangential };
+    let sum = ContactImpulse { normal, tangential };
     let each = given(impulses, patch, range, number);
     sticks(rule, pair.friction, &sum, each, was)
         && holds_twist(pair.friction, of_patch.warm_twist * dt, lever)

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 /// What contact gave at a point: λ_n and λ_t, N·s.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Given {
+pub struct ContactImpulse {
     /// λ_n
     pub normal: f32,
     /// λ_t
@@ -23,7 +23,7 @@ const AT_THE_CONE: f32 = 0.999;
 const ENTER: f32 = 0.6;
 
 /// Sets `sticking` of every anchor of one manifold from what the last solve gave.
-pub fn classify(rule: Classifier, friction: f32, given: &[Given], anchors: &mut [Anchor]) {
+pub fn classify(rule: Classifier, friction: f32, given: &[ContactImpulse], anchors: &mut [Anchor]) {
     if rule == Classifier::PerPoint {
         for (anchor, given) in anchors.iter_mut().zip(given) {
             anchor.sticking = holds(friction, given, AT_THE_CONE);
@@ -31,7 +31,7 @@ pub fn classify(rule: Classifier, friction: f32, given: &[Given], anchors: &mut 
         return;
     }
     let was = anchors.iter().any(|a| a.sticking);
-    let sum = Given {
+    let sum = ContactImpulse {
         normal: given.iter().map(|point| point.normal).sum(),
         tangential: given.iter().map(|point| point.tangential).sum(),
     };
@@ -47,8 +47,8 @@ pub fn classify(rule: Classifier, friction: f32, given: &[Given], anchors: &mut 
 pub fn sticks(
     rule: Classifier,
     friction: f32,
-    sum: &Given,
-    mut points: impl Iterator<Item = Given>,
+    sum: &ContactImpulse,
+    mut points: impl Iterator<Item = ContactImpulse>,
     was: bool,
 ) -> bool {
     match rule {
@@ -66,7 +66,7 @@ pub fn sticks(
 
 /// Equation (10), against a share of the cone.
 #[inline]
-fn holds(friction: f32, given: &Given, share: f32) -> bool {
+fn holds(friction: f32, given: &ContactImpulse, share: f32) -> bool {
     given.normal > 0.0 && given.tangential.length() < share * friction * given.normal
 }
 
@@ -82,9 +82,9 @@ mod tests {
     use super::*;
 
     fn verdict(rule: Classifier, was: bool, impulses: &[(f32, f32)]) -> Vec<bool> {
-        let impulses: Vec<Given> = impulses
+        let impulses: Vec<ContactImpulse> = impulses
             .iter()
-            .map(|&(normal, t)| Given {
+            .map(|&(normal, t)| ContactImpulse {
                 normal,
                 tangential: Vec3::X * t,
             })

@@ -55,6 +55,10 @@ impl Plugin for CollapsePlugin {
                 collapses.after(PhysicsSystems::ContactEvents),
             );
     }
+
+    fn finish(&self, app: &mut App) {
+        crate::plugin::check_step_plugin::<Self>(app);
+    }
 }
 
 /// A structure has lost its hold.

@@ -181,6 +181,9 @@ impl std::error::Error for BodyError {}
 pub enum StepError {
     /// Δt is negative, not finite or not in [`STEP_LENGTHS`]. (Zero is a pause, and takes no step either.)
     InvalidTimeStep(f32),
+    /// The world has no resources for a step, because this plugin was not added. No step was taken. This error is logged, but not sent as a
+    /// message: the message queue is missing as well.
+    MissingPlugin(&'static str),
     /// A resource holds what cannot be; it has been set back to what it was before, and the step was taken with that.
     InvalidSettings {
         /// Which resource.
@@ -198,6 +201,10 @@ impl fmt::Display for StepError {
                 "no step taken: Δt is {dt} s, but must be between {:e} and {} s",
                 STEP_LENGTHS.start(),
                 STEP_LENGTHS.end()
+            ),
+            Self::MissingPlugin(plugin) => write!(
+                f,
+                "no step taken: `{plugin}` is missing; add `DrystonePlugins` to the app"
             ),
             Self::InvalidSettings { resource, why } => {
                 write!(f, "`{resource}` is set back to what it was before: {why}")

@@ -70,14 +70,12 @@ impl PhysicsSystems {
     ];
 }
 
-/// An empty [`PhysicsSchedule`] with its sets in order.
-pub(crate) fn physics_schedule() -> Schedule {
-    let mut schedule = Schedule::new(PhysicsSchedule);
+/// Puts the sets of a [`PhysicsSchedule`] in order, whatever systems are in it already.
+pub(crate) fn order_stages(schedule: &mut Schedule) {
     schedule.set_executor(SingleThreadedExecutor::new());
     for [earlier, later] in PhysicsSystems::ORDER.array_windows() {
         schedule.configure_sets(earlier.before(*later));
     }
-    schedule
 }
 
 /// How long a step may be, s. Shorter ones can't be divided by in single precision, longer ones are none.
@@ -92,6 +90,7 @@ pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 /// [`StepError::InvalidTimeStep`] (also sent as a message and logged) where `dt` is negative, not finite or not in [`STEP_LENGTHS`]; nothing
 /// moves then.
 pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
+    check_plugins(world)?;
     world.resource_mut::<Messages<BodyError>>().update();
     world.resource_mut::<Messages<StepError>>().update();
     world.resource_mut::<Messages<ContactStarted>>().update();
@@ -108,12 +107,23 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     result
 }
 
+/// Checks that [`StepPlugin`](crate::StepPlugin) has been added.
+fn check_plugins(world: &World) -> Result<(), StepError> {
+    if world.contains_resource::<StepTime>() {
+        return Ok(());
+    }
+    let error = StepError::MissingPlugin("StepPlugin");
+    tracing::error!("{error}");
+    Err(error)
+}
+
 /// Takes a step of `dt` seconds, in as many substeps as [`SolverSettings`] asks for, and nothing else: for who steps by hand inside an
 /// app, or clears messages in a way of their own.
 ///
 /// # Errors
 /// As [`step`].
 pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
+    check_plugins(world)?;
     if dt == 0.0 {
         return Ok(());
     }
@@ -155,5 +165,9 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
 ///     .add_systems(Update, (lay_bricks, drystone::refresh, look_around).chain());
 /// ```
 pub fn refresh(world: &mut World) {
-    world.run_schedule(RefreshSchedule);
+    if !world.contains_resource::<StepTime>() {
+        tracing::error!("nothing is refreshed: `StepPlugin` is missing");
+    } else if world.try_run_schedule(RefreshSchedule).is_err() {
+        tracing::error!("nothing is refreshed: `RefreshPlugin` is missing");
+    }
 }

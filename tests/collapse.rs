@@ -73,7 +73,10 @@ fn a_wall_that_loses_its_corner_is_told_of_once() {
         let all = told(&mut lab, 4.0);
         assert_eq!(all.len(), 1, "{all:?}");
         assert!([bricks[5], bricks[6]].contains(&all[0].first));
-        assert!(matches!(all[0].how, FailureMode::Fell | FailureMode::Tipped));
+        assert!(matches!(
+            all[0].how,
+            FailureMode::Fell | FailureMode::Tipped
+        ));
         assert!(all[0].rest.len() > 20 && !all[0].rest.contains(&all[0].first));
         // What is left stands anew, and what falls of it then is another collapse.
         let standing = |lab: &Lab, i: usize| (lab.position(bricks[i]).y - 0.25).abs() < 0.01;

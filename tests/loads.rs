@@ -139,7 +139,12 @@ fn what_sleeps_bears_what_it_bore() {
     lab.step();
     lab.step();
     assert!(asleep(&lab, bricks[0]));
-    assert_near(load(&lab, bricks[2]).supported_weight, carried, 1e-3, "carried");
+    assert_near(
+        load(&lab, bricks[2]).supported_weight,
+        carried,
+        1e-3,
+        "carried",
+    );
     let after: Vec<_> = bricks.iter().map(|&b| on(&mut lab, b)).collect();
     assert_eq!(before, after);
     for (brick, faces) in bricks.iter().zip(after) {
@@ -211,7 +216,12 @@ fn friction_use_is_that_of_the_slope() {
             panic!("{faces:?}");
         };
         let weight = 20.0 * G;
-        assert_near(face.normal_force, weight * angle.cos(), 2e-3, "what presses");
+        assert_near(
+            face.normal_force,
+            weight * angle.cos(),
+            2e-3,
+            "what presses",
+        );
         let expected = if holds { angle.tan() / friction } else { 1.0 };
         assert_near(face.friction_use, expected, 5e-3, "friction use");
         assert_eq!(face.sticks, holds, "{degrees}°");
@@ -280,7 +290,8 @@ fn what_is_loaded_asleep_bears_its_weight_at_once() {
                 // How a weight is shared depends on the solver where statics leaves it open.
                 if preset == Preset::Default {
                     let [found, expected] = [load(&lab, brick), load(&awake, same[i])];
-                    let off = (found.supported_weight - expected.supported_weight).abs() / (100.0 * G);
+                    let off =
+                        (found.supported_weight - expected.supported_weight).abs() / (100.0 * G);
                     assert!(
                         off < 0.01,
                         "step {step}, brick {i}: off by {off} of a weight"
@@ -298,7 +309,10 @@ fn what_is_loaded_asleep_bears_its_weight_at_once() {
             0.01,
             "of the top on the ground",
         );
-        assert_eq!(supports.supported_only_by(ground).unwrap().len(), bricks.len());
+        assert_eq!(
+            supports.supported_only_by(ground).unwrap().len(),
+            bricks.len()
+        );
         assert_eq!(supports.supported_by(bricks[14]).unwrap().len(), 2);
         // It carries on where it was. (The paper's envelope lifts what is spawned in touch, awake or not.)
         if preset == Preset::Paper {

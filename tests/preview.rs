@@ -267,7 +267,10 @@ fn what_cannot_be_tried_is_told() {
     let ball = Collider::ball(0.5);
     let tries = [
         (Edit::Remove(vec![]), PreviewError::Nothing),
-        (Edit::Remove(vec![left, nobody]), PreviewError::NotABody(nobody)),
+        (
+            Edit::Remove(vec![left, nobody]),
+            PreviewError::NotABody(nobody),
+        ),
         (Edit::Remove(vec![new]), PreviewError::NotABody(new)),
         (
             Edit::Move(nobody, at(0.0, 0.0)),

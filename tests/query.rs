@@ -316,7 +316,10 @@ fn answers_are_those_of_geometry() {
             (hit.entity, hit.distance, hit.normal),
             (brick, 0.0, Vec3::ZERO)
         );
-        let hit = world.cast_ray(out, 5.0, &any.solid(false)).unwrap().unwrap();
+        let hit = world
+            .cast_ray(out, 5.0, &any.solid(false))
+            .unwrap()
+            .unwrap();
         assert_near(hit.distance, 0.5, 1e-5, "out of the brick");
 
         // A ball of 0.2 m that falls on the brick's edge: 0.1 m beside it, sqrt(0.2² − 0.1²) above it.
@@ -574,7 +577,9 @@ fn casts_may_ignore_what_they_start_in() {
         let hit = world.cast_ray(out, 9.0, &free).unwrap().unwrap();
         assert_eq!(hit.entity, wall);
         assert_near(hit.distance, 2.5, 1e-3, "to the wall");
-        let hits = world.cast_ray_through(out, 9.0, &free.solid(false)).unwrap();
+        let hits = world
+            .cast_ray_through(out, 9.0, &free.solid(false))
+            .unwrap();
         assert_eq!(hits.len(), 1);
         assert_eq!(hits[0].entity, wall);
     });

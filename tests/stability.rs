@@ -9,7 +9,8 @@ use drystone::collider::{Collider, Friction};
 use drystone::masonry::{Arch, Block, Bond, Pyramid, Wall};
 use drystone::settings::Gravity;
 use drystone::stability::{
-    FailingJoint, JointFailure, MAX_BODIES, Margin, StabilityError, Trial, stability, stability_task,
+    FailingJoint, JointFailure, MAX_BODIES, Margin, StabilityError, Trial, stability,
+    stability_task,
 };
 use glam::Vec3;
 use std::time::{Duration, Instant};
@@ -137,10 +138,10 @@ fn a_cube_pulled_at_its_top_tips() {
     }
     // Pressed down it stays for ever; lifted it goes with its weight.
     let pressed = pull(&lab, &bodies, 0, Vec3::Y, Vec3::NEG_Y);
-    assert_eq!(pressed.most, f32::INFINITY);
+    assert_eq!(pressed.limit, f32::INFINITY);
     assert!(pressed.moving.is_empty() && pressed.failing.is_empty());
     let lifted = pull(&lab, &bodies, 0, Vec3::Y, Vec3::Y);
-    assert_near(lifted.most, weight, 1e-3, "its weight");
+    assert_near(lifted.limit, weight, 1e-3, "its weight");
     assert_eq!(ways(&lifted), [JointFailure::Tips]);
 }
 
@@ -346,7 +347,10 @@ fn what_is_despawned_in_the_same_frame_bears_nothing() {
     let tilt = |lab: &Lab, bodies: &[Entity]| stability(&lab.world, bodies, &Trial::Tilt(Vec3::X));
     assert!((tilt(&lab, &bodies).unwrap().limit - 0.4636).abs() < 1e-3);
     lab.world.despawn(bodies[0]);
-    assert_eq!(tilt(&lab, &bodies), Err(StabilityError::NotABody(bodies[0])));
+    assert_eq!(
+        tilt(&lab, &bodies),
+        Err(StabilityError::NotABody(bodies[0]))
+    );
     assert_eq!(tilt(&lab, &bodies[1..]), Err(StabilityError::Falls));
     let (mut lab, bodies) = build(stack(2), 0.5);
     let mut ground = lab.world.query::<(Entity, &RigidBody)>();

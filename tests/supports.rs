@@ -195,7 +195,11 @@ fn in_a_heap_all_answers_agree() {
                 .copied()
                 .filter(|b| *b != brick && !held.contains(b))
                 .collect();
-            assert_eq!(supports.supported_only_by(brick).unwrap(), expected, "on {brick}");
+            assert_eq!(
+                supports.supported_only_by(brick).unwrap(),
+                expected,
+                "on {brick}"
+            );
             hangs += expected.len();
 
             let path = supports.load_path(brick).unwrap();
@@ -254,8 +258,16 @@ fn what_goes_in_the_same_frame_bears_nothing() {
             assert_eq!(supports.load_path(stack[2]).unwrap(), [], "{way}");
             let path = supports.load_path(stack[3]).unwrap();
             assert_eq!(names(&path, |bearing| bearing.below), [stack[2]], "{way}");
-            assert_eq!(supports.supported_only_by(ground).unwrap(), [stack[0]], "{way}");
-            assert_eq!(supports.supported_only_by(stack[2]).unwrap(), [stack[3]], "{way}");
+            assert_eq!(
+                supports.supported_only_by(ground).unwrap(),
+                [stack[0]],
+                "{way}"
+            );
+            assert_eq!(
+                supports.supported_only_by(stack[2]).unwrap(),
+                [stack[3]],
+                "{way}"
+            );
             assert!(
                 !supports.structure(stack[3]).unwrap().contains(&stack[1]),
                 "{way}"

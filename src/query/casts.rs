@@ -146,7 +146,9 @@ impl SpatialQuery<'_, '_> {
                 |leaf, best| distance(first + leaf, best),
             )
         };
-        let nearest = self.nearest(cast.max_distance, search, distance, |slot| hit(slot, cast.max_distance));
+        let nearest = self.nearest(cast.max_distance, search, distance, |slot| {
+            hit(slot, cast.max_distance)
+        });
         failed.take().map_or(Ok(nearest), Err)
     }
 

@@ -86,9 +86,14 @@ impl SpatialQuery<'_, '_> {
                 .distance_along(&ray, best, filter)
         };
         let search = |tree: &Bvh, first: u32, max_distance| {
-            tree.cast_ray(&ray, max_distance, |leaf, best| distance(first + leaf, best))
+            tree.cast_ray(&ray, max_distance, |leaf, best| {
+                distance(first + leaf, best)
+            })
         };
-        let hit = |slot| self.target(slot, filter)?.ray_hit(&ray, max_distance, filter);
+        let hit = |slot| {
+            self.target(slot, filter)?
+                .ray_hit(&ray, max_distance, filter)
+        };
         Ok(self.nearest(max_distance, search, distance, hit))
     }
 
@@ -107,7 +112,8 @@ impl SpatialQuery<'_, '_> {
             .view()
             .along(|node| node.cast_ray(&ray, max_distance) < f32::MAX);
         let hits = self.all(near, |slot| {
-            self.target(slot, filter)?.ray_hit(&ray, max_distance, filter)
+            self.target(slot, filter)?
+                .ray_hit(&ray, max_distance, filter)
         });
         let mut hits: Vec<RayHit> = hits.into_iter().map(|(_, hit)| hit).collect();
         hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));

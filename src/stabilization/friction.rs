@@ -245,7 +245,7 @@ pub fn friction_error(
         Without<Resting>,
     >,
 ) {
-    let (table, settings, last) = (&*table, &*settings, time.last);
+    let (table, settings, last) = (&*table, &*settings, time.previous_dt);
     let by_points = solver.solver.is_point_solver();
     let by_pose = settings.friction.anchors == AnchorRule::PairPose;
     for (pairs, manifolds, mut anchors, mut targets) in pairs

@@ -163,7 +163,7 @@ impl Default for CollapseSettings {
 
 /// What is known of structures.
 #[derive(Default)]
-pub struct Structures {
+pub(crate) struct Structures {
     last: u64,
     /// s
     now: f64,
@@ -226,7 +226,7 @@ type AllWatched<'w, 's> = Query<
 >;
 
 /// See the module's text. After every step.
-pub fn collapses(
+pub(crate) fn collapses(
     (settings, sleep, gravity, time): (
         Res<CollapseSettings>,
         Res<SleepSettings>,

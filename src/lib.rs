@@ -54,13 +54,14 @@
 //! `stability`, `gizmos` and `picking`.
 //! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.
 
-#![warn(missing_docs)]
+#![deny(missing_docs)]
 #![deny(unsafe_code)]
 #![expect(
     clippy::type_complexity,
     reason = "queries are tuples of what a system touches"
 )]
 
+mod ask;
 pub mod body;
 pub mod broadphase;
 pub mod collapse;
@@ -90,6 +91,9 @@ pub mod solver;
 pub mod stability;
 pub mod stabilization;
 
+/// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of
+/// [`Collider::shape`](collider::Collider::shape); use this re-export to name them in the version that drystone uses.
+pub use parry3d;
 pub use plugin::*;
 pub use schedule::{advance, refresh, step};
 
@@ -105,16 +109,17 @@ pub mod prelude {
     };
     pub use crate::contact::{
         Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,
-        ContactStarted, Contacts, FaceForce, Load, NotABody, Supports,
+        ContactStarted, Contacts, FaceForce, Load, NotABody, Supports, contacts, supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, HeldBy};
     pub use crate::preview::{
-        Edit, Moved, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
+        Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview, preview_task,
     };
     pub use crate::profile::Profile;
     pub use crate::query::{
         CastHit, Dir3, Overlap, PointHit, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery,
+        spatial_query,
     };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{

@@ -108,6 +108,25 @@ pub struct Contacts<'w, 's> {
     pairs: Query<'w, 's, Pair>,
 }
 
+/// Asks a world for contact forces outside of a system: calls `ask` with [`Contacts`] and returns its result.
+///
+/// ```
+/// # use drystone::prelude::*;
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// # let body = world.spawn((RigidBody::Dynamic, Collider::ball(0.5))).id();
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
+/// let faces = contacts(world, |contacts| contacts.on(body)).unwrap();
+/// assert!(faces.is_empty(), "nothing touches it");
+/// ```
+///
+/// # Panics
+/// If [`StepPlugin`](crate::StepPlugin) was not added.
+pub fn contacts<R>(world: &mut World, ask: impl FnOnce(Contacts) -> R) -> R {
+    crate::ask::ask::<Contacts, R>(world, ask)
+}
+
 impl Contacts<'_, '_> {
     /// The slot of a body that is there: one that has been despawned, disabled or robbed of its kind since the last step is not.
     pub(super) fn slot(&self, body: Entity) -> Result<u32, NotABody> {

@@ -77,6 +77,25 @@ pub struct Supports<'w, 's> {
     gravity: Res<'w, Gravity>,
 }
 
+/// Asks a world what supports what outside of a system: calls `ask` with [`Supports`] and returns its result.
+///
+/// ```
+/// # use drystone::prelude::*;
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// # let body = world.spawn((RigidBody::Dynamic, Collider::ball(0.5))).id();
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
+/// let below = supports(world, |supports| supports.supported_by(body)).unwrap();
+/// assert!(below.is_empty(), "it falls");
+/// ```
+///
+/// # Panics
+/// If [`StepPlugin`](crate::StepPlugin) was not added.
+pub fn supports<R>(world: &mut World, ask: impl FnOnce(Supports) -> R) -> R {
+    crate::ask::ask::<Supports, R>(world, ask)
+}
+
 impl Supports<'_, '_> {
     /// What bears a body, the eldest first. Nothing bears what is static or kinematic.
     ///

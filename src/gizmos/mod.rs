@@ -115,7 +115,7 @@ const POINT: f32 = 0.02;
 const NORMAL: f32 = 0.1;
 
 /// Of bodies.
-pub fn shapes(
+fn shapes(
     mut gizmos: Gizmos<PhysicsGizmos>,
     config: Res<GizmoConfigStore>,
     (islands, gravity, contacts): (Res<Islands>, Res<Gravity>, Contacts),
@@ -166,7 +166,7 @@ fn load_color(contacts: &Contacts, gravity: &Gravity, entity: Entity, body: &Bod
 }
 
 /// Of the broadphase.
-pub fn boxes(
+fn boxes(
     mut gizmos: Gizmos<PhysicsGizmos>,
     config: Res<GizmoConfigStore>,
     broadphase: Res<Broadphase>,
@@ -180,7 +180,7 @@ pub fn boxes(
 }
 
 /// Of pairs: points, forces, slips.
-pub fn contacts(
+fn contacts(
     mut gizmos: Gizmos<PhysicsGizmos>,
     config: Res<GizmoConfigStore>,
     table: Res<BodyTable>,

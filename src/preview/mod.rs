@@ -57,6 +57,7 @@ pub use shadow::Shadow;
 use crate::body::Pose;
 use crate::collider::Collider;
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
 
 /// What is tried.
@@ -144,6 +145,51 @@ pub fn preview_task(
     let shadow = Shadow::of(world, edit)?;
     let pool = AsyncComputeTaskPool::get_or_init(Default::default);
     Ok(pool.spawn(async move { shadow.run(&settings) }))
+}
+
+/// Previews for systems: the system parameter beside [`preview()`] and [`preview_task()`].
+///
+/// It reads the whole world. A system that has it may not write anything but through [`Commands`].
+///
+/// ```
+/// # use bevy_ecs::prelude::*;
+/// # use drystone::prelude::*;
+/// # #[derive(Component)] struct Suspect;
+/// fn is_safe_to_remove(previews: Previews, suspect: Single<Entity, With<Suspect>>) {
+///     let preview = previews.preview(&Edit::Remove(vec![*suspect])).unwrap();
+///     println!("{} bodies would move", preview.moved.len());
+/// }
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default()).add_systems(bevy_app::Update, is_safe_to_remove);
+/// # app.world_mut().spawn((RigidBody::Dynamic, Collider::ball(0.5), Suspect));
+/// # drystone::step(app.world_mut(), 1.0 / 60.0).unwrap();
+/// # app.update();
+/// ```
+#[derive(SystemParam, Clone, Copy, Debug)]
+pub struct Previews<'w> {
+    world: &'w World,
+}
+
+impl Previews<'_> {
+    /// Runs an edit on a copy, as [`preview()`] does.
+    ///
+    /// # Errors
+    /// As [`preview()`].
+    pub fn preview(&self, edit: &Edit) -> Result<Preview, PreviewError> {
+        preview(self.world, edit)
+    }
+
+    /// Runs an edit on a copy in a task, as [`preview_task()`] does.
+    ///
+    /// # Errors
+    /// As [`preview()`].
+    pub fn preview_task(
+        &self,
+        edit: &Edit,
+        settings: PreviewSettings,
+    ) -> Result<Task<Result<Preview, PreviewError>>, PreviewError> {
+        preview_task(self.world, edit, settings)
+    }
 }
 
 impl PreviewSettings {

@@ -82,6 +82,30 @@ struct Target<'a> {
     pose: Pose,
 }
 
+/// Asks spatial queries of a world outside of a system: calls `ask` with a [`SpatialQuery`] and returns its result.
+///
+/// Each call builds the parameter anew, which takes some microseconds: ask several questions in one closure.
+///
+/// ```
+/// # use bevy_transform::components::Transform;
+/// # use drystone::prelude::*;
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// # let ball = (RigidBody::Static, Collider::ball(0.5), Transform::from_xyz(0.0, 2.0, 0.0));
+/// # let ball = world.spawn(ball).id();
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
+/// let here = Vec3::new(0.1, 2.1, 0.0);
+/// let bodies = spatial_query(world, |query| query.bodies_at(here, &QueryFilter::default()));
+/// assert_eq!(bodies, Ok(vec![ball]));
+/// ```
+///
+/// # Panics
+/// If [`StepPlugin`](crate::StepPlugin) was not added.
+pub fn spatial_query<R>(world: &mut World, ask: impl FnOnce(SpatialQuery) -> R) -> R {
+    crate::ask::ask::<SpatialQuery, R>(world, ask)
+}
+
 impl SpatialQuery<'_, '_> {
     /// The pose for which answers about a body are given: that after the last step, or the one where it was put since, as of the last
     /// [`refresh`](crate::refresh()). None where it is no body, or is not known yet.

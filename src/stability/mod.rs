@@ -44,6 +44,7 @@ pub use error::StabilityError;
 use crate::body::BodyTable;
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
 use glam::Vec3;
 use program::Load;
@@ -158,6 +159,60 @@ pub fn stability_task(
     let question = Question::new(world, structure, trial)?;
     let pool = AsyncComputeTaskPool::get_or_init(Default::default);
     Ok(pool.spawn(async move { question.answer() }))
+}
+
+/// Stability for systems: the system parameter beside [`stability()`] and [`stability_task()`].
+///
+/// It reads the whole world. A system that has it may not write anything but through [`Commands`].
+///
+/// ```
+/// # use bevy_ecs::prelude::*;
+/// # use drystone::prelude::*;
+/// use drystone::stability::{Stability, Trial};
+///
+/// fn report(stability: Stability, bodies: Query<(Entity, &RigidBody)>) {
+///     let dynamic = bodies.iter().filter(|(_, kind)| **kind == RigidBody::Dynamic);
+///     let bodies: Vec<Entity> = dynamic.map(|(body, _)| body).collect();
+///     let margin = stability.stability(&bodies, &Trial::Tilt(Vec3::X)).unwrap();
+///     println!("it stands up to a tilt of {}°", margin.limit.to_degrees());
+/// }
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default()).add_systems(bevy_app::Update, report);
+/// # app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+/// # let at = bevy_transform::components::Transform::from_xyz(0.0, 0.5, 0.0);
+/// # app.world_mut().spawn((RigidBody::Dynamic, Collider::cuboid(1.0, 1.0, 1.0), at));
+/// # drystone::step(app.world_mut(), 1.0 / 60.0).unwrap();
+/// # app.update();
+/// ```
+#[derive(SystemParam, Clone, Copy, Debug)]
+pub struct Stability<'w> {
+    world: &'w World,
+}
+
+impl Stability<'_> {
+    /// Computes how much a structure can take, as [`stability()`] does.
+    ///
+    /// # Errors
+    /// As [`stability()`].
+    pub fn stability(
+        &self,
+        structure: &[Entity],
+        trial: &Trial,
+    ) -> Result<Margin, StabilityError> {
+        stability(self.world, structure, trial)
+    }
+
+    /// Computes how much a structure can take in a task, as [`stability_task()`] does.
+    ///
+    /// # Errors
+    /// As [`stability_task()`].
+    pub fn stability_task(
+        &self,
+        structure: &[Entity],
+        trial: &Trial,
+    ) -> Result<Task<Result<Margin, StabilityError>>, StabilityError> {
+        stability_task(self.world, structure, trial)
+    }
 }
 
 /// A structure and what it is put to, copied out of a world.

@@ -1,21 +1,21 @@
-//! What cannot be tried.
+//! Errors of previews.
 
 use bevy_ecs::entity::Entity;
 use std::fmt;
 
-/// Why an edit cannot be tried.
+/// Why an edit cannot be previewed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviewError {
-    /// It is no body that simulation knows: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or has come since the last
-    /// step.
+    /// The entity is not a body known to the simulation: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or was spawned
+    /// after the last step.
     NotABody(Entity),
-    /// Nothing is to be taken.
+    /// The edit removes no bodies.
     Nothing,
-    /// A position or rotation is not finite, or a rotation has no length.
+    /// A position or rotation is not finite, or a rotation has length zero.
     NotFinite,
-    /// The shape that is to be placed has no volume or no end.
+    /// The shape to be placed has no volume or is unbounded.
     InvalidShape,
-    /// A step that is not positive, a time or a share that is negative or not finite.
+    /// The step length is not valid, or another setting is negative or not finite.
     InvalidSettings,
 }
 

@@ -1,11 +1,12 @@
-//! What would happen if: [`preview`] tries an edit on a copy, and says which bodies would move, and where to.
+//! Previews of edits: [`preview()`] runs an edit on a copy of the world, and reports which bodies would move and where to.
 //!
-//! A [`Shadow`] is a small world of its own: the structures that an edit is about, and what is near enough to be hit, with all that their
-//! contacts carry. It takes steps until all of it lies still, which is a matter of milliseconds for a hundred bricks. With steps as long as the
-//! world's own, the default, it goes where the world would go, to the bit as long as nothing new comes near; with long ones it is there
-//! sooner, and what falls on what is rough. Systems of yours are not in the shadow, and nobody's hands. Nor are bodies that were despawned or
-//! disabled since the last step. Bodies that were spawned or moved since then are where they are now, if the world has been
-//! [refreshed](crate::refresh).
+//! A [`Shadow`] is a small world of its own: a copy of the structures that the edit affects, and of the bodies near them, with their
+//! contact impulses. It takes steps until everything in it is at rest, which takes milliseconds for a hundred bricks. With the default
+//! step length, that of the world, it moves exactly as the world would, to the bit, as long as no other body comes near. With longer
+//! steps it finishes sooner, but falling bodies end up only roughly where they would.
+//!
+//! The copy has none of your own systems, and no hands. It leaves out bodies that were despawned or disabled since the last step. Bodies
+//! that were spawned or moved since then are where they are now, if the world has been [refreshed](crate::refresh()).
 //!
 //! ```
 //! use bevy_transform::components::Transform;
@@ -44,7 +45,8 @@
 //! assert!(ends(1.6).y < 0.7);
 //! ```
 //!
-//! It wants the whole world, `&World`, as exclusive systems have it; [`preview_task`] takes a copy and lets a task find out.
+//! The functions take the whole world, `&World`. In a system use the parameter [`Previews`]. [`preview_task`] copies the world at once,
+//! and runs the copy in a task.
 
 mod copy;
 mod error;
@@ -60,26 +62,27 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
 
-/// What is tried.
+/// An edit to preview.
 #[derive(Clone, Debug)]
 pub enum Edit {
-    /// Bodies are taken away.
+    /// Removes these bodies.
     Remove(Vec<Entity>),
-    /// A body is put elsewhere.
+    /// Moves a body to a pose.
     Move(Entity, Pose),
-    /// A body is added, with the default surface and density.
+    /// Adds a dynamic body with this shape at a pose, with the default surface and density.
     Place(Collider, Pose),
 }
 
-/// How it is tried.
+/// How long a preview runs, and how far a body must move to count as moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreviewSettings {
-    /// Length of a step, s. By default that of the world's last step; before the first one that of `Time<Fixed>`, or 1/60 s where there is no
-    /// such clock.
+    /// Length of a step, s. `None` uses that of the world's last step, or before the first step that of `Time<Fixed>`, or 1/60 s if there
+    /// is no such clock. Default: `None`.
     pub dt: Option<f32>,
-    /// What has not come to rest by then is left as it is, s.
+    /// Maximum simulated time, s. Bodies that still move then are left where they are. Default: 10.
     pub max_time: f32,
-    /// A body has moved when a point of it has come farther than this share of its radius.
+    /// Minimum movement of a body that counts as moved, as a share of its bounding radius: how far its centre moves plus how far the
+    /// rotation moves a point at that radius. Default: 0.05.
     pub movement_threshold: f32,
 }
 
@@ -93,49 +96,49 @@ impl Default for PreviewSettings {
     }
 }
 
-/// What would happen.
+/// The result of a preview.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preview {
-    /// The bodies that would move, the eldest first. Those that are taken or placed are not among them.
+    /// The bodies that would move, in order of spawning. Bodies that the edit itself removes, moves or places are not among them.
     pub moved: Vec<Moved>,
-    /// Where what was moved or placed is in the end.
+    /// The final pose of the body that was moved or placed.
     pub end_pose: Option<Pose>,
-    /// All lies still in the end. False where it was given up before that.
+    /// Whether everything was at rest in the end. False if the preview stopped at [`PreviewSettings::max_time`].
     pub at_rest: bool,
-    /// After how long, s.
+    /// The simulated time, s.
     pub time: f32,
 }
 
-/// A body that would move.
+/// A body that moves from one pose to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
-    /// Which.
+    /// The body.
     pub body: Entity,
-    /// Where it is now.
+    /// Its pose before.
     pub from: Pose,
-    /// Where it would be in the end.
+    /// Its pose after.
     pub to: Pose,
 }
 
 impl Preview {
-    /// Whether this body would move.
+    /// Returns true if this body would move.
     pub fn moves(&self, body: Entity) -> bool {
         self.moved.iter().any(|moved| moved.body == body)
     }
 }
 
-/// Tries an edit, with the default [`PreviewSettings`].
+/// Runs an edit on a copy of the world with the default [`PreviewSettings`], and returns what would happen. In a system use [`Previews`].
 ///
 /// # Errors
-/// Where it names what is no body, or a body twice, or has a number that is not finite.
+/// [`PreviewError`] if the edit names an entity that is not a body, or no body at all, or contains a number that is not finite.
 pub fn preview(world: &World, edit: &Edit) -> Result<Preview, PreviewError> {
     Shadow::of(world, edit)?.run(&PreviewSettings::default())
 }
 
-/// The same as a task, which is polled or awaited. The copy is taken at once.
+/// Runs a preview in a task on the [`AsyncComputeTaskPool`]. The world is copied at once; poll or await the task for the result.
 ///
 /// # Errors
-/// As [`preview`].
+/// As [`preview()`], and [`PreviewError::InvalidSettings`].
 pub fn preview_task(
     world: &World,
     edit: &Edit,

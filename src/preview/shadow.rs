@@ -25,7 +25,7 @@ const HARDLY: f32 = 0.4;
 /// of contacts whose load is gone push bodies away with some mm/s, and a quarter less in each step.
 const FADES: f32 = 0.9;
 
-/// A copy of part of a world, which takes steps by itself. It can be sent to another thread.
+/// A copy of part of a world, which can take steps by itself and be sent to another thread.
 pub struct Shadow {
     world: World,
     /// The eldest first.
@@ -66,10 +66,10 @@ struct Copied {
 }
 
 impl Shadow {
-    /// Of the structures that an edit is about, with the edit made, and of what is as near to them as they are large.
+    /// Copies the structures that an edit affects and the bodies within their size of them, and applies the edit to the copy.
     ///
     /// # Errors
-    /// As [`preview`](super::preview).
+    /// As [`preview`](super::preview()).
     pub fn of(world: &World, edit: &Edit) -> Result<Self, PreviewError> {
         match edit {
             Edit::Remove(bodies) => {
@@ -105,37 +105,37 @@ impl Shadow {
         }
     }
 
-    /// Of the structures that some bodies are in, and of what is as near to them as they are large.
+    /// Copies the structures that some bodies belong to, and the bodies within their size of them.
     ///
     /// # Errors
-    /// Where one of them is no body.
+    /// [`PreviewError::NotABody`] if one of them is not a body.
     pub fn around(world: &World, bodies: &[Entity]) -> Result<Self, PreviewError> {
         Self::copied(world, bodies, None)
     }
 
-    /// The copy of a body.
+    /// The copy of a body, in the world of the copies.
     pub fn copy_of(&self, body: Entity) -> Option<Entity> {
         let mut bodies = self.bodies.iter();
         Some(bodies.find(|copied| copied.original == body)?.copy)
     }
 
-    /// The world that the copies are in, for edits of one's own.
+    /// The world of the copies, for further edits.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
     }
 
-    /// That world, for steps of one's own.
+    /// The world of the copies, to step it yourself.
     pub fn into_world(self) -> World {
         self.world
     }
 
-    /// Takes steps until all lies still, or time is up.
+    /// Takes steps until everything is at rest or [`PreviewSettings::max_time`] is over.
     ///
-    /// A world in which nothing has begun to move is known to lie still after a few steps: whatever falls is as fast after one of them as it may be
-    /// after a quarter of a second.
+    /// If nothing has begun to move after a few steps, the world counts as at rest: a falling body reaches in one step a speed that a
+    /// resting one may have after a quarter of a second.
     ///
     /// # Errors
-    /// Where the settings are invalid.
+    /// [`PreviewError::InvalidSettings`] if the settings are invalid.
     pub fn run(mut self, settings: &PreviewSettings) -> Result<Preview, PreviewError> {
         settings.check()?;
         let dt = settings.dt.unwrap_or(self.dt);

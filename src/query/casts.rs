@@ -1,4 +1,4 @@
-//! What a shape bumps into on its way.
+//! Shape casts: the bodies that a shape touches on a straight path.
 
 use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
@@ -12,26 +12,26 @@ use parry3d::partitioning::{Bvh, BvhNode};
 use parry3d::query::{Ray, RayCast, ShapeCastOptions, cast_shapes};
 use std::cell::Cell;
 
-/// Where a shape that moves on a straight way touches a body first.
+/// The first contact of a moving shape with a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastHit {
     /// The body.
     pub entity: Entity,
-    /// How far the shape has come, m; zero where it overlaps the body from the start.
+    /// Distance that the shape has travelled, m; 0 if it overlaps the body from the start.
     pub distance: f32,
-    /// Where they touch, world, m.
+    /// The point of contact, world, m.
     pub point: Vec3,
-    /// Unit vector out of the body's surface there.
+    /// Outward unit normal of the body's surface at that point, world.
     pub normal: Vec3,
 }
 
-/// A shape on its way.
+/// A shape on its path.
 struct Cast<'a> {
     collider: &'a Collider,
     from: Pose,
     direction: Vec3,
     max_distance: f32,
-    /// Its box.
+    /// Its bounding box at the start.
     aabb: Aabb,
 }
 
@@ -55,7 +55,7 @@ impl<'a> Cast<'a> {
         })
     }
 
-    /// How far its box comes until it touches another; [`f32::MAX`] where it does not.
+    /// Distance that its box travels until it touches another, m; [`f32::MAX`] if it does not.
     fn way_to(&self, node: &BvhNode) -> f32 {
         let half = self.aabb.half_extents();
         let widened = Aabb::new(node.mins() - half, node.maxs() + half);
@@ -65,7 +65,7 @@ impl<'a> Cast<'a> {
             .unwrap_or(f32::MAX)
     }
 
-    /// Where it touches a body, nearer than `max_distance` (m).
+    /// Where it touches a body within `max_distance` (m).
     fn hit(
         &self,
         target: &Target,
@@ -100,7 +100,7 @@ impl<'a> Cast<'a> {
     }
 }
 
-/// The pose of a shape to ask with, if both can be.
+/// The normalized pose of a shape, if the shape can be used in a query and the pose is finite.
 pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError> {
     if collider.shape().as_halfspace().is_some() {
         return Err(QueryError::Unbounded);
@@ -116,11 +116,11 @@ pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError>
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The first body that a shape touches which begins at a pose and goes straight on, without turning, for less than `max_distance` (m).
+    /// The first body that a shape touches on a straight path without rotation: from a pose, in a direction, within `max_distance` (m).
     ///
     /// # Errors
-    /// Where pose or direction are not finite, the distance is negative, the shape has no volume or no end, or it cannot be compared with that
-    /// of a body on its way.
+    /// [`QueryError`] if the pose or direction is not finite, the distance is negative, the shape is degenerate or unbounded, or it
+    /// cannot be compared with that of a body on its path.
     pub fn cast_shape(
         &self,
         collider: &Collider,
@@ -152,7 +152,7 @@ impl SpatialQuery<'_, '_> {
         failed.take().map_or(Ok(nearest), Err)
     }
 
-    /// Whatever the shape would touch up to `max_distance` (m), nearest first, as if it went through all of it.
+    /// All bodies that the shape would touch within `max_distance` (m) if nothing stopped it, nearest first.
     ///
     /// # Errors
     /// As [`Self::cast_shape`].

@@ -1,10 +1,10 @@
-//! Asking the world: what a ray hits, what a shape would bump into on its way, what is at a point, what is nearest to it, what a shape
-//! overlaps, and whether it fits somewhere.
+//! Spatial queries: ray casts, shape casts, points, closest points, and overlaps.
 //!
-//! [`SpatialQuery`] is a parameter of a system. It looks through the tree of the [`broadphase`](crate::broadphase), and answers for bodies
-//! where the last step left them, with the shapes and layers that they had in it. Bodies that were despawned are no longer found. Bodies that were
-//! spawned, changed or put elsewhere since are found as they are now after the next step or [`refresh`](crate::refresh()), whichever comes first;
-//! the plugin refreshes in every frame in which time stands still. Of two hits at one distance either may come first, the same one in every run.
+//! [`SpatialQuery`] is the system parameter, and [`spatial_query`] the function for code that has a world. Queries use the tree of the
+//! [`broadphase`](crate::broadphase). They see bodies at their poses after the last step, with the shapes and layers of that step.
+//! Despawned bodies are no longer found. Bodies that were spawned, changed or moved since then are found as they are now after the next
+//! step or [`refresh`](crate::refresh()), whichever comes first; the plugin refreshes in every frame in which time is paused. If two hits
+//! have the same distance, their order is arbitrary but the same in every run.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -63,7 +63,7 @@ use parry3d::partitioning::Bvh;
 use parry3d::shape::Shape;
 use view::View;
 
-/// Asks the world; see the [module](self). In a world without a system at hand it is had by `run_system_once`, or by a `SystemState`.
+/// System parameter for spatial queries; see the [module](self). Outside of a system use [`spatial_query`].
 #[derive(SystemParam)]
 pub struct SpatialQuery<'w, 's> {
     broadphase: Res<'w, Broadphase>,
@@ -73,12 +73,12 @@ pub struct SpatialQuery<'w, 's> {
     threads: Res<'w, PhysicsThreads>,
 }
 
-/// A body that may be meant.
+/// A body that a query may return.
 #[derive(Clone, Copy)]
 struct Target<'a> {
     body: &'a BodyState,
     shape: &'a dyn Shape,
-    /// Where it is now, not where it was at the start of the step.
+    /// Its current pose, not that at the start of the step.
     pose: Pose,
 }
 
@@ -107,8 +107,8 @@ pub fn spatial_query<R>(world: &mut World, ask: impl FnOnce(SpatialQuery) -> R) 
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The pose for which answers about a body are given: that after the last step, or the one where it was put since, as of the last
-    /// [`refresh`](crate::refresh()). None where it is no body, or is not known yet.
+    /// The pose for which queries answer about a body: the pose after the last step, or the pose it was moved to since, as of the last
+    /// [`refresh`](crate::refresh()). `None` if the entity is not a body, or not known yet.
     pub fn pose(&self, body: Entity) -> Option<Pose> {
         let pose = self.poses.get(body).ok()?;
         let view = self.view();
@@ -123,7 +123,7 @@ impl SpatialQuery<'_, '_> {
         View::new(&self.table, &self.broadphase, &self.pending)
     }
 
-    /// The body of a number, if the filter lets it through and it is still there.
+    /// The body with this number, if it still exists and the filter admits it.
     #[inline]
     fn target(&self, number: u32, filter: &QueryFilter) -> Option<Target<'_>> {
         let view = self.view();
@@ -143,8 +143,8 @@ impl SpatialQuery<'_, '_> {
         })
     }
 
-    /// The nearest body: `search` finds that of a tree, whose numbers are higher by so many than those of its leaves; `distance` says by how much
-    /// a body is away, where that is less than so much.
+    /// The nearest body. `search` finds the nearest one in a tree, whose leaves have the numbers from the given one on; `distance` is the
+    /// distance of a body (m), if it is less than the given one.
     fn nearest<H>(
         &self,
         max_distance: f32,
@@ -170,7 +170,7 @@ impl SpatialQuery<'_, '_> {
         hit(best?)
     }
 
-    /// All of those that the trees have found and of those that are in none.
+    /// All bodies that the trees have found, and those in no tree, for which `hit` returns something; in order of spawning.
     fn all<H>(
         &self,
         mut numbers: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What a ray hits.
+//! Ray casts.
 
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use bevy_ecs::prelude::*;
@@ -8,20 +8,20 @@ use parry3d::partitioning::Bvh;
 use parry3d::query::Ray;
 use rayon::prelude::*;
 
-/// Where a ray hits a body.
+/// A point where a ray hits a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// The body.
     pub entity: Entity,
-    /// From the ray's origin, m.
+    /// Distance from the ray's origin, m.
     pub distance: f32,
-    /// World, m.
+    /// The point, world, m.
     pub point: Vec3,
-    /// Unit vector out of the body's surface there; zero where the ray begins inside of it.
+    /// Outward unit normal of the body's surface at that point, world. Zero if the ray starts inside a solid body.
     pub normal: Vec3,
 }
 
-/// By how much dearer a ray is than what [`PhysicsThreads`](crate::settings::PhysicsThreads) counts.
+/// Cost of a ray relative to the items that [`PhysicsThreads`](crate::settings::PhysicsThreads) counts.
 const WEIGHT: usize = 64;
 
 impl Target<'_> {
@@ -44,8 +44,8 @@ impl Target<'_> {
     }
 }
 
-/// How far to look so as to find what is nearer than `max_distance`, m. Parry says of a ray that does not leave a box on its way that it leaves it
-/// at its end.
+/// How far parry must search to find hits within `max_distance`, m. For a ray that starts in a hollow shape and ends inside, parry
+/// reports a hit at the ray's end.
 fn far(max_distance: f32, filter: &QueryFilter) -> f32 {
     match filter.is_solid() {
         true => max_distance,
@@ -53,7 +53,7 @@ fn far(max_distance: f32, filter: &QueryFilter) -> f32 {
     }
 }
 
-/// A ray and how far it goes, m, if they can be.
+/// The ray and its maximum distance in m, if both are valid.
 fn checked(ray: Ray3d, max_distance: f32) -> Result<(Ray, f32), QueryError> {
     if !ray.origin.is_finite() || !ray.direction.is_finite() {
         return Err(QueryError::NotFinite("the ray"));
@@ -61,7 +61,7 @@ fn checked(ray: Ray3d, max_distance: f32) -> Result<(Ray, f32), QueryError> {
     Ok((Ray::new(ray.origin, *ray.direction), at_most(max_distance)?))
 }
 
-/// A distance, m, if it can be; infinity is far enough for every body.
+/// The distance in m, if it is valid. Infinity becomes the largest finite number.
 pub(super) fn at_most(max_distance: f32) -> Result<f32, QueryError> {
     match max_distance >= 0.0 {
         true => Ok(max_distance.min(f32::MAX)),
@@ -70,10 +70,10 @@ pub(super) fn at_most(max_distance: f32) -> Result<f32, QueryError> {
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The first body that a ray hits nearer than `max_distance` (m), which may be infinite.
+    /// The first body that a ray hits within `max_distance` (m), which may be infinite.
     ///
     /// # Errors
-    /// Where the ray is not finite or the distance negative.
+    /// [`QueryError`] if the ray is not finite or the distance is negative.
     pub fn cast_ray(
         &self,
         ray: Ray3d,
@@ -97,7 +97,7 @@ impl SpatialQuery<'_, '_> {
         Ok(self.nearest(max_distance, search, distance, hit))
     }
 
-    /// Whatever a ray hits up to `max_distance` (m), nearest first; each body once, where the ray enters it.
+    /// All bodies that a ray hits within `max_distance` (m), nearest first. Each body is reported once, where the ray enters it.
     ///
     /// # Errors
     /// As [`Self::cast_ray`].
@@ -120,10 +120,11 @@ impl SpatialQuery<'_, '_> {
         Ok(hits)
     }
 
-    /// [`Self::cast_ray`] for many rays, in their order, on as many threads as physics may use.
+    /// The first hits of many rays, in the order of the rays; as [`Self::cast_ray`], in parallel on
+    /// [`PhysicsThreads`](crate::settings::PhysicsThreads).
     ///
     /// # Errors
-    /// As [`Self::cast_ray`], for the first that is wrong.
+    /// As [`Self::cast_ray`], for the first ray that is invalid.
     pub fn cast_rays(
         &self,
         rays: &[Ray3d],

@@ -1,9 +1,10 @@
-//! Telling when a structure loses its hold: [`Collapse`], one message for all of it, with the first body that gave way, and how.
+//! Collapse detection: a [`Collapse`] message when a structure fails, with the body that failed first and how it failed.
 //!
-//! Put [`Watch`] on bodies, and add [`CollapsePlugin`]. A watched body that has been still for a moment stands where it is then, together with what
-//! it touches: a structure. When one that nobody holds or pushes has left its place, the structure has collapsed: the message names the first of it that
-//! did, be it held or pushed, and the rest follows without a word, until it stands again; [`CollapseEnded`] then says what has come down.
-//! Removing a brick from the top does not count as a collapse.
+//! Put [`Watch`] on bodies and add [`CollapsePlugin`]. When a watched body has been still for a moment, its pose and the structure it
+//! touches are remembered. When a body of the structure leaves its place, and nobody holds or pushes it, the structure has collapsed. The
+//! message names the first body that left its place, including one that was held or pushed. The rest of the structure then falls without
+//! further messages until it stands again, and [`CollapseEnded`] reports which bodies have moved. Removing a brick does not count as a
+//! collapse.
 //!
 //! ```
 //! use bevy_ecs::message::Messages;
@@ -42,7 +43,8 @@ use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Sends [`Collapse`]. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins); add it after them.
+/// Sends [`Collapse`] and [`CollapseEnded`]. It is not part of [`DrystonePlugins`](crate::DrystonePlugins).
+#[derive(Debug)]
 pub struct CollapsePlugin;
 
 impl Plugin for CollapsePlugin {
@@ -61,55 +63,56 @@ impl Plugin for CollapsePlugin {
     }
 }
 
-/// A structure has lost its hold.
+/// A message: a structure of watched bodies has collapsed.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct Collapse {
-    /// The first of it that gave way.
+    /// The body that failed first.
     pub first: Entity,
-    /// How that did.
+    /// How it failed.
     pub how: FailureMode,
-    /// Those of it that still stand where they stood, or rather did until now; in no order of meaning.
+    /// The bodies of the structure that had not left their places yet, in no particular order.
     pub rest: Vec<Entity>,
-    /// How many watched bodies the structure has, `first` and `rest` together.
+    /// Number of watched bodies in the structure, [`first`](Self::first) and [`rest`](Self::rest) included.
     pub bodies: usize,
-    /// Their mass, kg.
+    /// Mass of these bodies, kg.
     pub mass: f32,
 }
 
-/// What has come down in a collapse: sent once all that is left of the structure stands again, or after [`CollapseSettings::max_time`].
+/// A message: a collapse has ended. It is sent when everything left of the structure stands again, or after
+/// [`CollapseSettings::max_time`].
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct CollapseEnded {
-    /// The first of it that gave way, as in [`Collapse`].
+    /// The body that failed first, as in [`Collapse`].
     pub first: Entity,
-    /// How that did.
+    /// How it failed.
     pub how: FailureMode,
-    /// Those of the structure that have left their places, the eldest first. Bodies that have been despawned since are not among them.
+    /// The bodies of the structure that have left their places, in order of spawning, without those that have been despawned since.
     pub moved: Vec<Entity>,
-    /// Their mass, kg.
+    /// Mass of these bodies, kg.
     pub mass: f32,
 }
 
-/// How a body gave way.
+/// How a body failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 pub enum FailureMode {
-    /// A hand or a force of the user's was on it.
+    /// A hand held it, or an external force acted on it.
     Pulled,
-    /// More pressed on a face of it than its [`Watch::strength`].
+    /// The normal force on one of its faces exceeded its [`Watch::strength`].
     Crushed,
-    /// What bore it gave way, or was taken: it went down.
+    /// It moved down: its support failed or was removed.
     Fell,
-    /// It went aside, or was thrown up.
+    /// It moved sideways or upwards.
     Slid,
-    /// It turned more than it went.
+    /// It rotated more than it moved.
     Tipped,
 }
 
-/// A body whose structure is watched.
+/// Component of bodies whose structure is watched for collapse.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[require(Stands)]
 pub struct Watch {
-    /// More than this on one of its faces crushes it, N; infinite by default.
+    /// Normal force on one of its faces that crushes the body, N. Default: infinite.
     pub strength: f32,
 }
 
@@ -121,7 +124,8 @@ impl Default for Watch {
     }
 }
 
-/// Where a watched body stands, if it does. Internal.
+/// Where a watched body stands, if it does.
+#[doc(hidden)]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(clone_behavior = Ignore)]
 pub struct Stands {
@@ -137,16 +141,16 @@ impl Stands {
     }
 }
 
-/// What counts.
+/// Thresholds of collapse detection.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct CollapseSettings {
-    /// A body has left its place when a point of it has come farther than this share of its radius; 0.05 by default.
+    /// Movement at which a body has left its place, as a share of its bounding radius. Default: 0.05.
     pub movement_threshold: f32,
-    /// It stands when it has been still for so long, s; 0.25 by default. (How slow that is say [`SleepSettings`].)
+    /// Time for which a body must be still to stand, s. Default: 0.25. [`SleepSettings`] defines the speeds that count as still.
     pub still_for: f32,
-    /// A body that was pulled away so long ago, s, has nothing to do with what falls now; 2 by default.
+    /// Time after which a body that was pulled out is no longer taken as the cause of a collapse, s. Default: 2.
     pub memory: f32,
-    /// A collapse has ended after so long, s, whatever still moves then; 30 by default.
+    /// Time after which a collapse ends even if bodies still move, s. Default: 30.
     pub max_time: f32,
 }
 
@@ -225,7 +229,7 @@ type AllWatched<'w, 's> = Query<
     With<RigidBody>,
 >;
 
-/// See the module's text. After every step.
+/// Detects collapses, at the end of every step.
 pub(crate) fn collapses(
     (settings, sleep, gravity, time): (
         Res<CollapseSettings>,

@@ -55,6 +55,7 @@
 //! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.
 
 #![deny(missing_docs)]
+#![warn(missing_debug_implementations)]
 #![deny(unsafe_code)]
 #![expect(
     clippy::type_complexity,

@@ -7,7 +7,7 @@ use parry3d::shape::{ConvexPolyhedron, SharedShape};
 use std::sync::Arc;
 
 /// What a collider has of polyhedra. A cuboid needs none: it is given by its half extents.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) enum Solid {
     /// Parry's alone: curved, composite, a box, or flat.
     Other,

@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use std::sync::Arc;
 
 /// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads.
-#[derive(Resource, Clone)]
+#[derive(Resource, Clone, Debug)]
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
     share_from: usize,

@@ -165,7 +165,7 @@ impl Default for CollapseSettings {
     }
 }
 
-/// What is known of structures.
+/// The state of all structures.
 #[derive(Default)]
 pub(crate) struct Structures {
     last: u64,

@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;
 
-/// What is wrong with a body, or may go wrong. The bounds of valid input are in [`limits`].
+/// A problem of a body. The bounds of valid input are in [`limits`].
 #[derive(Clone, Debug, PartialEq, Reflect)]
 pub enum BodyProblem {
     /// The `Transform` or `Pose` is NaN or infinite, its position is out of bounds, or its rotation has length zero.
@@ -157,7 +157,7 @@ pub struct BodyError {
     pub entity: Entity,
     /// Its `Name`, if it has one.
     pub name: Option<String>,
-    /// What is wrong.
+    /// The problem.
     pub problem: BodyProblem,
 }
 
@@ -180,7 +180,7 @@ impl fmt::Display for BodyError {
 
 impl std::error::Error for BodyError {}
 
-/// Why a step was not taken, or not with the settings asked for. Sent as a message.
+/// Why a step was not taken, or not with the settings asked for. Sent as a message unless stated otherwise.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum StepError {
     /// The step length Δt is negative, not finite or not in [`STEP_LENGTHS`]. No step was taken. A length of zero is not an error: it is
@@ -193,7 +193,7 @@ pub enum StepError {
     InvalidSettings {
         /// Name of the resource.
         resource: &'static str,
-        /// What is wrong with it.
+        /// The problem, as a sentence.
         why: String,
     },
 }

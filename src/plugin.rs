@@ -127,7 +127,7 @@ impl Plugin for StepPlugin {
 
 fn take_step(world: &mut World) {
     if let Some(time) = world.get_resource::<Time>() {
-        // What went wrong has been logged and sent as a message.
+        // Errors have been logged and sent as a message.
         let _ = advance(world, time.delta_secs());
     }
 }

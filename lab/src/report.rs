@@ -6,7 +6,7 @@ use drystone::solver::FrictionCone;
 use serde_json::{Map, Value, json};
 use std::time::Duration;
 
-/// What became of an experiment of so many steps, and the full settings, named as `simulate` takes them.
+/// The result of an experiment with this number of steps, and the full settings, named as `simulate` takes them.
 pub fn report(
     preset: Preset,
     experiment: &Experiment,

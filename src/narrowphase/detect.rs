@@ -101,7 +101,7 @@ pub(super) fn detect(
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
         return f32::NEG_INFINITY;
     };
-    // What is hollow may have another in its middle that does not touch it.
+    // A hollow body may have another one in its middle without touching it.
     let solid = shape_a.is_convex() && shape_b.is_convex();
     if solid && (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
         cache.forget();

@@ -20,12 +20,12 @@ impl Stand {
         self.forget();
     }
 
-    /// What was found may not be kept.
+    /// The manifold must not be recycled.
     pub(crate) fn forget(&mut self) {
         (self.reach, self.apart) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
     }
 
-    /// Something was found that may be kept.
+    /// The manifold may be recycled.
     pub(crate) fn is_known(&self) -> bool {
         self.reach > f32::NEG_INFINITY
     }
@@ -105,7 +105,7 @@ struct Turn {
 }
 
 impl Turn {
-    /// What a vector becomes by turning back, less what it is.
+    /// The change of a vector by the inverse rotation.
     #[inline]
     fn back(&self, vector: Vec3) -> Vec3 {
         let across = self.axis.cross(vector);

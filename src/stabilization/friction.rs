@@ -66,8 +66,7 @@ pub fn slip(
     if !anchor.set {
         return None;
     }
-    // A curved contact point wanders over both surfaces while it rolls. What it slips is the same, and is zero in pure
-    // rolling.
+    // A curved contact point moves over both surfaces while it rolls. Its slip is not affected, and is zero in pure rolling.
     if curved && friction.anchors != AnchorRule::Literal {
         let slipped = project(normal, anchor.slip) + last_step();
         return (slipped.length() <= friction.max_error).then_some(slipped);
@@ -211,7 +210,7 @@ fn measure(
     last: f32,
 ) -> Option<PlanarSlip> {
     if !settings.friction.enabled {
-        // Kept manifolds keep their targets, so what friction was asked for must be taken back.
+        // Recycled manifolds keep their targets, so earlier ones must be cleared.
         return None;
     }
     if settings.friction.anchors != AnchorRule::PairPose {
@@ -358,7 +357,7 @@ mod tests {
         for (p, e) in moved {
             assert!((slip.at(p) - e).length() < 1e-6);
         }
-        // What no rigid motion can be, here corners pulled apart, is left out.
+        // Slips that no rigid motion can have, here corners pulled apart, are left out.
         let apart = corners.map(|p| (p, 0.01 * p.with_y(0.0)));
         let slip = PlanarSlip::fit(Vec3::Y, &apart).unwrap();
         assert!(slip.at(corners[0]).length() < 1e-6);

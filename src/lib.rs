@@ -74,7 +74,6 @@
 //! Named scenes, experiments and meters are in a separate crate, `drystone-lab` in `lab/`, which examples, tests and benches use.
 
 #![deny(missing_docs)]
-#![warn(missing_debug_implementations)]
 #![deny(unsafe_code)]
 #![expect(
     clippy::type_complexity,
@@ -84,31 +83,47 @@
 mod ask;
 pub mod body;
 pub mod broadphase;
+#[deny(missing_debug_implementations)]
 pub mod collapse;
+#[deny(missing_debug_implementations)]
 pub mod collider;
 pub mod contact;
+#[deny(missing_debug_implementations)]
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
+#[deny(missing_debug_implementations)]
 pub mod diagnostics;
 #[cfg(feature = "gizmos")]
+#[deny(missing_debug_implementations)]
 pub mod gizmos;
 pub mod grab;
+#[deny(missing_debug_implementations)]
 pub mod integration;
 pub mod islands;
+#[deny(missing_debug_implementations)]
 pub mod masonry;
+#[deny(missing_debug_implementations)]
 pub mod narrowphase;
 #[cfg(feature = "picking")]
+#[deny(missing_debug_implementations)]
 pub mod picking;
+#[deny(missing_debug_implementations)]
 mod plugin;
+#[deny(missing_debug_implementations)]
 pub mod preview;
 pub mod profile;
+#[deny(missing_debug_implementations)]
 pub mod query;
+#[deny(missing_debug_implementations)]
 pub mod schedule;
+#[deny(missing_debug_implementations)]
 pub mod settings;
 pub mod solve;
 pub mod solver;
 #[cfg(feature = "stability")]
+#[deny(missing_debug_implementations)]
 pub mod stability;
+#[deny(missing_debug_implementations)]
 pub mod stabilization;
 
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of

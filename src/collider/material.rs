@@ -91,6 +91,7 @@ macro_rules! surface {
             }
 
             /// The same coefficient with another rule.
+            #[must_use]
             pub const fn with_rule(mut self, rule: CombineRule) -> Self {
                 self.rule = rule;
                 self

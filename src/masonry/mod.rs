@@ -81,6 +81,7 @@ impl Block {
     }
 
     /// The same block with its pose taken as relative to `frame`.
+    #[must_use]
     pub fn moved(mut self, frame: &Pose) -> Self {
         self.pose = Pose {
             position: frame.transform_point(self.pose.position),

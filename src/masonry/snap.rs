@@ -39,6 +39,7 @@ pub struct Snapped {
 /// let place = snap(BRICK, false, &lies, BRICK, Vec3::new(0.5, 0.3, 0.1), Vec3::X).unwrap();
 /// assert_eq!(place.pose.position, Vec3::new(1.0, 0.25, 0.0));
 /// ```
+#[must_use]
 pub fn snap(
     brick: Vec3,
     turned: bool,

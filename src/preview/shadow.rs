@@ -26,6 +26,7 @@ const HARDLY: f32 = 0.4;
 const FADES: f32 = 0.9;
 
 /// A copy of part of a world, which can take steps by itself and be sent to another thread.
+#[derive(Debug)]
 pub struct Shadow {
     world: World,
     /// The eldest first.
@@ -56,7 +57,7 @@ fn is_slower(limits: &SleepSettings, time: f32, [way, turned]: [f32; 2]) -> bool
 }
 
 /// A body and its copy.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Copied {
     original: Entity,
     copy: Entity,

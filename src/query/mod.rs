@@ -61,6 +61,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use parry3d::partitioning::Bvh;
 use parry3d::shape::Shape;
+use std::fmt;
 use view::View;
 
 /// System parameter for spatial queries; see the [module](self). Outside of a system use [`spatial_query`].
@@ -71,6 +72,12 @@ pub struct SpatialQuery<'w, 's> {
     pending: Res<'w, Pending>,
     poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Without<Quarantined>)>,
     threads: Res<'w, PhysicsThreads>,
+}
+
+impl fmt::Debug for SpatialQuery<'_, '_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpatialQuery").finish_non_exhaustive()
+    }
 }
 
 /// A body that a query may return.

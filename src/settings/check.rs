@@ -9,7 +9,7 @@ use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
 
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Clone, Default, Debug)]
 pub struct InForce {
     gravity: Gravity,
     stabilization: StabilizationSettings,
@@ -163,7 +163,7 @@ impl Checked for SolverSettings {
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        self.solver.is_same(&other.solver) && self.substeps == other.substeps
+        self.solver == other.solver && self.substeps == other.substeps
     }
 }
 

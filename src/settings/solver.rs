@@ -3,10 +3,11 @@
 use super::Preset;
 use crate::solver::{Nncg, PatchSolver, Pgs, PointSolver, SoftStep};
 use bevy_ecs::prelude::*;
+use std::fmt;
 use std::sync::Arc;
 
 /// The contact solver, and how a step is divided.
-#[derive(Resource, Clone)]
+#[derive(Resource, Clone, Debug, PartialEq)]
 pub struct SolverSettings {
     /// The contact solver with its settings. Default: [`SoftStep`].
     pub solver: ContactSolver,
@@ -49,6 +50,18 @@ pub enum ContactSolver {
     Points(Arc<dyn PointSolver>),
 }
 
+impl fmt::Debug for ContactSolver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SoftStep(solver) => solver.fmt(f),
+            Self::Pgs(solver) => solver.fmt(f),
+            Self::Nncg(solver) => solver.fmt(f),
+            Self::Patches(solver) => f.debug_tuple("Patches").field(&solver.name()).finish(),
+            Self::Points(solver) => f.debug_tuple("Points").field(&solver.name()).finish(),
+        }
+    }
+}
+
 /// A solver by its kind.
 pub(crate) enum Method<'a> {
     Patches(&'a (dyn PatchSolver + 'static)),
@@ -86,9 +99,11 @@ impl ContactSolver {
     pub fn is_point_solver(&self) -> bool {
         matches!(self.method(), Method::Points(_))
     }
+}
 
-    /// Whether both are the same method with the same settings.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
+/// The same method with the same settings. Solvers of your own are equal if they are the same instance.
+impl PartialEq for ContactSolver {
+    fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::SoftStep(a), Self::SoftStep(b)) => a == b,
             (Self::Pgs(a), Self::Pgs(b)) => a == b,

@@ -34,6 +34,7 @@ impl PhysicsThreads {
 
     /// Sets the minimum number of items (pairs or contact points) for which work is divided among threads. Default: [`Self::SHARE_FROM`].
     /// Results do not depend on it.
+    #[must_use]
     pub fn sharing_from(mut self, items: usize) -> Self {
         self.share_from = items;
         self

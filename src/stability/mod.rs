@@ -197,11 +197,7 @@ impl Stability<'_> {
     ///
     /// # Errors
     /// As [`stability()`].
-    pub fn stability(
-        &self,
-        structure: &[Entity],
-        trial: &Trial,
-    ) -> Result<Margin, StabilityError> {
+    pub fn stability(&self, structure: &[Entity], trial: &Trial) -> Result<Margin, StabilityError> {
         stability(self.world, structure, trial)
     }
 

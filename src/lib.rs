@@ -149,7 +149,8 @@ pub mod prelude {
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, HeldBy};
     pub use crate::preview::{
-        Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview, preview_task,
+        Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,
+        preview_task,
     };
     pub use crate::profile::Profile;
     pub use crate::query::{

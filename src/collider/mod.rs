@@ -26,7 +26,7 @@ use std::fmt;
 
 /// The collision shape of a body, in metres and in the body's frame. Default: a cube of 1 m.
 ///
-/// The constructors cover the common shapes. Any other shape of [`parry3d`](crate::parry3d) can be converted with `From<SharedShape>`.
+/// The constructors cover the common shapes. Any other shape of [`parry3d`] can be converted with `From<SharedShape>`.
 /// The shape does not follow the scale of a `Transform`.
 #[derive(Component, Clone)]
 #[component(on_insert = crate::body::weigh, on_remove = crate::body::lost_description, summary_tick)]

@@ -1,4 +1,4 @@
-//! What falls if the piece under the mouse is taken, by a preview off the main thread.
+//! A preview of what falls if the piece under the mouse is removed, off the main thread.
 
 use super::Overlays;
 use crate::camera::Pointer;

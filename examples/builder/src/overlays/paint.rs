@@ -17,7 +17,7 @@ type Painted = (
     &'static mut MeshMaterial3d<StandardMaterial>,
 );
 
-/// What would fall comes before what is asked for, and that before what gives way first.
+/// Bodies that would fall have precedence over the chosen colours, and these over bodies that fail first.
 pub(super) fn paint(
     overlays: Res<Overlays>,
     materials: Res<Materials>,

@@ -6,7 +6,7 @@ use drystone::prelude::*;
 use drystone::settings::{NormalStabilization, Preset};
 use drystone::solver::{Nncg, Pgs, SoftStep};
 
-/// What can be switched while it runs.
+/// Settings that can be changed while it runs.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct Physics {
     solver: Solver,
@@ -15,7 +15,7 @@ pub struct Physics {
     friction: bool,
     normal: bool,
     sleep: bool,
-    /// The ground is tilted by so much, °; what falls, falls as if.
+    /// Tilt of the ground, °, by the direction of gravity.
     tilt: f32,
 }
 

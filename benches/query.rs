@@ -125,7 +125,7 @@ fn carrying(criterion: &mut Criterion) {
         black_box(supports.load_path(top)).ok();
     });
     ask("hanging on", &|| {
-        black_box(supports.hanging_on(middle)).ok();
+        black_box(supports.supported_only_by(middle)).ok();
     });
     ask("structure", &|| {
         black_box(supports.structure(middle)).ok();
@@ -140,7 +140,7 @@ fn previews(criterion: &mut Criterion) {
     }
     let mut group = criterion.benchmark_group("preview, 105 bricks");
     for (name, brick) in [("nothing falls", 60), ("a corner falls", 0)] {
-        let edit = Edit::Take(vec![run.bodies[brick]]);
+        let edit = Edit::Remove(vec![run.bodies[brick]]);
         group.bench_function(name, |bencher| {
             bencher.iter(|| black_box(preview(&run.world, &edit)));
         });

@@ -1,4 +1,4 @@
-//! How far things hop that something falls on, and what a shot takes out of a wall, at every length of the step.
+//! How far bodies hop when something falls on them, and how many bricks a shot takes out of a wall, for several step lengths.
 //!
 //! ```text
 //! cargo run --release --example blows -- [--quick]
@@ -20,7 +20,7 @@ struct Arguments {
     only: Option<String>,
 }
 
-/// What falls on what, of one row of the table.
+/// The falling body and its target, for one row of the table.
 struct Group {
     name: &'static str,
     cubes: u32,

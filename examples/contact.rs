@@ -30,7 +30,7 @@ struct View {
     /// The face of each, or its edge where edges cross.
     faces: [Vec<DVec3>; 2],
     polygon: Vec<DVec3>,
-    /// Points kept, and what to say of them.
+    /// Points kept, and their labels.
     kept: Vec<(DVec3, String)>,
 }
 
@@ -77,7 +77,7 @@ fn view<A: Solid, B: Solid>(a: &A, b: &B, place: Placement) -> View {
     }
 }
 
-/// What makes a point: a corner of one, or edges of both.
+/// The features of a point: a corner of one, or edges of both.
 fn name(feature: FeatureId) -> String {
     let (a, b) = ((feature.0 >> 15) & 0x7FFF, feature.0 & 0x7FFF);
     match feature.0 >> 30 {

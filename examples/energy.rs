@@ -1,4 +1,4 @@
-//! What loose bodies gain that must not gain any energy: rods that fall crosswise, and bodies strewn over each other.
+//! The energy that loose bodies gain, which should be none: rods that fall crosswise, and overlapping bodies.
 //!
 //! ```text
 //! cargo run --release --example energy -- [--only rods] [--seeds 3] [--seconds 10]

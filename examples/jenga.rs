@@ -120,11 +120,11 @@ impl Game {
         let bears = |plank: Entity| {
             self.world
                 .get::<Load>(plank)
-                .map_or(0.0, |load| load.carries)
+                .map_or(0.0, |load| load.supported_weight)
         };
         planks.sort_by(|a, b| bears(a.0).total_cmp(&bears(b.0)));
         for (plank, layer, place) in planks {
-            let falls = preview(&self.world, &Edit::Take(vec![plank]));
+            let falls = preview(&self.world, &Edit::Remove(vec![plank]));
             if !falls.is_ok_and(|preview| preview.moved.is_empty()) {
                 continue;
             }
@@ -159,7 +159,7 @@ impl Game {
         let mut least = f32::INFINITY;
         for direction in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
             let margin = stability(&copy.world, &planks, &Trial::Tilt(direction));
-            least = least.min(margin.ok()?.most);
+            least = least.min(margin.ok()?.limit);
         }
         Some(least)
     }

@@ -21,10 +21,10 @@ use std::time::Duration;
 use tracing_chrome::ChromeLayerBuilder;
 use tracing_subscriber::prelude::*;
 
-/// Measures what each stage costs.
+/// Measures the time of each stage.
 #[derive(Parser)]
 struct Arguments {
-    /// What to step, in the order in which it is shown.
+    /// The scenes to step, in the order in which they are shown.
     #[arg(
         long,
         value_delimiter = ',',
@@ -37,7 +37,7 @@ struct Arguments {
     /// Threads.
     #[arg(long, default_value_t = 1)]
     threads: usize,
-    /// Let what rests sleep.
+    /// Let bodies at rest sleep.
     #[arg(long)]
     sleeping: bool,
     /// Where results go.
@@ -58,7 +58,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What a scene costs.
+/// The cost of a scene.
 struct Cost {
     scene: String,
     bodies: usize,

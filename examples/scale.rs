@@ -1,4 +1,4 @@
-//! What worlds of many bricks cost: asleep, awake, static, and while one builds beside them.
+//! The cost of worlds of many bricks: asleep, awake, static, and while bricks are added beside them.
 //!
 //! ```text
 //! cargo run --release --example scale -- [--bricks 100000] [--threads 1]
@@ -140,7 +140,7 @@ impl Site {
     }
 }
 
-/// Many walls that sleep, and what happens beside them.
+/// Many walls that sleep, and edits beside them.
 fn crowd(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let memory = Region::new(MEMORY);
     let mut site = Site::new(arguments.threads, true)?;
@@ -288,7 +288,7 @@ fn awake(arguments: &Arguments) -> Result<Vec<Wall>, Box<dyn Error>> {
     Ok(walls)
 }
 
-/// Both axes logarithmic, so that what grows with the number of bricks is a straight line.
+/// A plot with two logarithmic axes, in which a cost proportional to the number of bricks is a straight line.
 fn draw(walls: &[Wall], path: &Path) -> Result<(), Box<dyn Error>> {
     let area = Canvas::new(path, (640, 480)).into_drawing_area();
     area.fill(&WHITE)?;

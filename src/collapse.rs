@@ -1,9 +1,10 @@
-//! Telling when a structure loses its hold: [`Collapse`], one message for all of it, with the first body that gave way, and how.
+//! Collapse detection: a [`Collapse`] message when a structure fails, with the body that failed first and how it failed.
 //!
-//! Put [`Watch`] on bodies, and add [`CollapsePlugin`]. A watched body that has been still for a moment stands where it is then, together with what
-//! it touches: a structure. When one that nobody holds or pushes has left its place, the structure has collapsed: the message names the first of it that
-//! did, be it held or pushed, and the rest follows without a word, until it stands again; [`CollapseEnded`] then says what has come down.
-//! Removing a brick from the top does not count as a collapse.
+//! Put [`Watch`] on bodies and add [`CollapsePlugin`]. When a watched body has been still for a moment, its pose and the structure it
+//! touches are remembered. When a body of the structure leaves its place, and nobody holds or pushes it, the structure has collapsed. The
+//! message names the first body that left its place, including one that was held or pushed. The rest of the structure then falls without
+//! further messages until it stands again, and [`CollapseEnded`] reports which bodies have moved. Removing a brick does not count as a
+//! collapse.
 //!
 //! ```
 //! use bevy_ecs::message::Messages;
@@ -42,7 +43,8 @@ use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Sends [`Collapse`]. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins); add it after them.
+/// Sends [`Collapse`] and [`CollapseEnded`]. It is not part of [`DrystonePlugins`](crate::DrystonePlugins).
+#[derive(Debug)]
 pub struct CollapsePlugin;
 
 impl Plugin for CollapsePlugin {
@@ -55,57 +57,62 @@ impl Plugin for CollapsePlugin {
                 collapses.after(PhysicsSystems::ContactEvents),
             );
     }
+
+    fn finish(&self, app: &mut App) {
+        crate::plugin::check_step_plugin::<Self>(app);
+    }
 }
 
-/// A structure has lost its hold.
+/// A message: a structure of watched bodies has collapsed.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct Collapse {
-    /// The first of it that gave way.
+    /// The body that failed first.
     pub first: Entity,
-    /// How that did.
-    pub how: GaveWay,
-    /// Those of it that still stand where they stood, or rather did until now; in no order of meaning.
+    /// How it failed.
+    pub how: FailureMode,
+    /// The bodies of the structure that had not left their places yet, in no particular order.
     pub rest: Vec<Entity>,
-    /// How many watched bodies the structure has, `first` and `rest` together.
+    /// Number of watched bodies in the structure, [`first`](Self::first) and [`rest`](Self::rest) included.
     pub bodies: usize,
-    /// Their mass, kg.
+    /// Mass of these bodies, kg.
     pub mass: f32,
 }
 
-/// What has come down in a collapse: sent once all that is left of the structure stands again, or after [`CollapseSettings::longest`].
+/// A message: a collapse has ended. It is sent when everything left of the structure stands again, or after
+/// [`CollapseSettings::max_time`].
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct CollapseEnded {
-    /// The first of it that gave way, as in [`Collapse`].
+    /// The body that failed first, as in [`Collapse`].
     pub first: Entity,
-    /// How that did.
-    pub how: GaveWay,
-    /// Those of the structure that have left their places, the eldest first. Bodies that have been despawned since are not among them.
+    /// How it failed.
+    pub how: FailureMode,
+    /// The bodies of the structure that have left their places, in order of spawning, without those that have been despawned since.
     pub moved: Vec<Entity>,
-    /// Their mass, kg.
+    /// Mass of these bodies, kg.
     pub mass: f32,
 }
 
-/// How a body gave way.
+/// How a body failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
-pub enum GaveWay {
-    /// A hand or a force of the user's was on it.
+pub enum FailureMode {
+    /// A hand held it, or an external force acted on it.
     Pulled,
-    /// More pressed on a face of it than its [`Watch::strength`].
+    /// The normal force on one of its faces exceeded its [`Watch::strength`].
     Crushed,
-    /// What bore it gave way, or was taken: it went down.
+    /// It moved down: its support failed or was removed.
     Fell,
-    /// It went aside, or was thrown up.
+    /// It moved sideways or upwards.
     Slid,
-    /// It turned more than it went.
+    /// It rotated more than it moved.
     Tipped,
 }
 
-/// A body whose structure is watched.
+/// Component of bodies whose structure is watched for collapse.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[require(Stands)]
 pub struct Watch {
-    /// More than this on one of its faces crushes it, N; infinite by default.
+    /// Normal force on one of its faces that crushes the body, N. Default: infinite.
     pub strength: f32,
 }
 
@@ -117,7 +124,8 @@ impl Default for Watch {
     }
 }
 
-/// Where a watched body stands, if it does. Internal.
+/// Where a watched body stands, if it does.
+#[doc(hidden)]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(clone_behavior = Ignore)]
 pub struct Stands {
@@ -133,33 +141,33 @@ impl Stands {
     }
 }
 
-/// What counts.
+/// Thresholds of collapse detection.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct CollapseSettings {
-    /// A body has left its place when a point of it has come farther than this share of its radius; 0.05 by default.
-    pub moved: f32,
-    /// It stands when it has been still for so long, s; 0.25 by default. (How slow that is say [`SleepSettings`].)
+    /// Movement at which a body has left its place, as a share of its bounding radius. Default: 0.05.
+    pub movement_threshold: f32,
+    /// Time for which a body must be still to stand, s. Default: 0.25. [`SleepSettings`] defines the speeds that count as still.
     pub still_for: f32,
-    /// A body that was pulled away so long ago, s, has nothing to do with what falls now; 2 by default.
+    /// Time after which a body that was pulled out is no longer taken as the cause of a collapse, s. Default: 2.
     pub memory: f32,
-    /// A collapse has ended after so long, s, whatever still moves then; 30 by default.
-    pub longest: f32,
+    /// Time after which a collapse ends even if bodies still move, s. Default: 30.
+    pub max_time: f32,
 }
 
 impl Default for CollapseSettings {
     fn default() -> Self {
         Self {
-            moved: 0.05,
+            movement_threshold: 0.05,
             still_for: 0.25,
             memory: 2.0,
-            longest: 30.0,
+            max_time: 30.0,
         }
     }
 }
 
-/// What is known of structures.
+/// The state of all structures.
 #[derive(Default)]
-pub struct Structures {
+pub(crate) struct Structures {
     last: u64,
     /// s
     now: f64,
@@ -172,7 +180,7 @@ pub struct Structures {
 /// A body that was held as it left its structure.
 struct Pulled {
     body: Entity,
-    how: GaveWay,
+    how: FailureMode,
     stood: Pose,
     /// s
     when: f64,
@@ -181,7 +189,7 @@ struct Pulled {
 /// A structure that has collapsed.
 struct Falling {
     first: Entity,
-    how: GaveWay,
+    how: FailureMode,
     /// When it did, s.
     since: f64,
     /// Its bodies, and where they stood.
@@ -221,8 +229,8 @@ type AllWatched<'w, 's> = Query<
     With<RigidBody>,
 >;
 
-/// See the module's text. After every step.
-pub fn collapses(
+/// Detects collapses, at the end of every step.
+pub(crate) fn collapses(
     (settings, sleep, gravity, time): (
         Res<CollapseSettings>,
         Res<SleepSettings>,
@@ -253,7 +261,7 @@ pub fn collapses(
     structures.now += f64::from(time.whole());
     let down = gravity.0.normalize_or_zero();
     // By structure: who has gone farthest beyond what counts, of those that do so in this step, and where all of those stood.
-    let mut gone: HashMap<u64, (f32, Age, Entity, GaveWay)> = HashMap::default();
+    let mut gone: HashMap<u64, (f32, Age, Entity, FailureMode)> = HashMap::default();
     let mut left: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
     let mut settled: Vec<(usize, Entity, u32, Pose)> = Vec::new();
     let mut known: HashMap<usize, u64> = HashMap::default();
@@ -291,7 +299,7 @@ pub fn collapses(
             && watch.strength.is_finite()
             && contacts
                 .on(entity)
-                .is_ok_and(|faces| faces.iter().any(|face| face.pressure > watch.strength));
+                .is_ok_and(|faces| faces.iter().any(|face| face.normal_force > watch.strength));
         if !has_left(place, *pose, body.radius, &settings) && !crushed {
             continue;
         }
@@ -299,11 +307,11 @@ pub fn collapses(
         stands.leave();
         left.entry(structure).or_default().push((entity, place));
         let how = match () {
-            () if crushed => GaveWay::Crushed,
-            () if held => GaveWay::Pulled,
-            () if turned > went.length() => GaveWay::Tipped,
-            () if went.dot(down) > 0.7 * went.length() => GaveWay::Fell,
-            () => GaveWay::Slid,
+            () if crushed => FailureMode::Crushed,
+            () if held => FailureMode::Pulled,
+            () if turned > went.length() => FailureMode::Tipped,
+            () if went.dot(down) > 0.7 * went.length() => FailureMode::Fell,
+            () => FailureMode::Slid,
         };
         if held && !crushed {
             let pulled = Pulled {
@@ -398,7 +406,7 @@ pub fn collapses(
 /// Whether a body of this radius, m, has gone from its place.
 fn has_left(place: Pose, pose: Pose, radius: f32, settings: &CollapseSettings) -> bool {
     let turned = pose.rotation.angle_between(place.rotation) * radius;
-    (pose.position - place.position).length() + turned > settings.moved * radius
+    (pose.position - place.position).length() + turned > settings.movement_threshold * radius
 }
 
 /// The mass of those that are still there, kg.
@@ -423,7 +431,7 @@ impl Structures {
                 .iter()
                 .filter_map(|(body, _)| all.get(*body).ok());
             let stand = left.all(|(.., stands, _)| stands.at.is_some());
-            if !stand && now - falling.since < f64::from(settings.longest) {
+            if !stand && now - falling.since < f64::from(settings.max_time) {
                 return true;
             }
             let moved = falling.bodies.iter().filter_map(|&(entity, place)| {

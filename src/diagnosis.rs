@@ -1,63 +1,67 @@
-//! Bad input, as values with a sentence a user can act on.
+//! Errors about bodies and steps. Each has a message that says what is wrong and how to fix it.
+//!
+//! A body with invalid input is disabled ([`Quarantined`](crate::body::Quarantined)) and reported as a [`BodyError`]; other bodies are
+//! not affected. It comes back by itself when the input is valid again.
 
 use crate::body::limits;
-use crate::schedule::LENGTHS;
+use crate::schedule::STEP_LENGTHS;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;
 
-/// What is wrong with a body or about to go wrong. The bounds stand in [`limits`].
+/// A problem of a body. The bounds of valid input are in [`limits`].
 #[derive(Clone, Debug, PartialEq, Reflect)]
 pub enum BodyProblem {
-    /// Its `Transform` or `Pose` holds NaN, infinity or a position out of bounds, or a rotation of length zero.
+    /// The `Transform` or `Pose` is NaN or infinite, its position is out of bounds, or its rotation has length zero.
     NonFinitePose,
-    /// Its `Velocity` holds NaN, infinity or a speed out of bounds.
+    /// The `Velocity` is NaN, infinite or out of bounds.
     NonFiniteVelocity,
-    /// Its external force or impulse holds NaN or infinity, is out of bounds, or makes it faster than anything may be.
+    /// The external force or impulse is NaN, infinite or out of bounds, or would make the body faster than the limit.
     NonFiniteForce,
-    /// Its damping is negative, not finite or out of bounds.
+    /// The damping is negative, not finite or out of bounds.
     InvalidDamping,
-    /// Its gravity scale is not finite or out of bounds.
+    /// The gravity scale is not finite or out of bounds.
     InvalidGravityScale,
-    /// Its hand pulls to a place, with a stiffness, a damping or a strength that is negative, not finite or out of bounds.
+    /// The `Grab` has a point or rotation that is not finite, or a response, speed, force or torque that is negative or not a number.
     InvalidGrab,
-    /// Mass or moments of inertia of a dynamic body are zero, negative, not finite or out of bounds.
+    /// The mass or a moment of inertia of a dynamic body is zero, negative, not finite or out of bounds.
     InvalidMass,
-    /// The shape has no size in some direction, or a size that is not finite or out of bounds.
+    /// The shape has no extent in some direction, or a size that is not finite or out of bounds.
     DegenerateShape,
-    /// Friction, rolling friction or restitution is negative, not finite or out of bounds.
+    /// The friction, rolling friction or restitution is negative, not finite or out of bounds.
     InvalidMaterial,
-    /// The solve of its island gave a velocity that is none; the island keeps velocities and poses from before, and starts anew.
+    /// The solve of its island gave an invalid velocity. The island keeps its velocities and poses from before the step, and starts
+    /// without impulses.
     Diverged,
-    /// It touches a body more than [`EXTREME_MASS_RATIO`] times as heavy or light: the solve converges slowly.
+    /// It touches a body more than [`EXTREME_MASS_RATIO`] times as heavy or light. The solver converges slowly.
     ExtremeMassRatio {
         /// The other body.
         other: Entity,
     },
-    /// It lies exactly where another body lies, so that no direction leads apart; they are parted upwards.
+    /// Its centre lies exactly at that of another body, so that no direction separates them. They are pushed apart upwards.
     Coincident {
         /// The other body.
         other: Entity,
     },
-    /// It lies in a crowd of bodies that overlap so many others that only the deepest contacts of each count; the others wait until those
-    /// have been parted. Said once for each crowd.
+    /// It lies in a crowd of bodies that overlap so many others that only the deepest contacts of each are solved. The others wait until
+    /// those bodies have been separated. Reported once for each crowd.
     Crowded,
-    /// An entity has a collider but is no body: nothing touches it.
+    /// The entity has a collider but no body. Nothing collides with it.
     ColliderWithoutBody,
-    /// An entity has a collider and a body above it in the hierarchy: it is no part of that body, and nothing touches it.
+    /// The entity has a collider, and a body above it in the hierarchy. It is not part of that body, and nothing collides with it.
     ChildCollider {
         /// The body above.
         body: Entity,
     },
-    /// Its `Transform` has a scale, which the collider does not follow.
+    /// The `Transform` has a scale, which the collider does not follow.
     ScaleIgnored,
 }
 
-/// Ratios from here on are reported, since an iterative solver spreads impulses over them slowly.
+/// Mass ratio of two touching bodies from which on it is reported, because an iterative solver converges slowly.
 pub const EXTREME_MASS_RATIO: f32 = 5e3;
 
 impl BodyProblem {
-    /// True where the body cannot be simulated at all.
+    /// Returns true if the body cannot be simulated and is quarantined.
     pub fn is_fatal(&self) -> bool {
         !matches!(
             self,
@@ -146,14 +150,14 @@ impl fmt::Display for BodyProblem {
     }
 }
 
-/// Sent when a body is quarantined, or may behave badly.
+/// A message: a body is quarantined, or may behave badly.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct BodyError {
     /// The body.
     pub entity: Entity,
-    /// Its `Name`, where it has one.
+    /// Its `Name`, if it has one.
     pub name: Option<String>,
-    /// What is wrong.
+    /// The problem.
     pub problem: BodyProblem,
 }
 
@@ -176,16 +180,20 @@ impl fmt::Display for BodyError {
 
 impl std::error::Error for BodyError {}
 
-/// Sent when a step cannot be taken at all, or not as asked for.
+/// Why a step was not taken, or not with the settings asked for. Sent as a message unless stated otherwise.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum StepError {
-    /// Δt is negative, not finite or not in [`LENGTHS`]. (Zero is a pause, and takes no step either.)
+    /// The step length Δt is negative, not finite or not in [`STEP_LENGTHS`]. No step was taken. A length of zero is not an error: it is
+    /// a pause.
     InvalidTimeStep(f32),
-    /// A resource holds what cannot be; it has been set back to what it was before, and the step was taken with that.
+    /// The world has no resources for a step, because this plugin was not added. No step was taken. This error is logged, but not sent as a
+    /// message: the message queue is missing as well.
+    MissingPlugin(&'static str),
+    /// A settings resource was invalid. It has been set back to its last valid value, and the step was taken with that.
     InvalidSettings {
-        /// Which resource.
+        /// Name of the resource.
         resource: &'static str,
-        /// What is wrong with it.
+        /// The problem, as a sentence.
         why: String,
     },
 }
@@ -196,8 +204,12 @@ impl fmt::Display for StepError {
             Self::InvalidTimeStep(dt) => write!(
                 f,
                 "no step taken: Δt is {dt} s, but must be between {:e} and {} s",
-                LENGTHS.start(),
-                LENGTHS.end()
+                STEP_LENGTHS.start(),
+                STEP_LENGTHS.end()
+            ),
+            Self::MissingPlugin(plugin) => write!(
+                f,
+                "no step taken: `{plugin}` is missing; add `DrystonePlugins` to the app"
             ),
             Self::InvalidSettings { resource, why } => {
                 write!(f, "`{resource}` is set back to what it was before: {why}")
@@ -208,6 +220,7 @@ impl fmt::Display for StepError {
 
 impl std::error::Error for StepError {}
 
-/// Problems found in this step, on their way to the stage *quarantine*.
-#[derive(Resource, Default)]
+/// Problems found in this step, which *quarantine* will report.
+#[doc(hidden)]
+#[derive(Resource, Debug, Default)]
 pub struct Suspects(pub(crate) Vec<(Entity, BodyProblem)>);

@@ -1,20 +1,43 @@
-//! The [`Profile`] as Bevy diagnostics, behind the feature `diagnostics`: `drystone/step` and `drystone/<system>`, in ms.
+//! Stage times as Bevy diagnostics: `drystone/step` and `drystone/<system>`, in ms. Needs the feature `diagnostics`.
 
 use crate::profile::Profile;
 use bevy_app::{App, Plugin, PostUpdate};
-use bevy_diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
+use bevy_diagnostic::{
+    Diagnostic, DiagnosticPath, Diagnostics, DiagnosticsStore, RegisterDiagnostic,
+};
 use bevy_ecs::prelude::*;
 
-/// Reports the time of every system through `bevy_diagnostic`. Add it after [`DrystonePlugins`](crate::DrystonePlugins).
+/// Reports the time of every system in the [`Profile`] through `bevy_diagnostic`. It is not part of
+/// [`DrystonePlugins`](crate::DrystonePlugins).
+#[derive(Debug)]
 pub struct DrystoneDiagnosticsPlugin;
 
 impl Plugin for DrystoneDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
-        let names: Vec<_> = app.world().resource::<Profile>().systems();
-        for name in names.into_iter().map(|(name, _)| name).chain(["step"]) {
-            app.register_diagnostic(Diagnostic::new(path(name)).with_suffix(" ms"));
-        }
+        register(app);
         app.add_systems(PostUpdate, report);
+    }
+
+    /// Registers the systems of plugins that were added later.
+    fn finish(&self, app: &mut App) {
+        crate::plugin::check_step_plugin::<Self>(app);
+        register(app);
+    }
+}
+
+/// Registers a diagnostic for each system that the profile knows and that has none yet.
+fn register(app: &mut App) {
+    let names = app
+        .init_resource::<Profile>()
+        .world()
+        .resource::<Profile>()
+        .systems();
+    for name in names.into_iter().map(|(name, _)| name).chain(["step"]) {
+        let path = path(name);
+        let known = app.world().get_resource::<DiagnosticsStore>();
+        if known.is_none_or(|store| store.get(&path).is_none()) {
+            app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
+        }
     }
 }
 

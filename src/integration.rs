@@ -1,17 +1,16 @@
-//! The stage **integration**: x ← x + Δt v with the velocities just solved (semi-implicit Euler), rotation with its gyroscopic
-//! term, and poses out to `Transform`.
+//! The stage **integration**: moves bodies with the velocities just solved (semi-implicit Euler, x ← x + Δt v), rotates them with the
+//! gyroscopic term, and writes their `Transform`.
 //!
-//! What flies freely under a solver of patches goes on a parabola ([`Motion::Flight`]), x ← x + Δt (v + v')/2 as far as gravity has changed v: by the
-//! other rule a body comes down with less energy than it went up with, gΔt v of it, and a ball that bounces at 60 Hz would lose
-//! 4 to 10 % each time. (Under the paper's solvers a bounce gives that back.)
+//! Under a patch solver, freely flying bodies follow a parabola ([`Motion::Flight`]): x ← x + Δt (v + v')/2, where v and v' are the
+//! velocities before and after gravity. With semi-implicit Euler a body would come down with gΔt·v less energy than it went up with, and
+//! a ball that bounces at 60 Hz would lose 4 to 10 % in each bounce. (Under the paper's solvers the bounce gives that energy back.)
 //!
-//! A body that spins freely keeps its angular momentum in the world exactly and its energy to the solver's tolerance: the
-//! rotation over the step is the one that the implicit midpoint rule finds for Euler's equations, as a Cayley map (Simo &
-//! Wong 1991; Lewis & Simo 1994). Both hold for any step length, so the length that enters the map is stretched until a
-//! steady spin turns by exactly ωΔt.
+//! Freely spinning bodies keep their angular momentum exactly and their energy to the solver's tolerance. The rotation of a step is the
+//! one that the implicit midpoint rule gives for Euler's equations, as a Cayley map (Simo & Wong 1991; Lewis & Simo 1994). Both hold for
+//! any step length, so the length in the map is stretched until a steady spin turns by exactly ωΔt.
 //!
-//! A fast spin takes its turn in parts. Where the rule has no answer or would gain by rounding, the body turns about its own
-//! momentum, which keeps both at any speed, though not the way in which it tumbles.
+//! Fast spins are rotated in several parts. If the rule has no solution, or would gain energy by rounding, the body rotates about its
+//! angular momentum. That keeps momentum and energy at any speed, but not the way in which the body tumbles.
 
 use crate::body::{
     BodyIndex, BodyState, BodyTable, MassProperties, Motion, Pose, Quarantined, Resting, RigidBody,
@@ -23,7 +22,7 @@ use bevy_math::ops;
 use bevy_transform::components::Transform;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
-/// First half of the stage: moves the bodies, and writes the `Transform` of those without a parent.
+/// Moves the bodies, and writes the `Transform` of those without a parent: the first half of the stage.
 pub fn integration(
     time: Res<StepTime>,
     table: Res<BodyTable>,
@@ -80,9 +79,9 @@ pub fn integration(
     }
 }
 
-/// What contacts hold and that moves by less than this share of its radius in a step, or this angle (rad), stays where it is: half of
-/// what a coordinate as large as it is rounded to. Near the origin coordinates are finer, and all that rests there would be moved to
-/// and fro in every step, with its contacts and whatever watches its `Transform`.
+/// Movement per step below which a body that contacts hold does not move at all: this share of its radius, or this angle, rad. It is half
+/// the rounding of a coordinate as large as the body. Near the origin coordinates are finer, and every resting body would be moved to and
+/// fro in every step, together with its contacts and everything that watches its `Transform`.
 const NOTHING: f32 = 1.0 / (1 << 26) as f32;
 
 fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
@@ -92,8 +91,9 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
     })
 }
 
-/// Second half of the stage: writes the `Transform` of bodies with a parent, in its frame. Those at rest too: the frame may
-/// be a body that moved.
+/// Writes the `Transform` of bodies with a parent, in the parent's frame: the second half of the stage. Bodies at rest are included,
+/// because the parent may have moved.
+#[doc(hidden)]
 pub fn child_transforms(
     table: Res<BodyTable>,
     bodies: Query<(Entity, &BodyIndex, &Pose, &ChildOf), Without<Quarantined>>,

@@ -1,12 +1,13 @@
-//! **Drystone** brings rigid-body contact to Bevy that holds without mortar: walls, stacks and arches that stay where they were
-//! put, at large time steps and with few solver iterations.
+//! **Drystone** is a rigid-body contact library for Bevy that is made for dry masonry: walls, stacks and arches stay where they were put, at large
+//! time steps and with few solver iterations.
 //!
-//! Contacts that stick are held by anchors, and normals by a correction that settles them, after Silcowitz-Hansen, Niebe and
-//! Erleben, "Normal and Friction Stabilization Techniques for Interactive Rigid Body Constraint-based Contact Force
-//! Computations" (VRIPHYS 2010). The paper's own rows and solvers are a preset; the default is
-//! [`SoftStep`](solver::SoftStep), which is steadier and faster. Everything is data in an ECS: bodies, contact
-//! pairs, manifolds, impulses and anchors are components, a step is a row of systems, and each of them can be seen, timed
-//! and replaced.
+//! Sticking contacts are held by anchors, and penetration is removed by a correction that lets contacts settle, after Silcowitz-Hansen, Niebe and
+//! Erleben, "Normal and Friction Stabilization Techniques for Interactive Rigid Body Constraint-based Contact Force Computations" (VRIPHYS 2010).
+//! The paper's own settings and solvers are a [preset](settings::Preset::Paper). The default solver is [`SoftStep`](solver::SoftStep), which is
+//! steadier and faster.
+//!
+//! Everything is data in an ECS. Bodies, contact pairs, manifolds, impulses and anchors are components, and a step is a sequence of systems. Each of
+//! them can be inspected, timed and replaced.
 //!
 //! ```
 //! use bevy_app::App;
@@ -24,7 +25,7 @@
 //!         Transform::from_xyz(0.0, 2.0, 0.0),
 //!     ))
 //!     .id();
-//! // A Bevy app steps by itself in `FixedPostUpdate`; without one, step by hand.
+//! // A Bevy app takes steps in `FixedPostUpdate`. Without an app, call `step`.
 //! for _ in 0..120 {
 //!     drystone::step(app.world_mut(), 1.0 / 60.0).unwrap();
 //! }
@@ -39,7 +40,7 @@
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
-//! | islands | [`islands`] | | pairs, manifolds | which bodies wake, and which rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
+//! | islands | [`islands`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
@@ -49,72 +50,112 @@
 //! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
-//! The order itself stands in [`schedule`]. Between two steps [`refresh`] tells [`query`] what has been edited. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`]; what a builder stands on: [`query`]
-//! asks the world, [`preview`] says what would happen, [`grab`] holds, [`masonry`] lays, [`collapse`] tells; and behind features of their names
-//! `stability`, `gizmos` and `picking`.
-//! Scenes by name, experiments and meters are a crate of their own, `drystone-lab` in `lab/`: examples, tests and benches use it.
+//! The order is defined in [`schedule`]. [`settings`] holds the settings, [`diagnosis`] the errors about invalid input, and [`profile`] the time of every
+//! system.
+//!
+//! # Questions about the world
+//!
+//! Each question has a system parameter and a function. Use the parameter in a system, and the function where you have the world. [`refresh`] makes
+//! edits since the last step visible to queries.
+//!
+//! | question | in a system | with a world |
+//! |---|---|---|
+//! | What is here? Does this fit? | [`SpatialQuery`](query::SpatialQuery) | [`spatial_query`](query::spatial_query) |
+//! | Which forces act on a body? | [`Contacts`](contact::Contacts) | [`contacts`](contact::contacts()) |
+//! | What supports a body, and what does it support? | [`Supports`](contact::Supports) | [`supports`](contact::supports()) |
+//! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), [`preview_task`](preview::preview_task()) |
+//! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
+//!
+//! # For builders
+//!
+//! [`masonry`] generates structures and undoes edits, [`grab`] holds bodies, and [`collapse`] reports structures that fail. The features `gizmos`,
+//! `picking` and `diagnostics` add debug rendering, a picking backend, and stage times as Bevy diagnostics.
+//!
+//! Named scenes, experiments and meters are in a separate crate, `drystone-lab` in `lab/`, which examples, tests and benches use.
 
-#![warn(missing_docs)]
+#![deny(missing_docs)]
 #![deny(unsafe_code)]
 #![expect(
     clippy::type_complexity,
-    reason = "queries are tuples of what a system touches"
+    reason = "queries are tuples of the components that a system reads and writes"
 )]
 
+mod ask;
 pub mod body;
 pub mod broadphase;
+#[deny(missing_debug_implementations)]
 pub mod collapse;
+#[deny(missing_debug_implementations)]
 pub mod collider;
 pub mod contact;
+#[deny(missing_debug_implementations)]
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
+#[deny(missing_debug_implementations)]
 pub mod diagnostics;
 #[cfg(feature = "gizmos")]
+#[deny(missing_debug_implementations)]
 pub mod gizmos;
 pub mod grab;
+#[deny(missing_debug_implementations)]
 pub mod integration;
 pub mod islands;
+#[deny(missing_debug_implementations)]
 pub mod masonry;
+#[deny(missing_debug_implementations)]
 pub mod narrowphase;
 #[cfg(feature = "picking")]
+#[deny(missing_debug_implementations)]
 pub mod picking;
+#[deny(missing_debug_implementations)]
 mod plugin;
+#[deny(missing_debug_implementations)]
 pub mod preview;
 pub mod profile;
+#[deny(missing_debug_implementations)]
 pub mod query;
+#[deny(missing_debug_implementations)]
 pub mod schedule;
+#[deny(missing_debug_implementations)]
 pub mod settings;
 pub mod solve;
 pub mod solver;
 #[cfg(feature = "stability")]
+#[deny(missing_debug_implementations)]
 pub mod stability;
+#[deny(missing_debug_implementations)]
 pub mod stabilization;
 
+/// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of
+/// [`Collider::shape`](collider::Collider::shape); use this re-export to name them in the version that drystone uses.
+pub use parry3d;
 pub use plugin::*;
 pub use schedule::{advance, refresh, step};
 
-/// What most users need.
+/// The types and functions that most users need.
 pub mod prelude {
     pub use crate::body::{
         Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
         GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
     };
-    pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, GaveWay, Watch};
+    pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{
         Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
     };
     pub use crate::contact::{
         Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,
-        ContactStarted, Contacts, FaceForce, Load, NoBody, Supports,
+        ContactStarted, Contacts, FaceForce, Load, NotABody, Supports, contacts, supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, HeldBy};
     pub use crate::preview::{
-        Edit, Moved, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
+        Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,
+        preview_task,
     };
     pub use crate::profile::Profile;
     pub use crate::query::{
         CastHit, Dir3, Overlap, PointHit, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery,
+        spatial_query,
     };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{
@@ -125,7 +166,7 @@ pub mod prelude {
     pub use glam::{BVec3, Quat, Vec3};
 }
 
-/// The README's example, kept true.
+/// Compiles the README's example.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

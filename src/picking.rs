@@ -1,7 +1,8 @@
-//! A backend for [`bevy_picking`]: pointers hit bodies by their shapes.
+//! A backend for [`bevy_picking`]: pointers hit bodies by their collision shapes. Needs the feature `picking`.
 //!
-//! With [`PhysicsPickingPlugin`] beside Bevy's own picking plugins, `Pointer` events reach bodies: what is seen is what is hit, as the last step left
-//! it. Entities with `Pickable::IGNORE` are passed over; an entity whose `Pickable` does not block what is below lets the ray through.
+//! Add [`PhysicsPickingPlugin`] beside Bevy's own picking plugins, and `Pointer` events reach bodies. Poses are those after the last step or
+//! [`refresh`](crate::refresh()). Entities with `Pickable::IGNORE` are skipped. A ray goes on through an entity whose `Pickable` does not block
+//! lower entities.
 
 use crate::RefreshSystems;
 use crate::query::{QueryFilter, SpatialQuery};
@@ -13,21 +14,30 @@ use bevy_picking::backend::ray::RayMap;
 use bevy_picking::backend::{HitData, PointerHits};
 use bevy_picking::{Pickable, PickingSystems};
 
-/// See the module's text. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins).
+/// Adds a picking backend that casts pointer rays against bodies; see the [module](self). It is not part of
+/// [`DrystonePlugins`](crate::DrystonePlugins).
+#[derive(Debug)]
 pub struct PhysicsPickingPlugin;
 
 impl Plugin for PhysicsPickingPlugin {
     fn build(&self, app: &mut App) {
         let pick = pick.in_set(PickingSystems::Backend).after(RefreshSystems);
-        app.add_systems(PreUpdate, pick);
+        // Bevy's own picking plugins add these too, and may come later.
+        app.init_resource::<RayMap>()
+            .add_message::<PointerHits>()
+            .add_systems(PreUpdate, pick);
+    }
+
+    fn finish(&self, app: &mut App) {
+        crate::plugin::check_step_plugin::<Self>(app);
     }
 }
 
 /// How far pointers reach, m.
 const REACH: f32 = 1e5;
 
-/// Tells what each pointer hits.
-pub fn pick(
+/// Reports the bodies that each pointer hits, nearest first.
+fn pick(
     rays: Res<RayMap>,
     cameras: Query<&Camera>,
     pickables: Query<&Pickable>,
@@ -35,12 +45,12 @@ pub fn pick(
     mut hits: MessageWriter<PointerHits>,
 ) {
     let seen = |body| pickables.get(body) != Ok(&Pickable::IGNORE);
-    let filter = QueryFilter::default().that(&seen);
+    let filter = QueryFilter::default().with_predicate(&seen);
     for (&id, &ray) in rays.iter() {
         let Ok(camera) = cameras.get(id.camera) else {
             continue;
         };
-        // A camera that looks from nowhere sees nothing.
+        // The ray of a camera with an invalid transform hits nothing.
         let found = world
             .cast_ray_through(ray, REACH, &filter)
             .unwrap_or_default();

@@ -1,4 +1,8 @@
-//! The plugins: one for each concern, so that each can be taken out or replaced.
+//! The plugins: one for each concern, so that each can be disabled or replaced.
+//!
+//! [`DrystonePlugins`] adds them all. They may also be added one by one and in any order. All of them need [`StepPlugin`]: without it the app
+//! panics at [`Plugin::finish`] with a message that names it, and [`step`](crate::step()) returns
+//! [`StepError::MissingPlugin`].
 
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
@@ -7,11 +11,11 @@ use crate::diagnosis::{BodyError, StepError, Suspects};
 use crate::islands::Islands;
 use crate::profile::{Profile, timed};
 use crate::schedule::{
-    PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, physics_schedule, refresh,
+    PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
 };
 use crate::settings::{
     Gravity, InForce, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings,
-    SpeedLimits, StabilizationSettings, StepTime, solves_points,
+    SpeedLimits, StabilizationSettings, StepTime, uses_point_solver,
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
@@ -24,7 +28,10 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_time::{Time, Virtual};
 use bevy_transform::TransformSystems;
 
-/// All of drystone, run in `FixedPostUpdate` or any other schedule.
+/// The plugin group that adds all of drystone. It takes steps in `FixedPostUpdate`, or in the schedule given to [`new`](Self::new).
+///
+/// Not included, because not every app needs them: [`CollapsePlugin`](crate::collapse::CollapsePlugin),
+/// [`HandPlugin`](crate::grab::HandPlugin), and the plugins for gizmos, picking and diagnostics behind the features of those names.
 ///
 /// ```
 /// use bevy_app::{App, Update};
@@ -33,12 +40,13 @@ use bevy_transform::TransformSystems;
 /// App::new().add_plugins(DrystonePlugins::default());
 /// App::new().add_plugins(DrystonePlugins::new(Update));
 /// ```
+#[derive(Debug)]
 pub struct DrystonePlugins {
     label: Interned<dyn ScheduleLabel>,
 }
 
 impl DrystonePlugins {
-    /// Steps in this schedule, by the `Time` that it sees.
+    /// Takes a step in each run of this schedule. The length of the step is the delta of the [`Time`] resource in that schedule.
     pub fn new(label: impl ScheduleLabel) -> Self {
         Self {
             label: label.intern(),
@@ -68,13 +76,14 @@ impl PluginGroup for DrystonePlugins {
     }
 }
 
-/// The schedule, its resources, and what runs it.
+/// Adds the [`PhysicsSchedule`], the settings and all other resources of a step, and the system that takes steps. Every other plugin needs it.
+#[derive(Debug)]
 pub struct StepPlugin {
-    /// Where steps are taken.
+    /// The schedule in which steps are taken.
     pub label: Interned<dyn ScheduleLabel>,
 }
 
-/// The set in which steps are taken, before transforms are propagated.
+/// The system set in which steps are taken, before `TransformSystems::Propagate`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct StepSystems;
 
@@ -103,7 +112,8 @@ impl Plugin for StepPlugin {
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>()
             .add_message::<ContactForce>()
-            .add_schedule(physics_schedule())
+            // Other plugins may have put systems into the schedule already.
+            .edit_schedule(PhysicsSchedule, order_stages)
             .add_systems(
                 self.label,
                 take_step
@@ -117,15 +127,34 @@ impl Plugin for StepPlugin {
 
 fn take_step(world: &mut World) {
     if let Some(time) = world.get_resource::<Time>() {
-        // What went wrong has been logged and sent as a message.
+        // Errors have been logged and sent as a message.
         let _ = advance(world, time.delta_secs());
     }
+}
+
+/// The profile with which stages are timed, made by whichever plugin comes first.
+fn profile(app: &mut App) -> Profile {
+    app.init_resource::<Profile>();
+    app.world().resource::<Profile>().clone()
+}
+
+/// Checks at [`Plugin::finish`], when all plugins are there, that the resources of a step exist.
+///
+/// # Panics
+/// With a sentence that names [`StepPlugin`] if they do not.
+pub(crate) fn check_step_plugin<P: Plugin>(app: &App) {
+    let path = std::any::type_name::<P>();
+    let name = path.rsplit("::").next().unwrap_or(path);
+    assert!(
+        app.world().contains_resource::<StepTime>(),
+        "`{name}` needs `StepPlugin`, which adds the schedule and the resources of a step: add `DrystonePlugins`, or `StepPlugin` as well"
+    );
 }
 
 /// A stage's system, timed and in its set.
 macro_rules! stages {
     ($app:expr, $($set:ident: $name:literal $system:expr),+ $(,)?) => {{
-        let profile = $app.world().resource::<Profile>().clone();
+        let profile = profile($app);
         $($app.add_systems(
             PhysicsSchedule,
             timed(&profile, $name, $system).in_set(PhysicsSystems::$set),
@@ -133,14 +162,15 @@ macro_rules! stages {
     }};
 }
 
-/// Prepare, quarantine, forces, hands.
+/// Adds the stages *prepare* and *forces*: it reads what the user changed, disables bodies with invalid input, and applies forces.
+#[derive(Debug)]
 pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
         app.add_observer(body::lost_parent)
             .add_observer(grab::let_go_of_disabled);
-        let profile = app.world().resource::<Profile>().clone();
+        let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
             (
@@ -164,14 +194,19 @@ impl Plugin for BodyPlugin {
                 .in_set(PhysicsSystems::Forces),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// Broadphase and narrowphase.
+/// Adds the stages *broadphase* and *narrowphase*, which find contacts.
+#[derive(Debug)]
 pub struct CollisionPlugin;
 
 impl Plugin for CollisionPlugin {
     fn build(&self, app: &mut App) {
-        let profile = app.world().resource::<Profile>().clone();
+        let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
             (
@@ -197,9 +232,14 @@ impl Plugin for CollisionPlugin {
                 .before(PhysicsSystems::Sleeping),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// Friction error and anchors. Without it no slip is corrected.
+/// Adds the stages *friction error* and *anchors*. Without this plugin, slip is not corrected and structures creep.
+#[derive(Debug)]
 pub struct FrictionStabilizationPlugin;
 
 impl Plugin for FrictionStabilizationPlugin {
@@ -210,30 +250,40 @@ impl Plugin for FrictionStabilizationPlugin {
             Anchors: "anchors" anchors::anchors,
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// Normal correction, for solvers of points. Without it contacts bound velocities only, and penetration creeps in.
+/// Adds the stage *normal correction*, which runs for point solvers only. Without this plugin, such solvers do not correct penetration.
+#[derive(Debug)]
 pub struct NormalStabilizationPlugin;
 
 impl Plugin for NormalStabilizationPlugin {
     fn build(&self, app: &mut App) {
-        let profile = app.world().resource::<Profile>().clone();
+        let profile = profile(app);
         // Solvers of patches correct distances themselves, anew in each of their substeps.
         app.add_systems(
             PhysicsSchedule,
             timed(&profile, "normal_correction", normal::normal_correction)
-                .run_if(solves_points)
+                .run_if(uses_point_solver)
                 .in_set(PhysicsSystems::NormalCorrection),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// Islands, solve.
+/// Adds the stages *islands* and *solve*.
+#[derive(Debug)]
 pub struct SolverPlugin;
 
 impl Plugin for SolverPlugin {
     fn build(&self, app: &mut App) {
-        let profile = app.world().resource::<Profile>().clone();
+        let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
             (
@@ -245,14 +295,19 @@ impl Plugin for SolverPlugin {
         );
         stages!(app, Solve: "solve" solve::solve);
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// Integration and `Transform` out.
+/// Adds the stage *integration*, which moves bodies and writes their `Transform`.
+#[derive(Debug)]
 pub struct IntegrationPlugin;
 
 impl Plugin for IntegrationPlugin {
     fn build(&self, app: &mut App) {
-        let profile = app.world().resource::<Profile>().clone();
+        let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
             (
@@ -263,23 +318,33 @@ impl Plugin for IntegrationPlugin {
                 .in_set(PhysicsSystems::Integration),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// Sleeping.
+/// Adds the stage *sleeping*. Without this plugin, no body falls asleep.
+#[derive(Debug)]
 pub struct SleepingPlugin;
 
 impl Plugin for SleepingPlugin {
     fn build(&self, app: &mut App) {
         stages!(app, Sleeping: "sleeping" islands::sleeping);
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// Contact events.
+/// Adds the stage *contact events*, which sends contact messages and keeps [`Load`](crate::contact::Load) up to date.
+#[derive(Debug)]
 pub struct ContactEventsPlugin;
 
 impl Plugin for ContactEventsPlugin {
     fn build(&self, app: &mut App) {
-        let profile = app.world().resource::<Profile>().clone();
+        let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
             (
@@ -292,12 +357,18 @@ impl Plugin for ContactEventsPlugin {
                 .in_set(PhysicsSystems::ContactEvents),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
-/// What brings answers up to date without a step: the [`RefreshSchedule`], and its run in every frame in which time stands still.
+/// Adds the [`RefreshSchedule`], and runs it in every frame in which virtual time is paused, so that queries find bodies that were spawned or
+/// moved since the last step.
+#[derive(Debug)]
 pub struct RefreshPlugin;
 
-/// The set in which answers are brought up to date while time stands still, in `PreUpdate`.
+/// The system set in `PreUpdate` that runs [`refresh`](crate::refresh()) while virtual time is paused.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RefreshSystems;
 
@@ -314,8 +385,128 @@ impl Plugin for RefreshPlugin {
                     .ambiguous_with_all(),
             );
     }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
 }
 
 fn time_stands_still(time: Option<Res<Time<Virtual>>>) -> bool {
     time.is_some_and(|time| time.delta().is_zero())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{Pose, RigidBody};
+    use crate::collapse::CollapsePlugin;
+    use crate::collider::Collider;
+    use crate::grab::HandPlugin;
+    use crate::schedule::step;
+    use bevy_app::Update;
+    use bevy_transform::components::Transform;
+    use glam::Vec3;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    type Add = fn(&mut App);
+
+    fn step_plugin(app: &mut App) {
+        let label = Update.intern();
+        app.add_plugins(StepPlugin { label });
+    }
+
+    /// Every plugin but `StepPlugin`, by its name.
+    const OTHERS: [(&str, Add); 11] = [
+        ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
+        ("CollisionPlugin", |app| {
+            _ = app.add_plugins(CollisionPlugin)
+        }),
+        ("FrictionStabilizationPlugin", |app| {
+            _ = app.add_plugins(FrictionStabilizationPlugin)
+        }),
+        ("NormalStabilizationPlugin", |app| {
+            _ = app.add_plugins(NormalStabilizationPlugin)
+        }),
+        ("SolverPlugin", |app| _ = app.add_plugins(SolverPlugin)),
+        ("IntegrationPlugin", |app| {
+            _ = app.add_plugins(IntegrationPlugin)
+        }),
+        ("SleepingPlugin", |app| _ = app.add_plugins(SleepingPlugin)),
+        ("ContactEventsPlugin", |app| {
+            _ = app.add_plugins(ContactEventsPlugin)
+        }),
+        ("RefreshPlugin", |app| _ = app.add_plugins(RefreshPlugin)),
+        ("CollapsePlugin", |app| _ = app.add_plugins(CollapsePlugin)),
+        ("HandPlugin", |app| _ = app.add_plugins(HandPlugin)),
+    ];
+
+    /// Three bricks dropped onto each other askew: their poses after a second.
+    fn play(app: &mut App) -> Vec<Pose> {
+        app.finish();
+        let world = app.world_mut();
+        world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+        let brick = |i: usize| {
+            let at = Transform::from_xyz(0.1 * i as f32, 0.3 + 0.6 * i as f32, 0.0);
+            (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), at)
+        };
+        let bricks = [0, 1, 2].map(|i| world.spawn(brick(i)).id());
+        for _ in 0..60 {
+            step(world, 1.0 / 60.0).unwrap();
+        }
+        bricks
+            .map(|brick| *world.get::<Pose>(brick).unwrap())
+            .to_vec()
+    }
+
+    /// The last orders put systems into the schedule before `StepPlugin` makes it; each but the first used to panic, or to lose them.
+    #[test]
+    fn plugins_take_the_same_steps_in_any_order() {
+        let mut usual = App::new();
+        usual.add_plugins((DrystonePlugins::new(Update), CollapsePlugin, HandPlugin));
+        let expected = play(&mut usual);
+        let systems = |app: &App| app.get_schedule(PhysicsSchedule).unwrap().systems_len();
+        let count = systems(&usual);
+        assert!((expected[2].position.y - 1.25).abs() < 0.01, "{expected:?}");
+        for first in [0, 1, 5, OTHERS.len()] {
+            let mut app = App::new();
+            OTHERS[..first]
+                .iter()
+                .rev()
+                .for_each(|(_, add)| add(&mut app));
+            step_plugin(&mut app);
+            OTHERS[first..]
+                .iter()
+                .rev()
+                .for_each(|(_, add)| add(&mut app));
+            assert_eq!(play(&mut app), expected, "{first} before `StepPlugin`");
+            assert_eq!(systems(&app), count, "{first} before `StepPlugin`");
+        }
+    }
+
+    #[test]
+    fn a_plugin_without_the_step_plugin_says_so() {
+        for (name, add) in OTHERS {
+            let mut app = App::new();
+            add(&mut app);
+            let panicked = catch_unwind(AssertUnwindSafe(|| app.finish())).unwrap_err();
+            let message = panicked.downcast_ref::<String>().unwrap();
+            let expected = format!("`{name}` needs `StepPlugin`");
+            assert!(message.starts_with(&expected), "{name}: {message}");
+        }
+    }
+
+    #[test]
+    fn a_step_without_the_step_plugin_is_an_error() {
+        let missing = Err(StepError::MissingPlugin("StepPlugin"));
+        let mut app = App::new();
+        assert_eq!(step(app.world_mut(), 0.01), missing);
+        assert_eq!(advance(app.world_mut(), 0.01), missing);
+        refresh(app.world_mut());
+        app.add_plugins((BodyPlugin, SolverPlugin, RefreshPlugin));
+        assert_eq!(step(app.world_mut(), 0.01), missing);
+        refresh(app.world_mut());
+        step_plugin(&mut app);
+        assert_eq!(step(app.world_mut(), 0.01), Ok(()));
+        refresh(app.world_mut());
+    }
 }

@@ -1,8 +1,8 @@
-//! The order of a step stands here, and only here.
+//! The order of a step. It is defined here, and only here.
 //!
-//! Every stage is a module, a system and a set of the same name. Put your own systems between sets with
-//! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`; replace one by taking its plugin out of
-//! [`DrystonePlugins`](crate::DrystonePlugins) and adding a system of your own to its set.
+//! Every stage is a module, a system and a set of the same name. To run your own system between two stages, put it between their sets:
+//! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`. To replace a stage, disable its plugin in
+//! [`DrystonePlugins`](crate::DrystonePlugins) and add your own system to its set.
 
 use crate::collapse::{Collapse, CollapseEnded};
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
@@ -14,46 +14,45 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy_platform::time::Instant;
 
-/// The schedule of one step (of one substep, where there are several). Runs single-threaded; the parallelism is inside
-/// the systems.
+/// The schedule of one step, or of one substep if there are several. It runs single-threaded; the systems in it are parallel inside.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct PhysicsSchedule;
 
-/// The schedule of a [`refresh`]: what brings answers up to date without a step.
+/// The schedule of a [`refresh`], which updates queries without a step.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct RefreshSchedule;
 
-/// The stages of a step, in their order.
+/// The system sets of the stages of a step, in their order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PhysicsSystems {
-    /// Reads what the user changed, checks it, fills the [`BodyTable`](crate::body::BodyTable).
+    /// Reads and checks the components that the user changed, and fills the [`BodyTable`](crate::body::BodyTable).
     Prepare,
-    /// Begins and ends contact pairs.
+    /// Adds and removes contact pairs.
     Broadphase,
-    /// Contact points at xᵗ, matched with those before.
+    /// Computes the contact points at xᵗ, and matches them with the previous ones.
     Narrowphase,
-    /// Links bodies that push on each other, finds what stands on what, and wakes what must not sleep on.
+    /// Groups bodies that touch into islands, finds which body stands on which, and wakes sleeping bodies that were disturbed.
     Islands,
-    /// e and c_t, equations (11)–(15).
+    /// Measures the slip e and the correction c_t, equations (11)–(15).
     FrictionError,
-    /// c_n, equations (1)–(9).
+    /// Computes the correction c_n, equations (1)–(9).
     NormalCorrection,
-    /// v += Δt M⁻¹ f.
+    /// Applies forces: v += Δt M⁻¹ f.
     Forces,
-    /// λ and v, island by island, from the λ of the last step.
+    /// Computes impulses λ and velocities v of each island, starting from the impulses of the last step.
     Solve,
-    /// Equation (10) with the λ just found; writes or deletes anchors.
+    /// Classifies contacts by their new impulses, equation (10), and writes or deletes anchors.
     Anchors,
-    /// xᵗ⁺¹ = xᵗ + Δt v.
+    /// Moves the bodies: xᵗ⁺¹ = xᵗ + Δt v.
     Integration,
-    /// Puts islands at rest to sleep.
+    /// Puts islands that are at rest to sleep.
     Sleeping,
-    /// Tells who began and ceased to touch.
+    /// Sends messages and events about contacts that have begun, ended or carried a force.
     ContactEvents,
 }
 
 impl PhysicsSystems {
-    /// All of them, in the order in which they run.
+    /// All sets, in the order in which they run.
     pub const ORDER: [Self; 12] = [
         Self::Prepare,
         Self::Broadphase,
@@ -70,28 +69,27 @@ impl PhysicsSystems {
     ];
 }
 
-/// An empty [`PhysicsSchedule`] with its sets in order.
-pub(crate) fn physics_schedule() -> Schedule {
-    let mut schedule = Schedule::new(PhysicsSchedule);
+/// Puts the sets of a [`PhysicsSchedule`] in order, whatever systems are in it already.
+pub(crate) fn order_stages(schedule: &mut Schedule) {
     schedule.set_executor(SingleThreadedExecutor::new());
     for [earlier, later] in PhysicsSystems::ORDER.array_windows() {
         schedule.configure_sets(earlier.before(*later));
     }
-    schedule
 }
 
-/// How long a step may be, s. Shorter ones can't be divided by in single precision, longer ones are none.
-pub const LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
+/// Valid lengths of a step, s. Single precision cannot divide by shorter ones; longer ones are a mistake.
+pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 
-/// Takes a step of `dt` seconds in a world without an app around it, whose every step is a frame: messages of drystone's live until
-/// the step after the next, and the world forgets what was removed ([`World::clear_trackers`]). Zero is a pause.
+/// Takes a step of `dt` seconds in a world without an app. The step is a frame of its own: drystone's messages are kept until the step
+/// after the next, and removal detection is reset ([`World::clear_trackers`]). A `dt` of 0 takes no step.
 ///
-/// In an app the plugin takes steps, and the app does the rest.
+/// In an app the plugin takes steps, and the app does the rest; use [`advance`] there to take steps by hand.
 ///
 /// # Errors
-/// [`StepError::InvalidTimeStep`] (also sent as a message and logged) where `dt` is negative, not finite or not in [`LENGTHS`]; nothing
-/// moves then.
+/// [`StepError::InvalidTimeStep`] if `dt` is negative, not finite or not in [`STEP_LENGTHS`]; nothing moves then. It is also logged and
+/// sent as a message. [`StepError::MissingPlugin`] if [`StepPlugin`](crate::StepPlugin) was not added; it is also logged.
 pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
+    check_plugins(world)?;
     world.resource_mut::<Messages<BodyError>>().update();
     world.resource_mut::<Messages<StepError>>().update();
     world.resource_mut::<Messages<ContactStarted>>().update();
@@ -108,16 +106,27 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     result
 }
 
-/// Takes a step of `dt` seconds, in as many substeps as [`SolverSettings`] asks for, and nothing else: for who steps by hand inside an
-/// app, or clears messages in a way of their own.
+/// Checks that [`StepPlugin`](crate::StepPlugin) has been added.
+fn check_plugins(world: &World) -> Result<(), StepError> {
+    if world.contains_resource::<StepTime>() {
+        return Ok(());
+    }
+    let error = StepError::MissingPlugin("StepPlugin");
+    tracing::error!("{error}");
+    Err(error)
+}
+
+/// Takes a step of `dt` seconds, in as many substeps as [`SolverSettings`] asks for, and does nothing else. For apps that take steps by
+/// hand, or that clear messages themselves.
 ///
 /// # Errors
 /// As [`step`].
 pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
+    check_plugins(world)?;
     if dt == 0.0 {
         return Ok(());
     }
-    if !LENGTHS.contains(&dt) {
+    if !STEP_LENGTHS.contains(&dt) {
         let error = StepError::InvalidTimeStep(dt);
         tracing::error!("{error}");
         world.write_message(error.clone());
@@ -136,13 +145,14 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     Ok(())
 }
 
-/// Brings answers up to date without a step: from now on [`SpatialQuery`](crate::query::SpatialQuery) finds bodies that were spawned since the
-/// last step, and finds those that were moved or changed where and as they are now. Nothing moves, and the simulation goes on to the same
-/// bits as without it.
+/// Updates spatial queries without a step. From then on [`SpatialQuery`](crate::query::SpatialQuery) finds bodies that were spawned since
+/// the last step, and finds bodies that were moved or changed as they are now. Nothing moves, and the simulation continues with the same
+/// bits as without the refresh.
 ///
-/// The plugin does this in every frame in which time stands still, in `PreUpdate`. Do it yourself to ask in the frame of an edit: it is a
-/// system, to be put between the one that edits and the one that asks. It runs the [`RefreshSchedule`], and costs as much as bodies
-/// are active or have been written to.
+/// The plugin does this in `PreUpdate` in every frame in which virtual time is paused. To query in the frame of an edit, call it
+/// yourself: it is a system, and belongs between the system that edits and the one that queries. It runs the [`RefreshSchedule`]. Its
+/// cost is proportional to the number of bodies that are awake or were changed. Without [`StepPlugin`](crate::StepPlugin) or
+/// [`RefreshPlugin`](crate::RefreshPlugin) it only logs an error.
 ///
 /// ```
 /// # use bevy_app::{App, Update};
@@ -155,5 +165,9 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
 ///     .add_systems(Update, (lay_bricks, drystone::refresh, look_around).chain());
 /// ```
 pub fn refresh(world: &mut World) {
-    world.run_schedule(RefreshSchedule);
+    if !world.contains_resource::<StepTime>() {
+        tracing::error!("nothing is refreshed: `StepPlugin` is missing");
+    } else if world.try_run_schedule(RefreshSchedule).is_err() {
+        tracing::error!("nothing is refreshed: `RefreshPlugin` is missing");
+    }
 }

@@ -18,7 +18,7 @@ use std::thread;
 /// A scene under a row.
 #[derive(Clone, Copy)]
 pub struct Job {
-    /// What stands.
+    /// The scene.
     pub scene: Scene,
     /// Under what.
     pub row: &'static Row,
@@ -34,11 +34,11 @@ pub struct Moment {
     pub poses: Vec<Pose>,
     /// Where the hand holds a body, m.
     pub hand: Option<Vec3>,
-    /// What the hand is at.
+    /// The action of the hand.
     pub phase: Option<Phase>,
 }
 
-/// What became of a job.
+/// The result of a job.
 pub struct Record {
     /// The job.
     pub job: Job,
@@ -136,7 +136,7 @@ impl Record {
         nearest.expect("every run has steps")
     }
 
-    /// A line of `runs.jsonl`: what `simulate --json` prints, and the row.
+    /// A line of `runs.jsonl`: the output of `simulate --json`, and the row.
     pub fn json(&self) -> Value {
         let experiment = self.job.row.experiment(self.job.scene);
         let mut fields = report(

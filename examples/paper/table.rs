@@ -4,7 +4,7 @@ use crate::rows::ROWS;
 use crate::runs::Record;
 use drystone_lab::metrics::FALLEN;
 
-/// Prints what the rows are, and a line a run.
+/// Prints the names of the rows, and a line for each run.
 pub fn print(records: &[Record]) {
     println!(
         "rows; digits are the rows of the paper's Table 1, letters mark what the paper does not list:"

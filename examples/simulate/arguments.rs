@@ -1,4 +1,4 @@
-//! The command line: what may be asked for, and the experiment that it means. What is out of bounds is refused with the option,
+//! The command line: its options, and the experiment that they describe. A value out of bounds is refused with the option,
 //! the value and the bounds.
 
 use clap::builder::RangedU64ValueParser;
@@ -15,11 +15,11 @@ use std::ops::RangeInclusive;
 /// Sweeps of a solver of points where nothing else is said.
 const BY_POINTS: usize = 24;
 
-/// Simulates a scene and prints what became of it.
+/// Simulates a scene and prints the result.
 #[derive(Parser)]
 #[command(after_help = format!("Scenes: {KNOWN}"))]
 pub struct Arguments {
-    /// What to simulate.
+    /// The scene to simulate.
     #[arg(long)]
     scene: Scene,
     /// Where the settings start from; every other option changes one of them.
@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Where anchors come from.
     #[arg(long, value_enum)]
     anchors: Option<AnchorName>,
-    /// What counts as sticking.
+    /// The rule that decides whether a contact sticks.
     #[arg(long, value_enum)]
     classifier: Option<ClassifierName>,
     /// Shape of the friction cone.
@@ -70,7 +70,7 @@ pub struct Arguments {
     /// Seeds of the noise, one run each.
     #[arg(long, value_delimiter = ',', default_value = "1")]
     pub seeds: Vec<u64>,
-    /// What scenes stand on: half-space, mesh, height-field.
+    /// The ground of the scene: half-space, mesh, height-field.
     #[arg(long, default_value_t)]
     ground: Ground,
     /// Gap between neighbours in a course, m.
@@ -177,9 +177,9 @@ impl Arguments {
         match self.solver.unwrap_or(own) {
             SolverName::SoftStep => {
                 let default = SoftStep::default();
-                let most_sweeps = self.iterations.unwrap_or(default.most_sweeps);
+                let max_sweeps = self.iterations.unwrap_or(default.max_sweeps);
                 let soft_step = SoftStep {
-                    most_sweeps,
+                    max_sweeps,
                     lanes,
                     ..default
                 };
@@ -342,7 +342,7 @@ mod tests {
         let ContactSolver::SoftStep(soft_step) = experiment.solver.solver else {
             panic!("{}", experiment.solver.solver.name());
         };
-        assert_eq!((soft_step.most_sweeps, soft_step.lanes), (12, Lanes::Four));
+        assert_eq!((soft_step.max_sweeps, soft_step.lanes), (12, Lanes::Four));
         assert_eq!(experiment.solver.substeps, 2);
         assert_eq!(experiment.options.noise_position, 0.002);
         assert_eq!(experiment.options.noise_angle, 0.01);

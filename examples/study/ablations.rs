@@ -17,7 +17,7 @@ pub struct Trial {
     seeds: u64,
 }
 
-/// What became of it.
+/// The result.
 pub struct Record {
     pub trial: Trial,
     pub finding: Finding,
@@ -63,7 +63,7 @@ impl Trial {
 }
 
 impl Record {
-    /// What `simulate --json` prints, a line a seed, and the method.
+    /// The output of `simulate --json`, a line for each seed, and the method.
     pub fn json(&self) -> impl Iterator<Item = Value> {
         let Trial {
             case,
@@ -97,7 +97,7 @@ pub fn of_method<'a>(records: &'a [Record], method: &Method) -> Vec<&'a Record> 
     records.iter().filter(of_method).collect()
 }
 
-/// Part 1's tables: for each time step what methods reach in the default's time, and the least time in which they stand.
+/// The tables of part 1: for each step length the results of all methods in the default's time, and the shortest time in which they stand.
 pub fn tables(records: &[Record]) -> Vec<Table> {
     let mut tables = Vec::new();
     for (dt, ..) in TIMES {

@@ -1,4 +1,4 @@
-//! On what methods are compared, with how many iterations, and how many times.
+//! The cases on which methods are compared, with the numbers of iterations and repetitions.
 
 use crate::methods::Method;
 use drystone::settings::Preset;
@@ -33,7 +33,7 @@ const SCENES: [Scene; 6] = [
 /// Time steps, and how long is simulated, s; less when quick.
 pub const TIMES: [(f32, f32, f32); 2] = [(1.0 / 60.0, 10.0, 4.0), (0.1, 60.0, 20.0)];
 
-/// Iterations of the paper's solvers. Two to six cost what the default does.
+/// Iterations of the paper's solvers. Two to six cost as much as the default.
 const BUDGETS: [usize; 8] = [2, 4, 6, 12, 24, 48, 75, 150];
 const SOFT_BUDGETS: [usize; 4] = [6, 12, 24, 48];
 
@@ -90,7 +90,7 @@ impl Scope {
         scenes.flat_map(at_times).collect()
     }
 
-    /// What a run should take, s. From the case alone, lest the load of the machine decides what is run.
+    /// Expected time of a run, s. It depends on the case alone, so that the load of the machine does not decide which cases are run.
     fn expected(self, case: &Case, method: &Method, iterations: usize) -> f32 {
         let steps = case.seconds / case.dt;
         let iterations = iterations as f32;

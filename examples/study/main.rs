@@ -1,4 +1,4 @@
-//! What each part of the method is worth, from the paper to the default, at equal time; and the paper's open questions.
+//! The contribution of each part of the method, from the paper to the default, at equal time; and the paper's open questions.
 //!
 //! ```text
 //! cargo run --release --example study -- [--quick] [--out target/study]
@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tables::Table;
 
-/// Measures what each part of the method is worth.
+/// Measures the contribution of each part of the method.
 #[derive(Parser)]
 struct Arguments {
     /// Fewer scenes, shorter, one seed: ends within a minute.

@@ -1,4 +1,4 @@
-//! What is compared: the way from the paper to the default, and the default with one part taken out.
+//! The methods compared: from the paper to the default in steps, and the default without one of its parts.
 
 use crate::cases::Case;
 use drystone::settings::{AnchorRule, ContactSolver, NormalStabilization, Preset};
@@ -6,7 +6,7 @@ use drystone::solver::{Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
 use drystone_lab::plots::Stroke;
 
-/// What Soft Step usually takes.
+/// The usual number of sweeps of Soft Step.
 const SWEEPS_PER_SECOND: f32 = 960.0;
 
 /// A way to simulate, but for the iterations.
@@ -15,7 +15,7 @@ pub struct Method {
     pub label: &'static str,
     /// Where its settings start from.
     preset: Preset,
-    /// What is different.
+    /// The difference from the others.
     change: fn(&mut Experiment),
     /// The same of Soft Step itself.
     soft: fn(&mut SoftStep),
@@ -178,9 +178,9 @@ impl Method {
         experiment.solver.solver = if self.is_soft() {
             let mut soft = SoftStep::default();
             if iterations != self.own_iterations(case) {
-                soft.most_sweeps = iterations;
+                soft.max_sweeps = iterations;
                 // Short enough that it would always take more.
-                soft.longest_substep = case.dt / iterations as f32;
+                soft.max_substep = case.dt / iterations as f32;
             }
             (self.soft)(&mut soft);
             soft.into()

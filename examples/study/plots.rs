@@ -13,7 +13,7 @@ const PANEL: (u32, u32) = (620, 480);
 const LEGEND: u32 = 152;
 const COLUMNS: usize = 3;
 
-/// What lies on a vertical axis.
+/// The quantity on a vertical axis.
 struct Quantity {
     name: &'static str,
     /// m

@@ -1,4 +1,4 @@
-//! Part 2: what the paper leaves open, answered with figures.
+//! Part 2: the open questions of the paper, answered with figures.
 
 use crate::cases::{Case, Scope, time_step};
 use crate::runs::Finding;
@@ -25,7 +25,7 @@ struct Column {
     figure: Figure,
 }
 
-/// What is shown, with its name.
+/// The quantity shown, with its name.
 type Figure = (&'static str, fn(&Finding) -> String);
 
 const CLASSIFIERS: &[(&str, Rule)] = &[
@@ -56,7 +56,7 @@ const JITTER: Figure = ("drift, rms speed in mm/s", |f| {
 const WAY: Figure = ("way, m", |f| format!("{:.3}", f.drift));
 const SPEED: Figure = ("speed, m/s", |f| format!("{:.4}", f.speed));
 
-/// Seconds for what is to stand, and for what moves.
+/// Simulated time for structures that should stand, and for moving bodies, s.
 const LONG: f32 = 60.0;
 const MIDDLE: f32 = 20.0;
 const SHORT: f32 = 5.0;

@@ -4,7 +4,7 @@ use drystone::body::Velocity;
 use drystone_lab::experiment::{Experiment, Outcome};
 use drystone_lab::scenes::Scene;
 
-/// What became of an experiment, the worst of all seeds.
+/// The result of an experiment, the worst of all seeds.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// When the first fell, s.
@@ -24,7 +24,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Runs `seeds` times for so many seconds; what has fallen is not simulated to the end.
+    /// Runs `seeds` times for so many seconds; a fallen structure is not simulated to the end.
     pub fn of(experiment: &Experiment, seconds: f32, seeds: u64) -> Self {
         let mut finding = Self {
             fell_at: None,

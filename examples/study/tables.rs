@@ -7,7 +7,7 @@ use std::fmt::{self, Display};
 #[derive(Clone)]
 pub struct Table {
     pub title: String,
-    /// What is in the cells, and under which conditions.
+    /// The contents of the cells, and the conditions.
     pub note: String,
     /// The first heads the names of the rows.
     pub columns: Vec<String>,

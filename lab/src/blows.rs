@@ -1,4 +1,4 @@
-//! Blows: what falls on a stack, what is shot at a wall, and how far things hop or go from it.
+//! Blows: bodies that fall on a stack or are shot at a wall, and how far they make other bodies hop or move.
 //!
 //! Restitution is 0 throughout, so nothing should hop at all, at any length of the step.
 
@@ -12,7 +12,7 @@ use drystone::collider::{Collider, Friction, Restitution};
 use drystone::schedule::step;
 use glam::Vec3;
 
-/// What something falls on.
+/// The target of a falling body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// Cubes of 1 m on top of each other.
@@ -26,9 +26,9 @@ pub enum Target {
 pub struct Drop {
     /// Cubes that fall; of 1 m, on a wall one brick.
     pub cubes: u32,
-    /// Of what falls, kg/m³. What it falls on has 1000.
+    /// Density of the falling body, kg/m³. The target has 1000.
     pub density: f32,
-    /// What it falls on.
+    /// The target.
     pub onto: Target,
     /// From how high, m.
     pub height: f32,

@@ -1,4 +1,4 @@
-//! What loose bodies gain that must not gain any energy: rods that fall crosswise, and bodies strewn over each other.
+//! The energy that loose bodies gain, which should be none: rods that fall crosswise, and overlapping bodies.
 
 use crate::experiment::empty_world;
 use crate::metrics;
@@ -27,7 +27,7 @@ pub enum Loose {
     Strewn {
         /// How many.
         count: u32,
-        /// What they are.
+        /// Their shape.
         shape: Shape,
         /// Side of the cube, m.
         side: f32,
@@ -47,7 +47,7 @@ pub enum Lie {
     Anyhow,
 }
 
-/// What is strewn.
+/// The shape of the overlapping bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A ball of such a radius, m.

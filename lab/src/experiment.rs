@@ -17,10 +17,10 @@ use drystone::solve::SolveReports;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// A scene and everything that decides what becomes of it.
+/// A scene with everything that determines its result.
 #[derive(Clone)]
 pub struct Experiment {
-    /// What stands or moves.
+    /// The scene.
     pub scene: Scene,
     /// How it is laid out.
     pub options: SceneOptions,
@@ -28,7 +28,7 @@ pub struct Experiment {
     pub dt: f32,
     /// Stabilization.
     pub stabilization: StabilizationSettings,
-    /// What becomes of manifolds.
+    /// Settings of the narrowphase.
     pub narrowphase: NarrowphaseSettings,
     /// Solver.
     pub solver: SolverSettings,
@@ -132,7 +132,7 @@ pub struct Run {
     meter: Meter,
 }
 
-/// What is gathered on the way.
+/// The measurements collected during a run.
 #[derive(Default)]
 struct Meter {
     fell_at: Option<f32>,
@@ -157,7 +157,7 @@ pub struct Sample {
     pub gaps: Gaps,
     /// m/s
     pub rms_speed: f32,
-    /// Mechanical energy gained since the start, as a share of what there was.
+    /// Mechanical energy gained since the start, as a share of the initial energy.
     pub energy_gain: f64,
 }
 
@@ -263,12 +263,12 @@ impl Run {
         }
     }
 
-    /// What the hand is at, where there is one.
+    /// The current action of the hand, if there is one.
     pub fn phase(&self) -> Option<Phase> {
         self.hand.as_ref().map(|hand| hand.phase(self.time))
     }
 
-    /// What has become of it so far.
+    /// The result so far.
     pub fn outcome(&self) -> Outcome {
         let meter = &self.meter;
         let last_second = ((1.0 / self.dt).round() as usize).clamp(1, meter.speeds.len().max(1));
@@ -337,7 +337,7 @@ fn median<T: Copy + Ord>(values: &[T]) -> Option<T> {
     sorted.get(sorted.len() / 2).copied()
 }
 
-/// What became of an experiment.
+/// The result of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Nothing has fallen ([`metrics::FALLEN`]) at any time. Of what is meant to move ([`Scene::stays`]): nothing is lost, despawned,
@@ -357,7 +357,7 @@ pub struct Outcome {
     pub ideal_error_max: f32,
     /// Root mean square over bodies and the last second, m/s.
     pub rms_speed: f32,
-    /// Largest gain of mechanical energy against the start, as a share of what there was.
+    /// Largest gain of mechanical energy against the start, as a share of the initial energy.
     pub energy_gain: f64,
     /// Of the last solve of the largest island.
     pub residual: f32,

@@ -10,16 +10,16 @@
 //! assert!(outcome.stands && outcome.displacement.drift < 1e-3);
 //! ```
 //!
-//! | module | what is in it |
+//! | module | contents |
 //! |---|---|
 //! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
-//! | [`blows`] | what falls on a stack or is shot at a wall, and how far things go |
-//! | [`energy`] | what loose bodies gain that must not gain any |
+//! | [`blows`] | bodies that fall on a stack or are shot at a wall, and how far they move other bodies |
+//! | [`energy`] | the energy that loose bodies gain |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
 //! | [`play`] | a player who lays, takes and throws |
-//! | [`report`] | what became of an experiment as JSON |
+//! | [`report`] | the result of an experiment as JSON |
 //! | [`slopes`] | mixed bodies dropped on hills, and who of them does not come to rest |
 //! | [`output`] | where an example writes |
 //! | `plots` | a canvas with a font, and legends |

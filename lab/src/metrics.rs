@@ -1,6 +1,6 @@
 //! The meters that examples, tests and the comparison with other engines share: penetration, drift, sag, tilt, jitter, energy.
 //!
-//! All of them read components only and change nothing. None of them overlooks a body: what is quarantined, despawned or not finite is
+//! All of them read components only and change nothing. None of them overlooks a body: a body that is quarantined, despawned or not finite is
 //! infinitely far off, fast and energetic.
 
 use bevy_ecs::prelude::*;
@@ -9,7 +9,7 @@ use drystone::contact::{ContactImpulses, Manifold};
 use drystone::settings::{Gravity, StabilizationSettings};
 use glam::{Quat, Vec3};
 
-/// Where a body is that is watched, and how it moves there. What is despawned or quarantined is nowhere: NaN, which [`Displacement`]
+/// Where a body is that is watched, and how it moves there. A despawned or quarantined body has the pose NaN, which [`Displacement`]
 /// takes for fallen.
 pub fn watch(world: &World, body: Entity) -> (Pose, Velocity) {
     let seen = || {
@@ -26,7 +26,7 @@ pub const NOWHERE: Pose = Pose {
     rotation: Quat::from_array([f32::NAN; 4]),
 };
 
-/// What is no number is worse than any: comparisons and `max` would overlook it.
+/// The maximum in which NaN counts as larger than any number; comparisons and `max` would ignore it.
 fn or_infinite(x: f32) -> f32 {
     if x.is_nan() { f32::INFINITY } else { x }
 }

@@ -1,5 +1,5 @@
 //! How deep two convex bodies are in each other, from their shapes and poses alone, and so in another way than any engine finds its
-//! contacts: it says what manifolds overlook, and where they are wrong. (Parry's manifold of two voussoirs that just touch says
+//! contacts: it shows the overlaps that manifolds miss, and where they are wrong. (Parry's manifold of two voussoirs that just touch says
 //! 719 mm. Its single contact has said 14 mm of two capsules that were 0.3 mm deep, and of two cones that were 4.)
 //!
 //! The overlap of two convex bodies is the least way that would part them, and a direction is all that is to be found. Between two
@@ -66,7 +66,7 @@ impl Placed {
 /// How deep two are in each other, m; 0 where they are apart.
 ///
 /// # Panics
-/// Of what is neither convex nor a half-space nor a flat mesh or height field.
+/// For shapes that are not convex, a half-space, or a flat mesh or height field.
 pub fn between(a: &Placed, b: &Placed) -> f32 {
     match (a.upwards(), b.upwards()) {
         // Two grounds.

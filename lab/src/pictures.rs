@@ -33,7 +33,7 @@ const LIGHT: Vec3 = Vec3::new(0.35, 0.80, 0.50);
 /// Where a scene is seen from.
 #[derive(Clone, Copy)]
 pub struct Camera {
-    /// What stands in the middle of the picture, m.
+    /// The point in the middle of the picture, m.
     pub target: Vec3,
     /// How much of the height of the scene the picture shows there, m.
     pub height: f32,

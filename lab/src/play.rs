@@ -25,7 +25,7 @@ pub struct Play {
     pub dt: f32,
 }
 
-/// What became of the wall. All along z, out of its plane.
+/// The result for the wall. All numbers are along z, out of its plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Played {
     /// How far it has moved as a whole, at most: the mean of its bricks, m.
@@ -42,7 +42,7 @@ pub struct Played {
     pub swing: f32,
 }
 
-/// Seconds between what is done.
+/// Time between two actions, s.
 const PAUSE: f32 = 0.5;
 
 /// Speed of a ball along z, m/s; it flies up by a tenth of that.
@@ -116,9 +116,9 @@ struct Budget {
     last: f32,
     /// The most that two balls in a row have brought. (The wall may swing back from others when two hit it at its foot.)
     brought: f32,
-    /// What the wall has.
+    /// Angular momentum of the wall.
     angular: f32,
-    /// What its weight has added since it swings this way.
+    /// The part that its weight has added since it swings in this direction.
     leaned: f32,
 }
 
@@ -131,7 +131,7 @@ impl Budget {
         }
     }
 
-    /// After a step in which weight has given so much: what the wall has now beyond what it may have.
+    /// Angular momentum in excess of the permitted, after a step in which the weight has added this much.
     fn excess(&mut self, angular: f32, weight: f32) -> f32 {
         if angular * self.angular <= 0.0 {
             self.leaned = 0.0;
@@ -161,7 +161,7 @@ struct Player {
 }
 
 impl Player {
-    /// Does the next thing. The momentum of what is thrown, N·s, and its angular momentum about the foot of the wall, N·m·s.
+    /// Takes the next action. Returns the momentum of the thrown ball, N·s, and its angular momentum about the foot of the wall, N·m·s.
     fn act(&mut self, world: &mut World) -> [f32; 2] {
         let columns = self.wall.columns as f32;
         let top = 0.5 * self.wall.courses as f32;

@@ -6,7 +6,7 @@ use drystone::solver::FrictionCone;
 use serde_json::{Map, Value, json};
 use std::time::Duration;
 
-/// What became of an experiment of so many steps, and the full settings, named as `simulate` takes them.
+/// The result of an experiment with this number of steps, and the full settings, named as `simulate` takes them.
 pub fn report(
     preset: Preset,
     experiment: &Experiment,
@@ -60,7 +60,7 @@ fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
     let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
     let friction = &stabilization.friction;
     let (iterations, tolerance, warm_start, cone) = match &solver.solver {
-        ContactSolver::SoftStep(s) => (s.most_sweeps, 0.0, 1.0, FrictionCone::Circular),
+        ContactSolver::SoftStep(s) => (s.max_sweeps, 0.0, 1.0, FrictionCone::Circular),
         ContactSolver::Pgs(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
         ContactSolver::Nncg(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
         ContactSolver::Patches(_) | ContactSolver::Points(_) => unreachable!("it is one of ours"),

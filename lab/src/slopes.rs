@@ -22,7 +22,7 @@ const PERIOD: f32 = 6.0;
 /// Bodies are dropped over a square of so many metres.
 const SIDE: f32 = 10.0;
 
-/// What hilly ground is made of.
+/// The kind of collider of hilly ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hills {
     /// A triangle mesh.
@@ -39,7 +39,7 @@ pub struct Slopes {
     /// How many bodies.
     pub count: u32,
     /// Angular damping of round bodies, 1/s. Without it they roll to and fro in the valleys for longer than a test may take: rolling
-    /// friction lets go of what is faster than 0.1 m/s.
+    /// friction does not act above 0.1 m/s.
     pub damping: f32,
 }
 

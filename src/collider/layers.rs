@@ -1,16 +1,17 @@
-//! Which bodies collide with which.
+//! Collision layers: which bodies collide with which.
 
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Two bodies collide if each is a member of a layer that the other's filter names. All of both by default.
+/// The layers of a body, and the layers that it collides with. Two bodies collide if each is in a layer that the other's filter contains.
+/// Default: all layers and all filters.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct CollisionLayers {
-    /// A bit for each layer the body is in.
+    /// Bit mask of the layers that the body is in.
     pub memberships: u32,
-    /// A bit for each layer the body collides with.
+    /// Bit mask of the layers that the body collides with.
     pub filters: u32,
 }
 
@@ -24,7 +25,7 @@ impl Default for CollisionLayers {
 }
 
 impl CollisionLayers {
-    /// True where both agree to collide.
+    /// Returns true if bodies with these layers collide with each other.
     pub fn collides_with(self, other: Self) -> bool {
         self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }

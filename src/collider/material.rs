@@ -1,11 +1,11 @@
-//! Friction, restitution and rolling friction, and how those of two bodies are combined.
+//! Surface materials: friction, restitution and rolling friction, and how those of two bodies are combined.
 
 use crate::body::limits;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// How the coefficients of two surfaces become one. Where the two bodies ask for different rules, the later in this
-/// list wins.
+/// The rule that combines the coefficients a and b of two surfaces. If the two bodies have different rules, the later one in this list is
+/// used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Reflect)]
 pub enum CombineRule {
     /// (a + b) / 2
@@ -33,43 +33,43 @@ impl CombineRule {
     }
 }
 
-/// Coulomb friction of a body's surface; 0.5 by default.
+/// Coulomb friction of a body's surface. Default: a coefficient of 0.5.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Friction {
-    /// μ, not negative and at most [`limits::FRICTION`](crate::body::limits::FRICTION).
+    /// Coefficient of friction μ, without unit: not negative, and at most [`limits::FRICTION`](crate::body::limits::FRICTION).
     pub coefficient: f32,
-    /// How it is combined with the other body's.
+    /// How it is combined with that of the other body. Default: [`CombineRule::Average`].
     pub rule: CombineRule,
 }
 
-/// Restitution of a body's surface; 0 by default.
+/// Restitution (bounciness) of a body's surface. Default: a coefficient of 0.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Restitution {
-    /// e, from 0 to 1, which bounces without loss.
+    /// Coefficient of restitution e, without unit, from 0 (no bounce) to 1 (no loss).
     pub coefficient: f32,
-    /// How it is combined with the other body's.
+    /// How it is combined with that of the other body. Default: [`CombineRule::Average`].
     pub rule: CombineRule,
 }
 
-/// What resists the rolling and spinning of round bodies (balls, capsules, cylinders, cones on their curved sides); 0.05 by
-/// default.
+/// Resistance of round bodies (balls, capsules, and cylinders and cones on their curved sides) to rolling and spinning. Default: a
+/// coefficient of 0.05.
 ///
-/// A moment of at most this coefficient times the body's radius times what the contact carries: a ball stays on slopes up to
-/// this tangent. It is the friction of rest. What rolls or slips faster than some 0.1 m/s is let go, with the
-/// fourth power of its speed, so that a ball that rolls goes on and one that only creeps stops. Spin about the normal is resisted at any speed.
+/// The resisting moment is at most the coefficient times the body's radius times the normal force, so a ball stays at rest on slopes up
+/// to this tangent. It is static friction: above about 0.1 m/s of rolling or slipping it decreases with the fourth power of the speed, so
+/// a rolling ball keeps rolling and a creeping one stops. Spin about the normal is resisted at any speed.
 ///
-/// For [`SoftStep`](crate::solver::SoftStep); solvers of points have none.
+/// Only [`SoftStep`](crate::solver::SoftStep) has rolling friction; point solvers ignore it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct RollingFriction {
-    /// As a share of the radius, not negative.
+    /// Coefficient as a share of the radius, without unit; not negative.
     pub coefficient: f32,
-    /// How it is combined with the other body's.
+    /// How it is combined with that of the other body. Default: [`CombineRule::Average`].
     pub rule: CombineRule,
 }
 
@@ -82,7 +82,7 @@ macro_rules! surface {
         }
 
         impl $name {
-            /// With the rule [`CombineRule::Average`].
+            /// A surface with this coefficient and [`CombineRule::Average`].
             pub const fn new(coefficient: f32) -> Self {
                 Self {
                     coefficient,
@@ -90,20 +90,21 @@ macro_rules! surface {
                 }
             }
 
-            /// This with another rule.
+            /// The same coefficient with another rule.
+            #[must_use]
             pub const fn with_rule(mut self, rule: CombineRule) -> Self {
                 self.rule = rule;
                 self
             }
 
-            /// The coefficient between two surfaces.
+            /// The combined coefficient of two surfaces.
             pub fn combine(self, other: Self) -> f32 {
                 self.rule
                     .max(other.rule)
                     .apply(self.coefficient, other.coefficient)
             }
 
-            /// True for a coefficient that is not negative and not beyond what can be.
+            /// Returns true if the coefficient is not negative and within [`limits`].
             pub fn is_valid(self) -> bool {
                 limits::share_of(self.coefficient, $most)
             }

@@ -1,4 +1,7 @@
-//! Shapes and surfaces.
+//! Collision shapes, surface materials and collision layers.
+//!
+//! [`Collider`] is the shape of a body. [`Friction`], [`Restitution`] and [`RollingFriction`] describe its surface, [`CollisionLayers`]
+//! what it collides with. All lengths are in metres.
 
 mod layers;
 mod material;
@@ -21,8 +24,10 @@ use parry3d::utils::Array2;
 use solid::Solid;
 use std::fmt;
 
-/// The shape of a body, in metres, in the body's frame. Any shape of [`parry3d`] can be had through `From<SharedShape>`;
-/// the constructors here cover the common ones. Of convex hulls it also holds the [`Polyhedron`].
+/// The collision shape of a body, in metres and in the body's frame. Default: a cube of 1 m.
+///
+/// The constructors cover the common shapes. Any other shape of [`parry3d`] can be converted with `From<SharedShape>`.
+/// The shape does not follow the scale of a `Transform`.
 #[derive(Component, Clone)]
 #[component(on_insert = crate::body::weigh, on_remove = crate::body::lost_description, summary_tick)]
 pub struct Collider {
@@ -30,18 +35,18 @@ pub struct Collider {
     solid: Solid,
 }
 
-/// Why a shape could not be made.
+/// Why a shape cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ColliderError {
-    /// The points lie in one plane or line or nearly so, are fewer than four, or hold a number that is not finite.
+    /// The points of a convex hull are fewer than four, lie (nearly) in one plane or line, or contain a number that is not finite.
     DegenerateHull,
-    /// A convex hull has so many corners, more than [`Polyhedron::MAX_CORNERS`].
+    /// The convex hull has this many corners, more than [`Polyhedron::MAX_CORNERS`].
     TooManyCorners(usize),
-    /// A triangle names a vertex that is not there, or there are no triangles.
+    /// A triangle names a vertex that does not exist, a vertex is not finite, or there are no triangles.
     InvalidMesh(String),
-    /// A compound of nothing, or with a part that is itself composite.
+    /// The compound has no parts, or a part that is itself composite, degenerate, or at an invalid pose.
     InvalidCompound,
-    /// A height field with fewer than two rows or columns, or a height that is not finite.
+    /// The height field has fewer than two rows or columns, rows of different lengths, or a height that is not finite.
     InvalidHeightField,
 }
 
@@ -90,22 +95,22 @@ impl From<SharedShape> for Collider {
 }
 
 impl Collider {
-    /// A ball.
+    /// A ball with this radius, m.
     pub fn ball(radius: f32) -> Self {
         SharedShape::ball(radius).into()
     }
 
-    /// A box, by its full edge lengths.
+    /// A box with these full edge lengths, m.
     pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
         SharedShape::cuboid(0.5 * x, 0.5 * y, 0.5 * z).into()
     }
 
-    /// A box with rounded edges, by its full lengths before `border` is added all around.
+    /// A box with rounded edges: a box with these full edge lengths, m, enlarged by `border` (m) on all sides.
     pub fn round_cuboid(x: f32, y: f32, z: f32, border: f32) -> Self {
         SharedShape::round_cuboid(0.5 * x, 0.5 * y, 0.5 * z, border).into()
     }
 
-    /// A cylinder about the y axis.
+    /// A cylinder around the y axis, with its radius and full height, m.
     pub fn cylinder(radius: f32, height: f32) -> Self {
         // Not by its constructor, which panics on a negative size; the stage *prepare* finds that.
         SharedShape::new(Cylinder {
@@ -115,7 +120,7 @@ impl Collider {
         .into()
     }
 
-    /// A cone about the y axis, its tip upwards.
+    /// A cone around the y axis with its tip upwards, with its radius and full height, m.
     pub fn cone(radius: f32, height: f32) -> Self {
         SharedShape::new(Cone {
             half_height: 0.5 * height,
@@ -124,26 +129,26 @@ impl Collider {
         .into()
     }
 
-    /// A capsule about the y axis; `length` is that of its cylinder.
+    /// A capsule around the y axis, with its radius and the length of its cylindrical part, m.
     pub fn capsule(radius: f32, length: f32) -> Self {
         SharedShape::capsule_y(0.5 * length, radius).into()
     }
 
-    /// A single triangle, without volume: for static bodies.
+    /// A single triangle with these corners, m. It has no volume, so it is for static bodies.
     pub fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Self {
         SharedShape::triangle(a, b, c).into()
     }
 
-    /// Everything below the plane through the origin with this outward normal: for static bodies.
+    /// The half-space below the plane through the origin with this outward normal. It is for static bodies. A zero normal counts as +y.
     pub fn half_space(normal: Vec3) -> Self {
         SharedShape::halfspace(normal.normalize_or(Vec3::Y)).into()
     }
 
-    /// The convex hull of points, m. Its faces are as they are; no two are taken for one because the edge between them is blunt.
+    /// The convex hull of these points, m. Faces that are nearly coplanar are not merged.
     ///
     /// # Errors
-    /// [`ColliderError::DegenerateHull`] where they enclose no volume, or next to none; [`ColliderError::TooManyCorners`] where
-    /// the hull has more than [`Polyhedron::MAX_CORNERS`], of any number of points.
+    /// [`ColliderError::DegenerateHull`] if the points enclose (nearly) no volume or are not finite. [`ColliderError::TooManyCorners`] if
+    /// the hull has more than [`Polyhedron::MAX_CORNERS`] corners; the number of points is not limited.
     pub fn convex_hull(points: &[Vec3]) -> Result<Self, ColliderError> {
         let polyhedron = Polyhedron::new(points)?;
         let shape = solid::to_parry(&polyhedron)?;
@@ -154,11 +159,11 @@ impl Collider {
             .ok_or(ColliderError::DegenerateHull)
     }
 
-    /// A box cut in half from edge to edge, by its full edge lengths: a ramp that rises along x to the height y, and is z wide.
-    /// Its origin is the middle of the box, which is the middle of the slope.
+    /// A wedge: a box with these full edge lengths, m, cut in half from edge to edge. Its slope rises along x to the height `y`, and it
+    /// is `z` wide. Its origin is the middle of the box, which is also the middle of the slope.
     ///
     /// # Errors
-    /// [`ColliderError::DegenerateHull`] where a length is not positive, or tiny beside another.
+    /// [`ColliderError::DegenerateHull`] if a length is not positive, or tiny compared to another.
     pub fn wedge(x: f32, y: f32, z: f32) -> Result<Self, ColliderError> {
         let half = 0.5 * Vec3::new(x, y, z);
         if half.min_element() <= 0.0 {
@@ -169,16 +174,17 @@ impl Collider {
         Self::convex_hull(profile.map(corner).as_flattened())
     }
 
-    /// Of what is hardly a tenth of a millimetre across no body can be made: it is lighter than any may be.
+    /// Whether a body of this shape has a valid mass. Shapes of less than about a tenth of a millimetre are lighter than the lightest
+    /// body allowed.
     fn has_mass(&self) -> bool {
         let mass = MassProperties::new(Some(self), None, None, None, None);
         mass.is_valid(self.radius_about(mass.local_center))
     }
 
-    /// Several convex shapes, each at a position and rotation in the body's frame.
+    /// A compound of convex shapes, each at a position (m) and rotation in the body's frame.
     ///
     /// # Errors
-    /// [`ColliderError::InvalidCompound`] where there are none, or one is itself composite or without size.
+    /// [`ColliderError::InvalidCompound`] if there are no parts, or a part is itself composite or degenerate, or its pose is invalid.
     pub fn compound(parts: Vec<(Vec3, Quat, Collider)>) -> Result<Self, ColliderError> {
         let placed = |p: &(Vec3, Quat, Collider)| {
             p.0.is_finite() && p.1.is_normalized() && p.2.shape.is_convex() && !p.2.is_degenerate()
@@ -198,13 +204,15 @@ impl Collider {
         Ok(Self { shape, solid })
     }
 
-    /// A triangle mesh: a surface, for static and kinematic bodies. Seams between its triangles are smooth: contacts use
-    /// the face normals where an edge is not a true corner.
+    /// A triangle mesh, for static and kinematic bodies: a surface without volume. Seams between its triangles are smooth: contacts use
+    /// the face normal where an edge is not a true corner.
     ///
-    /// It holds from one side: that from which its triangles run counterclockwise. What comes from behind goes through.
+    /// The mesh is one-sided. It stops bodies on the side from which its triangles run counterclockwise; bodies from the other side pass
+    /// through.
     ///
     /// # Errors
-    /// [`ColliderError::InvalidMesh`] where parry cannot build it.
+    /// [`ColliderError::InvalidMesh`] if a vertex is not finite, a triangle names a vertex that does not exist, or parry cannot build the
+    /// mesh.
     pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ColliderError> {
         let count = vertices.len() as u32;
         if !vertices.iter().all(|v| v.is_finite()) {
@@ -220,13 +228,14 @@ impl Collider {
             .map_err(|e| ColliderError::InvalidMesh(e.to_string()))
     }
 
-    /// A height field over the x–z plane, centred on the origin: `heights[row][column]` with rows along z and columns
-    /// along x, and its full size along x, y (a factor on the heights) and z.
+    /// A height field over the x–z plane, centred on the origin. `heights[row][column]` has rows along z and columns along x. `size` is
+    /// its full size along x and z, m, and the factor on the heights along y.
     ///
-    /// It holds from above. What comes from below goes through.
+    /// The field is one-sided. It stops bodies from above; bodies from below pass through.
     ///
     /// # Errors
-    /// [`ColliderError::InvalidHeightField`] where it has fewer than two rows or columns, ragged rows, or a bad height.
+    /// [`ColliderError::InvalidHeightField`] if it has fewer than two rows or columns, rows of different lengths, or a number that is not
+    /// finite.
     pub fn height_field(heights: &[Vec<f32>], size: Vec3) -> Result<Self, ColliderError> {
         let rows = heights.len();
         let columns = heights.first().map_or(0, Vec::len);
@@ -251,7 +260,7 @@ impl Collider {
         &self.shape
     }
 
-    /// Its corners, edges and faces, where it is a convex hull: for contacts of flat faces.
+    /// The polyhedron of a convex hull.
     pub(crate) fn polyhedron(&self) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Hull(hull) => Some(hull),
@@ -259,7 +268,7 @@ impl Collider {
         }
     }
 
-    /// The same of a part of a compound.
+    /// The polyhedron of a part of a compound.
     pub(crate) fn part_polyhedron(&self, part: u32) -> Option<&Polyhedron> {
         match &self.solid {
             Solid::Parts(parts) => parts.get(part as usize)?.as_deref(),
@@ -267,32 +276,33 @@ impl Collider {
         }
     }
 
-    /// Mass, centre and moments at 1 kg/m³: of hulls in double precision, of other shapes as parry has them.
+    /// Mass, centre of mass and moments of inertia at a density of 1 kg/m³. Hulls are computed in double precision, other shapes by
+    /// parry.
     pub(crate) fn mass_properties(&self) -> parry3d::mass_properties::MassProperties {
         let solid = self.solid.moments(&self.shape);
         let found = solid.map_or_else(|| self.shape.mass_properties(1.0), solid::rounded);
         let bounds = self.shape.compute_local_aabb();
-        // An open mesh encloses no volume. What parry makes of it has its centre anywhere, and contacts are found relative to that.
+        // An open mesh encloses no volume. Its centre of mass from parry may lie anywhere, but contacts are computed relative to it.
         match self.is_surface() && !bounds.contains_local_point(found.local_com) {
             true => parry3d::mass_properties::MassProperties::new(bounds.center(), 0.0, Vec3::ZERO),
             false => found,
         }
     }
 
-    /// True where no contact can be computed with it: a size that is zero, negative, not finite or beyond
+    /// Returns true if the shape cannot have contacts, because a size is zero, negative, not finite or beyond
     /// [`limits`](crate::body::limits).
     pub fn is_degenerate(&self) -> bool {
         !sizes::are_valid(&*self.shape)
     }
 
-    /// True where the other is certainly the same shape.
+    /// Whether the other is certainly the same shape.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         std::sync::Arc::ptr_eq(&self.shape.0, &other.shape.0)
             || sizes::are_equal(&*self.shape, &*other.shape)
             || self.solid.is_same_hull(&other.solid)
     }
 
-    /// Radius of the sphere about a local point that holds the shape, m; infinite for a half-space.
+    /// Radius of the smallest known sphere around a local point that contains the shape, m. Infinite for a half-space.
     pub(crate) fn radius_about(&self, center: Vec3) -> f32 {
         if self.shape.as_halfspace().is_some() {
             return f32::INFINITY;
@@ -301,7 +311,7 @@ impl Collider {
         (sphere.center - center).length() + sphere.radius
     }
 
-    /// Half the edges of the box that holds the shape, in the body's axes, m; infinite for a half-space.
+    /// Half the edge lengths of the bounding box in the body's axes, m. Infinite for a half-space.
     pub fn half_extents(&self) -> Vec3 {
         if self.shape.as_halfspace().is_some() {
             return Vec3::INFINITY;
@@ -309,12 +319,12 @@ impl Collider {
         self.shape.compute_local_aabb().half_extents()
     }
 
-    /// True of meshes and height fields.
+    /// Whether it is a mesh or height field.
     pub(crate) fn is_surface(&self) -> bool {
         is_surface(&*self.shape)
     }
 
-    /// True where the surface is curved, so that a rolling contact point moves over it.
+    /// Whether the surface is curved, so that the contact point moves over it as the body rolls.
     pub(crate) fn is_curved(&self) -> bool {
         use parry3d::shape::ShapeType as S;
         matches!(
@@ -324,7 +334,7 @@ impl Collider {
     }
 }
 
-/// True of what has triangles and nothing behind them.
+/// Whether a shape is a surface without an inside: a mesh or height field.
 pub(crate) fn is_surface(shape: &dyn Shape) -> bool {
     matches!(
         shape.shape_type(),

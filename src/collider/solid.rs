@@ -1,4 +1,4 @@
-//! The polyhedra of a collider beside its parry shape, which is for ray casts, bounding boxes and what is round.
+//! The polyhedra of a collider, beside its parry shape. The parry shape is used for ray casts, bounding boxes and round shapes.
 
 use super::{ColliderError, Moments, Polyhedron};
 use glam::DVec3;
@@ -6,8 +6,8 @@ use parry3d::mass_properties::MassProperties;
 use parry3d::shape::{ConvexPolyhedron, SharedShape};
 use std::sync::Arc;
 
-/// What a collider has of polyhedra. A cuboid needs none: it is given by its half extents.
-#[derive(Clone)]
+/// The polyhedra of a collider. A cuboid needs none: it is given by its half extents.
+#[derive(Clone, Debug)]
 pub(crate) enum Solid {
     /// Parry's alone: curved, composite, a box, or flat.
     Other,

@@ -1,10 +1,10 @@
-//! Who presses on whom, with what force and where: [`Contacts`], a parameter of a system, and [`Load`], a component for those who want it kept.
+//! Contact forces: [`Contacts`], a system parameter that gives the forces between bodies, and [`Load`], a component that keeps their sum.
 //!
-//! What is said is true of the last step: its impulses by its length, at the places where contacts were found. Of what has come to
-//! [rest](crate::body::Resting) it is what was carried last, whatever the length of steps since. A body that was despawned, disabled or
-//! robbed of its [`RigidBody`] since then gives no force.
+//! The forces are those of the last step: its impulses divided by its length, at the points where contacts were detected. For bodies at
+//! [rest](crate::body::Resting) they are the forces at which the bodies came to rest, whatever the length of later steps. Bodies that
+//! were despawned, disabled or lost their [`RigidBody`] since then give no force.
 //!
-//! Bodies that come into the world asleep are given the forces that hold them up, by statics, in the step in which they come.
+//! Bodies that are spawned asleep get the forces that hold them up, by statics, in the step in which they are spawned.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -31,7 +31,7 @@
 //! assert!(face.point.distance(Vec3::Y * 0.5) < 1e-2);
 //!
 //! let load = world.get::<Load>(lower).unwrap();
-//! assert!((load.carries - weight).abs() < 1e-3 * weight);
+//! assert!((load.supported_weight - weight).abs() < 1e-3 * weight);
 //! # let _ = ground;
 //! ```
 
@@ -47,38 +47,39 @@ use smallvec::SmallVec;
 use std::fmt;
 use std::ops::Range;
 
-/// What one body does to another over one face.
+/// The contact force between two bodies over one face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceForce {
-    /// The body that the force acts on.
+    /// The body on which the force acts.
     pub on: Entity,
-    /// The body that it comes from; it gets the opposite.
+    /// The other body; it gets the opposite force.
     pub by: Entity,
-    /// Unit vector out of the surface of `by`, into `on`, world.
+    /// Unit normal from the surface of `by` into `on`, world.
     pub normal: Vec3,
-    /// The whole force, N, world: what presses, and friction.
+    /// The total force, normal force and friction, N, world.
     pub force: Vec3,
-    /// What presses, N.
-    pub pressure: f32,
-    /// Where it acts: the centre of pressure, world, m.
+    /// The normal force, N.
+    pub normal_force: f32,
+    /// The centre of pressure, at which the force acts, world, m.
     pub point: Vec3,
     /// The moment of friction about the normal through that point, N·m.
     pub twist: f32,
-    /// ‖λ_t‖/(μ λ_n): how much of the friction that there can be is used, from 0 to 1. Where it is 1 the face slides, or is about to.
-    /// (A little more than 1 is possible: friction is bounded by what presses while it is found, and both may change until the end of the step.)
+    /// The share of the available friction that is used, ‖λ_t‖/(μ λ_n), from 0 to 1. At 1 the face slides or is about to. It can be a
+    /// little more than 1, because friction is bounded by the normal force at the time of its solution, and both may change until the end
+    /// of the step.
     pub friction_use: f32,
-    /// The face is classified as sticking, equation (10) of the paper. (Only friction stabilization asks; without it no face is.)
+    /// Whether the face is classified as sticking, equation (10) of the paper. Always false without friction stabilization.
     pub sticks: bool,
-    /// What presses at each point, N, and where, world, m.
+    /// The contact points (world, m) with their normal forces, N.
     pub points: SmallVec<[(Vec3, f32); 4]>,
 }
 
-/// An entity is no body that simulation knows: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or has come since the last
-/// step.
+/// An error: the entity is not a body known to the simulation. It has no [`RigidBody`](crate::body::RigidBody), is quarantined, or was
+/// spawned after the last step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoBody(pub Entity);
+pub struct NotABody(pub Entity);
 
-impl fmt::Display for NoBody {
+impl fmt::Display for NotABody {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -88,7 +89,7 @@ impl fmt::Display for NoBody {
     }
 }
 
-impl std::error::Error for NoBody {}
+impl std::error::Error for NotABody {}
 
 type Pair = (
     &'static ContactPair,
@@ -98,7 +99,7 @@ type Pair = (
     Has<Resting>,
 );
 
-/// See the module's text.
+/// System parameter for contact forces; see the [module](self). Outside of a system use [`contacts`].
 #[derive(SystemParam)]
 pub struct Contacts<'w, 's> {
     pub(super) table: Res<'w, BodyTable>,
@@ -108,19 +109,38 @@ pub struct Contacts<'w, 's> {
     pairs: Query<'w, 's, Pair>,
 }
 
+/// Asks a world for contact forces outside of a system: calls `ask` with [`Contacts`] and returns its result.
+///
+/// ```
+/// # use drystone::prelude::*;
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// # let body = world.spawn((RigidBody::Dynamic, Collider::ball(0.5))).id();
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
+/// let faces = contacts(world, |contacts| contacts.on(body)).unwrap();
+/// assert!(faces.is_empty(), "nothing touches it");
+/// ```
+///
+/// # Panics
+/// If [`StepPlugin`](crate::StepPlugin) was not added.
+pub fn contacts<R>(world: &mut World, ask: impl FnOnce(Contacts) -> R) -> R {
+    crate::ask::ask::<Contacts, R>(world, ask)
+}
+
 impl Contacts<'_, '_> {
-    /// The slot of a body that is there: one that has been despawned, disabled or robbed of its kind since the last step is not.
-    pub(super) fn slot(&self, body: Entity) -> Result<u32, NoBody> {
+    /// The slot of a body, if it has not been despawned, disabled or lost its kind since the last step.
+    pub(super) fn slot(&self, body: Entity) -> Result<u32, NotABody> {
         let index = self.bodies.get(body).ok();
         let index = index.filter(|index| self.table.holds(body, **index));
-        index.map(|index| index.0).ok_or(NoBody(body))
+        index.map(|index| index.0).ok_or(NotABody(body))
     }
 
-    /// The forces on a body, face by face, those from the eldest neighbour first.
+    /// The forces on a body, face by face, those from the body spawned first in front.
     ///
     /// # Errors
-    /// Where it is no body.
-    pub fn on(&self, body: Entity) -> Result<Vec<FaceForce>, NoBody> {
+    /// [`NotABody`] if it is not a body.
+    pub fn on(&self, body: Entity) -> Result<Vec<FaceForce>, NotABody> {
         let slot = self.slot(body)?;
         let mut faces = Vec::new();
         for pair in self.pairs_of(slot) {
@@ -129,11 +149,11 @@ impl Contacts<'_, '_> {
         Ok(faces)
     }
 
-    /// The forces on a body by another.
+    /// The forces on a body by another one.
     ///
     /// # Errors
-    /// Where one of them is no body.
-    pub fn between(&self, on: Entity, by: Entity) -> Result<Vec<FaceForce>, NoBody> {
+    /// [`NotABody`] if one of them is not a body.
+    pub fn between(&self, on: Entity, by: Entity) -> Result<Vec<FaceForce>, NotABody> {
         self.slot(by)?;
         let mut faces = self.on(on)?;
         faces.retain(|face| face.by == by);
@@ -171,24 +191,25 @@ impl Contacts<'_, '_> {
             .collect()
     }
 
-    /// The force of a pair on A, N, world, where it presses.
+    /// The force of a pair on A, N, world, if it carries any.
     fn whole(&self, manifold: &Manifold, impulses: &ContactImpulses, rests: bool) -> Option<Vec3> {
-        let (mut pressure, mut force) = (0.0, Vec3::ZERO);
+        let (mut normal_force, mut force) = (0.0, Vec3::ZERO);
         for (number, patch) in manifold.patches.iter().enumerate() {
             let range = manifold.range(patch);
             let given = Given::at(impulses, range, number, self.per_second(rests));
-            pressure += given.pressure;
-            force += patch.normal * given.pressure + given.tangential;
+            normal_force += given.normal_force;
+            force += patch.normal * given.normal_force + given.tangential;
         }
-        (pressure > 0.0).then_some(force)
+        (normal_force > 0.0).then_some(force)
     }
 
-    /// What makes forces of the impulses of a pair. Of what rests no impulse is anew; forces stay what they are.
+    /// The factor that turns the impulses of a pair into forces. `None` for pairs at rest, which have no new impulses and keep their
+    /// forces.
     fn per_second(&self, rests: bool) -> Option<f32> {
         (!rests).then(|| self.time.whole().recip())
     }
 
-    /// What a pair does to one of its bodies, where it does anything.
+    /// Adds the forces of a pair on one of its bodies.
     fn faces(&self, pair: Entity, on: Entity, faces: &mut Vec<FaceForce>) {
         let Ok((pair, manifold, impulses, anchors, rests)) = self.pairs.get(pair) else {
             return;
@@ -205,14 +226,14 @@ impl Contacts<'_, '_> {
         for (number, patch) in manifold.patches.iter().enumerate() {
             let range = manifold.range(patch);
             let given = Given::at(impulses, range.clone(), number, per_second);
-            if given.pressure <= 0.0 {
+            if given.normal_force <= 0.0 {
                 continue;
             }
             let shares = range.clone().zip(&given.normal);
             let points = shares.map(|(i, &force)| (a.center + manifold.points[i].arm, force));
             let points: SmallVec<[(Vec3, f32); 4]> = points.collect();
             let moment: Vec3 = points.iter().map(|&(at, force)| at * force).sum();
-            let point = moment / given.pressure;
+            let point = moment / given.normal_force;
             // One friction force of a patch acts at its centre, those of points at the points.
             let center = a.center + patch.center;
             let arm = match impulses.friction.is_empty() {
@@ -221,13 +242,13 @@ impl Contacts<'_, '_> {
             };
             let twist = given.twist + patch.normal.dot(arm.cross(given.tangential));
             let way = if of_a { 1.0 } else { -1.0 };
-            let most = pair.friction * given.pressure;
+            let most = pair.friction * given.normal_force;
             faces.push(FaceForce {
                 on,
                 by,
                 normal: way * patch.normal,
-                force: way * (patch.normal * given.pressure + given.tangential),
-                pressure: given.pressure,
+                force: way * (patch.normal * given.normal_force + given.tangential),
+                normal_force: given.normal_force,
                 point,
                 twist,
                 friction_use: if most > 0.0 {
@@ -242,17 +263,17 @@ impl Contacts<'_, '_> {
     }
 }
 
-/// What A gets over a patch, N and N·m.
+/// The forces on A over a patch, N and N·m.
 struct Given {
-    /// At each point.
+    /// The normal force at each point.
     normal: SmallVec<[f32; 4]>,
-    pressure: f32,
+    normal_force: f32,
     tangential: Vec3,
     twist: f32,
 }
 
 impl Given {
-    /// By the impulses of a step, of which there are so many to a second; by what was carried last where there are none.
+    /// From the impulses of a step, of which there are `per_second` in a second, or without those from the last forces.
     fn at(
         impulses: &ContactImpulses,
         range: Range<usize>,
@@ -278,7 +299,7 @@ impl Given {
             }
         };
         Self {
-            pressure: normal.iter().sum(),
+            normal_force: normal.iter().sum(),
             normal,
             tangential,
             twist: of_patch.warm_twist,
@@ -296,21 +317,22 @@ fn sticks(anchors: &ContactAnchors, range: Range<usize>, number: usize) -> bool 
     }
 }
 
-/// What a body bears: put it on those that you want to know of, and it is kept up to date at the end of every step.
+/// Component that keeps the sum of the contact forces on a body. Add it to the bodies that you want to observe; it is updated at the end
+/// of every step.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 pub struct Load {
-    /// The sum of all contact forces on it, N, world; at rest its weight upwards.
+    /// The sum of all contact forces on the body, N, world. At rest it is its weight, upwards.
     pub force: Vec3,
-    /// What presses on it from all sides, N.
-    pub pressure: f32,
-    /// What others put on it along gravity, N: the weight of what it carries.
-    pub carries: f32,
+    /// The sum of the normal forces on all its faces, N.
+    pub normal_force: f32,
+    /// The sum of the forces on it along gravity, N: the weight of everything that it supports.
+    pub supported_weight: f32,
     /// The largest [`FaceForce::friction_use`] of its faces.
     pub friction_use: f32,
 }
 
-/// Part of the stage *contact events*: keeps every [`Load`].
+/// Updates every [`Load`]; a part of the stage *contact events*.
 pub fn loads(
     contacts: Contacts,
     gravity: Res<Gravity>,
@@ -323,11 +345,11 @@ pub fn loads(
     let down = gravity.0.normalize_or_zero();
     for (body, mut load) in &mut bodies {
         let mut sum = Load::default();
-        // Of what is no body nothing is borne.
+        // Entities that are not bodies carry no load.
         for face in contacts.on(body).unwrap_or_default() {
             sum.force += face.force;
-            sum.pressure += face.pressure;
-            sum.carries += face.force.dot(down).max(0.0);
+            sum.normal_force += face.normal_force;
+            sum.supported_weight += face.force.dot(down).max(0.0);
             sum.friction_use = sum.friction_use.max(face.friction_use);
         }
         load.set_if_neq(sum);

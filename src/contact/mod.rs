@@ -19,8 +19,8 @@ pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
 pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
-pub use forces::{Contacts, FaceForce, Load, NoBody, loads};
-pub use supports::{Bearing, Supports};
+pub use forces::{Contacts, FaceForce, Load, NotABody, contacts, loads};
+pub use supports::{Bearing, Supports, supports};
 pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 

@@ -1,8 +1,8 @@
-//! What carries what: [`Supports`], a parameter of a system.
+//! Supports: [`Supports`], a system parameter that tells which bodies support which.
 //!
-//! A body bears another where it pushes it against gravity, over all their faces together, by more than a thousandth of the other's weight.
-//! That is read off the forces of the last step ([`Contacts`]); nothing is moved or guessed, so that nothing is said of what would happen if
-//! something were taken away: what is borne by two may fall when it loses one.
+//! A body supports another if it pushes it against gravity, over all their faces together, by more than a thousandth of the other's
+//! weight. This is read off the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a
+//! support is removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -28,8 +28,8 @@
 //!     let under = supports.supported_by(across).unwrap();
 //!     assert_eq!(under.iter().map(|bearing| bearing.below).collect::<Vec<_>>(), [left, right]);
 //!     assert!((under[0].share - 0.5).abs() < 0.01);
-//!     assert_eq!(supports.hanging_on(across).unwrap(), [top]);
-//!     assert_eq!(supports.hanging_on(left).unwrap(), []);
+//!     assert_eq!(supports.supported_only_by(across).unwrap(), [top]);
+//!     assert_eq!(supports.supported_only_by(left).unwrap(), []);
 //!     let path = supports.load_path(top).unwrap();
 //!     assert_eq!(path.len(), 5);
 //!     let to_the_ground = path.iter().filter(|bearing| bearing.below == ground);
@@ -38,7 +38,7 @@
 //! world.run_system_once(tell).unwrap();
 //! ```
 
-use super::{Contacts, NoBody};
+use super::{Contacts, NotABody};
 use crate::body::BodyState;
 use crate::islands::Islands;
 use crate::settings::Gravity;
@@ -48,28 +48,29 @@ use bevy_ecs::system::SystemParam;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// Less of a body's weight than this share is noise.
+/// Smallest supporting force, as a share of the body's weight; less is noise.
 const NOISE: f32 = 1e-3;
 
-/// Of what bears itself in a circle, by friction, shares are found by so many rounds at most, or until they change by less than this.
+/// Bodies that support each other in a circle, by friction: maximum number of rounds in which shares are computed, and the change below
+/// which they end.
 const ROUNDS: usize = 64;
 const STEADY: f32 = 1e-5;
 
-/// One body bears another.
+/// One body supports another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
-    /// What is borne.
+    /// The body that is supported.
     pub above: Entity,
-    /// What bears it.
+    /// The body that supports it.
     pub below: Entity,
-    /// With what force against gravity, N.
+    /// The supporting force, against gravity, N.
     pub force: f32,
-    /// Of [`Supports::supported_by`] and [`Supports::supports`] the share in all that bears `above`; of [`Supports::load_path`] the share of the
-    /// weight asked for that goes this way.
+    /// For [`Supports::supported_by`] and [`Supports::supports`] the share of this force in all that supports `above`; for
+    /// [`Supports::load_path`] the share of the weight in question that passes here.
     pub share: f32,
 }
 
-/// See the module's text.
+/// System parameter that tells which bodies support which; see the [module](self). Outside of a system use [`supports`].
 #[derive(SystemParam)]
 pub struct Supports<'w, 's> {
     contacts: Contacts<'w, 's>,
@@ -77,12 +78,31 @@ pub struct Supports<'w, 's> {
     gravity: Res<'w, Gravity>,
 }
 
+/// Asks a world what supports what outside of a system: calls `ask` with [`Supports`] and returns its result.
+///
+/// ```
+/// # use drystone::prelude::*;
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// # let body = world.spawn((RigidBody::Dynamic, Collider::ball(0.5))).id();
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
+/// let below = supports(world, |supports| supports.supported_by(body)).unwrap();
+/// assert!(below.is_empty(), "it falls");
+/// ```
+///
+/// # Panics
+/// If [`StepPlugin`](crate::StepPlugin) was not added.
+pub fn supports<R>(world: &mut World, ask: impl FnOnce(Supports) -> R) -> R {
+    crate::ask::ask::<Supports, R>(world, ask)
+}
+
 impl Supports<'_, '_> {
-    /// What bears a body, the eldest first. Nothing bears what is static or kinematic.
+    /// The supports of a body, in order of spawning. Static and kinematic bodies have none.
     ///
     /// # Errors
-    /// Where it is no body.
-    pub fn supported_by(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+    /// [`NotABody`] if it is not a body.
+    pub fn supported_by(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let slot = self.contacts.slot(body)?;
         let Some(least) = self.least(slot) else {
             return Ok(Vec::new());
@@ -105,11 +125,11 @@ impl Supports<'_, '_> {
         Ok(bearings)
     }
 
-    /// What a body bears, the eldest first.
+    /// The bodies that a body supports, in order of spawning.
     ///
     /// # Errors
-    /// Where it is no body.
-    pub fn supports(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+    /// [`NotABody`] if it is not a body.
+    pub fn supports(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let slot = self.contacts.slot(body)?;
         let down = self.gravity.0.normalize_or_zero();
         let mut bearings = Vec::new();
@@ -121,19 +141,18 @@ impl Supports<'_, '_> {
         Ok(bearings)
     }
 
-    /// Less than this (N) is noise to the body in a slot; none bears what cannot fall.
+    /// The force below which a support is noise for a body, N. `None` for bodies that cannot fall.
     fn least(&self, slot: u32) -> Option<f32> {
         let body = self.contacts.table.get(slot)?;
         let weight = self.gravity.0.length() * body.gravity_scale.abs() / body.mass.inverse_mass;
         (body.is_dynamic() && weight.is_finite()).then_some(NOISE * weight)
     }
 
-    /// The ways that the weight of a body takes to what cannot fall, from the top down: each bearing once, with the share of that weight
-    /// which it gets.
+    /// The paths of a body's weight to the ground, from the top down: each support once, with the share of that weight that it carries.
     ///
     /// # Errors
-    /// Where it is no body.
-    pub fn load_path(&self, body: Entity) -> Result<Vec<Bearing>, NoBody> {
+    /// [`NotABody`] if it is not a body.
+    pub fn load_path(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let mut path = Vec::new();
         // Where each body's bearings stand in the path, and how many bear on it.
         let mut below: EntityHashMap<Range<usize>> = EntityHashMap::default();
@@ -175,11 +194,12 @@ impl Supports<'_, '_> {
         Ok(path)
     }
 
-    /// The bodies that stand on this one and on nothing else: whatever way their weight takes leads through it. The eldest first.
+    /// The bodies that only this body supports, directly or through others: all paths of their weight pass through it. In order of
+    /// spawning.
     ///
     /// # Errors
-    /// Where it is no body.
-    pub fn hanging_on(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+    /// [`NotABody`] if it is not a body.
+    pub fn supported_only_by(&self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         let down = self.gravity.0.normalize_or_zero();
         let mut search = Search {
             supports: self,
@@ -210,7 +230,7 @@ impl Supports<'_, '_> {
     ///
     /// # Errors
     /// Where it is no body.
-    pub fn structure(&self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+    pub fn structure(&self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         let slot = self.contacts.slot(body)?;
         let table = &*self.contacts.table;
         if !table.get(slot).is_some_and(BodyState::is_dynamic) {
@@ -235,11 +255,11 @@ impl Supports<'_, '_> {
     }
 }
 
-/// For what stands on one body alone.
+/// A search for bodies that only one body supports.
 struct Search<'a, 'w, 's> {
     supports: &'a Supports<'w, 's>,
     under: Entity,
-    /// What is known to stand on that alone, and what is known not to.
+    /// Bodies known to be supported only by it, and bodies known not to be.
     hangs: EntityHashSet,
     stands: EntityHashSet,
 }
@@ -249,8 +269,9 @@ impl Search<'_, '_, '_> {
         self.hangs.contains(&body) || self.stands.contains(&body)
     }
 
-    /// Looks for a way down that does not lead through the body. Where there is none, whatever was come through hangs on it too, and is told.
-    fn decide(&mut self, body: Entity) -> Result<Vec<Entity>, NoBody> {
+    /// Looks for a path down that does not pass through the body. If there is none, all bodies visited on the way are supported only by
+    /// it, and are returned.
+    fn decide(&mut self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         // From where each was come to.
         let mut from = EntityHashMap::from_iter([(body, body)]);
         let mut next = vec![body];
@@ -259,7 +280,7 @@ impl Search<'_, '_, '_> {
                 true => Vec::new(),
                 false => self.supports.supported_by(here)?,
             };
-            // What nothing bears is the ground, or falls by itself.
+            // A body without supports is the ground, or falls by itself.
             if by.is_empty() {
                 let (mut at, mut upper) = (here, from[&here]);
                 self.stands.insert(at);
@@ -283,7 +304,8 @@ impl Search<'_, '_, '_> {
     }
 }
 
-/// Bodies, each after all that bear on it, and whether some bear themselves in a circle; those come as they stand in the path.
+/// Bodies in an order in which each comes after all that it supports, and whether some support each other in a circle; those are in the
+/// order of the path.
 fn from_the_top(
     top: Entity,
     path: &[Bearing],

@@ -1,7 +1,7 @@
-//! Looking inside: shapes, boxes, contacts, impulses, anchors, islands, sleep and loads as lines, through [`bevy_gizmos`].
+//! Debug rendering: shapes, bounding boxes, contacts, impulses, anchors, islands, sleep and loads as lines, with [`bevy_gizmos`]. Needs
+//! the feature `gizmos`.
 //!
-//! Add [`PhysicsGizmosPlugin`] to an app that draws gizmos; what is drawn says [`PhysicsGizmos`], a gizmo config group, of which each kind
-//! is switched by itself:
+//! Add [`PhysicsGizmosPlugin`] to an app that draws gizmos. The gizmo config group [`PhysicsGizmos`] switches each kind of drawing:
 //!
 //! ```no_run
 //! use bevy_app::prelude::*;
@@ -41,7 +41,9 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::TransformSystems;
 use glam::Vec3;
 
-/// Draws what [`PhysicsGizmos`] asks for, in `PostUpdate`. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins).
+/// Draws the kinds of gizmos that [`PhysicsGizmos`] enables, in `PostUpdate`. It is not part of
+/// [`DrystonePlugins`](crate::DrystonePlugins).
+#[derive(Debug)]
 pub struct PhysicsGizmosPlugin;
 
 impl Plugin for PhysicsGizmosPlugin {
@@ -53,34 +55,34 @@ impl Plugin for PhysicsGizmosPlugin {
     }
 }
 
-/// What is drawn.
+/// The gizmo config group of physics: which kinds of gizmos are drawn. By default the shapes, with sleeping bodies paler.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, GizmoConfigGroup)]
 #[reflect(Default)]
 pub struct PhysicsGizmos {
-    /// The outlines of all shapes.
+    /// Draw the outlines of all shapes. Default: true.
     pub shapes: bool,
-    /// What sleeps is paler.
+    /// Draw sleeping bodies paler. Default: true.
     pub sleep: bool,
-    /// Each island that is awake has a colour.
+    /// Colour the bodies of each island that is awake. Default: false.
     pub islands: bool,
-    /// What a body bears of others as a colour, from blue, nothing, to red, ten times its own weight.
+    /// Colour each body by the weight that it supports: from blue for nothing to red for ten times its own weight. Default: false.
     pub loads: bool,
-    /// The boxes of the broadphase.
+    /// Draw the bounding boxes of the broadphase. Default: false.
     pub boxes: bool,
-    /// Contact points with their normals: green where they stick, red where they slip.
+    /// Draw contact points with their normals: green if they stick, red if they slip. Default: false.
     pub contacts: bool,
-    /// What presses at each point, and friction at each face, as rays.
+    /// Draw the normal force at each point, and the friction force at each face. Default: false.
     pub impulses: bool,
-    /// From the middle of a face that is anchored, by how much it has slipped since.
+    /// Draw the slip of each anchored face, from its middle. Default: false.
     pub anchors: bool,
-    /// How long a ray is for a force, m/N.
+    /// Length of the ray for a force, m/N. Default: 5e-5.
     pub metres_per_newton: f32,
-    /// How many times as large slips are drawn.
+    /// Magnification of slips, without unit. Default: 100.
     pub slip_scale: f32,
 }
 
 impl Default for PhysicsGizmos {
-    /// Shapes and sleep.
+    /// Shapes, with sleeping bodies paler.
     fn default() -> Self {
         Self {
             shapes: true,
@@ -107,15 +109,15 @@ const PRESSES: Color = Color::srgb(0.95, 0.90, 0.30);
 const RUBS: Color = Color::srgb(0.30, 0.80, 0.95);
 const SLIPPED: Color = Color::srgb(0.95, 0.30, 0.85);
 
-/// Golden angle, °: neighbours in number are far apart in hue.
+/// Golden angle, °: consecutive numbers are far apart in hue.
 const GOLDEN: f32 = 137.508;
 
-/// The half length of a point's cross and the length of its normal, m.
+/// Half length of the cross at a point, and length of its normal, m.
 const POINT: f32 = 0.02;
 const NORMAL: f32 = 0.1;
 
-/// Of bodies.
-pub fn shapes(
+/// Draws the shapes of bodies.
+fn shapes(
     mut gizmos: Gizmos<PhysicsGizmos>,
     config: Res<GizmoConfigStore>,
     (islands, gravity, contacts): (Res<Islands>, Res<Gravity>, Contacts),
@@ -165,8 +167,8 @@ fn load_color(contacts: &Contacts, gravity: &Gravity, entity: Entity, body: &Bod
     Color::hsl(240.0 * (1.0 - share.sqrt()), 0.9, 0.5)
 }
 
-/// Of the broadphase.
-pub fn boxes(
+/// Draws the boxes of the broadphase.
+fn boxes(
     mut gizmos: Gizmos<PhysicsGizmos>,
     config: Res<GizmoConfigStore>,
     broadphase: Res<Broadphase>,
@@ -179,8 +181,8 @@ pub fn boxes(
     }
 }
 
-/// Of pairs: points, forces, slips.
-pub fn contacts(
+/// Draws the points, forces and slips of contact pairs.
+fn contacts(
     mut gizmos: Gizmos<PhysicsGizmos>,
     config: Res<GizmoConfigStore>,
     table: Res<BodyTable>,

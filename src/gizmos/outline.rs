@@ -1,16 +1,16 @@
-//! The lines of a shape, in its body's frame.
+//! The outlines of shapes, in the frame of their body.
 
 use crate::collider::Collider;
 use glam::Vec3;
 use parry3d::shape::{SharedShape, TypedShape};
 
-/// Points around what is round.
+/// Number of points around a round shape.
 const ROUND: u32 = 24;
 
-/// A half-space is shown by lines so far about its origin, so far apart, m.
+/// Extent and spacing of the lines that show a half-space, m.
 const FIELD: i32 = 10;
 
-/// Of a collider.
+/// The lines of a collider.
 pub fn lines(collider: &Collider, mut line: impl FnMut([Vec3; 2])) {
     match collider.polyhedron() {
         Some(hull) => {
@@ -22,7 +22,7 @@ pub fn lines(collider: &Collider, mut line: impl FnMut([Vec3; 2])) {
     }
 }
 
-/// Of a box.
+/// The edges of a box.
 pub fn box_lines(mins: Vec3, maxs: Vec3, mut line: impl FnMut([Vec3; 2])) {
     let corner = |i: usize| {
         let side = |bit: usize| i >> bit & 1 == 1;
@@ -79,7 +79,7 @@ fn of_shape(shape: &SharedShape, line: &mut dyn FnMut([Vec3; 2])) {
                 });
             }
         }
-        // What is none of these is shown by its box.
+        // Other shapes are shown by their boxes.
         _ => {
             let aabb = shape.compute_local_aabb();
             box_lines(aabb.mins, aabb.maxs, line);

@@ -25,6 +25,10 @@ impl Plugin for HandPlugin {
                 .before(PhysicsSystems::Prepare),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        crate::plugin::check_step_plugin::<Self>(app);
+    }
 }
 
 fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {

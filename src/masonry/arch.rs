@@ -6,20 +6,20 @@ use crate::collider::Collider;
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 
-/// Part of a ring in the x–y plane, with radial joints, about the origin: semicircular unless said, springing from y = 0.
+/// A circular arch with radial joints in the x–y plane, around the origin. By default it is a semicircle that springs from y = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arch {
-    /// Of the middle of the ring, m.
+    /// Radius of the middle of the ring, m. Default: 3.
     pub radius: f32,
-    /// Along the radius, m.
+    /// Thickness along the radius, m. Default: 0.6.
     pub thickness: f32,
-    /// Along z, m.
+    /// Depth along z, m. Default: 1.
     pub depth: f32,
-    /// How many there are.
+    /// Number of voussoirs. Default: 15.
     pub voussoirs: u32,
-    /// From springing to springing, rad; π is half a ring.
+    /// Angle from springing to springing, rad. Default: π, half a ring.
     pub angle: f32,
-    /// Of each joint, and under both springers, m.
+    /// Width of each joint, and of the gaps under both springers, m. Default: 0.
     pub gap: f32,
 }
 
@@ -37,10 +37,10 @@ impl Default for Arch {
 }
 
 impl Arch {
-    /// Its voussoirs, from the right springing to the left.
+    /// The voussoirs, from the right springing to the left.
     ///
     /// # Errors
-    /// Where a size is no size, there are no voussoirs or too many, or each takes half a ring or more.
+    /// [`MasonryError`] if a size is invalid, there are no voussoirs or too many, or each of them spans half a ring or more.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         error::size("an arch's radius", self.radius)?;
         error::size("an arch's thickness", self.thickness)?;

@@ -1,7 +1,7 @@
-//! Bonds: how the bricks of a course lie, and how those of the next lie on them.
+//! Bonds: how the bricks of a course are arranged, and how courses overlap.
 //!
-//! A bond is counted in quarters of a brick's length: a stretcher has four, a header, which shows its end, two, and a closer, which is a header
-//! cut lengthwise, one. No joint may stand over another.
+//! A bond is counted in quarters of a brick's length. A stretcher has four quarters; a header, which shows its end, two; and a closer, a
+//! header cut lengthwise, one. No joint may stand over another.
 
 use super::MasonryError;
 
@@ -10,31 +10,32 @@ const STRETCHER: u32 = 4;
 const HEADER: u32 = 2;
 const CLOSER: u32 = 1;
 
-/// How the bricks of a wall lie on each other.
+/// The pattern in which the bricks of a wall are laid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Bond {
-    /// All joints above each other: what no mason would do, to see why.
+    /// Stack bond: all vertical joints are aligned. No mason would build it; it is there for comparison.
     Stack,
-    /// Stretchers, half a brick aside in every other course. Half a brick deep.
+    /// Running bond: stretchers, every other course shifted by half a brick. The wall is half a brick deep. The default.
     #[default]
     Running,
-    /// Courses of stretchers, two behind each other, and courses of headers. A brick deep.
+    /// English bond: courses of stretchers, two behind each other, alternate with courses of headers. The wall is a brick deep.
     English,
-    /// Stretchers, two behind each other, and headers by turns in each course; headers over the middle of stretchers. A brick deep.
+    /// Flemish bond: stretchers, two behind each other, and headers alternate in each course, with headers over the middle of stretchers.
+    /// The wall is a brick deep.
     Flemish,
 }
 
-/// A piece of a course, from its face to its back.
+/// A piece of a course, from front to back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
-    /// How much of the course it takes.
+    /// Its length along the course, in quarters of a brick.
     pub quarters: u32,
-    /// It goes through a wall that is a brick deep; of others two lie behind each other.
+    /// Whether it goes through a wall that is a brick deep. Of the other pieces two lie behind each other.
     pub through: bool,
 }
 
 impl Bond {
-    /// Walls of it are so many times as deep as a brick.
+    /// Depth of the wall in units of a brick's depth.
     pub fn depth(self) -> u32 {
         match self {
             Self::Stack | Self::Running => 1,
@@ -42,7 +43,7 @@ impl Bond {
         }
     }
 
-    /// The lengths at which it ends well, in quarters: the first, and from one to the next.
+    /// The lengths at which the bond can end, in quarters: the shortest, and the step from one to the next.
     fn lengths(self) -> [u32; 2] {
         match self {
             Self::Stack => [STRETCHER, STRETCHER],
@@ -52,7 +53,7 @@ impl Bond {
         }
     }
 
-    /// A length in quarters of a brick, where a wall of this bond can have it.
+    /// A length in quarters of a brick, if a wall of this bond can have it.
     pub(super) fn quarters(self, length: f32, brick: f32) -> Result<u32, MasonryError> {
         let quarter = 0.25 * brick;
         let count = length / quarter;
@@ -75,7 +76,7 @@ impl Bond {
         }
     }
 
-    /// Blocks in a course of such a length, at most.
+    /// Upper bound of the number of blocks in a course of this length.
     pub(super) fn most_blocks(self, quarters: u32) -> u64 {
         let quarters = u64::from(quarters);
         match self {
@@ -87,7 +88,7 @@ impl Bond {
         }
     }
 
-    /// The pieces of a course of such a length, which this bond can have.
+    /// The pieces of a course of this length, which must be possible for the bond.
     pub(super) fn course(self, course: u32, quarters: u32) -> Vec<Piece> {
         let odd = course % 2 == 1;
         let piece = |through| move |quarters| Piece { quarters, through };
@@ -124,7 +125,7 @@ impl Bond {
     }
 }
 
-/// Pieces by turns, after a first one where it is not nothing; the last is cut.
+/// Repeats the pieces `turns` after a first one (if it is not 0), and cuts the last to fit.
 fn fill(first: u32, turns: &[u32], mut quarters: u32) -> Vec<u32> {
     let mut pieces = Vec::new();
     let first = (first > 0).then_some(first);

@@ -1,19 +1,19 @@
-//! Two walls that meet.
+//! Corners of two walls.
 
 use super::{BRICK, Block, MasonryError, error, level};
 use glam::Vec3;
 
-/// Two walls in running bond that meet at a right angle and hold each other: in every other course the one goes on to the corner, in the
-/// others the other. Its outer edge stands on the origin; the walls go along x and z.
+/// Two walls in running bond that meet at a right angle and interlock: in every other course one of them goes on to the corner, in the
+/// others the other one. The outer edge of the corner stands at the origin, and the walls run along x and z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corner {
-    /// A brick's length, height and depth, m; it must be twice as long as deep.
+    /// Length, height and depth of a brick, m; it must be twice as long as deep. Default: [`BRICK`].
     pub brick: Vec3,
-    /// Of the walls along x and along z, from the outer edge, m; half bricks are possible.
+    /// Lengths of the walls along x and along z, from the outer edge, m; multiples of half a brick. Default: 4 and 4.
     pub lengths: [f32; 2],
-    /// How many there are.
+    /// Number of courses. Default: 6.
     pub courses: u32,
-    /// Under each course, m.
+    /// Gap under each course, m. Default: 0.
     pub vertical_gap: f32,
 }
 
@@ -29,10 +29,11 @@ impl Default for Corner {
 }
 
 impl Corner {
-    /// Its bricks, course by course.
+    /// The bricks, course by course from the ground.
     ///
     /// # Errors
-    /// Where a size is no size, a brick is not twice as long as deep, a wall does not end with a half or whole brick, or there are too many.
+    /// [`MasonryError`] if a size is invalid, a brick is not twice as long as deep, a wall does not end with a half or whole brick, or
+    /// there are too many bricks.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         let Vec3 {
             x: long,

@@ -6,20 +6,21 @@ use crate::collider::Collider;
 use glam::{Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-/// Part of a shell about the y axis, of rings of blocks, open at the top; a hemisphere that springs from y = 0 but for the opening. The blocks of a
-/// ring stand over those of the one below, so that all faces meet whole: half a block aside they would not, since a ring of flat faces is none of
-/// revolution.
+/// A spherical shell around the y axis, made of rings of blocks and open at the top. It springs from y = 0.
+///
+/// The blocks of a ring stand directly over those of the ring below, so that whole faces meet. Shifted by half a block they would not,
+/// because a ring of flat faces is not a surface of revolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dome {
-    /// Of the middle of the shell, m.
+    /// Radius of the middle of the shell, m. Default: 2.5.
     pub radius: f32,
-    /// Along the radius, m.
+    /// Thickness along the radius, m. Default: 0.5.
     pub thickness: f32,
-    /// One on the other.
+    /// Number of rings. Default: 6.
     pub rings: u32,
-    /// In each ring.
+    /// Number of blocks in each ring. Default: 16.
     pub blocks: u32,
-    /// From the axis to the edge of the opening, rad.
+    /// Angle from the axis to the edge of the opening, rad. Default: 0.25.
     pub opening: f32,
 }
 
@@ -36,11 +37,11 @@ impl Default for Dome {
 }
 
 impl Dome {
-    /// Its blocks, ring by ring from the ground.
+    /// The blocks, ring by ring from the ground.
     ///
     /// # Errors
-    /// Where a size is no size, there are fewer than three blocks in a ring or no ring, there are too many, or the opening leaves no
-    /// room for them.
+    /// [`MasonryError`] if a size is invalid, there are no rings or fewer than three blocks in a ring, there are too many blocks, or the
+    /// opening leaves no room for them.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         error::size("a dome's radius", self.radius)?;
         error::size("a dome's thickness", self.thickness)?;

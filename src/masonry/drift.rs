@@ -1,30 +1,29 @@
-//! What has moved besides what was edited.
+//! Movement since the last edit: which bodies have moved or gone besides those that were edited.
 
 use crate::body::{BodyIndex, BodyTable, Pose, RigidBody};
 use crate::preview::Moved;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 
-/// A body has moved when a point of it has come farther than this share of its radius, as in a
-/// [preview](crate::preview::PreviewSettings::moved).
+/// Minimum movement that counts, as a share of a body's radius; as in [previews](crate::preview::PreviewSettings::movement_threshold).
 const SHARE: f32 = 0.05;
 
-/// Where bodies were when somebody looked last.
+/// The poses of bodies at the last look.
 #[derive(Debug, Default)]
 pub(super) struct Watched {
     poses: EntityHashMap<Pose>,
 }
 
-/// What has become of bodies since then.
+/// The changes of bodies since a look.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drift {
-    /// With the bodies' radii, m.
+    /// Bodies that have moved, with their radii, m.
     moved: EntityHashMap<(Moved, f32)>,
     gone: EntityHashSet,
 }
 
 impl Watched {
-    /// Looks, and tells what has changed since the last look.
+    /// Notes all poses, and returns the changes since the last look.
     pub fn look(&mut self, world: &mut World) -> Drift {
         let mut drift = Drift::default();
         let mut seen = EntityHashSet::default();
@@ -53,7 +52,7 @@ impl Watched {
         drift
     }
 
-    /// What has become of these since is nobody's news: an edit is about them.
+    /// Forgets these bodies, so that their changes are not reported: an edit is about them.
     pub fn forget(&mut self, bodies: &[Entity]) {
         for body in bodies {
             self.poses.remove(body);
@@ -62,7 +61,7 @@ impl Watched {
 }
 
 impl Drift {
-    /// What came after this, of all bodies but some.
+    /// Adds later changes to these, and drops those of the bodies `but`.
     pub fn go_on(&mut self, next: Self, but: &[Entity]) {
         for (body, moved) in next.moved {
             let known = self.moved.entry(body).or_insert(moved);
@@ -75,7 +74,7 @@ impl Drift {
         }
     }
 
-    /// Bodies that are there and elsewhere now, and bodies that are gone, but for some.
+    /// The bodies that are elsewhere now and the bodies that are gone, except those in `but`.
     pub fn told(&self, but: &[Entity]) -> (Vec<Moved>, Vec<Entity>) {
         let is_other = |body: &Entity| !but.contains(body);
         let moved = self.moved.values();

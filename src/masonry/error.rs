@@ -1,29 +1,29 @@
-//! What cannot be built.
+//! Errors of masonry generators.
 
-use super::MOST_BLOCKS;
+use super::MAX_BLOCKS;
 use std::fmt;
 
-/// Why something cannot be built.
+/// Why a structure cannot be built.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MasonryError {
-    /// A size, a gap or an angle is negative, zero where it must not be, not finite, or too large, as named.
+    /// The named size, gap or angle is negative, not finite, too large, or zero where it must not be.
     InvalidSize(&'static str),
-    /// Nothing is to be built: no course, no block, no ring, as named.
+    /// There is nothing to build: no course, block or ring, as named.
     Nothing(&'static str),
-    /// A length at which the bond cannot end; the next that it can, shorter and longer, m. There is no shorter one where it is 0.
+    /// The bond cannot end at this length.
     NoRoom {
-        /// What was asked for, m.
+        /// The length asked for, m.
         length: f32,
-        /// The next below and above, m.
+        /// The nearest possible lengths below and above, m. The first is 0 if there is no shorter one.
         nearest: [f32; 2],
     },
-    /// A corner wants bricks that are half as deep as long.
+    /// The bricks of a corner must be half as deep as they are long.
     NotHalfAsDeep,
-    /// An opening is not inside its wall, leaves a piece of less than a quarter of a brick, or meets another; by its place in the list.
+    /// The opening with this index is not inside its wall, leaves a piece of less than a quarter of a brick, or meets another opening.
     BadOpening(usize),
-    /// A voussoir, or a block of a dome, has no volume.
+    /// A voussoir, or a block of a dome, would have no volume.
     DegenerateBlock,
-    /// More blocks than [`MOST_BLOCKS`](super::MOST_BLOCKS) at once: so many, or a few less.
+    /// The structure would have about this many blocks, more than [`MAX_BLOCKS`](super::MAX_BLOCKS).
     TooMany(u64),
 }
 
@@ -60,7 +60,7 @@ impl fmt::Display for MasonryError {
             }
             Self::TooMany(blocks) => write!(
                 f,
-                "{blocks} blocks, more than {MOST_BLOCKS} at once: build it in parts"
+                "{blocks} blocks, more than {MAX_BLOCKS} at once: build it in parts"
             ),
         }
     }
@@ -68,19 +68,19 @@ impl fmt::Display for MasonryError {
 
 impl std::error::Error for MasonryError {}
 
-/// A size that may be.
+/// Checks that a number is a valid size.
 pub(super) fn size(what: &'static str, number: f32) -> Result<(), MasonryError> {
     bounded(what, number, 1e-3)
 }
 
-/// A gap that may be.
+/// Checks that a number is a valid gap.
 pub(super) fn gap(what: &'static str, number: f32) -> Result<(), MasonryError> {
     bounded(what, number, 0.0)
 }
 
-/// As many blocks as may be. To be asked before any is made.
+/// Checks that a number of blocks is allowed. Call it before making any.
 pub(super) fn count(blocks: u64) -> Result<(), MasonryError> {
-    match blocks <= MOST_BLOCKS {
+    match blocks <= MAX_BLOCKS {
         true => Ok(()),
         false => Err(MasonryError::TooMany(blocks)),
     }

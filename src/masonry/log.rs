@@ -1,4 +1,4 @@
-//! Edits that can be taken back.
+//! Undo and redo of edits.
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
@@ -12,11 +12,13 @@ use crate::body::{BodyTable, Pose, RigidBody, Velocity, local_pose};
 use crate::grab::Grab;
 use crate::preview::Moved;
 
-/// A list of edits to bodies, with undo and redo. A body that is taken is not despawned but disabled, with all below it, so that it comes back as it was,
-/// as the same entity: to the bit, and the bodies around it as well if they have not moved in the meantime.
+/// A list of edits to bodies with undo and redo. Edits made through it can be taken back.
 ///
-/// Undo puts back the bodies that the edit took, put or placed, however far they or others have fallen since, and no others: it
-/// [says](Edited) which others have moved since the edit.
+/// A removed body is disabled and not despawned, together with its descendants. Undo therefore brings back the same entity in the same
+/// state, to the bit; the bodies around it are unaffected as well if they have not moved in the meantime.
+///
+/// Undo restores the bodies that the edit removed, moved or placed, however far they or others have moved since. It leaves other bodies
+/// where they are, and [reports](EditReport) which of them have moved since the edit.
 ///
 /// ```
 /// use bevy_transform::components::Transform;
@@ -29,9 +31,9 @@ use crate::preview::Moved;
 /// let mut log = EditLog::default();
 /// let brick = (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5));
 /// let brick = world.spawn((brick, Transform::from_xyz(0.0, 0.25, 0.0))).id();
-/// log.placed(world, &[brick]).unwrap();
-/// log.put(world, brick, Transform::from_xyz(3.0, 0.25, 0.0)).unwrap();
-/// log.take(world, &[brick]).unwrap();
+/// log.record_placed(world, &[brick]).unwrap();
+/// log.move_to(world, brick, Transform::from_xyz(3.0, 0.25, 0.0)).unwrap();
+/// log.remove(world, &[brick]).unwrap();
 /// log.undo(world).unwrap();
 /// let undone = log.undo(world).unwrap().unwrap();
 /// assert_eq!(undone.bodies, [brick]);
@@ -42,66 +44,66 @@ use crate::preview::Moved;
 #[derive(Resource, Debug, Default)]
 pub struct EditLog {
     done: VecDeque<Entry>,
-    undone: Vec<Edit>,
+    undone: Vec<Operation>,
     watched: Watched,
 }
 
 /// An edit that has been made.
 #[derive(Debug)]
 struct Entry {
-    edit: Edit,
-    /// What has changed since, until the next one was made.
+    edit: Operation,
+    /// The changes of other bodies since this edit, until the next one.
     since: Drift,
 }
 
-/// One edit.
+/// One edit, with what is needed to undo and redo it.
 #[derive(Debug)]
-enum Edit {
+enum Operation {
     Placed {
-        /// Where and how fast they were when they were placed.
+        /// The poses and velocities of the bodies when they were placed.
         bodies: Vec<(Entity, Transform, Velocity)>,
-        /// The entities that its undoing has disabled.
+        /// The entities that undoing it has disabled.
         disabled: Vec<Entity>,
     },
-    Taken {
+    Removed {
         bodies: Vec<Entity>,
-        /// The entities that it has disabled: not those that were before.
+        /// The entities that it has disabled, without those that were disabled before.
         disabled: Vec<Entity>,
     },
-    Put {
+    Moved {
         body: Entity,
         before: (Transform, Velocity),
         after: Transform,
     },
 }
 
-/// What an edit that was undone, or made again, was about, and what else has changed.
+/// The bodies of an edit that was undone or redone, and the other bodies that have changed since.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Edited {
-    /// The bodies that it took, put or placed.
+pub struct EditReport {
+    /// The bodies that the edit removed, moved or placed.
     pub bodies: Vec<Entity>,
-    /// Other dynamic bodies that have moved since the edit was made, or, where it was made again, since the last use of the log: by more than a
-    /// twentieth of their radius. They are left where they are now, `to`; to put them back, [put](EditLog::put) them where they were, `from`.
+    /// Other dynamic bodies that have moved by more than a twentieth of their radius: since the edit was made, or for a redo since the
+    /// last use of the log. They are left at `to`. To move them back, call [`EditLog::move_to`] with `from`.
     pub moved: Vec<Moved>,
-    /// Other dynamic bodies that are gone or disabled since then.
+    /// Other dynamic bodies that were despawned or disabled since then.
     pub gone: Vec<Entity>,
 }
 
-/// Why an edit is not made, or not taken back.
+/// Why an edit cannot be made or undone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EditError {
-    /// No body: it has no [`RigidBody`], or is gone.
-    NoBody(Entity),
-    /// No body is named.
+    /// The entity has no [`RigidBody`], or no longer exists.
+    NotABody(Entity),
+    /// The list of bodies is empty.
     Nothing,
-    /// A place or turn that is not finite.
+    /// The transform is not finite.
     NotFinite,
 }
 
 impl fmt::Display for EditError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoBody(entity) => write!(f, "{entity} is no body, or is gone"),
+            Self::NotABody(entity) => write!(f, "{entity} is no body, or is gone"),
             Self::Nothing => f.write_str("an edit of no body"),
             Self::NotFinite => {
                 f.write_str("a body is to be put where no place is: its `Transform` is not finite")
@@ -113,14 +115,14 @@ impl fmt::Display for EditError {
 impl std::error::Error for EditError {}
 
 impl EditLog {
-    /// Edits that are kept; the oldest are forgotten.
-    pub const LONGEST: usize = 1000;
+    /// Maximum number of edits that are kept. Older ones are forgotten.
+    pub const MAX_EDITS: usize = 1000;
 
-    /// Notes that bodies have been spawned, as one edit.
+    /// Records that bodies have been spawned, as one edit.
     ///
     /// # Errors
-    /// Where one is no body, or there is none.
-    pub fn placed(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
+    /// [`EditError`] if an entity is not a body, or the list is empty.
+    pub fn record_placed(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
         check(world, bodies)?;
         self.look(world);
         let place = |&body: &Entity| {
@@ -129,28 +131,28 @@ impl EditLog {
         };
         let bodies = bodies.iter().map(place).collect();
         let disabled = Vec::new();
-        self.note(world, Edit::Placed { bodies, disabled });
+        self.note(world, Operation::Placed { bodies, disabled });
         Ok(())
     }
 
-    /// Takes bodies away, as one edit.
+    /// Removes bodies, as one edit.
     ///
     /// # Errors
-    /// Where one is no body, or there is none; nothing is taken then.
-    pub fn take(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
+    /// [`EditError`] if an entity is not a body, or the list is empty. Nothing is removed then.
+    pub fn remove(&mut self, world: &mut World, bodies: &[Entity]) -> Result<(), EditError> {
         check(world, bodies)?;
         self.look(world);
         let disabled = disable(world, bodies);
         let bodies = bodies.into();
-        self.note(world, Edit::Taken { bodies, disabled });
+        self.note(world, Operation::Removed { bodies, disabled });
         Ok(())
     }
 
-    /// Puts a body elsewhere, at rest; where it is the child of another, in the frame of that. A hand that holds it lets go.
+    /// Moves a body to a transform, at rest. For a child this is its local transform. A hand that holds the body lets go.
     ///
     /// # Errors
-    /// Where it is no body, or is put where no place is.
-    pub fn put(
+    /// [`EditError`] if the entity is not a body, or the transform is not finite.
+    pub fn move_to(
         &mut self,
         world: &mut World,
         body: Entity,
@@ -166,7 +168,7 @@ impl EditLog {
         set(world, body, after, Velocity::default())?;
         self.note(
             world,
-            Edit::Put {
+            Operation::Moved {
                 body,
                 before,
                 after,
@@ -175,17 +177,17 @@ impl EditLog {
         Ok(())
     }
 
-    /// Takes the last edit back: its bodies are where they were before it. None where there is no edit.
+    /// Undoes the last edit: its bodies are where they were before it. Returns `None` if there is no edit.
     ///
     /// # Errors
-    /// Where somebody has despawned one of its bodies; the edit is forgotten then, and what is left of it taken back.
-    pub fn undo(&mut self, world: &mut World) -> Result<Option<Edited>, EditError> {
+    /// [`EditError`] if one of its bodies has been despawned. The rest of the edit is undone, and the edit is forgotten.
+    pub fn undo(&mut self, world: &mut World) -> Result<Option<EditReport>, EditError> {
         self.look(world);
         let Some(Entry { mut edit, since }) = self.done.pop_back() else {
             return Ok(None);
         };
         let bodies = edit.bodies();
-        let edited = Edited::new(&bodies, &since);
+        let edited = EditReport::new(&bodies, &since);
         if let Some(before) = self.done.back_mut() {
             before.since.go_on(since, &bodies);
         }
@@ -195,34 +197,34 @@ impl EditLog {
         Ok(Some(edited))
     }
 
-    /// Makes the edit again that was taken back last: its bodies are where it put them. None where there is no such edit.
+    /// Redoes the edit that was undone last: its bodies are where it put them. Returns `None` if there is no such edit.
     ///
     /// # Errors
     /// As [`Self::undo`].
-    pub fn redo(&mut self, world: &mut World) -> Result<Option<Edited>, EditError> {
+    pub fn redo(&mut self, world: &mut World) -> Result<Option<EditReport>, EditError> {
         let drift = self.look(world);
         let Some(mut edit) = self.undone.pop() else {
             return Ok(None);
         };
         let bodies = edit.bodies();
-        let edited = Edited::new(&bodies, &drift);
+        let edited = EditReport::new(&bodies, &drift);
         self.watched.forget(&bodies);
         edit.turn(world, true)?;
         self.push(edit);
         Ok(Some(edited))
     }
 
-    /// How many edits can be taken back, and made again.
+    /// The numbers of edits that can be undone and redone.
     pub fn len(&self) -> [usize; 2] {
         [self.done.len(), self.undone.len()]
     }
 
-    /// True where nothing can be taken back or made again.
+    /// Returns true if nothing can be undone or redone.
     pub fn is_empty(&self) -> bool {
         self.len() == [0; 2]
     }
 
-    /// Forgets all edits: what was taken is gone for good.
+    /// Forgets all edits. Removed bodies are despawned.
     pub fn clear(&mut self, world: &mut World) {
         self.forget_undone(world);
         for entry in std::mem::take(&mut self.done) {
@@ -231,7 +233,7 @@ impl EditLog {
         self.watched = Watched::default();
     }
 
-    /// Notes what has changed since the last use.
+    /// Notes what has changed since the last use of the log.
     fn look(&mut self, world: &mut World) -> Drift {
         let drift = self.watched.look(world);
         if let Some(last) = self.done.back_mut() {
@@ -240,18 +242,18 @@ impl EditLog {
         drift
     }
 
-    fn note(&mut self, world: &mut World, edit: Edit) {
+    fn note(&mut self, world: &mut World, edit: Operation) {
         self.forget_undone(world);
         self.watched.forget(&edit.bodies());
         self.push(edit);
-        if self.done.len() > Self::LONGEST
+        if self.done.len() > Self::MAX_EDITS
             && let Some(oldest) = self.done.pop_front()
         {
             oldest.edit.forget(world, true);
         }
     }
 
-    fn push(&mut self, edit: Edit) {
+    fn push(&mut self, edit: Operation) {
         let since = Drift::default();
         self.done.push_back(Entry { edit, since });
     }
@@ -263,7 +265,7 @@ impl EditLog {
     }
 }
 
-impl Edited {
+impl EditReport {
     fn new(bodies: &[Entity], drift: &Drift) -> Self {
         let (moved, gone) = drift.told(bodies);
         Self {
@@ -274,16 +276,16 @@ impl Edited {
     }
 }
 
-impl Edit {
+impl Operation {
     fn bodies(&self) -> Vec<Entity> {
         match self {
             Self::Placed { bodies, .. } => bodies.iter().map(|(body, ..)| *body).collect(),
-            Self::Taken { bodies, .. } => bodies.clone(),
-            Self::Put { body, .. } => vec![*body],
+            Self::Removed { bodies, .. } => bodies.clone(),
+            Self::Moved { body, .. } => vec![*body],
         }
     }
 
-    /// Makes it, or takes it back.
+    /// Redoes the edit (`make`) or undoes it.
     fn turn(&mut self, world: &mut World, make: bool) -> Result<(), EditError> {
         let named = self.bodies();
         match self {
@@ -295,9 +297,9 @@ impl Edit {
                 }
             }
             Self::Placed { disabled, .. } => *disabled = disable(world, &named),
-            Self::Taken { disabled, .. } if make => *disabled = disable(world, &named),
-            Self::Taken { disabled, .. } => enable(world, std::mem::take(disabled)),
-            Self::Put {
+            Self::Removed { disabled, .. } if make => *disabled = disable(world, &named),
+            Self::Removed { disabled, .. } => enable(world, std::mem::take(disabled)),
+            Self::Moved {
                 body,
                 before,
                 after,
@@ -309,11 +311,11 @@ impl Edit {
         check(world, &named)
     }
 
-    /// Nobody can call back what it has disabled.
+    /// Despawns the bodies that it has disabled, which can no longer come back.
     fn forget(self, world: &mut World, made: bool) {
         let named = self.bodies();
         let disabled = match (self, made) {
-            (Self::Taken { disabled, .. }, true) | (Self::Placed { disabled, .. }, false) => {
+            (Self::Removed { disabled, .. }, true) | (Self::Placed { disabled, .. }, false) => {
                 disabled
             }
             _ => return,
@@ -334,7 +336,7 @@ fn check(world: &World, bodies: &[Entity]) -> Result<(), EditError> {
     }
     let mut missing = bodies.iter();
     match missing.find(|body| world.get::<RigidBody>(**body).is_none()) {
-        Some(&body) => Err(EditError::NoBody(body)),
+        Some(&body) => Err(EditError::NotABody(body)),
         None => Ok(()),
     }
 }
@@ -392,7 +394,7 @@ fn set(
 ) -> Result<(), EditError> {
     let mut entity = world
         .get_entity_mut(body)
-        .map_err(|_| EditError::NoBody(body))?;
+        .map_err(|_| EditError::NotABody(body))?;
     entity.insert((transform, velocity)).remove::<Grab>();
     Ok(())
 }

@@ -1,8 +1,8 @@
-//! Building: walls in bonds, corners, openings, arches, domes and more, as [`Block`]s, which are shapes and poses; [`snap`], which finds the place of
-//! a brick in a bond; and [`EditLog`], which takes edits back.
+//! Masonry generators: walls in bonds, corners, openings, arches, domes and more, as lists of [`Block`]s; [`snap`], which finds the place
+//! of a brick in a bond; and [`EditLog`], which undoes and redoes edits.
 //!
-//! Lengths are in metres. What is built stands on y = 0 with its middle at x = 0, z = 0 unless said, its courses level; [`Block::moved`] takes it
-//! elsewhere.
+//! Lengths are in metres. Unless stated otherwise, a structure stands on y = 0 with its middle at x = 0, z = 0, and its courses are
+//! level. Use [`Block::moved`] to put it elsewhere.
 //!
 //! ```
 //! use drystone::masonry::{Bond, Opening, Wall};
@@ -40,7 +40,7 @@ pub use bond::Bond;
 pub use corner::Corner;
 pub use dome::Dome;
 pub use error::MasonryError;
-pub use log::{EditError, EditLog, Edited};
+pub use log::{EditError, EditLog, EditReport};
 pub use snap::{Snapped, snap};
 pub use stacks::{CardHouse, Pyramid, Tower};
 pub use wall::{Opening, Wall};
@@ -52,23 +52,24 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
 
-/// A brick's length (x), height (y) and depth (z), m: twice as long as deep, as bonds want it.
+/// Default size of a brick: length (x), height (y) and depth (z), m. It is twice as long as deep, as bonds require.
 pub const BRICK: Vec3 = Vec3::new(1.0, 0.5, 0.5);
 
-/// Blocks of one building, at most. Ten times as many as a scene may well have; a count beyond is a mistake, and would take all memory.
-pub const MOST_BLOCKS: u64 = 1_000_000;
+/// Maximum number of blocks of one structure. It is ten times what a scene can reasonably hold; more is a mistake and would exhaust
+/// memory.
+pub const MAX_BLOCKS: u64 = 1_000_000;
 
-/// A shape where it is to stand.
+/// A shape and the pose at which it is to stand.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Its shape.
+    /// The shape.
     pub collider: Collider,
-    /// Its pose.
+    /// The pose, world.
     pub pose: Pose,
 }
 
 impl Block {
-    /// A box by its full edge lengths, upright, with its middle at a place.
+    /// An upright box with these full edge lengths, m, centred at a position.
     pub(crate) fn cuboid(size: Vec3, position: Vec3) -> Self {
         Self {
             collider: Collider::cuboid(size.x, size.y, size.z),
@@ -79,7 +80,8 @@ impl Block {
         }
     }
 
-    /// The same elsewhere: its place and turn are those in the frame of a pose.
+    /// The same block with its pose taken as relative to `frame`.
+    #[must_use]
     pub fn moved(mut self, frame: &Pose) -> Self {
         self.pose = Pose {
             position: frame.transform_point(self.pose.position),
@@ -88,8 +90,8 @@ impl Block {
         self
     }
 
-    /// What to spawn: a dynamic body, or with another [`RigidBody`] beside it a body of that kind, as in
-    /// `(block.bundle(), RigidBody::Static)`.
+    /// The components to spawn: a dynamic body. For another kind add a [`RigidBody`] to the bundle, as in `(block.bundle(),
+    /// RigidBody::Static)`.
     pub fn bundle(self) -> impl Bundle {
         let Pose { position, rotation } = self.pose;
         let at = Transform::from_translation(position).with_rotation(rotation);
@@ -97,13 +99,13 @@ impl Block {
     }
 }
 
-/// A body that was spawned from a [`Block`]. It requires a [`RigidBody`], which is dynamic by default.
+/// Marker of bodies that were spawned from a [`Block`]. It requires a [`RigidBody`], which is dynamic by default.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[require(RigidBody)]
 pub struct Laid;
 
-/// Widths of what stands side by side, with a gap between neighbours, about the middle: the middle of each.
+/// The middle of each of some widths laid side by side, with a gap between neighbours, around the origin.
 fn side_by_side(widths: &[f32], gap: f32) -> impl Iterator<Item = f32> {
     let all: f32 = widths.iter().sum::<f32>() + gap * (widths.len().max(1) - 1) as f32;
     let mut start = -0.5 * all;
@@ -114,12 +116,12 @@ fn side_by_side(widths: &[f32], gap: f32) -> impl Iterator<Item = f32> {
     })
 }
 
-/// Height of the middle of a course of blocks of some height, with a gap under each.
+/// Height of the middle of a course, for blocks of one height with a gap under each course, m.
 fn level(course: u32, height: f32, gap: f32) -> f32 {
     gap + 0.5 * height + course as f32 * (height + gap)
 }
 
-/// About the vertical.
+/// A quarter turn around the vertical.
 fn quarter_turn() -> Quat {
     Quat::from_rotation_y(std::f32::consts::FRAC_PI_2)
 }

@@ -1,26 +1,31 @@
-//! The place of a brick in a bond.
+//! Snapping: the place of a brick in a bond.
 
 use super::quarter_turn;
 use crate::body::Pose;
 use glam::{Quat, Vec3};
 
-/// A brick that lies beside another overlaps it by this share of the shorter of the two at least.
+/// Minimum overlap of a brick with the one beside it, as a share of the shorter of the two.
 const HOLD: f32 = 0.2;
 
-/// Where a brick would go.
+/// The place that [`snap`] has found for a brick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapped {
-    /// Its pose.
+    /// The pose of the brick, world.
     pub pose: Pose,
-    /// It is laid on top, and not beside.
+    /// Whether the brick lies on top of the other; otherwise it lies beside it.
     pub on_top: bool,
 }
 
-/// The place for a box that somebody points at another with: on top of it, half a brick aside, flush or in the middle, whichever is nearest to
-/// the point; or beside it in the same course, face to face. None under it, and none where a number is not finite or a size not positive.
+/// Finds the place of a brick that a user wants to lay on or beside another box, from the point of that box that the user points at.
 ///
-/// `brick` is the full size of what is laid, `turned` whether it is to lie across; `under` is the pose of the box pointed at, upright in its own
-/// frame, `size` its full size, and `point` and `normal` where it is pointed at and the surface there (world).
+/// If the top is pointed at, the brick goes on top: flush, in the middle, or shifted by half a brick, whichever is nearest to the point.
+/// If a side is pointed at, the brick goes beside the box in the same course, face to face. Returns `None` for the bottom, and if a
+/// number is not finite or a size is not positive.
+///
+/// - `brick`: full size of the brick, m.
+/// - `turned`: whether it lies across, turned by 90° around the vertical.
+/// - `under`, `size`: pose (world) and full size (m) of the box that is pointed at. It is upright in its own frame.
+/// - `point`, `normal`: the point that is pointed at (m) and the surface normal there, world.
 ///
 /// ```
 /// use drystone::masonry::{BRICK, snap};
@@ -34,6 +39,7 @@ pub struct Snapped {
 /// let place = snap(BRICK, false, &lies, BRICK, Vec3::new(0.5, 0.3, 0.1), Vec3::X).unwrap();
 /// assert_eq!(place.pose.position, Vec3::new(1.0, 0.25, 0.0));
 /// ```
+#[must_use]
 pub fn snap(
     brick: Vec3,
     turned: bool,
@@ -82,8 +88,8 @@ pub fn snap(
     })
 }
 
-/// Of the places at which the ends of two stretches of half lengths `own` and `other` are flush, or so many steps aside, the nearest
-/// to a point.
+/// The position nearest to `point` at which the ends of two boxes of half lengths `own` and `other` are flush, or a whole number of steps
+/// from that.
 fn nearest(own: f32, other: f32, step: f32, point: f32) -> f32 {
     let flush = other - own;
     let most = own + other - 2.0 * HOLD * own.min(other);

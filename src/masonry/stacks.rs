@@ -1,23 +1,23 @@
-//! Pyramids, towers, and houses of cards.
+//! Pyramids, towers and houses of cards.
 
 use super::{Block, MasonryError, error, level, quarter_turn, side_by_side};
 use glam::{Quat, Vec3};
 
-/// Rows of cubes along x, each of one fewer than the one below.
+/// A pyramid of cubes in rows along x, each row with one cube fewer than the row below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pyramid {
-    /// Cubes in the lowest row.
+    /// Number of cubes in the lowest row.
     pub base: u32,
-    /// Edge, m.
+    /// Edge length of a cube, m.
     pub cube: f32,
-    /// Between neighbours in a row, m.
+    /// Gap between neighbours in a row, m.
     pub lateral_gap: f32,
-    /// Under each row, m.
+    /// Gap under each row, m.
     pub vertical_gap: f32,
 }
 
 impl Pyramid {
-    /// Of cubes of 1 m without gaps.
+    /// A pyramid of cubes of 1 m without gaps.
     pub fn new(base: u32) -> Self {
         Self {
             base,
@@ -27,10 +27,10 @@ impl Pyramid {
         }
     }
 
-    /// Its cubes, row by row from the ground.
+    /// The cubes, row by row from the ground.
     ///
     /// # Errors
-    /// Where a size is no size, or there are no cubes or too many.
+    /// [`MasonryError`] if a size is invalid, or there are no cubes or too many.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         error::size("a cube", self.cube)?;
         error::gap("the lateral gap", self.lateral_gap)?;
@@ -51,16 +51,17 @@ impl Pyramid {
     }
 }
 
-/// A tower of planks, three in a layer, each layer across the one below: what one takes planks out of, and lays them on top.
+/// A tower of planks, three in a layer, each layer across the one below, as in the game in which players pull planks out and lay them on
+/// top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tower {
-    /// How many there are.
+    /// Number of layers. Default: 18.
     pub layers: u32,
-    /// A plank's length, height and depth, m. Three depths and two gaps are best a length.
+    /// Length, height and depth of a plank, m. Three depths and two gaps should add up to a length. Default: (0.75, 0.15, 0.245).
     pub plank: Vec3,
-    /// Between planks of a layer, m.
+    /// Gap between the planks of a layer, m. Default: 0.0075.
     pub lateral_gap: f32,
-    /// Under each layer, m.
+    /// Gap under each layer, m. Default: 0.
     pub vertical_gap: f32,
 }
 
@@ -77,10 +78,10 @@ impl Default for Tower {
 }
 
 impl Tower {
-    /// Its planks, layer by layer from the ground; of a layer from one side to the other.
+    /// The planks, layer by layer from the ground, and within a layer from one side to the other.
     ///
     /// # Errors
-    /// Where a size is no size, or there are no layers or too many.
+    /// [`MasonryError`] if a size is invalid, or there are no layers or too many.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         for size in self.plank.to_array() {
             error::size("a plank", size)?;
@@ -110,16 +111,17 @@ impl Tower {
     }
 }
 
-/// Leaning pairs of cards; a flat card over each level but the last carries the next, which has one pair fewer.
+/// A house of cards: leaning pairs of cards, with a flat card over each level but the last. Each level has one pair fewer than the level
+/// below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CardHouse {
-    /// How many there are.
+    /// Number of levels. Default: 3.
     pub levels: u32,
-    /// A card's length, thickness and width, m.
+    /// Length, thickness and width of a card, m. Default: (1, 0.06, 0.7).
     pub card: Vec3,
-    /// How far cards lean, rad.
+    /// Angle of leaning cards from the vertical, rad. Default: 15°.
     pub lean: f32,
-    /// Between all that touch, m.
+    /// Gap between cards that would touch, m. Default: 0.
     pub gap: f32,
 }
 
@@ -135,10 +137,10 @@ impl Default for CardHouse {
 }
 
 impl CardHouse {
-    /// Its cards, level by level from the ground.
+    /// The cards, level by level from the ground.
     ///
     /// # Errors
-    /// Where a size is no size, or there are no levels or too many.
+    /// [`MasonryError`] if a size is invalid, or there are no levels or too many.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         for size in self.card.to_array() {
             error::size("a card", size)?;

@@ -1,47 +1,47 @@
-//! Straight walls, with openings.
+//! Straight walls with openings.
 
 use super::bond::Piece;
 use super::{BRICK, Block, Bond, MasonryError, error, level, side_by_side};
 use glam::Vec3;
 use std::ops::Range;
 
-/// The narrowest piece that is cut beside an opening, as a share of a brick's length.
+/// Length of the shortest piece that may be cut beside an opening, as a share of a brick's length.
 const SLIVER: f32 = 0.24;
 
 /// A straight wall along x.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
-    /// How its bricks lie.
+    /// The bond in which its bricks are laid.
     pub bond: Bond,
-    /// A brick's length, height and depth, m.
+    /// Length, height and depth of a brick, m.
     pub brick: Vec3,
-    /// From end to end without gaps, m.
+    /// Length from end to end without gaps, m. The bond must be able to end there.
     pub length: f32,
-    /// How many there are.
+    /// Number of courses.
     pub courses: u32,
-    /// Between neighbours in a course, m.
+    /// Gap between neighbours in a course, m.
     pub lateral_gap: f32,
-    /// Under each course, m.
+    /// Gap under each course, m.
     pub vertical_gap: f32,
     /// Doors and windows.
     pub openings: Vec<Opening>,
 }
 
-/// A hole in a wall, with a beam over it.
+/// An opening in a wall with a lintel over it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
-    /// From the left end of the wall, m.
+    /// Left edge, measured from the left end of the wall, m.
     pub from: f32,
-    /// Likewise.
+    /// Right edge, measured from the left end of the wall, m.
     pub to: f32,
-    /// Which are open; the lintel lies in the one above them.
+    /// The courses that are open, counted from 0. The lintel lies in the course above them.
     pub courses: Range<u32>,
-    /// How far the lintel reaches into the wall on each side, m.
+    /// Length of the lintel's bearing on the wall at each side, m.
     pub bearing: f32,
 }
 
 impl Wall {
-    /// Five bricks of 1 × 0.5 × 0.5 m long, six courses high, without gaps or openings.
+    /// A wall in this bond: five bricks of [`BRICK`] long (5.5 in Flemish bond), six courses high, without gaps or openings.
     pub fn new(bond: Bond) -> Self {
         Self {
             bond,
@@ -55,10 +55,11 @@ impl Wall {
         }
     }
 
-    /// Its bricks, course by course from the ground, from left to right.
+    /// The bricks, course by course from the ground, from left to right; the lintels of a course come last.
     ///
     /// # Errors
-    /// Where a size is no size, the bond has no room at the end, there are too many bricks, or an opening is where it cannot be.
+    /// [`MasonryError`] if a size is invalid, the bond cannot end at the wall's length, there are too many bricks, or an opening is
+    /// invalid.
     pub fn blocks(&self) -> Result<Vec<Block>, MasonryError> {
         for (what, size) in [
             ("a brick's length", self.brick.x),
@@ -107,7 +108,7 @@ impl Wall {
         Ok(blocks)
     }
 
-    /// One piece through the wall, or one or two behind each other.
+    /// Lays one piece that goes through the wall, or one or two pieces behind each other.
     fn lay(&self, piece: Piece, at: Vec3, width: f32, blocks: &mut Vec<Block>) {
         let Vec3 { y, z, .. } = self.brick;
         if piece.through {
@@ -121,7 +122,7 @@ impl Wall {
         }
     }
 
-    /// What openings and lintels leave of a piece about x: middles and widths.
+    /// Cuts openings and lintels out of a piece around x. Returns the middles and widths of the remains.
     fn cut(&self, course: u32, x: f32, width: f32) -> Vec<(f32, f32)> {
         let mut left = vec![(x - 0.5 * width, x + 0.5 * width)];
         for opening in &self.openings {

@@ -1,7 +1,7 @@
-//! Two capsules: where they are nearest, and the ends of the line along which they lie side by side.
+//! The contact of two capsules: the nearest points, or the two ends of the line along which they lie side by side.
 //!
-//! Parry's manifold has the nearest point alone. Between two that are all but parallel it jumps from one end to the other when they
-//! tilt by a hair, and what lies on another would drop each time.
+//! Parry's manifold has only the nearest point. Between nearly parallel capsules it jumps from one end to the other when they tilt
+//! slightly, and a capsule that lies on another would drop each time.
 
 use super::dispatcher::ParryManifold;
 use glam::Vec3;
@@ -10,10 +10,10 @@ use parry3d::query::details::closest_points_segment_segment_with_locations;
 use parry3d::query::{PointQuery, TrackedContact};
 use parry3d::shape::{Capsule, PackedFeatureId};
 
-/// They lie side by side where the way from one to the other leans from the normal by so much at most, as a sine.
+/// Capsules lie side by side if the line between them leans from the normal by at most this angle, as a sine.
 const ASIDE: f32 = 0.02;
 
-/// Fills the manifold with what is no further apart than `reach`, m.
+/// Fills the manifold with the points no further apart than `reach`, m.
 pub(super) fn touch(
     place: &Pose,
     a: &Capsule,

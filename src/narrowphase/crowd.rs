@@ -1,10 +1,10 @@
 //! Crowds: bodies that overlap so many others that no solver could part all of them at once.
 //!
-//! A thousand bricks in one cubic metre meet in half a million pairs, of which no body can follow more than a few: where it has come out of
-//! the deepest, the others are no longer what they were. So a pair counts while it is among the [`MOST`] deepest of one of its two bodies.
-//! The others have no contact, and are looked at again some steps later.
+//! A thousand bricks in one cubic metre meet in half a million pairs. A body can follow only a few of its contacts: when it has left the
+//! deepest one, the others have changed. A pair therefore has contacts only while it is among the [`MOST`] deepest pairs of one of its two bodies.
+//! The other pairs have none, and are checked again some steps later.
 //!
-//! Only overlap that no structure has is counted, so that what lies on a large floor, or in a bowl, is no crowd.
+//! Only overlaps deeper than those in any structure count, so that bodies on a large floor or in a bowl are not a crowd.
 
 use super::matching::Origins;
 use super::{PairColumns, is_idle};
@@ -15,23 +15,23 @@ use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 
-/// So many pairs of a body that lie deep in each other count in any case.
+/// Number of deep pairs of a body that always have contacts.
 pub(crate) const MOST: usize = 16;
 
-/// Pairs that do not count are looked at again after so many steps, each of its own among that many, so that no step has all of them.
+/// Pairs without contacts are checked again after this number of steps, spread evenly so that no step has all of them.
 const WAITS: u64 = 8;
 
-/// A pair is deep if it overlaps by this share of the smaller body's size.
+/// Overlap from which on a pair is deep, as a share of the smaller body's size.
 const DEEP: f32 = 0.1;
 
-/// A pair that is deep, the deepest first.
+/// A deep pair. They are ordered by depth, deepest first.
 struct DeepPair {
     depth: f32,
     pair: Entity,
     slots: [u32; 2],
 }
 
-/// Part of the stage *narrowphase*: takes the contacts from pairs that are not among the deepest of either body.
+/// Removes the contacts of pairs that are not among the deepest of either body; a part of the stage *narrowphase*.
 pub fn crowd(
     (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
     mut pairs: Query<(Entity, PairColumns), Without<Resting>>,
@@ -106,7 +106,7 @@ pub fn crowd(
     }
 }
 
-/// How deep the two bodies of a pair lie in each other, m, if they do and contacts can part them.
+/// Penetration depth of a pair, m, if its bodies overlap and contacts can separate them.
 fn depth(table: &BodyTable, pair: &ContactPair, manifold: &Manifold) -> Option<f32> {
     let distances = manifold.points.iter().map(|point| point.distance);
     let depth = -distances.fold(0.0, f32::min);

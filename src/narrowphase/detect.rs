@@ -1,4 +1,4 @@
-//! Detection: where two bodies touch, or may, found anew.
+//! Detection: computes the contact points of a pair anew.
 
 use super::Rules;
 use super::forms::{Form, WithTwo, ours, with_two};
@@ -12,11 +12,10 @@ use crate::contact::{ContactPoint, Manifold, ManifoldPatch, NarrowphaseCache};
 use glam::{DVec3, Quat, Vec3};
 use smallvec::{SmallVec, smallvec};
 
-/// Nearer than this share of the smaller radius two centres are one.
+/// Distance below which two centres coincide, as a share of the smaller radius.
 const COINCIDENT: f32 = 1e-6;
 
-/// Between bodies in one place no way apart is better than another: each has a place of its own to go to, or many would be thrown
-/// out along one line.
+/// The direction that separates bodies in the same place. Each body has its own, or many would be pushed out along one line.
 fn part(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
     let normal = (scattered(a.age.0) - scattered(b.age.0)).normalize_or(Vec3::Y);
     let distance = -a.radius.min(b.radius);
@@ -28,8 +27,8 @@ fn part(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
     push(manifold, [a, b], normal, false, smallvec![middle]);
 }
 
-/// A point of the unit cube that a number has to itself, by wyhash: <https://github.com/wangyi-fudan/wyhash>. Written out, as what it
-/// gives is part of the simulation's bits, which no other crate's release may change.
+/// A pseudorandom point of the unit cube for a number, by wyhash: <https://github.com/wangyi-fudan/wyhash>. It is written out here because its
+/// results are part of the simulation's bits, which a release of another crate must not change.
 fn scattered(number: u64) -> Vec3 {
     const STRIDE: u64 = 0x2d35_8dcc_aa6c_78a5;
     const MIX: u64 = 0x8bb8_4b93_962e_acc9;
@@ -56,9 +55,9 @@ pub(super) type Candidates = SmallVec<[Candidate; 8]>;
 
 /// Adds a patch, its deepest point first.
 ///
-/// The order is that in which the solver visits them. Under few iterations the points visited first take more than their share
-/// of the load. If that is always the same corner the body leans over it; if it is the deepest, it is righted. Worth a
-/// factor of 4 to 10 in the drift of walls and stacks (`docs/findings.md`).
+/// The solver visits points in this order. With few iterations, the points visited first take more than their share of the load. If that is
+/// always the same corner, the body leans over it; if it is the deepest point, the body is righted. This reduces the drift of walls and stacks
+/// by a factor of 4 to 10 (`docs/findings.md`).
 pub(super) fn push(
     manifold: &mut Manifold,
     bodies: [&BodyState; 2],
@@ -88,8 +87,8 @@ pub(super) fn push(
         }));
 }
 
-/// Fills an empty manifold with the points no further apart than `reach`, m. `old`: those of the last time. Gives by how much the two
-/// are apart at least, m; −∞ where nothing is known.
+/// Fills an empty manifold with the points no further apart than `reach`, m. `old` is the last manifold. Returns a lower bound of the distance
+/// of the two bodies, m; −∞ if none is known.
 pub(super) fn detect(
     rules: &Rules,
     a: &BodyState,
@@ -102,7 +101,7 @@ pub(super) fn detect(
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
         return f32::NEG_INFINITY;
     };
-    // What is hollow may have another in its middle that does not touch it.
+    // A hollow body may have another one in its middle without touching it.
     let solid = shape_a.is_convex() && shape_b.is_convex();
     if solid && (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
         cache.forget();
@@ -174,7 +173,7 @@ pub(super) fn detect(
     apart
 }
 
-/// Most points of a patch.
+/// Maximum number of points of a patch.
 pub(super) fn most(rules: &Rules) -> usize {
     match rules.manifolds.reduce_manifolds {
         true => 4,
@@ -182,7 +181,7 @@ pub(super) fn most(rules: &Rules) -> usize {
     }
 }
 
-/// From A to B along the normal of the last time, in the frame of A, which is turned so now. A normal turns with the surfaces less than they do.
+/// The last normal, from A to B, in the current frame of A. A normal rotates less than the surfaces do.
 fn last_direction(old: &Manifold, turn: Quat) -> Option<DVec3> {
     let normal = old.patches.first()?.normal.as_dvec3();
     (-(turn.as_dquat().normalize().inverse() * normal)).try_normalize()
@@ -242,8 +241,8 @@ impl WithTwo for Two<'_> {
     }
 }
 
-/// Adds to the edge at which a slender body is met what else the faces beside it have in common with the other, within reach. A blow at
-/// one edge makes a rod spin about its length so fast that within the step its face would be as deep in the other as the rod is thick.
+/// Adds to the edge contact of a slender body the contacts of the faces beside that edge, within reach. A blow at one edge makes a rod spin
+/// about its length so fast that its face would sink in by the thickness of the rod within the step.
 fn find_beside<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -263,10 +262,10 @@ fn find_beside<A: Solid, B: Solid>(
     }
 }
 
-/// Faces beside an edge hold the edge itself, but for this share of the smaller body's size.
+/// Tolerance with which the faces beside an edge contain the edge, as a share of the smaller body's size.
 const BESIDE: f64 = 0.004;
 
-/// Where a body touches a half-space, in its own frame; the normal points out of the plane.
+/// The contact of a body with a half-space, in the body's frame. The normal points out of the half-space.
 fn on_plane(
     body: &BodyState,
     form: &Form,

@@ -1,6 +1,6 @@
-//! Parry takes apart what is composite (meshes, height fields, compounds) and finds which parts may touch; the contact of two
-//! convex parts that are polyhedra, cylinders or cones, or both capsules, is ours ([`polyhedra`](super::polyhedra),
-//! [`round`](super::round), [`capsules`]), all other contact is parry's.
+//! Contacts of composite shapes. Parry finds which parts of meshes, height fields and compounds may touch. The contacts of convex parts that are
+//! polyhedra, cylinders, cones or two capsules are computed here ([`polyhedra`](super::polyhedra), [`round`](super::round), [`capsules`]), all
+//! others by parry.
 
 use super::capsules;
 use super::forms::{Form, WithTwo, ours, with_two};
@@ -13,7 +13,7 @@ use parry3d::query::details::*;
 use parry3d::query::*;
 use parry3d::shape::{PackedFeatureId, Shape, ShapeType};
 
-/// A manifold of parry's, which keeps the separating axis of ours.
+/// A parry manifold that stores our separating axis.
 pub(crate) type ParryManifold = ContactManifold<Axis, ()>;
 
 /// Of two bodies.
@@ -21,7 +21,7 @@ pub(super) struct Dispatcher<'a> {
     pub bodies: [&'a BodyState; 2],
     /// See [`Search::graze`], m.
     pub graze: f32,
-    /// Most points of a patch.
+    /// Maximum number of points of a patch.
     pub most: usize,
 }
 
@@ -168,8 +168,8 @@ impl Parts<'_> {
         Placement::new(self.place.translation.as_dvec3(), rotation)
     }
 
-    /// The normal as it is, or at an edge inside a surface as the faces there have it: nothing is met there that they would not
-    /// meet. None where it is no contact at all.
+    /// The normal, or at an inner edge of a surface the normal of the faces there, because an inner edge must not be hit by itself. `None` if there is
+    /// no contact.
     fn constrained(&self, normal: DVec3) -> Option<DVec3> {
         let single = normal.as_vec3();
         let mut of_a = single;

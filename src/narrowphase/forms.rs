@@ -1,4 +1,4 @@
-//! Of which shapes the contact is ours to find, and what is done with two polyhedra among them.
+//! The shapes whose contacts drystone computes itself.
 
 use super::polyhedra::{Cuboid, Solid, Triangle};
 use super::round::Frustum;
@@ -6,7 +6,7 @@ use crate::body::BodyState;
 use crate::collider::Polyhedron;
 use parry3d::shape::{Shape, TypedShape};
 
-/// A shape whose contact with its like is ours to find.
+/// A shape whose contacts drystone computes itself.
 pub(super) enum Form<'a> {
     Cuboid(Cuboid),
     Hull(&'a Polyhedron),
@@ -55,7 +55,7 @@ impl<'a> Form<'a> {
     }
 }
 
-/// Those of two shapes whose contact is ours to find.
+/// The forms of two shapes, if drystone computes their contacts itself.
 pub(super) fn ours<'f, 'a>(
     a: &'f Option<Form<'a>>,
     b: &'f Option<Form<'a>>,
@@ -71,12 +71,12 @@ pub(super) fn ours<'f, 'a>(
     }
 }
 
-/// What can be done with two polyhedra of any form.
+/// An operation on two polyhedra of any form.
 pub(super) trait WithTwo {
     fn with<A: Solid, B: Solid>(self, a: &A, b: &B);
 }
 
-/// Does it with these two, if they are polyhedra.
+/// Applies an operation to two forms, if both are polyhedra.
 pub(super) fn with_two<W: WithTwo>(a: &Form, b: &Form, what: W) {
     use Form::{Cuboid, Hull, Round, Triangle};
     match (a, b) {

@@ -1,5 +1,5 @@
-//! Which point of the last step a contact point is: first by the features that meet, then by the nearest point that either
-//! body carried along. What matches inherits impulses, sticking and anchors.
+//! Matching of contact points with those of the last step: first by their features, then by distance to the points that either body has carried
+//! along. Matched points inherit impulses, sticking and anchors.
 
 use super::polyhedra::FeatureId;
 use crate::contact::{ContactPoint, Manifold, ManifoldPatch};
@@ -69,7 +69,7 @@ pub(crate) fn match_patches(old: &Manifold, new: &Manifold) -> Origins {
     new.patches.iter().map(origin).collect()
 }
 
-/// Reorders what is kept for each point; new points start from the default. Most often all stay where they are.
+/// Reorders the data of points; new points start with the default. Usually all stay in their places.
 pub(crate) fn inherit<T: Copy + Default, Kept: AsRef<[T]> + FromIterator<T>>(
     origins: &Origins,
     kept: &mut Kept,

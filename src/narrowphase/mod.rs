@@ -1,9 +1,8 @@
-//! The stage **narrowphase**: where the bodies of each pair touch, or may within the step, and which point of the last step
-//! each point is.
+//! The stage **narrowphase**: computes the contact manifold of each pair, and matches its points with those of the last step.
 //!
-//! Of cuboids and hulls the points are found by [`polyhedra`], of cylinders and cones by `round`, of other shapes by parry. A manifold
-//! is kept while the two bodies hardly move against each other, which costs a tenth of finding it anew. Pairs at rest (asleep, or
-//! static) keep theirs untouched.
+//! Contacts of cuboids and hulls are found by `polyhedra`, of cylinders and cones by `round`, of other shapes by parry. A manifold is
+//! kept (recycled) while the two bodies hardly move relative to each other, which costs a tenth of computing it anew. Pairs at rest
+//! (asleep or static) keep theirs unchanged.
 
 mod capsules;
 mod crowd;
@@ -13,6 +12,7 @@ mod forms;
 mod matching;
 mod parry;
 mod passing;
+#[doc(hidden)]
 pub mod polyhedra;
 mod recycling;
 mod reduction;
@@ -20,6 +20,7 @@ mod rolling;
 mod round;
 
 use crate::body::{BodyState, BodyTable, Pose, Resting};
+#[doc(hidden)]
 pub use crowd::crowd;
 pub(crate) use dispatcher::ParryManifold;
 pub(crate) use matching::{Origins, inherit};
@@ -33,7 +34,7 @@ use crate::settings::{
 };
 use bevy_ecs::prelude::*;
 
-/// Of the way for which manifolds are kept, the share for which those of round bodies are: so little that nothing can roll.
+/// Share of the usual movement within which manifolds of round bodies are kept: so small that nothing can roll.
 const CREPT: f32 = 0.02;
 
 type PairColumns<'w> = (
@@ -45,7 +46,7 @@ type PairColumns<'w> = (
     &'w mut ContactTargets,
 );
 
-/// See the module's text.
+/// Computes the contacts of all pairs.
 pub fn narrowphase(
     table: Res<BodyTable>,
     time: Res<StepTime>,
@@ -86,18 +87,18 @@ pub fn narrowphase(
     }
 }
 
-/// What pairs are looked at by.
+/// The settings for all pairs of a step.
 struct Rules<'a> {
     stabilization: &'a StabilizationSettings,
     manifolds: &'a NarrowphaseSettings,
     time: &'a StepTime,
-    /// What gravity adds to a speed in the step, m/s.
+    /// Change of speed by gravity in the step, m/s.
     fall: f32,
-    /// Somebody else has changed a manifold.
+    /// Whether a system of the user's has changed a manifold.
     edited: bool,
 }
 
-/// What a pair keeps for each of its points and patches.
+/// The data that a pair keeps for each of its points and patches.
 type Kept<'a> = (
     &'a mut Manifold,
     &'a mut ContactImpulses,
@@ -105,7 +106,7 @@ type Kept<'a> = (
     &'a mut ContactTargets,
 );
 
-/// Brings the contacts of one pair up to date.
+/// Brings the contacts of a pair up to date.
 fn look(
     rules: &Rules,
     [a, b]: [&BodyState; 2],
@@ -117,7 +118,7 @@ fn look(
     let outer = rules.stabilization.outer_distance();
     if a.renewed || b.renewed {
         pair.combine([a, b]);
-        // Parry would keep the points of shapes that are no more.
+        // Parry would keep the points of the old shapes.
         cache.forget();
         pair.empty = false;
         pair.waits = 0;
@@ -133,8 +134,8 @@ fn look(
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let little = rules.manifolds.recycle_share * a.size.min(b.size);
-    // In a heap that falls most pairs are such, and ask for no more of their columns. Farther than a search would go: what is hit in
-    // the step goes farther than it looked.
+    // In a falling heap most pairs end here, and read no more of their columns. The distance is larger than that of a search: a body
+    // that is hit in this step moves farther than it was expected to.
     let search = reach + little;
     let stand = cache.stand;
     if pair.empty && !rules.edited && stand.is_apart(a, b, search, || stand.since(a, b)) {
@@ -149,12 +150,12 @@ fn look(
         anchors.measured = false;
     }
     let curved = a.is_curved() || b.is_curved();
-    // What rolls must be found where it is, or it would gain speed.
+    // Contacts of rolling bodies must be computed where they are, or the bodies would gain speed.
     let limit = if curved { CREPT * little } else { little };
     let stand = cache.stand;
     let since = stand.since(a, b);
     if manifold.points.is_empty() && stand.is_apart(a, b, search, || since) {
-        // Nothing was there, nor can be.
+        // There was no contact, and there can be none.
     } else if stand.holds(since.way(), limit, reach) {
         if a.moved || b.moved || rules.edited {
             since.refresh(manifold);
@@ -172,7 +173,7 @@ fn look(
         if let Some(lost) = lost {
             *manifold = lost;
         } else {
-            // The cast knows of no turns, by which alone the end of a rod may come.
+            // The cast ignores rotation, which alone may bring the end of a rod near.
             let turns = match a.is_slender() || b.is_slender() {
                 true => a.comes_by + b.comes_by,
                 false => 0.0,
@@ -184,7 +185,7 @@ fn look(
                 *manifold = Manifold::default();
                 cache.forget();
             }
-            // A point that rolls is the same wherever it has rolled to.
+            // A rolling point matches wherever it has rolled to.
             let radius = match curved {
                 true => f32::INFINITY,
                 false => rules.manifolds.match_radius,
@@ -211,17 +212,17 @@ fn look(
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
     pair.parted = touched && !pair.touching;
-    // Only a step's first substep leaves no impulses of points that are no more.
+    // Only in the first substep are there no impulses left of points that are gone.
     pair.empty = manifold.points.is_empty() && time.substep == 0;
 }
 
-/// Nothing about its contacts can have changed.
+/// Whether nothing about the contacts of this body can have changed.
 fn is_idle(body: &BodyState) -> bool {
     !body.moved && !body.renewed && (body.asleep || !body.is_dynamic())
 }
 
-/// The user has put one of the two elsewhere, and by that changed how they stand to each other: nothing that held them there holds any
-/// more. What is put elsewhere as a whole keeps all it has.
+/// Whether the user has moved one of the two bodies, and with it their relative pose. Their anchors are deleted then. Bodies that are
+/// moved together keep theirs.
 fn put_apart(a: &BodyState, b: &BodyState) -> bool {
     if a.put_from.is_none() && b.put_from.is_none() {
         return false;
@@ -242,10 +243,10 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
     moved + turned * radius > ROUNDING + 8.0 * f32::EPSILON * farthest
 }
 
-/// Less than this, m, is rounding.
+/// Movements below this are rounding, m.
 const ROUNDING: f32 = 1e-5;
 
-/// Bound on how far two surfaces can come nearer within the step, m, from the velocities before forces.
+/// Upper bound of how much nearer two surfaces can come within the step, m, from the velocities before forces.
 fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
     (a.velocity.linear - b.velocity.linear).length() * dt + a.comes_by + b.comes_by
 }

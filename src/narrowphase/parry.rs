@@ -1,4 +1,4 @@
-//! All other contact, by parry: of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
+//! Contacts computed by parry: of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
 
 use super::Rules;
 use super::detect::{Candidate, Candidates, most, push};
@@ -168,7 +168,7 @@ impl Plane {
     }
 }
 
-/// What parry says meets there; or we, who say it in one number.
+/// The features that meet at a point, from parry or from our own contacts.
 fn feature(contact: &TrackedContact<()>) -> FeatureId {
     match contact.fid2 {
         PackedFeatureId::UNKNOWN => FeatureId(contact.fid1.0),

@@ -1,9 +1,9 @@
 //! Bodies that only pass each other.
 //!
-//! A speculative contact is a plane without end: at large steps a fast body would bump into the plane of an edge that it flies past
-//! (at Δt 0.1 s a brick swung over a stack at 8 m/s knocked it down from a hand's breadth above). So the way of the step is cast
-//! once for pairs that are fast and still apart, and what misses has no contact. And what does not face each other yet, corner before
-//! corner, may do so before the step is over.
+//! A speculative contact is an infinite plane. At large steps a fast body would bump into the plane of an edge that it flies past: at Δt 0.1 s a brick
+//! swung over a stack at 8 m/s knocked it down from a hand's breadth above. For pairs that are fast and still apart the motion of the step is
+//! therefore cast once, and pairs that miss each other have no contact. Pairs that do not face each other yet, corner before corner, may do so
+//! before the step is over.
 
 use crate::body::BodyState;
 use crate::contact::Manifold;
@@ -16,7 +16,7 @@ const FAST: f32 = 0.25;
 /// Slower than this, they are where they are.
 const SLOW: f32 = 0.005;
 
-/// True where all points are further apart than `near` (m), and the bodies as they fly miss each other by as much within `dt`.
+/// Returns true if all points are further apart than `near` (m), and the bodies as they fly miss each other by as much within `dt`.
 pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32, dt: f32) -> bool {
     let far = manifold.points.iter().all(|p| p.distance > near);
     far && is_fast(a, b, dt) && matches!(cast(a, b, near, dt), Ok(None))
@@ -42,7 +42,7 @@ fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
     flight >= FAST * a.size.min(b.size)
 }
 
-/// The first time at which the two are no further apart than `near` (m). What cannot be cast is an error.
+/// The first time at which the two are no further apart than `near` (m), or an error if the shapes cannot be cast.
 fn cast(
     a: &BodyState,
     b: &BodyState,

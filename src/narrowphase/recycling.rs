@@ -1,11 +1,11 @@
-//! When a manifold may be kept: while the two bodies have hardly moved against each other since it was detected.
+//! Recycling: a manifold is kept while its two bodies have hardly moved relative to each other since it was detected.
 //!
-//! Normal and arms stay frozen in the world, only distances follow. That saves most of collision detection at rest, and it
-//! steadies: arms that are found anew in every step pump energy into tall stacks. (Box2D, Box3D and Rapier recycle contacts
-//! for the same reasons.)
+//! Normal and lever arms stay fixed in the world; only distances are updated. This saves most of collision detection at rest, and it makes stacks
+//! steadier: lever arms that are computed anew in every step pump energy into tall stacks. Box2D, Box3D and Rapier recycle contacts for the
+//! same reasons.
 //!
-//! Of bodies that were apart nothing has to be kept but by how much: until they have come as far towards each other, they need not be
-//! looked at. In a heap that falls those are nine pairs of ten.
+//! For bodies that are apart only their distance is kept. Until they have approached each other by that distance, they need not be checked. In a
+//! falling heap this applies to nine pairs of ten.
 
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache, Stand};
@@ -20,12 +20,12 @@ impl Stand {
         self.forget();
     }
 
-    /// What was found may not be kept.
+    /// The manifold must not be recycled.
     pub(crate) fn forget(&mut self) {
         (self.reach, self.apart) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
     }
 
-    /// Something was found that may be kept.
+    /// The manifold may be recycled.
     pub(crate) fn is_known(&self) -> bool {
         self.reach > f32::NEG_INFINITY
     }
@@ -71,7 +71,7 @@ impl Stand {
         moved <= limit && reach + moved <= self.reach
     }
 
-    /// True where the two are known to be farther apart than `reach`, m: the spheres that hold them are, or they were when they were last
+    /// Returns true if the two are known to be farther apart than `reach`, m: the spheres that hold them are, or they were when they were last
     /// searched and have moved too little `since`.
     pub(crate) fn is_apart(
         &self,
@@ -105,7 +105,7 @@ struct Turn {
 }
 
 impl Turn {
-    /// What a vector becomes by turning back, less what it is.
+    /// The change of a vector by the inverse rotation.
     #[inline]
     fn back(&self, vector: Vec3) -> Vec3 {
         let across = self.axis.cross(vector);

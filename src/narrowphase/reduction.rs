@@ -1,9 +1,8 @@
-//! Four points that hold as the whole polygon does.
+//! Reduction of a patch to four points that support a body like the whole polygon.
 //!
-//! Two square faces turned a little against each other meet in an octagon whose corners crowd together unevenly. Each point is
-//! a spring to a soft solver, so the side with more of them is stiffer, and what stands on it leans: a stack of 20 with 0.01 rad
-//! of yaw fell by that alone. The two points farthest from each other and the farthest on either side of the line between them
-//! are the corners that matter.
+//! Two square faces rotated slightly against each other meet in an octagon with unevenly spaced corners. Each point is a spring to a soft solver, so
+//! the side with more points is stiffer, and the body on it leans: a stack of 20 with 0.01 rad of yaw fell because of that alone. The corners that
+//! matter are the two points farthest from each other, and the farthest point on either side of the line between them.
 
 use super::detect::Candidates;
 use glam::Vec3;
@@ -26,7 +25,7 @@ fn farthest(points: &Candidates) -> (usize, usize) {
     (a, b)
 }
 
-/// True where all points lie on one line.
+/// Returns true if all points lie on one line.
 pub(super) fn is_line(points: &Candidates, size: f32) -> bool {
     let (a, b) = farthest(points);
     let Some(first) = points.get(a).map(|a| a.position) else {

@@ -1,14 +1,14 @@
-//! Whether a round body rolls where it touches another, or stands there.
+//! Whether a round body rolls at a contact or stands there.
 //!
-//! A cylinder that stands on its end and rocks touches with one point of its rim, and its rim rolls, however near the rest of the end is.
-//! What rolls has rolling friction, and neither an anchor nor a memory of the load of its points: in the next moment other points carry it.
-//! In a valley between two slopes a cylinder stands on one point of its rim on either side, and rocked for minutes while its end, some
-//! millimetres above, counted as a face that lies there.
+//! A cylinder that rocks on its end touches with one point of its rim, and the rim rolls, however near the rest of the end is. A rolling contact has
+//! rolling friction, but no anchor and no memory of the load of its points, because other points will carry it in the next moment. In a valley
+//! between two slopes a cylinder stands on one point of its rim on either side. It rocked for minutes while its end, some millimetres above,
+//! counted as a face in contact.
 
 use super::detect::Candidates;
 use super::reduction::is_line;
 
-/// Points farther off than the nearest by this share of the radius carry nothing.
+/// Points that are farther away than the nearest by this share of the radius carry no load.
 const LOOSE: f32 = 2e-3;
 
 /// True where the points that carry are a line or one point. `radius`: of the smaller round body, m; `size`: of the smaller

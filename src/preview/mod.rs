@@ -1,11 +1,12 @@
-//! What would happen if: [`preview`] tries an edit on a copy, and says which bodies would move, and where to.
+//! Previews of edits: [`preview()`] runs an edit on a copy of the world, and reports which bodies would move and where to.
 //!
-//! A [`Shadow`] is a small world of its own: the structures that an edit is about, and what is near enough to be hit, with all that their
-//! contacts carry. It takes steps until all of it lies still, which is a matter of milliseconds for a hundred bricks. With steps as long as the
-//! world's own, the default, it goes where the world would go, to the bit as long as nothing new comes near; with long ones it is there
-//! sooner, and what falls on what is rough. Systems of yours are not in the shadow, and nobody's hands. Nor are bodies that were despawned or
-//! disabled since the last step. Bodies that were spawned or moved since then are where they are now, if the world has been
-//! [refreshed](crate::refresh).
+//! A [`Shadow`] is a small world of its own: a copy of the structures that the edit affects, and of the bodies near them, with their
+//! contact impulses. It takes steps until everything in it is at rest, which takes milliseconds for a hundred bricks. With the default
+//! step length, that of the world, it moves exactly as the world would, to the bit, as long as no other body comes near. With longer
+//! steps it finishes sooner, but falling bodies end up only roughly where they would.
+//!
+//! The copy has none of your own systems, and no hands. It leaves out bodies that were despawned or disabled since the last step. Bodies
+//! that were spawned or moved since then are where they are now, if the world has been [refreshed](crate::refresh()).
 //!
 //! ```
 //! use bevy_transform::components::Transform;
@@ -26,7 +27,7 @@
 //!     drystone::step(world, 1.0 / 60.0).unwrap();
 //! }
 //! let falls = |body| {
-//!     let preview = preview(world, &Edit::Take(vec![body])).unwrap();
+//!     let preview = preview(world, &Edit::Remove(vec![body])).unwrap();
 //!     preview.moved.iter().map(|moved| moved.body).collect::<Vec<_>>()
 //! };
 //! assert_eq!(falls(right), []);
@@ -38,13 +39,14 @@
 //! let ends = |x| {
 //!     let pose = Pose { position: Vec3::new(x, 0.75, 0.0), ..Pose::default() };
 //!     let edit = Edit::Place(Collider::cuboid(1.0, 0.5, 0.5), pose);
-//!     preview(world, &edit).unwrap().ends.unwrap().position
+//!     preview(world, &edit).unwrap().end_pose.unwrap().position
 //! };
 //! assert!(ends(1.4).distance(Vec3::new(1.4, 0.75, 0.0)) < 1e-3);
 //! assert!(ends(1.6).y < 0.7);
 //! ```
 //!
-//! It wants the whole world, `&World`, as exclusive systems have it; [`preview_task`] takes a copy and lets a task find out.
+//! The functions take the whole world, `&World`. In a system use the parameter [`Previews`]. [`preview_task`] copies the world at once,
+//! and runs the copy in a task.
 
 mod copy;
 mod error;
@@ -57,84 +59,86 @@ pub use shadow::Shadow;
 use crate::body::Pose;
 use crate::collider::Collider;
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
 
-/// What is tried.
+/// An edit to preview.
 #[derive(Clone, Debug)]
 pub enum Edit {
-    /// Bodies are taken away.
-    Take(Vec<Entity>),
-    /// A body is put elsewhere.
+    /// Removes these bodies.
+    Remove(Vec<Entity>),
+    /// Moves a body to a pose.
     Move(Entity, Pose),
-    /// A body is added, with the default surface and density.
+    /// Adds a dynamic body with this shape at a pose, with the default surface and density.
     Place(Collider, Pose),
 }
 
-/// How it is tried.
+/// How long a preview runs, and how far a body must move to count as moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreviewSettings {
-    /// Length of a step, s. By default that of the world's last step; before the first one that of `Time<Fixed>`, or 1/60 s where there is no
-    /// such clock.
+    /// Length of a step, s. `None` uses that of the world's last step, or before the first step that of `Time<Fixed>`, or 1/60 s if there
+    /// is no such clock. Default: `None`.
     pub dt: Option<f32>,
-    /// What has not come to rest by then is left as it is, s.
-    pub longest: f32,
-    /// A body has moved when a point of it has come farther than this share of its radius.
-    pub moved: f32,
+    /// Maximum simulated time, s. Bodies that still move then are left where they are. Default: 10.
+    pub max_time: f32,
+    /// Minimum movement of a body that counts as moved, as a share of its bounding radius: how far its centre moves plus how far the
+    /// rotation moves a point at that radius. Default: 0.05.
+    pub movement_threshold: f32,
 }
 
 impl Default for PreviewSettings {
     fn default() -> Self {
         Self {
             dt: None,
-            longest: 10.0,
-            moved: 0.05,
+            max_time: 10.0,
+            movement_threshold: 0.05,
         }
     }
 }
 
-/// What would happen.
+/// The result of a preview.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preview {
-    /// The bodies that would move, the eldest first. Those that are taken or placed are not among them.
+    /// The bodies that would move, in order of spawning. Bodies that the edit itself removes, moves or places are not among them.
     pub moved: Vec<Moved>,
-    /// Where what was moved or placed is in the end.
-    pub ends: Option<Pose>,
-    /// All lies still in the end. False where it was given up before that.
-    pub rests: bool,
-    /// After how long, s.
+    /// The final pose of the body that was moved or placed.
+    pub end_pose: Option<Pose>,
+    /// Whether everything was at rest in the end. False if the preview stopped at [`PreviewSettings::max_time`].
+    pub at_rest: bool,
+    /// The simulated time, s.
     pub time: f32,
 }
 
-/// A body that would move.
+/// A body that moves from one pose to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
-    /// Which.
+    /// The body.
     pub body: Entity,
-    /// Where it is now.
+    /// Its pose before.
     pub from: Pose,
-    /// Where it would be in the end.
+    /// Its pose after.
     pub to: Pose,
 }
 
 impl Preview {
-    /// Whether this body would move.
+    /// Returns true if this body would move.
     pub fn moves(&self, body: Entity) -> bool {
         self.moved.iter().any(|moved| moved.body == body)
     }
 }
 
-/// Tries an edit, with the default [`PreviewSettings`].
+/// Runs an edit on a copy of the world with the default [`PreviewSettings`], and returns what would happen. In a system use [`Previews`].
 ///
 /// # Errors
-/// Where it names what is no body, or a body twice, or has a number that is not finite.
+/// [`PreviewError`] if the edit names an entity that is not a body, or no body at all, or contains a number that is not finite.
 pub fn preview(world: &World, edit: &Edit) -> Result<Preview, PreviewError> {
     Shadow::of(world, edit)?.run(&PreviewSettings::default())
 }
 
-/// The same as a task, which is polled or awaited. The copy is taken at once.
+/// Runs a preview in a task on the [`AsyncComputeTaskPool`]. The world is copied at once; poll or await the task for the result.
 ///
 /// # Errors
-/// As [`preview`].
+/// As [`preview()`], and [`PreviewError::InvalidSettings`].
 pub fn preview_task(
     world: &World,
     edit: &Edit,
@@ -146,10 +150,55 @@ pub fn preview_task(
     Ok(pool.spawn(async move { shadow.run(&settings) }))
 }
 
+/// Previews for systems: the system parameter beside [`preview()`] and [`preview_task()`].
+///
+/// It reads the whole world. A system that has it may not write anything but through [`Commands`].
+///
+/// ```
+/// # use bevy_ecs::prelude::*;
+/// # use drystone::prelude::*;
+/// # #[derive(Component)] struct Suspect;
+/// fn is_safe_to_remove(previews: Previews, suspect: Single<Entity, With<Suspect>>) {
+///     let preview = previews.preview(&Edit::Remove(vec![*suspect])).unwrap();
+///     println!("{} bodies would move", preview.moved.len());
+/// }
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default()).add_systems(bevy_app::Update, is_safe_to_remove);
+/// # app.world_mut().spawn((RigidBody::Dynamic, Collider::ball(0.5), Suspect));
+/// # drystone::step(app.world_mut(), 1.0 / 60.0).unwrap();
+/// # app.update();
+/// ```
+#[derive(SystemParam, Clone, Copy, Debug)]
+pub struct Previews<'w> {
+    world: &'w World,
+}
+
+impl Previews<'_> {
+    /// Runs an edit on a copy, as [`preview()`] does.
+    ///
+    /// # Errors
+    /// As [`preview()`].
+    pub fn preview(&self, edit: &Edit) -> Result<Preview, PreviewError> {
+        preview(self.world, edit)
+    }
+
+    /// Runs an edit on a copy in a task, as [`preview_task()`] does.
+    ///
+    /// # Errors
+    /// As [`preview()`].
+    pub fn preview_task(
+        &self,
+        edit: &Edit,
+        settings: PreviewSettings,
+    ) -> Result<Task<Result<Preview, PreviewError>>, PreviewError> {
+        preview_task(self.world, edit, settings)
+    }
+}
+
 impl PreviewSettings {
     fn check(&self) -> Result<(), PreviewError> {
-        let is_length = |dt: f32| crate::schedule::LENGTHS.contains(&dt);
-        let numbers = [self.longest, self.moved];
+        let is_length = |dt: f32| crate::schedule::STEP_LENGTHS.contains(&dt);
+        let numbers = [self.max_time, self.movement_threshold];
         (self.dt.is_none_or(is_length) && numbers.iter().all(|number| (0.0..=1e6).contains(number)))
             .then_some(())
             .ok_or(PreviewError::InvalidSettings)

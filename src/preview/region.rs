@@ -47,7 +47,7 @@ impl<'w> Region<'w> {
             let as_it_will_be = pending.and_then(|pending| pending.body(body));
             let as_it_will_be = as_it_will_be.filter(|body| is_body(world, body.entity));
             if slot.is_none() && as_it_will_be.is_none() {
-                return Err(PreviewError::NoBody(body));
+                return Err(PreviewError::NotABody(body));
             }
             slot.into_iter().for_each(|slot| region.add(world, slot));
             places.extend(as_it_will_be.and_then(extent));

@@ -5,7 +5,7 @@ use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
 use crate::collider::Collider;
-use crate::schedule::{LENGTHS, step};
+use crate::schedule::{STEP_LENGTHS, step};
 use crate::settings::{Preset, SleepSettings, StepTime};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
@@ -25,7 +25,8 @@ const HARDLY: f32 = 0.4;
 /// of contacts whose load is gone push bodies away with some mm/s, and a quarter less in each step.
 const FADES: f32 = 0.9;
 
-/// A copy of part of a world, which takes steps by itself. It can be sent to another thread.
+/// A copy of part of a world, which can take steps by itself and be sent to another thread.
+#[derive(Debug)]
 pub struct Shadow {
     world: World,
     /// The eldest first.
@@ -56,7 +57,7 @@ fn is_slower(limits: &SleepSettings, time: f32, [way, turned]: [f32; 2]) -> bool
 }
 
 /// A body and its copy.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Copied {
     original: Entity,
     copy: Entity,
@@ -66,13 +67,13 @@ struct Copied {
 }
 
 impl Shadow {
-    /// Of the structures that an edit is about, with the edit made, and of what is as near to them as they are large.
+    /// Copies the structures that an edit affects and the bodies within their size of them, and applies the edit to the copy.
     ///
     /// # Errors
-    /// As [`preview`](super::preview).
+    /// As [`preview`](super::preview()).
     pub fn of(world: &World, edit: &Edit) -> Result<Self, PreviewError> {
         match edit {
-            Edit::Take(bodies) => {
+            Edit::Remove(bodies) => {
                 if bodies.is_empty() {
                     return Err(PreviewError::Nothing);
                 }
@@ -105,37 +106,37 @@ impl Shadow {
         }
     }
 
-    /// Of the structures that some bodies are in, and of what is as near to them as they are large.
+    /// Copies the structures that some bodies belong to, and the bodies within their size of them.
     ///
     /// # Errors
-    /// Where one of them is no body.
+    /// [`PreviewError::NotABody`] if one of them is not a body.
     pub fn around(world: &World, bodies: &[Entity]) -> Result<Self, PreviewError> {
         Self::copied(world, bodies, None)
     }
 
-    /// The copy of a body.
+    /// The copy of a body, in the world of the copies.
     pub fn copy_of(&self, body: Entity) -> Option<Entity> {
         let mut bodies = self.bodies.iter();
         Some(bodies.find(|copied| copied.original == body)?.copy)
     }
 
-    /// The world that the copies are in, for edits of one's own.
+    /// The world of the copies, for further edits.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
     }
 
-    /// That world, for steps of one's own.
+    /// The world of the copies, to step it yourself.
     pub fn into_world(self) -> World {
         self.world
     }
 
-    /// Takes steps until all lies still, or time is up.
+    /// Takes steps until everything is at rest or [`PreviewSettings::max_time`] is over.
     ///
-    /// A world in which nothing has begun to move is known to lie still after a few steps: whatever falls is as fast after one of them as it may be
-    /// after a quarter of a second.
+    /// If nothing has begun to move after a few steps, the world counts as at rest: a falling body reaches in one step a speed that a
+    /// resting one may have after a quarter of a second.
     ///
     /// # Errors
-    /// Where the settings are invalid.
+    /// [`PreviewError::InvalidSettings`] if the settings are invalid.
     pub fn run(mut self, settings: &PreviewSettings) -> Result<Preview, PreviewError> {
         settings.check()?;
         let dt = settings.dt.unwrap_or(self.dt);
@@ -145,7 +146,7 @@ impl Shadow {
         let mut rests = false;
         let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
         let mut seen: EntityHashMap<Seen> = EntityHashMap::default();
-        while time < f64::from(settings.longest) && !rests {
+        while time < f64::from(settings.max_time) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
             let passed = time as f32;
@@ -188,7 +189,7 @@ impl Shadow {
             let to = *self.world.get::<Pose>(body.copy)?;
             let far = to.position.distance(body.from.position)
                 + to.rotation.angle_between(body.from.rotation) * body.radius;
-            (far > settings.moved * body.radius).then_some(Moved {
+            (far > settings.movement_threshold * body.radius).then_some(Moved {
                 body: body.original,
                 from: body.from,
                 to,
@@ -196,8 +197,8 @@ impl Shadow {
         });
         Ok(Preview {
             moved: moved.collect(),
-            ends: self.edited.and_then(|copy| self.world.get(copy).copied()),
-            rests,
+            end_pose: self.edited.and_then(|copy| self.world.get(copy).copied()),
+            at_rest: rests,
             time: time as f32,
         })
     }
@@ -270,7 +271,7 @@ fn length_of_a_step(world: &World) -> f32 {
     let clock = world.get_resource::<Time<Fixed>>();
     let fixed = clock.map(|clock| clock.timestep().as_secs_f32());
     let known = [Some(last), fixed].into_iter().flatten();
-    let mut known = known.filter(|dt| LENGTHS.contains(dt));
+    let mut known = known.filter(|dt| STEP_LENGTHS.contains(dt));
     known.next().unwrap_or_else(|| Preset::Default.dt())
 }
 

@@ -1,4 +1,4 @@
-//! What a shape bumps into on its way.
+//! Shape casts: the bodies that a shape touches on a straight path.
 
 use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
@@ -12,26 +12,26 @@ use parry3d::partitioning::{Bvh, BvhNode};
 use parry3d::query::{Ray, RayCast, ShapeCastOptions, cast_shapes};
 use std::cell::Cell;
 
-/// Where a shape that moves on a straight way touches a body first.
+/// The first contact of a moving shape with a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastHit {
     /// The body.
     pub entity: Entity,
-    /// How far the shape has come, m; zero where it overlaps the body from the start.
+    /// Distance that the shape has travelled, m; 0 if it overlaps the body from the start.
     pub distance: f32,
-    /// Where they touch, world, m.
+    /// The point of contact, world, m.
     pub point: Vec3,
-    /// Unit vector out of the body's surface there.
+    /// Outward unit normal of the body's surface at that point, world.
     pub normal: Vec3,
 }
 
-/// A shape on its way.
+/// A shape on its path.
 struct Cast<'a> {
     collider: &'a Collider,
     from: Pose,
     direction: Vec3,
-    most: f32,
-    /// Its box.
+    max_distance: f32,
+    /// Its bounding box at the start.
     aabb: Aabb,
 }
 
@@ -40,7 +40,7 @@ impl<'a> Cast<'a> {
         collider: &'a Collider,
         from: Pose,
         direction: Dir3,
-        most: f32,
+        max_distance: f32,
     ) -> Result<Self, QueryError> {
         if !direction.is_finite() {
             return Err(QueryError::NotFinite("the direction"));
@@ -50,31 +50,31 @@ impl<'a> Cast<'a> {
             collider,
             from,
             direction: *direction,
-            most: at_most(most)?,
+            max_distance: at_most(max_distance)?,
             aabb: collider.shape().compute_aabb(&from.to_parry()),
         })
     }
 
-    /// How far its box comes until it touches another; [`f32::MAX`] where it does not.
+    /// Distance that its box travels until it touches another, m; [`f32::MAX`] if it does not.
     fn way_to(&self, node: &BvhNode) -> f32 {
         let half = self.aabb.half_extents();
         let widened = Aabb::new(node.mins() - half, node.maxs() + half);
         let ray = Ray::new(self.aabb.center(), self.direction);
         widened
-            .cast_local_ray(&ray, self.most, true)
+            .cast_local_ray(&ray, self.max_distance, true)
             .unwrap_or(f32::MAX)
     }
 
-    /// Where it touches a body, nearer than `most` (m).
+    /// Where it touches a body within `max_distance` (m).
     fn hit(
         &self,
         target: &Target,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
         let at = target.pose.to_parry();
         let options = ShapeCastOptions {
-            max_time_of_impact: most,
+            max_time_of_impact: max_distance,
             ..Default::default()
         };
         let shape = &**self.collider.shape();
@@ -90,7 +90,7 @@ impl<'a> Cast<'a> {
         );
         let entity = target.body.entity;
         let hit = hit.map_err(|_| QueryError::Unsupported(entity))?;
-        let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, most));
+        let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, max_distance));
         Ok(hit.map(|hit| CastHit {
             entity,
             distance: hit.time_of_impact,
@@ -100,7 +100,7 @@ impl<'a> Cast<'a> {
     }
 }
 
-/// The pose of a shape to ask with, if both can be.
+/// The normalized pose of a shape, if the shape can be used in a query and the pose is finite.
 pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError> {
     if collider.shape().as_halfspace().is_some() {
         return Err(QueryError::Unbounded);
@@ -116,41 +116,43 @@ pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError>
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The first body that a shape touches which begins at a pose and goes straight on, without turning, for less than `most` (m).
+    /// The first body that a shape touches on a straight path without rotation: from a pose, in a direction, within `max_distance` (m).
     ///
     /// # Errors
-    /// Where pose or direction are not finite, the distance is negative, the shape has no volume or no end, or it cannot be compared with that
-    /// of a body on its way.
+    /// [`QueryError`] if the pose or direction is not finite, the distance is negative, the shape is degenerate or unbounded, or it
+    /// cannot be compared with that of a body on its path.
     pub fn cast_shape(
         &self,
         collider: &Collider,
         from: Pose,
         direction: Dir3,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
-        let cast = Cast::new(collider, from, direction, most)?;
+        let cast = Cast::new(collider, from, direction, max_distance)?;
         let failed = Cell::new(None);
-        let hit = |slot, most| {
-            let hit = cast.hit(&self.target(slot, filter)?, most, filter);
+        let hit = |slot, max_distance| {
+            let hit = cast.hit(&self.target(slot, filter)?, max_distance, filter);
             hit.unwrap_or_else(|error| {
                 failed.set(Some(error));
                 None
             })
         };
         let distance = |slot, best| hit(slot, best).map(|hit| hit.distance);
-        let search = |tree: &Bvh, first: u32, most| {
+        let search = |tree: &Bvh, first: u32, max_distance| {
             tree.find_best(
-                most,
+                max_distance,
                 |node: &BvhNode, _| cast.way_to(node),
                 |leaf, best| distance(first + leaf, best),
             )
         };
-        let nearest = self.nearest(cast.most, search, distance, |slot| hit(slot, cast.most));
+        let nearest = self.nearest(cast.max_distance, search, distance, |slot| {
+            hit(slot, cast.max_distance)
+        });
         failed.take().map_or(Ok(nearest), Err)
     }
 
-    /// Whatever the shape would touch up to `most` (m), nearest first, as if it went through all of it.
+    /// All bodies that the shape would touch within `max_distance` (m) if nothing stopped it, nearest first.
     ///
     /// # Errors
     /// As [`Self::cast_shape`].
@@ -159,13 +161,13 @@ impl SpatialQuery<'_, '_> {
         collider: &Collider,
         from: Pose,
         direction: Dir3,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Vec<CastHit>, QueryError> {
-        let cast = Cast::new(collider, from, direction, most)?;
+        let cast = Cast::new(collider, from, direction, max_distance)?;
         let near = self.view().along(|node| cast.way_to(node) < f32::MAX);
         let hits = self.all(near, |slot| {
-            let hit = cast.hit(&self.target(slot, filter)?, cast.most, filter);
+            let hit = cast.hit(&self.target(slot, filter)?, cast.max_distance, filter);
             hit.transpose()
         });
         let hits = hits.into_iter().map(|(_, hit)| hit);

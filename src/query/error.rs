@@ -1,21 +1,21 @@
-//! Questions that have no answer.
+//! Errors of spatial queries.
 
 use bevy_ecs::entity::Entity;
 use std::fmt;
 
-/// Why a question has no answer.
+/// Why a query cannot be answered.
 #[derive(Clone, Debug, PartialEq)]
 pub enum QueryError {
-    /// A point, a pose or a distance is NaN or infinite, as named; a rotation may have no length.
+    /// The named point, pose or direction is NaN or infinite, or its rotation has length zero.
     NotFinite(&'static str),
-    /// A distance is negative or NaN, m.
+    /// The distance is negative or NaN, m.
     InvalidDistance(f32),
-    /// The shape that is asked with has no volume, or a size that is not within [`limits`](crate::body::limits).
+    /// The shape of the query has no volume, or a size out of [`limits`](crate::body::limits).
     DegenerateShape,
-    /// The shape that is asked with has no end: a half-space may be hit, but not be moved.
+    /// The shape of the query is a half-space. Half-spaces can be hit, but cannot be cast or tested.
     Unbounded,
-    /// The shape that is asked with cannot be compared with that of this body: both are surfaces, which have no inside, or one is of a kind
-    /// that parry does not know.
+    /// The shape of the query cannot be compared with that of this body: both are surfaces, which have no inside, or parry does not
+    /// support the pair.
     Unsupported(Entity),
 }
 

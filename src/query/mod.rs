@@ -1,10 +1,10 @@
-//! Asking the world: what a ray hits, what a shape would bump into on its way, what is at a point, what is nearest to it, what a shape
-//! overlaps, and whether it fits somewhere.
+//! Spatial queries: ray casts, shape casts, points, closest points, and overlaps.
 //!
-//! [`SpatialQuery`] is a parameter of a system. It looks through the tree of the [`broadphase`](crate::broadphase), and answers for bodies
-//! where the last step left them, with the shapes and layers that they had in it. Bodies that were despawned are no longer found. Bodies that were
-//! spawned, changed or put elsewhere since are found as they are now after the next step or [`refresh`](crate::refresh()), whichever comes first;
-//! the plugin refreshes in every frame in which time stands still. Of two hits at one distance either may come first, the same one in every run.
+//! [`SpatialQuery`] is the system parameter, and [`spatial_query`] the function for code that has a world. Queries use the tree of the
+//! [`broadphase`](crate::broadphase). They see bodies at their poses after the last step, with the shapes and layers of that step.
+//! Despawned bodies are no longer found. Bodies that were spawned, changed or moved since then are found as they are now after the next
+//! step or [`refresh`](crate::refresh()), whichever comes first; the plugin refreshes in every frame in which time is paused. If two hits
+//! have the same distance, their order is arbitrary but the same in every run.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -61,9 +61,10 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use parry3d::partitioning::Bvh;
 use parry3d::shape::Shape;
+use std::fmt;
 use view::View;
 
-/// Asks the world; see the [module](self). In a world without a system at hand it is had by `run_system_once`, or by a `SystemState`.
+/// System parameter for spatial queries; see the [module](self). Outside of a system use [`spatial_query`].
 #[derive(SystemParam)]
 pub struct SpatialQuery<'w, 's> {
     broadphase: Res<'w, Broadphase>,
@@ -73,18 +74,48 @@ pub struct SpatialQuery<'w, 's> {
     threads: Res<'w, PhysicsThreads>,
 }
 
-/// A body that may be meant.
+impl fmt::Debug for SpatialQuery<'_, '_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpatialQuery").finish_non_exhaustive()
+    }
+}
+
+/// A body that a query may return.
 #[derive(Clone, Copy)]
 struct Target<'a> {
     body: &'a BodyState,
     shape: &'a dyn Shape,
-    /// Where it is now, not where it was at the start of the step.
+    /// Its current pose, not that at the start of the step.
     pose: Pose,
 }
 
+/// Asks spatial queries of a world outside of a system: calls `ask` with a [`SpatialQuery`] and returns its result.
+///
+/// Each call builds the parameter anew, which takes some microseconds: ask several questions in one closure.
+///
+/// ```
+/// # use bevy_transform::components::Transform;
+/// # use drystone::prelude::*;
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// # let ball = (RigidBody::Static, Collider::ball(0.5), Transform::from_xyz(0.0, 2.0, 0.0));
+/// # let ball = world.spawn(ball).id();
+/// # drystone::step(world, 1.0 / 60.0).unwrap();
+/// let here = Vec3::new(0.1, 2.1, 0.0);
+/// let bodies = spatial_query(world, |query| query.bodies_at(here, &QueryFilter::default()));
+/// assert_eq!(bodies, Ok(vec![ball]));
+/// ```
+///
+/// # Panics
+/// If [`StepPlugin`](crate::StepPlugin) was not added.
+pub fn spatial_query<R>(world: &mut World, ask: impl FnOnce(SpatialQuery) -> R) -> R {
+    crate::ask::ask::<SpatialQuery, R>(world, ask)
+}
+
 impl SpatialQuery<'_, '_> {
-    /// The pose for which answers about a body are given: that after the last step, or the one where it was put since, as of the last
-    /// [`refresh`](crate::refresh()). None where it is no body, or is not known yet.
+    /// The pose for which queries answer about a body: the pose after the last step, or the pose it was moved to since, as of the last
+    /// [`refresh`](crate::refresh()). `None` if the entity is not a body, or not known yet.
     pub fn pose(&self, body: Entity) -> Option<Pose> {
         let pose = self.poses.get(body).ok()?;
         let view = self.view();
@@ -99,7 +130,7 @@ impl SpatialQuery<'_, '_> {
         View::new(&self.table, &self.broadphase, &self.pending)
     }
 
-    /// The body of a number, if the filter lets it through and it is still there.
+    /// The body with this number, if it still exists and the filter admits it.
     #[inline]
     fn target(&self, number: u32, filter: &QueryFilter) -> Option<Target<'_>> {
         let view = self.view();
@@ -119,16 +150,16 @@ impl SpatialQuery<'_, '_> {
         })
     }
 
-    /// The nearest body: `search` finds that of a tree, whose numbers are higher by so many than those of its leaves; `distance` says by how much
-    /// a body is away, where that is less than so much.
+    /// The nearest body. `search` finds the nearest one in a tree, whose leaves have the numbers from the given one on; `distance` is the
+    /// distance of a body (m), if it is less than the given one.
     fn nearest<H>(
         &self,
-        most: f32,
+        max_distance: f32,
         search: impl Fn(&Bvh, u32, f32) -> Option<(u32, f32)>,
         distance: impl Fn(u32, f32) -> Option<f32>,
         hit: impl FnOnce(u32) -> Option<H>,
     ) -> Option<H> {
-        let (mut best, mut least) = (None, most);
+        let (mut best, mut least) = (None, max_distance);
         for (tree, first) in self.view().trees() {
             if let Some((leaf, distance)) = search(tree, first, least)
                 && (best.is_none() || distance < least)
@@ -146,7 +177,7 @@ impl SpatialQuery<'_, '_> {
         hit(best?)
     }
 
-    /// All of those that the trees have found and of those that are in none.
+    /// All bodies that the trees have found, and those in no tree, for which `hit` returns something; in order of spawning.
     fn all<H>(
         &self,
         mut numbers: Vec<u32>,

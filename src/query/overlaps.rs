@@ -1,4 +1,4 @@
-//! What a shape overlaps, and whether it fits.
+//! Overlap tests: the bodies that a shape overlaps, and whether it fits somewhere.
 
 use super::casts::posed;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
@@ -8,22 +8,22 @@ use bevy_ecs::prelude::*;
 use glam::Vec3;
 use parry3d::query::contact;
 
-/// How a shape and a body overlap.
+/// How far a shape is inside a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
     /// The body.
     pub entity: Entity,
-    /// How deep the shape is in it, m.
+    /// Penetration depth, m.
     pub depth: f32,
-    /// Unit vector out of the body's surface, world: moved by `depth` along it the shape touches the body and no more. (A body of several parts,
-    /// triangles or convex ones, tells of that in which the shape is deepest.)
+    /// Outward unit normal of the body's surface, world. Moved by `depth` along it, the shape just touches the body. For a body of
+    /// several parts (triangles or convex shapes) this is about the part in which the shape is deepest.
     pub normal: Vec3,
-    /// A point of the body's surface where it is deepest, world, m.
+    /// The point of the body's surface where the shape is deepest, world, m.
     pub point: Vec3,
 }
 
 impl Target<'_> {
-    /// How a shape is in it, if it is.
+    /// How far a shape is inside of it, if it is.
     fn overlap(&self, collider: &Collider, pose: Pose) -> Result<Option<Overlap>, QueryError> {
         let entity = self.body.entity;
         let unsupported = QueryError::Unsupported(entity);
@@ -45,11 +45,11 @@ impl Target<'_> {
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The bodies that a shape at a pose is in by more than `tolerance` (m), the eldest first, and how it is in them.
+    /// The bodies that a shape at a pose overlaps by more than `tolerance` (m), in order of spawning.
     ///
     /// # Errors
-    /// Where the pose is not finite, the tolerance negative, the shape has no volume or no end, or both it and a body that is near are
-    /// surfaces (meshes, height fields), which have no inside.
+    /// [`QueryError`] if the pose is not finite, the tolerance is negative, the shape is degenerate or unbounded, or both it and a nearby
+    /// body are surfaces (meshes or height fields), which have no inside.
     pub fn overlaps(
         &self,
         collider: &Collider,
@@ -70,8 +70,9 @@ impl SpatialQuery<'_, '_> {
         hits.filter(deep).collect()
     }
 
-    /// Whether a collider fits at a pose: it is in no body by more than `tolerance` (m). A brick laid on others touches them, so that a
-    /// tolerance of nothing would let it in nowhere; a millimetre will do.
+    /// Returns true if a shape at a pose overlaps no body by more than `tolerance` (m).
+    ///
+    /// A brick that lies on others touches them, so with a tolerance of 0 it fits nowhere. Use a millimetre.
     ///
     /// # Errors
     /// As [`Self::overlaps`].

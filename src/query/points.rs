@@ -1,4 +1,4 @@
-//! What is at a point, and what is nearest to it.
+//! Point queries: the bodies that contain a point, and the body nearest to it.
 
 use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
@@ -8,16 +8,16 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhNode};
 use parry3d::query::PointQuery;
 
-/// The point of a body that is nearest to another.
+/// The point of a body that is closest to the point asked about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointHit {
     /// The body.
     pub entity: Entity,
-    /// World, m; the point itself where that is inside.
+    /// The closest point, world, m; the point asked about if it is inside the body.
     pub point: Vec3,
-    /// How far it is, m; zero where the point is inside.
+    /// Distance between the two points, m; 0 inside the body.
     pub distance: f32,
-    /// The point is in the body. (A mesh or height field has no inside.)
+    /// Whether the point asked about is inside the body. Meshes and height fields have no inside.
     pub is_inside: bool,
 }
 
@@ -41,10 +41,10 @@ fn checked(point: Vec3) -> Result<Vec3, QueryError> {
 }
 
 impl SpatialQuery<'_, '_> {
-    /// The bodies that a point is in, the eldest first.
+    /// The bodies that contain a point (world, m), in order of spawning.
     ///
     /// # Errors
-    /// Where the point is not finite.
+    /// [`QueryError::NotFinite`] if the point is not finite.
     pub fn bodies_at(&self, point: Vec3, filter: &QueryFilter) -> Result<Vec<Entity>, QueryError> {
         let point = checked(point)?;
         let here = Aabb::new(point, point);
@@ -56,26 +56,26 @@ impl SpatialQuery<'_, '_> {
         Ok(hits.into_iter().map(|(body, ())| body.entity).collect())
     }
 
-    /// The nearest point of any body that is nearer than `most` (m).
+    /// The closest point of any body within `max_distance` (m) of a point (world, m).
     ///
     /// # Errors
-    /// Where the point is not finite or the distance negative.
+    /// [`QueryError`] if the point is not finite or the distance is negative.
     pub fn closest_point(
         &self,
         point: Vec3,
-        most: f32,
+        max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<PointHit>, QueryError> {
-        let (point, most) = (checked(point)?, at_most(most)?);
+        let (point, max_distance) = (checked(point)?, at_most(max_distance)?);
         let hit = |slot| Some(self.target(slot, filter)?.nearest_to(point));
         let distance = |slot, _| hit(slot).map(|hit| hit.distance);
-        let search = |tree: &Bvh, first: u32, most| {
+        let search = |tree: &Bvh, first: u32, max_distance| {
             tree.find_best(
-                most,
+                max_distance,
                 |node: &BvhNode, _| node.aabb().distance_to_local_point(point, true),
                 |leaf, best| distance(first + leaf, best),
             )
         };
-        Ok(self.nearest(most, search, distance, hit))
+        Ok(self.nearest(max_distance, search, distance, hit))
     }
 }

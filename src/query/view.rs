@@ -1,4 +1,5 @@
-//! Who is where: the bodies of the table and, preferred to those, the ones that were spawned, moved or changed since the last step.
+//! The bodies as queries see them: the body table, with the bodies that were spawned, moved or changed since the last step in place of
+//! their old state.
 
 use crate::body::{BodyState, BodyTable, Pending};
 use crate::broadphase::Broadphase;
@@ -6,12 +7,12 @@ use bevy_ecs::prelude::*;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhNode};
 
-/// All bodies as one list, by number: those of the table by their slots, and after the last slot the [pending](Pending) ones.
+/// All bodies as one list of numbers: those of the table by their slots, and after the last slot the [pending](Pending) ones.
 #[derive(Clone, Copy)]
 pub(super) struct View<'w> {
     table: &'w BodyTable,
     broadphase: &'w Broadphase,
-    /// None where the table is up to date.
+    /// `None` if the table is up to date.
     pending: Option<&'w Pending>,
 }
 
@@ -29,7 +30,7 @@ impl<'w> View<'w> {
         self.table.slots() as u32
     }
 
-    /// A body by its number; none where another number has it as it is now.
+    /// The body with a number. `None` if there is none, or if a pending body replaces it.
     #[inline]
     pub fn get(&self, number: u32) -> Option<&'w BodyState> {
         let Some(pending) = self.pending else {
@@ -41,31 +42,31 @@ impl<'w> View<'w> {
         }
     }
 
-    /// Whether a number is that of a pending body: its pose is the one that is told with it.
+    /// Whether the number is that of a pending body, whose pose is in its state.
     #[inline]
     pub fn is_pending(&self, number: u32) -> bool {
         number >= self.first()
     }
 
-    /// The pending one of this entity.
+    /// The number of this entity among the pending bodies.
     pub fn pending(&self, body: Entity) -> Option<u32> {
         Some(self.first() + self.pending?.place_of(body)?)
     }
 
-    /// The trees of boxes, and by how much the number of a body is higher than that of its leaf.
+    /// The trees of boxes, each with the number of its first leaf's body.
     pub fn trees(&self) -> impl Iterator<Item = (&'w Bvh, u32)> + use<'w> {
         let pending = self.pending.map(|pending| (pending.tree(), self.first()));
         [(self.broadphase.tree(), 0)].into_iter().chain(pending)
     }
 
-    /// Those that are not in their box in a tree, or have none.
+    /// The bodies that are in no tree, or outside of their box in it.
     pub fn outside(&self) -> impl Iterator<Item = u32> + use<'w> {
         let first = self.first();
         let pending = self.pending.into_iter().flat_map(Pending::unbounded);
         (self.broadphase.outside()).chain(pending.map(move |place| first + place))
     }
 
-    /// Those whose boxes meet another.
+    /// The bodies in trees whose boxes intersect this one.
     pub fn near(&self, aabb: &Aabb) -> Vec<u32> {
         let leaves = |(tree, first): (&'w Bvh, u32)| {
             let leaves = tree.intersect_aabb(aabb);
@@ -74,7 +75,7 @@ impl<'w> View<'w> {
         self.trees().flat_map(leaves).collect()
     }
 
-    /// Those in trees whose nodes may be entered.
+    /// The bodies in trees below nodes for which `enters` is true.
     pub fn along(&self, enters: impl Fn(&BvhNode) -> bool) -> Vec<u32> {
         let leaves = |(tree, first): (&'w Bvh, u32)| {
             let leaves = tree.leaves(&enters);

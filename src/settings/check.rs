@@ -1,4 +1,4 @@
-//! Settings are checked before every step. What cannot be is set back to what it was, and said.
+//! Validation of settings before every step. Invalid settings are set back to their last valid value and reported.
 
 use super::{
     Gravity, NarrowphaseSettings, NormalStabilization, SleepSettings, SolverSettings, SpeedLimits,
@@ -8,8 +8,8 @@ use crate::body::limits;
 use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
 
-/// The settings of the last step.
-#[derive(Resource, Clone, Default)]
+/// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
+#[derive(Resource, Clone, Default, Debug)]
 pub struct InForce {
     gravity: Gravity,
     stabilization: StabilizationSettings,
@@ -18,21 +18,21 @@ pub struct InForce {
     sleeping: SleepSettings,
     speeds: SpeedLimits,
     steps: u64,
-    /// Some of them are not those of the step before, so that what sleeps must look again.
+    /// Whether some settings differ from those of the step before. Sleeping bodies are woken then.
     pub changed: bool,
 }
 
-/// Settings that can be wrong.
+/// Settings that can be invalid.
 trait Checked: Resource + Clone {
     const NAME: &'static str;
 
-    /// What is wrong, as a sentence.
+    /// Returns a sentence that says what is wrong, or `None`.
     fn problem(&self) -> Option<String>;
 
     fn is_same(&self, other: &Self) -> bool;
 }
 
-/// Sets back what is wrong, or gone; tells whether anything changed.
+/// Sets back settings that are invalid or were removed, and notes whether any have changed.
 pub(crate) fn check(world: &mut World) {
     let mut last = world.resource::<InForce>().clone();
     let changed = [
@@ -49,7 +49,7 @@ pub(crate) fn check(world: &mut World) {
     world.insert_resource(last);
 }
 
-/// True where a resource is valid and another than before.
+/// Takes over a valid resource into `last`, or sets an invalid one back to it. Returns true if the resource is valid and has changed.
 fn take_over<T: Checked + Component>(world: &mut World, last: &mut T) -> bool {
     let problem = match world.get_resource::<T>() {
         Some(now) => match now.problem() {
@@ -74,7 +74,7 @@ fn take_over<T: Checked + Component>(world: &mut World, last: &mut T) -> bool {
     false
 }
 
-/// The first of some numbers that is not where it must be.
+/// Reports the first number that is out of its bounds.
 fn out_of_bounds(numbers: &[(&str, f32, std::ops::RangeInclusive<f32>)]) -> Option<String> {
     numbers
         .iter()
@@ -85,14 +85,15 @@ fn out_of_bounds(numbers: &[(&str, f32, std::ops::RangeInclusive<f32>)]) -> Opti
         })
 }
 
-/// Longest length that a setting may be, m, and shortest that is not nothing.
+/// Largest length that a setting may have, m.
 const LENGTH: f32 = 1e3;
+/// Smallest positive speed limit, m/s and rad/s.
 const TINY: f32 = 1e-9;
 
 /// Strongest gravity, m/s².
 const GRAVITY: f32 = 1e5;
 
-/// Most substeps.
+/// Maximum number of substeps.
 const SUBSTEPS: usize = 10_000;
 
 impl Checked for Gravity {
@@ -162,7 +163,7 @@ impl Checked for SolverSettings {
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        self.solver.is_same(&other.solver) && self.substeps == other.substeps
+        self.solver == other.solver && self.substeps == other.substeps
     }
 }
 

@@ -1,20 +1,20 @@
-//! Columns of a table side by side, row by row, on one thread or on several.
+//! Parallel iteration over several slices of equal length, row by row.
 
-/// Lists of the same length.
+/// A tuple of slices of equal length.
 pub trait Columns: Sized + Send {
-    /// One of each.
+    /// One element of each slice.
     type Row;
 
-    /// How many rows there are.
+    /// The number of rows.
     fn rows(&self) -> usize;
 
-    /// Those before a row, and those from it on.
+    /// Splits all slices at a row.
     fn split_at(self, row: usize) -> [Self; 2];
 
-    /// Does work on each row, from the first.
+    /// Does work on each row, in order.
     fn for_each(self, work: &impl Fn(Self::Row));
 
-    /// The same on several threads, so many rows at least on each.
+    /// Does work on each row on several threads, with at least `grain` rows for each.
     fn share(self, grain: usize, work: &(impl Fn(Self::Row) + Sync)) {
         let rows = self.rows();
         if rows / 2 < grain {
@@ -25,12 +25,12 @@ pub trait Columns: Sized + Send {
     }
 }
 
-/// One of them.
+/// One slice.
 pub trait Column: Sized + Send + IntoIterator {
-    /// How many it has.
+    /// The number of elements.
     fn rows(&self) -> usize;
 
-    /// Those before one, and those from it on.
+    /// Splits the slice at a row.
     fn split_at_row(self, row: usize) -> (Self, Self);
 }
 

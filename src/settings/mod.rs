@@ -1,5 +1,8 @@
-//! What a user can set: gravity, stabilization, solver. The defaults are what a Bevy user gets; [`Preset::Paper`]
-//! is the setting of the paper's Table 1. All of it may be changed between any two steps; what cannot be is refused (`StepError::InvalidSettings`).
+//! Settings: gravity, solver, stabilization, narrowphase, sleeping, speed limits and threads, each a resource.
+//!
+//! The defaults suit a Bevy game at 60 Hz. [`Preset::Paper`] holds the settings of Table 1 of the paper. Settings may change between any
+//! two steps. A step checks them first: a setting that is out of bounds is set back to its last valid value and reported as
+//! [`StepError::InvalidSettings`](crate::diagnosis::StepError::InvalidSettings).
 
 mod check;
 mod columns;
@@ -15,7 +18,7 @@ pub(crate) use check::check;
 pub use narrowphase::NarrowphaseSettings;
 pub use preset::Preset;
 pub(crate) use solver::Method;
-pub use solver::{ContactSolver, SolverSettings, solves_points};
+pub use solver::{ContactSolver, SolverSettings, uses_point_solver};
 pub use stabilization::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, StabilizationSettings,
 };
@@ -26,7 +29,7 @@ use crate::body::Velocity;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 
-/// Acceleration of free fall, m/s²; (0, −9.81, 0) by default.
+/// Acceleration of gravity, m/s². Default: (0, −9.81, 0).
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct Gravity(pub Vec3);
 
@@ -36,12 +39,12 @@ impl Default for Gravity {
     }
 }
 
-/// How fast a body may be. What forces and contacts make faster is slowed down to this, so that nothing gets lost in one step.
+/// Maximum speeds of a body. Bodies that forces or contacts make faster are slowed down to these limits.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct SpeedLimits {
-    /// m/s; 1000 by default.
+    /// Maximum linear speed, m/s. Default: 1000.
     pub linear: f32,
-    /// rad/s; 10 000 by default.
+    /// Maximum angular speed, rad/s. Default: 10 000.
     pub angular: f32,
 }
 
@@ -55,28 +58,28 @@ impl Default for SpeedLimits {
 }
 
 impl SpeedLimits {
-    /// True for a velocity that a body may have.
+    /// Returns true if the velocity is within the limits.
     pub fn allow(&self, velocity: &Velocity) -> bool {
         velocity.linear.length() <= self.linear && velocity.angular.length() <= self.angular
     }
 
-    /// The velocity that a body has instead.
+    /// Clamps a velocity to the limits.
     pub(crate) fn cap(&self, velocity: &mut Velocity) {
         velocity.linear = velocity.linear.clamp_length_max(self.linear);
         velocity.angular = velocity.angular.clamp_length_max(self.angular);
     }
 }
 
-/// Bodies at rest stop costing time.
+/// When bodies fall asleep. Sleeping bodies are not simulated until something wakes them.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct SleepSettings {
-    /// On or off.
+    /// Whether bodies may fall asleep. Default: true.
     pub enabled: bool,
-    /// A body slower than this counts as still, m/s.
+    /// A body counts as still below this speed, m/s. Default: 0.01.
     pub linear_speed: f32,
-    /// A body that turns slower than this counts as still, rad/s.
+    /// A body counts as still below this angular speed, rad/s. Default: 0.02.
     pub angular_speed: f32,
-    /// An island sleeps when all of it has been still this long, s.
+    /// An island falls asleep when all its bodies have been still for this time, s. Default: 0.5.
     pub delay: f32,
 }
 

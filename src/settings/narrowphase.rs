@@ -1,19 +1,19 @@
-//! What becomes of a manifold from step to step.
+//! Settings of the narrowphase.
 
 use super::Preset;
 use bevy_ecs::prelude::*;
 
-/// How contact manifolds are found, kept and matched.
+/// How contact manifolds are computed, kept from step to step, and matched with those of the last step.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct NarrowphaseSettings {
-    /// A contact manifold is kept, with normal and arms frozen, until its bodies have moved against each other by this share of
-    /// the smaller one's size (its bounding radius, or 2.5 times half its least thickness where that is less). 0: found anew in
-    /// every step.
+    /// How far two bodies may move relative to each other before their manifold is computed anew, as a share of the size of the smaller
+    /// body. Until then the manifold is recycled: its normal and lever arms stay as they are. The size of a body is its bounding radius,
+    /// or 2.5 times half its smallest thickness if that is less. 0 computes every manifold in every step. Default: 0.016.
     pub recycle_share: f32,
-    /// Keep four points of a patch that has more: the corners of the largest quadrangle.
+    /// Whether patches with more than four points are reduced to four: the corners of the largest quadrangle. Default: true.
     pub reduce_manifolds: bool,
-    /// A point that is found anew goes on as the one of the last step that is nearest to it, and no further away than this, m; where
-    /// their features don't tell.
+    /// A new contact point inherits the impulse of the nearest old point within this distance, m, if their features do not already match
+    /// them. Default: 0.02.
     pub match_radius: f32,
 }
 

@@ -1,4 +1,4 @@
-//! Complete settings with a name.
+//! Presets: complete settings with a name.
 
 use super::{
     AnchorRule, Classifier, FrictionStabilization, NarrowphaseSettings, NormalStabilization,
@@ -6,17 +6,18 @@ use super::{
 };
 use crate::solver::{Nncg, SoftStep};
 
-/// Complete settings with a name.
+/// A named set of settings for stabilization, narrowphase, solver and sleeping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
-    /// What a Bevy user gets: 60 Hz, surfaces touch.
+    /// The default settings: for games at 60 Hz, with surfaces that touch.
     Default,
-    /// Table 1, row 2 with friction stabilization: Δt 0.1, envelope 0.0625, NNCG 75, no warm start, no sleeping.
+    /// The settings of the paper's Table 1, row 2, with friction stabilization: Δt 0.1 s, an envelope of 0.0625 m, 75 iterations of NNCG,
+    /// no warm start, no sleeping.
     Paper,
 }
 
 impl Preset {
-    /// The step this preset is meant for, s.
+    /// The step length that this preset is meant for, s.
     pub fn dt(self) -> f32 {
         match self {
             Preset::Default => 1.0 / 60.0,
@@ -24,7 +25,7 @@ impl Preset {
         }
     }
 
-    /// Its stabilization.
+    /// The stabilization settings of this preset.
     pub fn stabilization(self) -> StabilizationSettings {
         let friction = FrictionStabilization {
             enabled: true,
@@ -60,7 +61,7 @@ impl Preset {
         }
     }
 
-    /// How it treats manifolds.
+    /// The narrowphase settings of this preset.
     pub fn narrowphase(self) -> NarrowphaseSettings {
         match self {
             Preset::Default => NarrowphaseSettings {
@@ -76,7 +77,7 @@ impl Preset {
         }
     }
 
-    /// Its solver.
+    /// The solver settings of this preset.
     pub fn solver(self) -> SolverSettings {
         SolverSettings {
             solver: match self {
@@ -88,7 +89,7 @@ impl Preset {
         }
     }
 
-    /// Whether its bodies sleep.
+    /// The sleep settings of this preset.
     pub fn sleeping(self) -> SleepSettings {
         SleepSettings {
             enabled: self == Preset::Default,

@@ -1,23 +1,24 @@
-//! Which solver finds the impulses.
+//! Settings of the contact solver.
 
 use super::Preset;
 use crate::solver::{Nncg, PatchSolver, Pgs, PointSolver, SoftStep};
 use bevy_ecs::prelude::*;
+use std::fmt;
 use std::sync::Arc;
 
-/// Which solver, and how a step is cut.
-#[derive(Resource, Clone)]
+/// The contact solver, and how a step is divided.
+#[derive(Resource, Clone, Debug, PartialEq)]
 pub struct SolverSettings {
-    /// Drystone's own with their settings, or a user's.
+    /// The contact solver with its settings. Default: [`SoftStep`].
     pub solver: ContactSolver,
     /// Whole steps of Δt/n that one step is cut into, detection included.
     pub substeps: usize,
-    /// Keep the merit after every sweep (see [`crate::solve::SolveReports`]).
+    /// Whether to record the merit after every sweep, in [`SolveReports`](crate::solve::SolveReports). Default: false.
     pub record_history: bool,
 }
 
 impl SolverSettings {
-    /// The default settings with this solver.
+    /// The default settings with another solver.
     pub fn new(solver: impl Into<ContactSolver>) -> Self {
         Self {
             solver: solver.into(),
@@ -32,22 +33,36 @@ impl Default for SolverSettings {
     }
 }
 
-/// A method that finds contact impulses, of one of two kinds.
+/// The method that computes contact impulses: a built-in one, or one of your own behind one of the two solver traits.
+///
+/// Point solvers treat each contact point as a constraint, as the paper does. Patch solvers treat all points of a contact face together.
 #[derive(Clone)]
 pub enum ContactSolver {
-    /// The default.
+    /// Drystone's own patch solver, the default.
     SoftStep(SoftStep),
-    /// Projected Gauss–Seidel, by points.
+    /// Projected Gauss–Seidel, a point solver.
     Pgs(Pgs),
-    /// The nonsmooth nonlinear conjugate gradient method, by points.
+    /// The nonsmooth nonlinear conjugate gradient method, a point solver; the one used in the paper.
     Nncg(Nncg),
-    /// A user's own, by patches.
+    /// A patch solver of your own.
     Patches(Arc<dyn PatchSolver>),
-    /// A user's own, by points.
+    /// A point solver of your own.
     Points(Arc<dyn PointSolver>),
 }
 
-/// The kind of a solver, and it.
+impl fmt::Debug for ContactSolver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SoftStep(solver) => solver.fmt(f),
+            Self::Pgs(solver) => solver.fmt(f),
+            Self::Nncg(solver) => solver.fmt(f),
+            Self::Patches(solver) => f.debug_tuple("Patches").field(&solver.name()).finish(),
+            Self::Points(solver) => f.debug_tuple("Points").field(&solver.name()).finish(),
+        }
+    }
+}
+
+/// A solver by its kind.
 pub(crate) enum Method<'a> {
     Patches(&'a (dyn PatchSolver + 'static)),
     Points(&'a (dyn PointSolver + 'static)),
@@ -64,7 +79,7 @@ impl ContactSolver {
         }
     }
 
-    /// A short name for reports.
+    /// The name of the solver, for reports.
     pub fn name(&self) -> &str {
         match self.method() {
             Method::Patches(solver) => solver.name(),
@@ -72,7 +87,7 @@ impl ContactSolver {
         }
     }
 
-    /// What is wrong with its settings, as a sentence.
+    /// Checks the solver's settings. Returns a sentence that says what is wrong with them, or `None` if they are valid.
     pub fn problem(&self) -> Option<String> {
         match self.method() {
             Method::Patches(solver) => solver.problem(),
@@ -80,14 +95,15 @@ impl ContactSolver {
         }
     }
 
-    /// True where it works on points, so that their bounds and demands ([`ContactTargets`](crate::contact::ContactTargets)) are
-    /// to be found for it.
-    pub fn is_by_points(&self) -> bool {
+    /// Returns true for point solvers, which need [`ContactTargets`](crate::contact::ContactTargets).
+    pub fn is_point_solver(&self) -> bool {
         matches!(self.method(), Method::Points(_))
     }
+}
 
-    /// The same method with the same settings.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
+/// The same method with the same settings. Solvers of your own are equal if they are the same instance.
+impl PartialEq for ContactSolver {
+    fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::SoftStep(a), Self::SoftStep(b)) => a == b,
             (Self::Pgs(a), Self::Pgs(b)) => a == b,
@@ -117,7 +133,7 @@ impl From<Nncg> for ContactSolver {
     }
 }
 
-/// Run condition: the solver is one of points.
-pub fn solves_points(settings: Res<SolverSettings>) -> bool {
-    settings.solver.is_by_points()
+/// Run condition: true while the solver is a point solver.
+pub fn uses_point_solver(settings: Res<SolverSettings>) -> bool {
+    settings.solver.is_point_solver()
 }

@@ -1,94 +1,95 @@
-//! What the two stabilizations of the paper are asked for.
+//! Settings of the paper's two stabilizations.
 
 use super::Preset;
 use bevy_ecs::prelude::*;
 
-/// How normals are corrected (paper, section 2).
+/// How penetration is corrected (paper, section 2). Point solvers read it; [`SoftStep`](crate::solver::SoftStep) corrects penetration
+/// itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalStabilization {
-    /// Non-penetration of velocities only; penetration creeps in.
+    /// No correction. Contacts bound velocities only, and bodies sink slowly into each other.
     None,
-    /// Equation (9), two-sided: demands −k·d/Δt for overlap and for gap. Ideal distance 0.
+    /// Two-sided Baumgarte correction, equation (9): demands the velocity −k·d/Δt for overlaps and for gaps. The ideal distance is 0.
     Baumgarte {
-        /// Error reduction k_n, 0 ≤ k < 1 (Table 1: 0.5).
+        /// Error reduction k_n, 0 ≤ k_n < 1 (Table 1: 0.5).
         gain: f32,
     },
-    /// Equation (9) for overlap only, as most engines have it; shows the paper's artefacts.
+    /// Baumgarte correction for overlaps only, as in most engines. It shows the artefacts that the paper describes.
     BaumgarteOneSided {
-        /// Error reduction k_n.
+        /// Error reduction k_n, 0 ≤ k_n < 1.
         gain: f32,
     },
-    /// The paper's own, equations (5)–(8): contacts settle in the middle of a collision envelope.
+    /// The paper's own correction, equations (5)–(8): contacts settle in the middle of the collision envelope. The default.
     Envelope,
 }
 
-/// Where a contact's anchor comes from (paper, section 3).
+/// How the anchor of a sticking contact is chosen and kept (paper, section 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnchorRule {
-    /// Equation (11) to the letter: written anew in every step. Divides the drift by about 1 + k_t.
+    /// A new anchor in every step, equation (11) taken literally. It divides the drift by about 1 + k_t.
     Literal,
-    /// Written when sticking starts, kept while it lasts. Bounds the drift.
+    /// One anchor for each point, kept for as long as the point sticks. It bounds the drift.
     Persistent,
-    /// The relative pose of the bodies at the onset of sticking, one for each patch; needs no tracking of points.
+    /// One anchor for each patch: the relative pose of the two bodies when sticking began. It needs no tracking of points. The default.
     PairPose,
-    /// Last step's slip velocity times Δt, as the paper's section 3 speculates; needs no bookkeeping.
+    /// No anchor: the slip velocity of the last step times Δt, as section 3 of the paper suggests.
     Trackless,
 }
 
-/// What counts as sticking, equation (10).
+/// The rule that decides whether a contact sticks, equation (10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Classifier {
-    /// ‖λ_t‖ < μ λ_n, each point for itself.
+    /// Each point sticks by itself if ‖λ_t‖ < μ λ_n.
     PerPoint,
     /// The manifold sticks if any of its points does.
     Any,
-    /// The manifold sticks if all of its loaded points do.
+    /// The manifold sticks if all its loaded points do.
     All,
-    /// ‖Σλ_t‖ < μ Σλ_n over the manifold.
+    /// The manifold sticks if ‖Σλ_t‖ < μ Σλ_n. The default.
     Sum,
-    /// On sums, with memory: sticking begins below 0.6 of the cone and ends at the cone.
+    /// As [`Sum`](Self::Sum), with hysteresis: sticking begins below 0.6 of the friction cone and ends at the cone.
     Hysteresis,
 }
 
-/// Friction stabilization (paper, section 3).
+/// Settings of friction stabilization (paper, section 3). Sticking contacts remember an anchor, and slip away from it is corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionStabilization {
-    /// On or off.
+    /// Whether slip is corrected. Default: true.
     pub enabled: bool,
-    /// Where anchors come from.
+    /// How anchors are chosen and kept. Default: [`AnchorRule::PairPose`].
     pub anchors: AnchorRule,
-    /// What counts as sticking.
+    /// The rule that decides whether a contact sticks. Default: [`Classifier::Sum`].
     pub classifier: Classifier,
-    /// k_t of equation (15); 0.4 to 1.0 works.
+    /// Gain k_t of equation (15), without unit. Values from 0.4 to 1.0 work. Default: 0.8.
     pub gain: f32,
-    /// ε of equation (14), m. At 1e-3 it jitters already.
+    /// Slip ε below which nothing is corrected, equation (14), m. At 1e-3 contacts jitter. Default: 1e-5.
     pub tolerance: f32,
-    /// Anchors further apart than this along the surface are given up, m.
+    /// Maximum distance of a contact from its anchor along the surface, m. Beyond it the anchor is deleted. Default: 0.25.
     pub max_error: f32,
-    /// Anchors further apart than this along the normal are given up, m.
+    /// Maximum distance of a contact from its anchor along the normal, m. Beyond it the anchor is deleted. Default: 0.06.
     pub max_separation: f32,
-    /// Anchors are given up when the normal has turned by more than this in either body's frame, rad.
+    /// Maximum rotation of the normal in the frame of either body, rad. Beyond it the anchor is deleted. Default: 0.1.
     pub max_turn: f32,
 }
 
-/// Both stabilizations and the collision envelope they live in.
+/// Settings of normal and friction stabilization, and of the collision envelope.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct StabilizationSettings {
-    /// Size δ of the collision envelope, m.
+    /// Size δ of the collision envelope, m: bodies nearer than its outer boundary have contacts. Default: 0.02.
     pub envelope: f32,
-    /// Distance at which surfaces come to rest, m. The paper: δ/2, so that real surfaces never overlap. 0: they
-    /// touch, and the envelope lies half inside.
+    /// Distance at which surfaces come to rest, m. The paper uses δ/2, so that surfaces never overlap. With 0 they touch, and half the
+    /// envelope lies inside the bodies. Default: 0.
     pub ideal_distance: f32,
-    /// How normals are corrected.
+    /// How penetration is corrected. Default: [`NormalStabilization::Envelope`].
     pub normal: NormalStabilization,
-    /// Clamp of all corrections, m/s (Table 1: 2).
+    /// Maximum speed of any correction, m/s (Table 1: 2). Default: 2.
     pub max_correction_speed: f32,
-    /// How friction is corrected.
+    /// How slip is corrected.
     pub friction: FrictionStabilization,
 }
 
 impl StabilizationSettings {
-    /// The distance at which a contact rests under the chosen normal correction, m.
+    /// Distance at which contacts come to rest with the chosen normal stabilization, m.
     pub fn rest_distance(&self) -> f32 {
         match self.normal {
             NormalStabilization::Envelope => self.ideal_distance,
@@ -96,7 +97,7 @@ impl StabilizationSettings {
         }
     }
 
-    /// The distance beyond which a contact is outside the envelope, m.
+    /// Distance beyond which a contact is outside the envelope, m.
     pub fn outer_distance(&self) -> f32 {
         self.rest_distance() + 0.5 * self.envelope
     }

@@ -1,11 +1,11 @@
-//! Where physics runs.
+//! The threads that physics runs on.
 
 use super::columns::Columns;
 use bevy_ecs::prelude::*;
 use std::sync::Arc;
 
-/// The threads that physics may use. By default rayon's global pool.
-#[derive(Resource, Clone)]
+/// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads.
+#[derive(Resource, Clone, Debug)]
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
     share_from: usize,
@@ -21,10 +21,9 @@ impl Default for PhysicsThreads {
 }
 
 impl PhysicsThreads {
-    /// A pool of its own with `n` threads; 0 means rayon's default number.
-    ///
+    /// Makes a thread pool of its own with `n` threads. 0 means rayon's default number.
     /// # Errors
-    /// Where the operating system gives no threads.
+    /// If the operating system refuses to start the threads.
     pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build()?;
         Ok(Self {
@@ -33,13 +32,15 @@ impl PhysicsThreads {
         })
     }
 
-    /// Shares work from so many items on, pairs or contact points; by default from [`Self::SHARE_FROM`]. The result is the same.
+    /// Sets the minimum number of items (pairs or contact points) for which work is divided among threads. Default: [`Self::SHARE_FROM`].
+    /// Results do not depend on it.
+    #[must_use]
     pub fn sharing_from(mut self, items: usize) -> Self {
         self.share_from = items;
         self
     }
 
-    /// How many there are.
+    /// The number of threads.
     pub fn count(&self) -> usize {
         match &self.pool {
             Some(pool) => pool.current_num_threads(),
@@ -47,12 +48,13 @@ impl PhysicsThreads {
         }
     }
 
-    /// Whether so many items are worth handing over to other threads.
+    /// Returns true if work on this many items is divided among threads.
     pub fn share(&self, items: usize) -> bool {
         items >= self.share_from && self.count() > 1
     }
 
-    /// Runs work on these threads, or on this one where sharing does not pay. Nothing in it may be one of rayon's iterators then.
+    /// Runs work in the thread pool, or on the calling thread if there are too few items to divide. In the latter case `work` must not
+    /// use parallel iterators of rayon, which would run in the global pool.
     pub(crate) fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
             Some(pool) if self.share(items) => pool.install(work),
@@ -60,7 +62,7 @@ impl PhysicsThreads {
         }
     }
 
-    /// Does work on each row of some columns, side by side where there are enough.
+    /// Does work on each row of some columns, in parallel if there are enough rows.
     pub(crate) fn each<C: Columns>(&self, columns: C, work: impl Fn(C::Row) + Sync) {
         let rows = columns.rows();
         match self.share(rows) {
@@ -69,7 +71,8 @@ impl PhysicsThreads {
         }
     }
 
-    /// Fewer are not worth handing over: that takes 20 µs where the other threads are awake and 100 where they are not, as much as a
-    /// thousand pairs at rest. From 128 items on, walls of 10 × 10 took 2.5 times as long on two threads.
+    /// Default minimum number of items for which work is divided. Handing work over takes 20 µs if the other threads are awake and 100 µs
+    /// if they are not, as much as a thousand pairs at rest. With a minimum of 128 items, walls of 10 × 10 took 2.5 times as long on two
+    /// threads.
     pub const SHARE_FROM: usize = 4096;
 }

@@ -1,22 +1,22 @@
-//! Which step this is, and how long.
+//! The time of the current step.
 
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
 
-/// The step at hand; a substep of it where there are several. Written by [`step`](crate::step).
+/// Number and length of the current substep. Written by [`step`](crate::step()); read-only for other systems.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct StepTime {
-    /// Length of the substep at hand, s.
+    /// Length of the current substep, s.
     pub dt: f32,
-    /// Length of the one before, s; of this one if it is the first.
-    pub last: f32,
-    /// The longest of recent substeps, s: this one, or a longer one that fades within half a second. Errors of position are taken
-    /// back as fast as it allows, so that a short step among long ones does not make a blow of what the long ones left. With
-    /// steps of one length it is that.
-    pub longest: f32,
-    /// Number of the substep at hand, from 0.
+    /// Length of the previous substep, s. In the first step it equals [`dt`](Self::dt).
+    pub previous_dt: f32,
+    /// Length of the longest recent substep, s: the current one, or a longer one, whose length fades by the factor 1/e in half a second.
+    /// Position errors are corrected at the rate that this length allows, so that a short step among long ones does not correct in one
+    /// blow the errors that the long ones left. With steps of equal length it equals [`dt`](Self::dt).
+    pub max_recent_dt: f32,
+    /// Index of the current substep, from 0.
     pub substep: usize,
-    /// How many there are.
+    /// Number of substeps in this step.
     pub substeps: usize,
 }
 
@@ -24,8 +24,8 @@ impl Default for StepTime {
     fn default() -> Self {
         Self {
             dt: 0.0,
-            last: 0.0,
-            longest: 0.0,
+            previous_dt: 0.0,
+            max_recent_dt: 0.0,
             substep: 0,
             substeps: 1,
         }
@@ -33,26 +33,26 @@ impl Default for StepTime {
 }
 
 impl StepTime {
-    /// The substep after this one, of a step of `dt` s in so many.
+    /// The time of the next substep, in a step of `dt` s that has `substeps` of them.
     pub(crate) fn next(&self, dt: f32, substep: usize, substeps: usize) -> Self {
         let dt = dt / substeps as f32;
-        let faded = self.longest * ops::exp(-dt / Self::FADES);
+        let faded = self.max_recent_dt * ops::exp(-dt / Self::FADES);
         Self {
             dt,
-            last: if self.dt > 0.0 { self.dt } else { dt },
-            longest: dt.max(faded),
+            previous_dt: if self.dt > 0.0 { self.dt } else { dt },
+            max_recent_dt: dt.max(faded),
             substep,
             substeps,
         }
     }
 
-    /// The time for which a force of the last step is taken to go on, s.
+    /// The time for which a force of the last step is assumed to continue, s.
     #[inline]
     pub(crate) fn carried(&self) -> f32 {
-        self.dt.min(self.last)
+        self.dt.min(self.previous_dt)
     }
 
-    /// How long it takes the longest step to fade to 1/e, s.
+    /// Time in which the longest recent step fades to 1/e of its length, s.
     const FADES: f32 = 0.5;
 
     /// Length of the whole step, s.
@@ -61,7 +61,7 @@ impl StepTime {
         self.dt * self.substeps as f32
     }
 
-    /// True in the last substep.
+    /// Returns true in the last substep of a step.
     #[inline]
     pub fn is_last(&self) -> bool {
         self.substep + 1 == self.substeps

@@ -127,7 +127,7 @@ impl PatchRows {
             points: &mut self.points,
             grips,
             dt: given.time.dt,
-            longest: given.time.longest,
+            longest: given.time.max_recent_dt,
             gravity: given.gravity.0,
             max_correction_speed: given.stabilization.max_correction_speed,
             record_history: given.solver.record_history,

@@ -1,6 +1,6 @@
 //! A sparse Cholesky factorization of a symmetric positive definite matrix of 6×6 blocks, with one row of blocks for each body.
 //!
-//! It is multifrontal: a front is a small dense matrix, of which the first rows are eliminated, and what is left of it is added to its parent. A
+//! It is multifrontal: a front is a small dense matrix. Its first rows are eliminated, and the remainder is added to its parent. A
 //! front is stored as strips. A strip is a row of blocks, in which the six numbers of a column stand together, so that products of strips run at
 //! the speed of vectors.
 
@@ -15,9 +15,9 @@ const LEAST_PIVOT: f64 = 1e-12;
 /// A matrix, which is filled block by block, and then its factor: L with one over its diagonal.
 pub(super) struct Factor {
     strips: Vec<[f64; 6]>,
-    /// What fronts have left to parents that are still to come, as a stack: lower triangles, row by row.
+    /// Contributions of eliminated fronts to their parents, as a stack: lower triangles, row by row.
     left: Vec<Block>,
-    /// What the front at work leaves.
+    /// The contribution of the current front to its parent.
     leaves: Vec<Block>,
     /// A vector in the order of elimination.
     vector: Vec<[f64; 6]>,
@@ -80,7 +80,7 @@ impl Factor {
         }
     }
 
-    /// Adds to a front what a child has left, which is on top of the stack.
+    /// Adds the contribution of a child, which is on top of the stack, to a front.
     fn take_over(&mut self, front: &Front, child: &Front) {
         let own = front.own.len();
         let rows: Vec<usize> = child.rest.iter().map(|&place| front.row(place)).collect();

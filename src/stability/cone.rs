@@ -19,7 +19,7 @@ pub(super) fn product(one: Four, other: Four) -> Four {
     [dot(one, other), of(1), of(2), of(3)]
 }
 
-/// What times `by` is `of`.
+/// Jordan's quotient: the x for which x ∘ `by` = `of`.
 pub(super) fn quotient(of: Four, by: Four) -> Four {
     let inner = by[1] * of[1] + by[2] * of[2] + by[3] * of[3];
     let first = (by[0] * of[0] - inner) / square(by);
@@ -27,7 +27,7 @@ pub(super) fn quotient(of: Four, by: Four) -> Four {
     [first, rest(1), rest(2), rest(3)]
 }
 
-/// How far one may go from a point of the cone before one leaves it.
+/// Distance along a direction from a point of the cone to its boundary.
 pub(super) fn reach(from: Four, along: Four) -> f64 {
     // Along the way t² − ‖v‖² is a α² + 2 b α + c.
     let a = square(along);

@@ -7,10 +7,10 @@
 
 use super::cone::Four;
 
-/// A velocity of a body, or what acts on it.
+/// The velocity of a body, or the force and moment on it.
 pub(super) type Six = [f64; 6];
 
-/// See the module's text.
+/// The cone program of a round.
 pub(super) struct Program {
     /// q and l, by body.
     pub cost: Vec<Six>,
@@ -18,10 +18,10 @@ pub(super) struct Program {
     pub faces: Vec<Face>,
 }
 
-/// What a joint contributes.
+/// The rows of a joint.
 pub(super) struct Face {
     pub ends: [Option<usize>; 2],
-    /// What a unit of each force does to both bodies: at the corners, then none or three of friction.
+    /// The resultant of a unit of each force on both bodies: the forces at the corners, then none or three of friction.
     pub rows: Vec<[Six; 2]>,
     pub corners: usize,
     /// μ'
@@ -65,7 +65,7 @@ impl Face {
         sum
     }
 
-    /// Adds what so much of a force does.
+    /// Adds the effect of a force.
     pub fn push(&self, row: usize, force: f64, bodies: &mut [Six]) {
         for (end, row) in self.ends.iter().zip(&self.rows[row]) {
             if let Some(body) = *end {

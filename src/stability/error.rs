@@ -1,29 +1,29 @@
-//! What has no margin.
+//! Errors of the stability analysis.
 
 use bevy_ecs::entity::Entity;
 use std::fmt;
 
-/// Why a margin cannot be told.
+/// Why a margin cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StabilityError {
-    /// A structure of no bodies.
+    /// The structure has no bodies.
     Nothing,
-    /// It is no body that simulation knows: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or has come since the last
-    /// step.
-    NoBody(Entity),
-    /// A static or kinematic body, which stands whatever is done to it.
+    /// The entity is not a body known to the simulation: it has no [`RigidBody`](crate::body::RigidBody), is quarantined, or was spawned
+    /// after the last step.
+    NotABody(Entity),
+    /// The body is static or kinematic, and cannot fail.
     Fixed(Entity),
-    /// What is pulled is not of the structure.
+    /// The body that is pulled does not belong to the structure.
     NotOfStructure(Entity),
-    /// A direction is zero or not finite, or for a tilt along gravity.
+    /// A direction is zero or not finite, or that of a tilt is vertical.
     NoDirection,
-    /// Without gravity nothing is tilted.
+    /// A tilt has no effect without gravity.
     NoGravity,
     /// A point is not finite.
     NotFinite,
-    /// It does not stand as it is: no forces in its joints balance its weight.
+    /// The structure does not stand without the load: no joint forces balance its weight.
     Falls,
-    /// It has so many bodies, more than [`MAX_BODIES`](super::MAX_BODIES).
+    /// The structure has this many bodies, more than [`MAX_BODIES`](super::MAX_BODIES).
     TooMany(usize),
     /// The cone program was not solved: it is too large or too badly scaled.
     Unsolved,
@@ -33,7 +33,7 @@ impl fmt::Display for StabilityError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nothing => f.write_str("a structure of no bodies has no margin"),
-            Self::NoBody(entity) => crate::contact::NoBody(*entity).fmt(f),
+            Self::NotABody(entity) => crate::contact::NotABody(*entity).fmt(f),
             Self::Fixed(entity) => write!(
                 f,
                 "{entity} is static or kinematic: name the dynamic bodies of a structure only"

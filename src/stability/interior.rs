@@ -2,33 +2,33 @@
 //! and corrector.
 //!
 //! It solves the homogeneous self-dual embedding, which has two more unknowns, t and κ. It ends with t > 0 at a solution, (x, y, z) / t, and with
-//! t = 0 where there is none, at a proof of that: a motion that nothing stops, or forces that bear any load.
+//! t = 0 if there is none, at a proof of that: a motion that nothing stops, or forces that carry any load.
 
 use super::cone::{product, quotient, reach};
 use super::cone_program::{Face, Motion, Program};
 use super::scaled::Scaled;
 
-/// What is missed by no more than this is fulfilled, a share; and the load changes by no more than the second in the last step.
+/// Relative tolerance of the equations, and of the change of the load in the last step.
 const EXACT: f64 = 3e-7;
 const SETTLED: f64 = 1e-4;
 
-/// What rounding leaves of it, at worst.
+/// Relative tolerance if rounding prevents any further progress.
 const ALMOST: f64 = 1e-4;
 
 /// A proof that there is no solution.
 const PROVEN: f64 = 1e-8;
 
-/// No more steps than this, none shorter than this, and each by this share of the way to the rim.
+/// Maximum number of steps, minimum length of a step, and its length as a share of the distance to the boundary.
 const STEPS: usize = 100;
 const SHORTEST: f64 = 1e-5;
 const NEAR: f64 = 0.99;
 
-/// How a program ends.
+/// The result of a program.
 pub(super) enum Outcome {
     Solved(Solution),
-    /// No velocities fulfil it: any load is borne.
+    /// Infeasible: the structure carries any load.
     Endless,
-    /// Its cost has no bound: forces that bear none of the load do not balance the weight.
+    /// Unbounded: without the load, no forces balance the weight.
     Falls,
     Unsolved,
 }
@@ -52,7 +52,7 @@ struct Point {
     kappa: f64,
 }
 
-/// By how much a point misses the equations of the embedding.
+/// The residuals of the equations of the embedding at a point.
 struct Missed {
     x: Motion,
     s: Vec<f64>,
@@ -60,7 +60,7 @@ struct Missed {
     t: f64,
 }
 
-/// What does not change during the method.
+/// The data that do not change during the method.
 struct Method<'a> {
     program: &'a Program,
     costs: Motion,
@@ -143,7 +143,7 @@ impl Method<'_> {
         }
     }
 
-    /// How far a point is from a solution, as the largest of three shares: what each half of the equations misses, and the gap between both.
+    /// The relative error of a point: the largest of the residuals of both halves of the equations and of the duality gap.
     fn worst(&self, point: &Point, missed: &Missed) -> f64 {
         let Point { x, s, z, y, t, .. } = point;
         let cost = self.costs.dot(x);
@@ -189,7 +189,7 @@ impl Method<'_> {
         length
     }
 
-    /// W (λ ∖ (λ∘λ + (W⁻¹ ds)∘(W dz) − σμ e)): what the products of s and z must lose, counted as s.
+    /// W (λ ∖ (λ∘λ + (W⁻¹ ds)∘(W dz) − σμ e)): the reduction that the products of s and z need, in terms of s.
     fn corrected(&self, point: &Point, aim: &Point, scaled: &Scaled, center: f64) -> Vec<f64> {
         let mut bends = Vec::with_capacity(point.s.len());
         for (face, start, scaled) in scaled.faces(self.program) {
@@ -224,7 +224,7 @@ impl Method<'_> {
         (x, y)
     }
 
-    /// Newton's direction, in which all but this share of what is missed goes, and products of s and z, of t and κ, lose what is said.
+    /// Newton's direction: it removes all but this share of the residuals, and reduces the products of s and z and of t and κ by the given amounts.
     #[expect(clippy::too_many_arguments)]
     fn direction(
         &self,

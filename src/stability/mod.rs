@@ -1,12 +1,14 @@
-//! How safe a structure stands: [`stability`] says by how much it may be tilted, pulled or loaded before it gives way, and what gives way first.
+//! Safety margins by limit analysis: [`stability()`] computes how far a structure can be tilted, pulled or loaded before it fails, and
+//! how it fails. Needs the feature `stability`.
 //!
-//! It is limit analysis, by the static theorem (Heyman 1966; for friction Livesley 1978): a structure of rigid blocks stands as long as there are
-//! forces in its joints, within the polygons in which faces touch and within the cones of friction, that balance what acts on it. The most of a
-//! load for which there are such forces is found by a cone program (`interior.rs`), and its dual variables are the motion by which the structure
-//! fails. Nothing is stepped, and what contacts carry now does not matter; only where they are.
+//! Limit analysis rests on the static theorem (Heyman 1966; with friction, Livesley 1978): a structure of rigid blocks stands as long as
+//! there are joint forces that balance the loads, lie within the polygons in which faces touch, and lie within the cones of friction. A
+//! cone program (`interior.rs`) finds the largest load for which there are such forces; its dual variables are the motion with which the
+//! structure fails. Nothing is simulated. Only the positions of contacts matter, not the forces that they carry now.
 //!
-//! The theorem lets what slides open as well, which nothing does that is held from both sides. That is mended round by round (`program.rs`), so that
-//! a brick that is pulled out of a wall is held by what presses on it, and not by the wall's weight.
+//! The theorem assumes that sliding joints may open as well, which a joint held from both sides does not do. This is corrected in several
+//! rounds (`program.rs`). A brick pulled out of a wall is therefore held by the force that presses on it, and not by the weight of the
+//! wall.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -25,7 +27,7 @@
 //!
 //! // Half a metre deep and five high, it falls out of its plane at 5.7°, about its foot.
 //! let margin = stability(world, &bricks, &Trial::Tilt(Vec3::Z)).unwrap();
-//! assert!((margin.most.to_degrees() - 5.71).abs() < 0.05);
+//! assert!((margin.limit.to_degrees() - 5.71).abs() < 0.05);
 //! assert_eq!(margin.moving.len(), bricks.len());
 //! ```
 
@@ -44,79 +46,80 @@ pub use error::StabilityError;
 use crate::body::BodyTable;
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
 use glam::Vec3;
 use program::Load;
 use structure::Structure;
 
-/// What a structure is put to.
+/// The load that a structure is tested with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trial {
-    /// The ground is tilted, so that what stands on it would go in this direction, of which the level part counts.
+    /// Tilts the ground so that the structure leans in this direction (world). Only its horizontal part counts.
     Tilt(Vec3),
-    /// A body is pulled along a direction, or pressed, or loaded where that is down.
+    /// Pulls a body with a force in some direction. A force downwards is a load.
     Pull {
-        /// Which of the structure's.
+        /// The body; it must belong to the structure.
         body: Entity,
-        /// Where, world, m.
+        /// The point at which the force acts, world, m.
         point: Vec3,
-        /// Which way, world.
+        /// The direction of the force, world, of any length but zero.
         direction: Vec3,
     },
 }
 
-/// How much a structure can take, and what happens then.
+/// The largest load that a structure can take, and how it fails at that load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margin {
-    /// The tilt, rad, or the force, N, at which it fails; infinite where it never does by it, and for a tilt then π/2.
-    pub most: f32,
-    /// The bodies that begin to move then, in the order of the structure. None where it never fails.
-    pub moving: Vec<Moving>,
-    /// The joints that give way.
-    pub gives: Vec<Giving>,
+    /// The tilt (rad) or force (N) at which the structure fails. If it never fails it is infinite, or π/2 for a tilt.
+    pub limit: f32,
+    /// The bodies that begin to move, in the order of the structure. Empty if it never fails.
+    pub moving: Vec<MovingBody>,
+    /// The joints that fail.
+    pub failing: Vec<FailingJoint>,
 }
 
-/// A body that begins to move: a velocity, of which only the proportions to those of others mean something; the fastest has 1 m/s.
+/// The velocity with which a body begins to move. Only the ratios between bodies have a meaning: the fastest body has 1 m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moving {
-    /// Which.
+pub struct MovingBody {
+    /// The body.
     pub body: Entity,
-    /// Of its centre of mass, world.
+    /// Velocity of its centre of mass, world, m/s.
     pub linear: Vec3,
-    /// World, rad/s.
+    /// Angular velocity, world, rad/s.
     pub angular: Vec3,
 }
 
-/// A joint that gives way.
+/// A joint that fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Giving {
-    /// The bodies on both sides, the elder first.
+pub struct FailingJoint {
+    /// The bodies on both sides, the one spawned first in front.
     pub between: [Entity; 2],
-    /// How.
-    pub how: How,
+    /// How the joint fails.
+    pub how: JointFailure,
 }
 
-/// How a joint gives way.
+/// How a joint between two blocks fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum How {
+pub enum JointFailure {
     /// One face slides on the other.
     Slides,
-    /// One body tips over an edge or corner of the other, or is lifted off it.
+    /// One body tips over an edge or corner of the other, or lifts off.
     Tips,
 }
 
-/// Most bodies of a structure that may be asked about. Time grows faster than their number: walls of a hundred bricks take some 0.01 s of one core,
-/// of a thousand 0.2 to 0.8 s, of five thousand 3 to 10 s, those longest that fail by sliding. A few loads that press within a wall take eight rounds
-/// instead of one or two, and as many times longer.
+/// Maximum number of bodies in a structure. The time grows faster than their number: a wall of a hundred bricks takes about 0.01 s of one
+/// core, of a thousand 0.2 to 0.8 s, and of five thousand 3 to 10 s. Structures that fail by sliding take longest. A few loads that press
+/// within a wall take eight rounds instead of one or two, and that many times longer.
 pub const MAX_BODIES: usize = 5000;
 
-/// How much of something a structure can take. Bodies that are not in the list are taken to stand fast.
+/// Computes how much of a load a structure can take. Bodies that are not in `structure` are assumed not to move.
 ///
-/// It blocks until it is known, which takes up to a second for a thousand bricks; [`stability_task`] does not.
+/// It blocks until the answer is known, up to a second for a thousand bricks; [`stability_task`] does not. In a system use [`Stability`].
 ///
 /// # Errors
-/// Where the list is empty, longer than [`MAX_BODIES`], or names what is no dynamic body; where a direction is none; and where the structure does
-/// not stand as it is.
+/// [`StabilityError`] if the structure is empty, larger than [`MAX_BODIES`], or contains an entity that is not a dynamic body; if a
+/// direction is zero or not finite; or if the structure does not stand without the load.
 pub fn stability(
     world: &World,
     structure: &[Entity],
@@ -125,7 +128,8 @@ pub fn stability(
     Question::new(world, structure, trial)?.answer()
 }
 
-/// The same as a task, which is polled or awaited. What is asked about is copied at once, so that the world may go on.
+/// Computes how much of a load a structure can take in a task on the [`AsyncComputeTaskPool`]. The structure is copied at once, so the
+/// world may go on.
 ///
 /// ```
 /// use bevy_ecs::prelude::*;
@@ -145,11 +149,11 @@ pub fn stability(
 /// let task = stability_task(world, &bricks, &Trial::Tilt(Vec3::Z)).unwrap();
 /// // Frames go by, until `task.is_finished()`.
 /// let margin = block_on(task).unwrap();
-/// assert!(margin.most > 0.0);
+/// assert!(margin.limit > 0.0);
 /// ```
 ///
 /// # Errors
-/// As [`stability`]: at once where the question is wrong, in the task where the structure does not stand.
+/// As [`stability()`]: at once if the question is invalid, in the task if the structure does not stand.
 pub fn stability_task(
     world: &World,
     structure: &[Entity],
@@ -160,7 +164,57 @@ pub fn stability_task(
     Ok(pool.spawn(async move { question.answer() }))
 }
 
-/// A structure and what it is put to, copied out of a world.
+/// Stability for systems: the system parameter beside [`stability()`] and [`stability_task()`].
+///
+/// It reads the whole world. A system that has it may not write anything but through [`Commands`].
+///
+/// ```
+/// # use bevy_ecs::prelude::*;
+/// # use drystone::prelude::*;
+/// use drystone::stability::{Stability, Trial};
+///
+/// fn report(stability: Stability, bodies: Query<(Entity, &RigidBody)>) {
+///     let dynamic = bodies.iter().filter(|(_, kind)| **kind == RigidBody::Dynamic);
+///     let bodies: Vec<Entity> = dynamic.map(|(body, _)| body).collect();
+///     let margin = stability.stability(&bodies, &Trial::Tilt(Vec3::X)).unwrap();
+///     println!("it stands up to a tilt of {}°", margin.limit.to_degrees());
+/// }
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default()).add_systems(bevy_app::Update, report);
+/// # app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+/// # let at = bevy_transform::components::Transform::from_xyz(0.0, 0.5, 0.0);
+/// # app.world_mut().spawn((RigidBody::Dynamic, Collider::cuboid(1.0, 1.0, 1.0), at));
+/// # drystone::step(app.world_mut(), 1.0 / 60.0).unwrap();
+/// # app.update();
+/// ```
+#[derive(SystemParam, Clone, Copy, Debug)]
+pub struct Stability<'w> {
+    world: &'w World,
+}
+
+impl Stability<'_> {
+    /// Computes how much a structure can take, as [`stability()`] does.
+    ///
+    /// # Errors
+    /// As [`stability()`].
+    pub fn stability(&self, structure: &[Entity], trial: &Trial) -> Result<Margin, StabilityError> {
+        stability(self.world, structure, trial)
+    }
+
+    /// Computes how much a structure can take in a task, as [`stability_task()`] does.
+    ///
+    /// # Errors
+    /// As [`stability_task()`].
+    pub fn stability_task(
+        &self,
+        structure: &[Entity],
+        trial: &Trial,
+    ) -> Result<Task<Result<Margin, StabilityError>>, StabilityError> {
+        stability_task(self.world, structure, trial)
+    }
+}
+
+/// A structure and its load, copied out of a world.
 struct Question {
     structure: Structure,
     load: Load,
@@ -179,8 +233,8 @@ impl Question {
         let mut slots = Vec::with_capacity(structure.len());
         for &body in structure {
             let slot = table.slot_of(world, body);
-            let slot = slot.ok_or(StabilityError::NoBody(body))?;
-            let state = table.get(slot).ok_or(StabilityError::NoBody(body))?;
+            let slot = slot.ok_or(StabilityError::NotABody(body))?;
+            let state = table.get(slot).ok_or(StabilityError::NotABody(body))?;
             if !state.is_dynamic() {
                 return Err(StabilityError::Fixed(body));
             }
@@ -196,13 +250,13 @@ impl Question {
     fn answer(&self) -> Result<Margin, StabilityError> {
         let mut margin = self.structure.solve(&self.load)?;
         if self.is_tilt {
-            margin.most = margin.most.atan();
+            margin.limit = margin.limit.atan();
         }
         Ok(margin)
     }
 }
 
-/// What a trial makes larger.
+/// The load that the trial increases.
 fn load(world: &World, structure: &[Entity], trial: &Trial) -> Result<Load, StabilityError> {
     let gravity = world.resource::<Gravity>().0;
     match *trial {

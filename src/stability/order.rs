@@ -1,4 +1,4 @@
-//! The order in which a Cholesky factorization eliminates bodies, and what stands where in its factor.
+//! The order in which a Cholesky factorization eliminates bodies, and the layout of its factor.
 //!
 //! It depends only on which bodies touch, so that it is found once for all rounds. The next body is always one with the fewest neighbours left
 //! (minimum degree), which keeps the factor sparse.
@@ -21,7 +21,7 @@ pub(super) struct Front {
     pub own: Range<usize>,
     /// The places of later bodies that they are tied to, rising: the other rows.
     pub rest: Vec<usize>,
-    /// The fronts that leave something to this one.
+    /// The fronts that contribute to this one.
     pub children: Vec<usize>,
     /// Where its strips begin: rows of blocks, each as wide as its own bodies.
     start: usize,

@@ -2,40 +2,40 @@
 //!
 //! max λ  so that  Σ Gᵀf + w + λ l = 0 for each body,  f_n ≥ 0 at each corner of a face,  ‖(f_t, f_τ/r)‖ ≤ c + μ' Σ f_n for each face.
 //!
-//! Forces are counted in the mean weight of a body, lengths in their mean radius, so that the numbers are near 1. The dual variables of the
-//! balance are the velocities of a motion in which the load gains what weight and friction lose: the mechanism by which it fails.
+//! Forces are in units of the mean weight of a body, lengths in units of the mean radius, so that the numbers are near 1. The dual variables of the
+//! balance are the velocities of the mechanism by which the structure fails: a motion in which the load does the work that weight and friction consume.
 //!
-//! With c = 0 and μ' = μ that is the theorem of plasticity, in which what slides opens as well, by μ times as much: a brick between others
-//! would have to lift the wall to be pulled out of it, and would be held by far too much. So a cone is made as wide as what presses on the face
-//! makes it, c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the round before; but of the many N that balance
-//! a load their rounds find the one that helps most, a wall that hangs on the brick that is pulled. Here N is what presses now, and what the
-//! load adds to it if all gives way alike, which is least squares. The second is a multiple of λ, and stands in the program as such, c = c₀ + λ d: a round
-//! only has to know which joints the load takes all pressure off. The first knows nothing of the load, and most often is enough.
+//! With c = 0 and μ' = μ this is the theorem of plasticity, in which sliding joints also open, by μ times as much. A brick between others
+//! would have to lift the wall to be pulled out, and would be held far too strongly. Therefore the width of a cone is set by the normal force N on the
+//! face: c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the previous round; but of the many N that balance
+//! a load, their rounds find the most favourable one, a wall that hangs on the brick that is pulled. Here N is the current normal force, plus the
+//! part that the load adds if all joints are equally soft (least squares). The second part is a multiple of λ and is in the program as such, c = c₀ + λ d.
+//! A round only has to know which joints the load relieves completely. The first round assumes none, and usually is enough.
 
 use super::cone_program::{Face, Program, Six};
 use super::interior::{self, Outcome};
 use super::scaled::Scaled;
 use super::structure::{Joint, Structure};
-use super::{Giving, How, Margin, Moving, StabilityError};
+use super::{FailingJoint, JointFailure, Margin, MovingBody, StabilityError};
 use glam::{DVec3, Vec3};
 
-/// What moves by less than this share of the fastest does not move.
+/// Bodies slower than this share of the fastest count as not moving.
 const MOVES: f64 = 0.01;
 
-/// A load so many times the weight of all is never reached.
+/// A load of this many times the total weight counts as infinite.
 const ENDLESS: f64 = 1e4;
 
-/// ε: what is left of the slope of a cone of friction.
+/// ε: the share of the slope of a cone of friction that is kept.
 const SLOPE: f64 = 0.01;
 
 /// Rounds, at most, and by what share the load of one may differ from that of the one before.
 const ROUNDS: usize = 8;
 const STEADY: f64 = 2e-3;
 
-/// A force is within a cone that it is outside of by this share of the mean weight of a body.
+/// Tolerance of the cones, as a share of the mean weight of a body.
 const WITHIN: f64 = 1e-4;
 
-/// What is made larger.
+/// The load that is increased.
 pub(super) enum Load {
     /// An acceleration of all bodies, m/s².
     Everywhere(Vec3),
@@ -47,15 +47,15 @@ pub(super) enum Load {
     },
 }
 
-/// What balances at a joint, and what it is worth.
+/// The forces at a joint in a solution, and the sensitivity of the load to them.
 struct Balanced {
-    /// What presses, N.
+    /// Normal force, N.
     pressure: f64,
-    /// What rubs: the length of friction and its moment as the cone measures them, N.
+    /// Friction: the norm of the friction force and its moment, as in the cone, N.
     friction: f64,
-    /// How wide the cone is where nothing presses, N: c.
+    /// Width c of the cone without a normal force, N.
     width: f64,
-    /// By how much more of the load, as a multiple, there could be for each N more of that.
+    /// Increase of the load, as a multiple, for each N of additional width.
     worth: f64,
 }
 
@@ -69,7 +69,7 @@ struct Found {
     velocities: Vec<[DVec3; 2]>,
 }
 
-/// What presses on the joints where friction is asked how far it goes, by joint: so much, N, and so much for each one of the load.
+/// The normal forces that limit friction, by joint: a constant part, N, and a part for each unit of the load.
 #[derive(Clone, Copy)]
 struct Pressed {
     now: f64,
@@ -92,7 +92,7 @@ impl Structure {
         let mut now: Vec<f64> = now.collect();
         let first: Vec<Pressed> = now.iter().copied().map(still).collect();
         let mut found = match round(Some(&first)) {
-            // What presses now may be that of a blow, or of something that does not stand.
+            // The current normal forces may be those of an impact, or of a structure that does not stand.
             Err(StabilityError::Falls) => {
                 let found = round(None)?;
                 now = found.joints.iter().map(|joint| joint.pressure).collect();
@@ -104,9 +104,9 @@ impl Structure {
         for _ in 0..ROUNDS {
             if found.most.is_infinite() {
                 return Ok(Margin {
-                    most: f32::INFINITY,
+                    limit: f32::INFINITY,
                     moving: Vec::new(),
-                    gives: Vec::new(),
+                    failing: Vec::new(),
                 });
             }
             let joints = now.iter().zip(&gains);
@@ -146,8 +146,8 @@ impl Structure {
         }
     }
 
-    /// By how much one of the load presses more on each joint, if all gave way alike: the least forces that balance it. Where nothing balances it
-    /// the cones decide alone.
+    /// The normal force that a unit of the load adds at each joint, if all joints are equally soft: the least-squares forces that balance it. If
+    /// no forces balance it, only the cones decide.
     fn gains(&self, live: &[[DVec3; 2]], program: &Program, scaled: &mut Scaled) -> Vec<f64> {
         let [force_unit, _] = self.units;
         let share = -force_unit / self.load_unit(live);
@@ -164,12 +164,12 @@ impl Structure {
         program.faces.iter().map(pressure).collect()
     }
 
-    /// How wide the cone of a joint is where so much presses on it, N: c.
+    /// Width c of the cone of a joint with this normal force, N.
     fn width(joint: &Joint, pressure: f64) -> f64 {
         joint.friction * (1.0 - SLOPE) * pressure
     }
 
-    /// True where a solution is also one of the round after it, with cones as wide as these pressures make them: its forces are within those
+    /// Returns true if a solution is also one of the next round, with cones as wide as these pressures make them: its forces are within those
     /// cones, and by its dual variables, which bound the load from above in that round as well, no more load is to be had.
     fn holds(&self, found: &Found, pressures: &[f64]) -> bool {
         let mut more = 0.0;
@@ -200,7 +200,7 @@ impl Structure {
         [force.x, force.y, force.z, moment.x, moment.y, moment.z]
     }
 
-    /// What a unit of a force of a joint does to both its bodies.
+    /// The resultant of a unit force of a joint on both its bodies.
     fn row(&self, force: Force) -> [Six; 2] {
         [(force.ends[0], 1.0), (force.ends[1], -1.0)].map(|(end, sign)| {
             end.map_or([0.0; 6], |body| {
@@ -328,7 +328,7 @@ impl Structure {
         let moving = moving.filter(|(_, velocity)| fast(velocity) > MOVES * fastest);
         let moving = moving.map(|(member, velocity)| {
             let [linear, angular] = velocity.map(|v| (v / fastest).as_vec3());
-            Moving {
+            MovingBody {
                 body: member.entity,
                 linear,
                 angular,
@@ -349,18 +349,18 @@ impl Structure {
                 slides += (apart - open * joint.frame[0]).length();
             }
             let share = 1.0 / joint.points.len() as f64;
-            ((opens + slides) * share > MOVES * fastest).then_some(Giving {
+            ((opens + slides) * share > MOVES * fastest).then_some(FailingJoint {
                 between: joint.between,
                 how: match slides > opens {
-                    true => How::Slides,
-                    false => How::Tips,
+                    true => JointFailure::Slides,
+                    false => JointFailure::Tips,
                 },
             })
         });
         Margin {
-            most: found.most.max(0.0) as f32,
+            limit: found.most.max(0.0) as f32,
             moving: moving.collect(),
-            gives: gives.collect(),
+            failing: gives.collect(),
         }
     }
 }
@@ -374,7 +374,7 @@ struct Force {
 }
 
 impl Joint {
-    /// What presses at each corner; friction at its middle, along two tangents and about the normal.
+    /// The forces of a joint: normal forces at each corner; friction at its middle, along two tangents and about the normal.
     fn forces(&self) -> impl Iterator<Item = Force> {
         let of = |at: DVec3, force: DVec3, moment: DVec3| Force {
             ends: self.ends,

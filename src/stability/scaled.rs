@@ -1,21 +1,21 @@
 //! The equations that a step of the interior-point method solves: H x = a with H = Mᵀ W⁻² M, where W is the scaling of the cones.
 //!
-//! How fast a face slides stands in the equations of that face alone, and is eliminated there. What is left is a matrix of 6×6 blocks, one row of
-//! them for each body, and its Cholesky factor ([`Factor`]) is found for each step.
+//! The sliding speed of a face occurs only in the equations of that face, and is eliminated there. The remainder is a matrix of 6×6 blocks, with one
+//! row of blocks for each body. Its Cholesky factor ([`Factor`]) is computed in each step.
 
 use super::cholesky::{Block, Factor};
 use super::cone::Scaling;
 use super::cone_program::{Face, Motion, Program, Six};
 use super::order::{Plan, Spot};
 
-/// What is added to the diagonal, so that bodies which nothing holds can be eliminated too. Refinement takes it out again.
+/// Regularization: a number added to the diagonal, so that bodies that nothing holds can be eliminated too. Refinement corrects its effect.
 const SHIFT: f64 = 1e-9;
 
-/// A solution is refined until so little of what is asked for is left, a share, but only so often.
+/// A solution is refined until the residual is below this share of the right-hand side, but at most this many times.
 const LEFT: f64 = 1e-8;
 const REFINEMENTS: usize = 2;
 
-/// Forces balance a load but for this share of it, or are not found in so many refinements.
+/// Forces must balance a load up to this share of it, within this many refinements.
 const BALANCED: f64 = 1e-6;
 const LEAST_REFINEMENTS: usize = 6;
 
@@ -66,7 +66,7 @@ impl Scaled {
         }
     }
 
-    /// Faces with what scales them, and where their rows begin.
+    /// Faces with their scalings and the indices of their first rows.
     pub fn faces<'a>(
         &'a self,
         program: &'a Program,
@@ -136,7 +136,7 @@ impl Scaled {
         found
     }
 
-    /// The forces of least squares, by rows of G, that do to each body what is wanted. None where no forces do.
+    /// The least-squares forces, by rows of G, with the wanted resultant on each body. `None` if there are none.
     pub fn least(&mut self, program: &Program, wanted: &[Six]) -> Option<Vec<f64>> {
         self.factor.reset(&self.plan, SHIFT);
         for (face, spots) in program.faces.iter().zip(&self.spots) {
@@ -174,7 +174,7 @@ impl Scaled {
 }
 
 impl ScaledFace {
-    /// What is left of W⁻² for the rows of G when the slide is eliminated: a square matrix, row by row.
+    /// The part of W⁻² for the rows of G that remains when the slide is eliminated: a square matrix, row by row.
     fn scale(&mut self, face: &Face, s: &[f64], z: &[f64]) -> Vec<f64> {
         let (corners, count) = (face.corners, face.rows.len());
         for ((weight, s), z) in self.weights.iter_mut().zip(s).zip(z) {
@@ -218,7 +218,7 @@ impl ScaledFace {
     }
 }
 
-/// Adds to the matrix what a face contributes, G `inner` Gᵀ.
+/// Adds the contribution of a face to the matrix, G `inner` Gᵀ.
 fn form(face: &Face, inner: &[f64], spots: &[Option<Spot>; 3], factor: &mut Factor) {
     let count = face.rows.len();
     for (&spot, [one, other]) in spots.iter().zip([[0, 0], [1, 1], [0, 1]]) {

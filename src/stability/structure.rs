@@ -1,4 +1,4 @@
-//! A structure as the cone program sees it: bodies with what acts on them, and the faces in which they touch.
+//! A structure as input of the cone program: bodies with the forces on them, and the faces in which they touch.
 
 use crate::body::{BodyState, BodyTable, ExternalForce};
 use crate::broadphase::Broadphase;
@@ -11,7 +11,7 @@ use glam::DVec3;
 /// Points that are farther apart than this share of the smaller body's size do not touch.
 const TOUCHES: f32 = 2e-3;
 
-/// See the module's text.
+/// The bodies and joints of a structure.
 pub(super) struct Structure {
     pub members: Vec<Member>,
     pub joints: Vec<Joint>,
@@ -45,7 +45,7 @@ pub(super) struct Joint {
     /// The middle of them, and how far they are from it, m.
     pub center: DVec3,
     pub radius: f64,
-    /// What presses on it now, N.
+    /// Current normal force, N.
     pub pressure: f64,
 }
 
@@ -99,7 +99,7 @@ fn joints(world: &World, slots: &[u32]) -> Vec<Joint> {
             // One between two of the structure is found twice.
             let ends = pair.slots.map(|slot| places.get(&slot).copied());
             let again = pair.slots[1] == slot && ends[0].is_some();
-            // What has gone since the last step bears nothing.
+            // Bodies that were removed since the last step carry no load.
             let there = |&body: &Entity| table.slot_of(world, body).is_some();
             if !again
                 && pair.bodies.iter().all(there)
@@ -112,7 +112,7 @@ fn joints(world: &World, slots: &[u32]) -> Vec<Joint> {
     joints
 }
 
-/// The faces of a pair, with what touches of them.
+/// The faces of a pair, with the points that touch.
 fn faces(
     (pair, manifold, impulses): (&ContactPair, &Manifold, &ContactImpulses),
     ends: [Option<usize>; 2],

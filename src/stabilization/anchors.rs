@@ -1,7 +1,7 @@
-//! The stage **anchors**: classifies every contact with the impulses just solved, equation (10), and writes or deletes anchors,
-//! equation (11), at the poses where the contacts were detected.
+//! The stage **anchors**: classifies every contact with the impulses just solved, equation (10), and writes or deletes its anchor,
+//! equation (11), at the poses where the contact was detected.
 
-use super::classifier::{Given, classify, holds_twist, sticks};
+use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PatchAnchor,
@@ -17,11 +17,12 @@ use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Equation (11): the contact point as both bodies see it now, and what tells later whether it still holds.
+/// Writes the anchor of a sticking point, equation (11): the contact point in the frames of both bodies, and the data that tell later
+/// whether it still holds.
 ///
-/// `slip` is what the neighbours of the point have slipped already, m, world axes: a point that joins a manifold that sticks
-/// must not make it forget. Zero at the onset.
-pub fn write([a, b]: [&BodyState; 2], normal: Vec3, position: Vec3, slip: Vec3) -> Anchor {
+/// `slip` is the slip of the neighbouring points, m, world axes; zero when sticking begins. A point that joins a sticking manifold must
+/// not make it forget its slip.
+pub(crate) fn write([a, b]: [&BodyState; 2], normal: Vec3, position: Vec3, slip: Vec3) -> Anchor {
     Anchor {
         sticking: true,
         set: true,
@@ -34,15 +35,15 @@ pub fn write([a, b]: [&BodyState; 2], normal: Vec3, position: Vec3, slip: Vec3) 
     }
 }
 
-/// How A stands to B now.
-pub fn write_pose([a, b]: [&BodyState; 2]) -> PatchAnchor {
+/// Writes the anchor of a sticking patch: the pose of A relative to B.
+pub(crate) fn write_pose([a, b]: [&BodyState; 2]) -> PatchAnchor {
     PatchAnchor::new(
         b.pose.inverse_transform_point(a.pose.position),
         b.pose.rotation.inverse() * a.pose.rotation,
     )
 }
 
-/// The anchor of a patch moved by so far about the patch's centre (world, m), as the solver has found it dragged.
+/// Moves the anchor of a patch by a slip about the patch's centre (world, m): the amount by which the solver has found it dragged along.
 fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by: Slip) {
     let turn = Quat::from_axis_angle(normal, by.twist);
     let position = b.pose.transform_point(anchor.position);
@@ -54,7 +55,7 @@ fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by:
     );
 }
 
-/// See the module's text.
+/// Writes and deletes the anchors of all pairs. Does nothing if friction stabilization is disabled.
 pub fn anchors(
     (table, islands): (Res<BodyTable>, Res<Islands>),
     (settings, time): (Res<StabilizationSettings>, Res<StepTime>),
@@ -86,7 +87,7 @@ pub fn anchors(
             anchors.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, impulses, anchors)| {
-            // What is not solved sticks or slides as it did.
+            // A pair that is not solved keeps its state.
             if pair.idle && !woke || pair.empty && !edited {
                 return;
             }
@@ -128,7 +129,7 @@ fn hold_points(
         let range = manifold.range(patch);
         let held = &mut anchors.points[range.clone()];
         let given = given(impulses, patch, range.clone(), number);
-        let given: SmallVec<[Given; 8]> = given.collect();
+        let given: SmallVec<[ContactImpulse; 8]> = given.collect();
         classify(friction.classifier, pair.friction, &given, held);
         for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
             let position = bodies[0].center + point.arm;
@@ -143,14 +144,14 @@ fn hold_points(
     }
 }
 
-/// What the points of a patch were given.
+/// The impulses at the points of a patch.
 fn given<'a>(
     impulses: &'a ContactImpulses,
     patch: &'a ManifoldPatch,
     range: Range<usize>,
     number: usize,
-) -> impl Iterator<Item = Given> + 'a {
-    range.map(move |point| Given {
+) -> impl Iterator<Item = ContactImpulse> + 'a {
+    range.map(move |point| ContactImpulse {
         normal: impulses.points[point].normal,
         tangential: impulses.tangential_at(patch, number, point),
     })
@@ -188,7 +189,7 @@ fn hold_patches(
     }
 }
 
-/// Whether a patch sticks, as a whole.
+/// Whether a patch sticks as a whole.
 #[inline]
 fn holds(
     rule: Classifier,
@@ -212,7 +213,7 @@ fn holds(
         Some(points) => points.iter().map(|point| point.tangential).sum(),
         None => of_patch.tangential,
     };
-    let sum = Given { normal, tangential };
+    let sum = ContactImpulse { normal, tangential };
     let each = given(impulses, patch, range, number);
     sticks(rule, pair.friction, &sum, each, was)
         && holds_twist(pair.friction, of_patch.warm_twist * dt, lever)

@@ -1,29 +1,29 @@
-//! Which contacts stick, equation (10): λ_n > 0 and ‖λ_t‖ < μ λ_n.
+//! Classification of contacts as sticking or sliding, equation (10): a contact sticks if λ_n > 0 and ‖λ_t‖ < μ λ_n.
 //!
-//! The paper judges each point for itself and calls that naive. Judged on the sums over a manifold a slab just below its
-//! critical slope creeps 300 times less, since the share of one corner in the load says little about the body.
+//! The paper judges each point by itself, and calls that naive. Judged by the sums over a manifold, a slab just below its critical slope
+//! creeps 300 times less, because the load on a single corner says little about the body.
 
 use crate::contact::Anchor;
 use crate::settings::Classifier;
 use glam::Vec3;
 
-/// What contact gave at a point: λ_n and λ_t, N·s.
+/// The impulse at a contact point, N·s: λ_n and λ_t.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Given {
-    /// λ_n
+pub struct ContactImpulse {
+    /// Normal impulse λ_n, N·s.
     pub normal: f32,
-    /// λ_t
+    /// Friction impulse λ_t, N·s, world axes.
     pub tangential: Vec3,
 }
 
-/// A solved sliding contact lies on the cone only up to rounding; sticking is below this share of it.
+/// Share of the cone below which a contact sticks. A solved sliding contact lies on the cone only up to rounding.
 const AT_THE_CONE: f32 = 0.999;
 
-/// Where hysteresis lets sticking begin, as a share of the cone.
+/// Share of the cone below which sticking begins with hysteresis.
 const ENTER: f32 = 0.6;
 
-/// Sets `sticking` of every anchor of one manifold from what the last solve gave.
-pub fn classify(rule: Classifier, friction: f32, given: &[Given], anchors: &mut [Anchor]) {
+/// Sets `sticking` of every anchor of a manifold from the impulses of the last solve.
+pub fn classify(rule: Classifier, friction: f32, given: &[ContactImpulse], anchors: &mut [Anchor]) {
     if rule == Classifier::PerPoint {
         for (anchor, given) in anchors.iter_mut().zip(given) {
             anchor.sticking = holds(friction, given, AT_THE_CONE);
@@ -31,7 +31,7 @@ pub fn classify(rule: Classifier, friction: f32, given: &[Given], anchors: &mut 
         return;
     }
     let was = anchors.iter().any(|a| a.sticking);
-    let sum = Given {
+    let sum = ContactImpulse {
         normal: given.iter().map(|point| point.normal).sum(),
         tangential: given.iter().map(|point| point.tangential).sum(),
     };
@@ -41,14 +41,14 @@ pub fn classify(rule: Classifier, friction: f32, given: &[Given], anchors: &mut 
         .for_each(|anchor| anchor.sticking = sticking);
 }
 
-/// Whether a manifold sticks as a whole, by the sum of its points or by each; `was`: it did before. [`Classifier::PerPoint`] then means
-/// that any of its points does.
+/// Returns true if a manifold sticks as a whole, judged by the sum of its impulses or by its points. `was` says whether it stuck before.
+/// With [`Classifier::PerPoint`] it sticks if any of its points does.
 #[inline]
 pub fn sticks(
     rule: Classifier,
     friction: f32,
-    sum: &Given,
-    mut points: impl Iterator<Item = Given>,
+    sum: &ContactImpulse,
+    mut points: impl Iterator<Item = ContactImpulse>,
     was: bool,
 ) -> bool {
     match rule {
@@ -64,14 +64,14 @@ pub fn sticks(
     }
 }
 
-/// Equation (10), against a share of the cone.
+/// Equation (10), with a share of the cone.
 #[inline]
-fn holds(friction: f32, given: &Given, share: f32) -> bool {
+fn holds(friction: f32, given: &ContactImpulse, share: f32) -> bool {
     given.normal > 0.0 && given.tangential.length() < share * friction * given.normal
 }
 
-/// Whether the moment of friction about the normal of a patch is inside what its points can hold, `lever` = Σ λ_n r with r
-/// their distance from its centre, N·m·s.
+/// Returns true if the points of a patch can hold the moment of friction `twist` about its normal, N·m·s. `lever` = Σ λ_n r, where r is
+/// the distance of a point from the patch's centre, N·m·s.
 #[inline]
 pub fn holds_twist(friction: f32, twist: f32, lever: f32) -> bool {
     twist == 0.0 || twist.abs() < AT_THE_CONE * friction * lever
@@ -82,9 +82,9 @@ mod tests {
     use super::*;
 
     fn verdict(rule: Classifier, was: bool, impulses: &[(f32, f32)]) -> Vec<bool> {
-        let impulses: Vec<Given> = impulses
+        let impulses: Vec<ContactImpulse> = impulses
             .iter()
-            .map(|&(normal, t)| Given {
+            .map(|&(normal, t)| ContactImpulse {
                 normal,
                 tangential: Vec3::X * t,
             })

@@ -1,7 +1,7 @@
 //! Friction stabilization, equations (12)–(15) of the paper, and the stage **friction error**.
 //!
-//! A point that stuck in the last step should not have moved. How far it did, e, is measured between the places where the
-//! two bodies carried its anchor, and the solver is asked for a tangential velocity that undoes it.
+//! A point that stuck in the last step should not have moved. Its error e is the distance between the positions to which the two bodies
+//! have carried its anchor. The solver is given a tangential velocity that corrects this error.
 
 use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
@@ -25,14 +25,14 @@ pub fn project(normal: Vec3, v: Vec3) -> Vec3 {
     v - normal * normal.dot(v)
 }
 
-/// Equations (12)–(13): e = P_n (x_A − x_B), m, world axes, with the current normal; x_A and x_B are where the bodies have
-/// carried the anchor.
+/// The slip of an anchor, equations (12)–(13): e = P_n (x_A − x_B), m, world axes. `normal` is the current normal; x_A and x_B are the
+/// positions to which the bodies have carried the anchor.
 #[inline]
 pub fn anchor_error(normal: Vec3, x_a: Vec3, x_b: Vec3) -> Vec3 {
     project(normal, x_a - x_b)
 }
 
-/// Equations (14)–(15): the tangential velocity to demand, m/s, against the error.
+/// The tangential velocity that corrects an error, equations (14)–(15), m/s. Zero for errors within the tolerance.
 pub fn slip_correction(settings: &StabilizationSettings, error: Vec3, dt: f32) -> Vec3 {
     let friction = &settings.friction;
     if error.length() <= friction.tolerance {
@@ -41,11 +41,11 @@ pub fn slip_correction(settings: &StabilizationSettings, error: Vec3, dt: f32) -
     (error * (-friction.gain / dt)).clamp_length_max(settings.max_correction_speed)
 }
 
-/// How far a sticking point has slipped, m, world axes; `None` where its anchor no longer holds.
+/// The slip of a sticking point, m, world axes. `None` if its anchor no longer holds.
 ///
-/// Anchors are given up when they have come too far apart, along the surface or along the normal, and when the normal has
-/// turned in either body: that is rolling, which must not be undone. `position` is where the point is, m; `last` the length of the
-/// last step, s.
+/// An anchor no longer holds if its two images are too far apart, along the surface or along the normal, or if the normal has rotated too
+/// far in the frame of either body. The latter is rolling, which must not be corrected. `position` is the current position of the point,
+/// m; `last` the length of the last step, s.
 pub fn slip(
     settings: &StabilizationSettings,
     anchor: &Anchor,
@@ -66,8 +66,7 @@ pub fn slip(
     if !anchor.set {
         return None;
     }
-    // A curved contact point wanders over both surfaces while it rolls. What it slips is the same, and is zero in pure
-    // rolling.
+    // A curved contact point moves over both surfaces while it rolls. Its slip is not affected, and is zero in pure rolling.
     if curved && friction.anchors != AnchorRule::Literal {
         let slipped = project(normal, anchor.slip) + last_step();
         return (slipped.length() <= friction.max_error).then_some(slipped);
@@ -84,9 +83,9 @@ pub fn slip(
     holds.then_some(error)
 }
 
-/// How far a patch has slipped on the whole, from the pose in which its bodies began to stick; `None` where that no longer holds.
+/// The slip of a whole patch since its bodies began to stick. `None` if its anchor no longer holds.
 ///
-/// A point of A's material that is in the patch's middle now would have been carried elsewhere by B, had nothing slipped.
+/// It compares the patch's centre as a point of A with the position to which B would have carried that point without slip.
 #[inline]
 pub fn pose_slip(
     settings: &StabilizationSettings,
@@ -116,22 +115,22 @@ pub fn pose_slip(
     })
 }
 
-/// How two surfaces have slipped on each other: a rigid motion in the contact plane.
+/// The slip of two surfaces on each other: a rigid motion in the contact plane.
 ///
-/// Points of one manifold that were anchored at different times, or carried round a corner, tell slips that no motion of two
-/// rigid bodies can undo together. The solver would answer with friction impulses that work against each other and grow
-/// until they fill the cone. So it is asked for the rigid motion nearest to what the points tell.
+/// The slips of points of one manifold may contradict each other, if they were anchored at different times or carried around a corner: no
+/// motion of two rigid bodies can correct them all. A solver would respond with friction impulses that work against each other and grow
+/// until they fill the cone. It is therefore given the rigid motion nearest to the slips of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanarSlip {
     center: Vec3,
-    /// At the centre, m.
+    /// Slip at the centre, m.
     shift: Vec3,
-    /// About the normal, rad, as a vector along it.
+    /// Rotation about the normal, rad, as a vector along it.
     twist: Vec3,
 }
 
 impl PlanarSlip {
-    /// The nearest, by least squares, to slips e at points (world, m). `None` for no points.
+    /// The least-squares fit to pairs of points and their slips (world, m). `None` if there are no points.
     pub fn fit(normal: Vec3, slips: &[(Vec3, Vec3)]) -> Option<Self> {
         let share = 1.0 / slips.len().max(1) as f32;
         let center = slips.iter().map(|(p, _)| *p).sum::<Vec3>() * share;
@@ -154,7 +153,7 @@ impl PlanarSlip {
         })
     }
 
-    /// As a shift at a point and a turn about the normal.
+    /// The same slip as a shift at a point and a rotation about the normal.
     #[inline]
     fn about(&self, normal: Vec3, point: Vec3) -> Slip {
         Slip {
@@ -169,7 +168,7 @@ impl PlanarSlip {
     }
 }
 
-/// The slip of a patch, from its sticking points; gives up the anchors that no longer hold.
+/// The slip of a patch from its sticking points. Deletes anchors that no longer hold.
 fn measure_points(
     settings: &StabilizationSettings,
     patch: &ManifoldPatch,
@@ -200,7 +199,7 @@ fn measure_points(
     PlanarSlip::fit(patch.normal, &slips)
 }
 
-/// The slip of a patch by whatever rule; gives up anchors that no longer hold.
+/// The slip of a patch under any anchor rule. Deletes anchors that no longer hold.
 fn measure(
     settings: &StabilizationSettings,
     patch: &ManifoldPatch,
@@ -211,7 +210,7 @@ fn measure(
     last: f32,
 ) -> Option<PlanarSlip> {
     if !settings.friction.enabled {
-        // Kept manifolds keep their targets, so what friction was asked for must be taken back.
+        // Recycled manifolds keep their targets, so earlier ones must be cleared.
         return None;
     }
     if settings.friction.anchors != AnchorRule::PairPose {
@@ -228,7 +227,7 @@ fn measure(
     slip
 }
 
-/// See the module's text.
+/// Measures the slip of all pairs and writes it to their [`ContactTargets`].
 pub fn friction_error(
     (table, islands): (Res<BodyTable>, Res<Islands>),
     time: Res<StepTime>,
@@ -245,8 +244,8 @@ pub fn friction_error(
         Without<Resting>,
     >,
 ) {
-    let (table, settings, last) = (&*table, &*settings, time.last);
-    let by_points = solver.solver.is_by_points();
+    let (table, settings, last) = (&*table, &*settings, time.previous_dt);
+    let by_points = solver.solver.is_point_solver();
     let by_pose = settings.friction.anchors == AnchorRule::PairPose;
     for (pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
@@ -296,14 +295,14 @@ pub fn friction_error(
                 if by_points {
                     let targets = &mut targets.points[range];
                     let at = (a.center, points);
-                    demand(settings, slip, at, held, targets, time.longest);
+                    demand(settings, slip, at, held, targets, time.max_recent_dt);
                 }
             }
         });
     }
 }
 
-/// What points must do to undo the slip of their patch; their arms begin at `center`.
+/// Sets the tangential velocities that correct the slip of a patch at its points, whose lever arms begin at `center`.
 fn demand(
     settings: &StabilizationSettings,
     slip: Option<PlanarSlip>,
@@ -358,7 +357,7 @@ mod tests {
         for (p, e) in moved {
             assert!((slip.at(p) - e).length() < 1e-6);
         }
-        // What no rigid motion can be, here corners pulled apart, is left out.
+        // Slips that no rigid motion can have, here corners pulled apart, are left out.
         let apart = corners.map(|p| (p, 0.01 * p.with_y(0.0)));
         let slip = PlanarSlip::fit(Vec3::Y, &apart).unwrap();
         assert!(slip.at(corners[0]).length() < 1e-6);

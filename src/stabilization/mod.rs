@@ -1,9 +1,9 @@
-//! The paper's two stabilizations: plain functions on one contact point, and the stages that run them over all pairs.
+//! The paper's two stabilizations: functions for a single contact point, and the stages that apply them to all pairs.
 //!
-//! - [`normal`]: equations (1)–(9), the stage *normal correction*
-//! - [`friction`]: equations (11)–(15), the stage *friction error*
-//! - equation (10): [`classifier`]
-//! - [`anchors`]: where (11) is written and deleted, the stage *anchors*
+//! - [`normal`]: normal stabilization, equations (1)–(9); the stage *normal correction*
+//! - [`friction`]: friction stabilization, equations (11)–(15); the stage *friction error*
+//! - [`classifier`]: whether a contact sticks, equation (10)
+//! - [`anchors`]: writes and deletes anchors, equation (11); the stage *anchors*
 
 pub mod anchors;
 pub mod classifier;

@@ -1,29 +1,28 @@
 //! Normal stabilization, equations (1)–(9) of the paper, and the stage **normal correction**.
 //!
-//! A contact point demands of its normal velocity v_n ≥ u_collision + c_n. The solver meets (1a)–(1c) with that bound:
-//! λ_n ≥ 0, and λ_n > 0 only where the bound is reached. With [`NormalStabilization::Envelope`] c_n pushes out what is
-//! below the ideal plane and *lets come down* what is above it but inside the envelope, so that every contact settles on
-//! the plane and none flickers.
+//! A contact point demands of its normal velocity v_n ≥ u_collision + c_n. The solver satisfies (1a)–(1c) with that bound: λ_n ≥ 0, and
+//! λ_n > 0 only where the bound is reached. With [`NormalStabilization::Envelope`], c_n pushes points below the ideal plane out, and
+//! *lets points come down* that are above it but inside the envelope. Every contact settles on the ideal plane, and none flickers.
 
 use crate::body::{BodyTable, Resting};
 use crate::contact::{ContactPair, ContactTargets, Manifold};
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
 
-/// Equation (2b): the normal velocity after a collision, m/s, from that before it (and before this step's forces, so that
-/// resting bodies do not bounce). Never negative.
+/// The normal velocity after a collision, equation (2b), m/s. `u_n` is the normal velocity before it, without the forces of this step, so
+/// that resting bodies do not bounce. Never negative.
 pub fn collision_velocity(restitution: f32, u_n: f32) -> f32 {
     -restitution * u_n.min(0.0)
 }
 
-/// Equation (5): the normal velocity, m/s, that takes a point at distance `d` to `ideal` within `dt`.
+/// The normal velocity that moves a point from the distance `d` to `ideal` (m) within `dt` (s), equation (5), m/s.
 pub fn correction_velocity(ideal: f32, d: f32, dt: f32) -> f32 {
     (ideal - d) / dt
 }
 
-/// The lower bound of a contact point's normal velocity, m/s: u_collision + c_n.
+/// The lower bound of a contact point's normal velocity, u_collision + c_n, m/s.
 ///
-/// `d` is the signed distance of the surfaces, m; `u_n` the normal velocity before forces, m/s.
+/// `d` is the signed distance of the surfaces, m; `u_n` the normal velocity before forces, m/s; `dt` the length of the step, s.
 pub fn normal_target(
     settings: &StabilizationSettings,
     restitution: f32,
@@ -71,10 +70,10 @@ pub fn normal_target(
     u_collision + c_n.clamp(-clamp, clamp)
 }
 
-/// Equation (7): a contact that leaves the envelope by itself within the step is left alone.
+/// Returns true if a contact leaves the envelope by itself within the step, equation (7). It is not corrected then.
 ///
-/// As printed, (7) compares u_correction with its own definition and can never hold. It means the velocity the point has
-/// anyway, against the outer edge of the envelope.
+/// As printed, (7) compares u_correction with its own definition and can never hold. The comparison here is with the outer boundary of
+/// the envelope, at the velocity that the point has anyway.
 pub fn leaves_envelope(
     settings: &StabilizationSettings,
     d: f32,
@@ -85,7 +84,7 @@ pub fn leaves_envelope(
     u_n.max(u_collision) > (settings.outer_distance() - d) / dt
 }
 
-/// See the module's text.
+/// Writes the normal velocities that contact points must reach to the [`ContactTargets`] of all pairs.
 pub fn normal_correction(
     table: Res<BodyTable>,
     time: Res<StepTime>,
@@ -94,7 +93,7 @@ pub fn normal_correction(
     mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets), Without<Resting>>,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
-    let (rest, share) = (settings.rest_distance(), dt / time.longest);
+    let (rest, share) = (settings.rest_distance(), dt / time.max_recent_dt);
     for (pairs, manifolds, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")

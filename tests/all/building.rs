@@ -129,7 +129,7 @@ fn a_lintel_bears_what_is_over_an_opening() {
     let lintel = bodies[lintel.unwrap()];
     lab.world.entity_mut(lintel).insert(Load::default());
     lab.step();
-    let carries = lab.world.get::<Load>(lintel).unwrap().carries;
+    let carries = lab.world.get::<Load>(lintel).unwrap().supported_weight;
     // Two courses over 2.5 m and half a brick more on each side would be all that can be on it; a metre and a half has nothing else below.
     let weight = |length: f32| length * 1.0 * 0.5 * 1000.0 * G;
     assert!((weight(1.0)..weight(3.5)).contains(&carries), "{carries}");
@@ -410,10 +410,10 @@ fn what_is_undone_is_as_it_was_to_the_bit() {
     // While nothing is stepped nothing else moves, whatever is taken and put.
     let aside = Transform::from_xyz(0.0, 0.25, 4.0);
     for round in 0..3 {
-        log.take(&mut lab.world, &bricks[5..7]).unwrap();
+        log.remove(&mut lab.world, &bricks[5..7]).unwrap();
         assert!(lab.world.entity(bricks[6]).contains::<Disabled>());
-        log.put(&mut lab.world, bricks[12], aside).unwrap();
-        log.take(&mut lab.world, &[bricks[12]]).unwrap();
+        log.move_to(&mut lab.world, bricks[12], aside).unwrap();
+        log.remove(&mut lab.world, &[bricks[12]]).unwrap();
         for _ in 0..3 {
             assert!(log.undo(&mut lab.world).unwrap().is_some());
         }
@@ -435,9 +435,9 @@ fn what_is_undone_is_as_it_was_to_the_bit() {
     lab.run(1.0);
     let all: Vec<Entity> = bricks.iter().copied().chain([lone]).collect();
     let before = poses(&lab, &all);
-    log.put(&mut lab.world, lone, aside).unwrap();
+    log.move_to(&mut lab.world, lone, aside).unwrap();
     lab.run(1.0);
-    log.take(&mut lab.world, &[lone]).unwrap();
+    log.remove(&mut lab.world, &[lone]).unwrap();
     lab.run(1.0);
     log.undo(&mut lab.world).unwrap();
     log.undo(&mut lab.world).unwrap();
@@ -445,7 +445,7 @@ fn what_is_undone_is_as_it_was_to_the_bit() {
     assert_eq!(poses(&lab, &all), before);
     // From under a load, or off what it loads, others give by some micrometres, and come back to where they were by as much.
     let top = *bricks.last().unwrap();
-    log.take(&mut lab.world, &[top]).unwrap();
+    log.remove(&mut lab.world, &[top]).unwrap();
     lab.run(1.0);
     log.undo(&mut lab.world).unwrap();
     lab.run(1.0);
@@ -461,7 +461,7 @@ fn what_is_drawn_between_two_steps_comes_back_to_where_it_was() {
     let mut log = EditLog::default();
     let cube = lab.cube(Vec3::new(0.0, 5.0, 0.0));
     // Moved before anybody knows it.
-    log.put(&mut lab.world, cube, Transform::from_xyz(1.0, 5.0, 0.0))
+    log.move_to(&mut lab.world, cube, Transform::from_xyz(1.0, 5.0, 0.0))
         .unwrap();
     log.undo(&mut lab.world).unwrap();
     lab.run(0.5);
@@ -473,7 +473,7 @@ fn what_is_drawn_between_two_steps_comes_back_to_where_it_was() {
     // Interpolated, as `bevy_transform_interpolation` does it.
     let mut at = lab.world.get_mut::<Transform>(cube).unwrap();
     at.translation = was.0.position.lerp(falls.0.position, 0.3);
-    log.put(&mut lab.world, cube, Transform::from_xyz(9.0, 0.5, 0.0))
+    log.move_to(&mut lab.world, cube, Transform::from_xyz(9.0, 0.5, 0.0))
         .unwrap();
     lab.run(1.0);
     log.undo(&mut lab.world).unwrap();
@@ -495,7 +495,7 @@ fn what_was_placed_goes_and_comes_with_its_children() {
     };
     let body = lab.world.spawn(block.bundle()).id();
     let child = lab.world.spawn(ChildOf(body)).id();
-    log.placed(&mut lab.world, &[body]).unwrap();
+    log.record_placed(&mut lab.world, &[body]).unwrap();
     lab.run(0.1);
     log.undo(&mut lab.world).unwrap();
     assert!(lab.world.entity(child).contains::<Disabled>());
@@ -504,11 +504,11 @@ fn what_was_placed_goes_and_comes_with_its_children() {
     // Undone, and then something else is done: it is gone for good.
     log.undo(&mut lab.world).unwrap();
     let other = lab.cube(Vec3::new(0.0, 0.5, 8.0));
-    log.placed(&mut lab.world, &[other]).unwrap();
+    log.record_placed(&mut lab.world, &[other]).unwrap();
     assert!(lab.world.get_entity(body).is_err() && lab.world.get_entity(child).is_err());
     assert_eq!(log.len(), [1, 0]);
     // Taken, and forgotten.
-    log.take(&mut lab.world, &[other]).unwrap();
+    log.remove(&mut lab.world, &[other]).unwrap();
     log.clear(&mut lab.world);
     assert!(log.is_empty() && lab.world.get_entity(other).is_err());
     assert_eq!(log.undo(&mut lab.world), Ok(None));
@@ -521,26 +521,26 @@ fn edits_of_nobody_are_told() {
     let mut log = EditLog::default();
     let nobody = lab.world.spawn_empty().id();
     let world = &mut lab.world;
-    assert_eq!(log.take(world, &[]), Err(EditError::Nothing));
+    assert_eq!(log.remove(world, &[]), Err(EditError::Nothing));
     assert_eq!(
-        log.take(world, &[bricks[0], nobody]),
-        Err(EditError::NoBody(nobody))
+        log.remove(world, &[bricks[0], nobody]),
+        Err(EditError::NotABody(nobody))
     );
     assert!(!world.entity(bricks[0]).contains::<Disabled>());
     let nowhere = Transform::from_xyz(f32::NAN, 0.0, 0.0);
     assert_eq!(
-        log.put(world, bricks[0], nowhere),
+        log.move_to(world, bricks[0], nowhere),
         Err(EditError::NotFinite)
     );
     assert!(log.is_empty());
-    log.take(world, &[bricks[1]]).unwrap();
+    log.remove(world, &[bricks[1]]).unwrap();
     world.despawn(bricks[1]);
-    assert_eq!(log.undo(world), Err(EditError::NoBody(bricks[1])));
+    assert_eq!(log.undo(world), Err(EditError::NotABody(bricks[1])));
     assert!(log.is_empty());
     // What moved when it was put elsewhere moves again.
     let velocity = Velocity::linear(Vec3::X);
     world.entity_mut(bricks[2]).insert(velocity);
-    log.put(world, bricks[2], Transform::from_xyz(9.0, 9.0, 9.0))
+    log.move_to(world, bricks[2], Transform::from_xyz(9.0, 9.0, 9.0))
         .unwrap();
     log.undo(world).unwrap();
     assert_eq!(*world.get::<Velocity>(bricks[2]).unwrap(), velocity);
@@ -572,8 +572,8 @@ fn taking_a_parent_back_leaves_a_child_away_that_was_taken_before() {
     let bundle = (drystone::body::RigidBody::Dynamic, cube, ChildOf(parent));
     let child = lab.spawn(bundle);
     let other = lab.world.spawn(ChildOf(parent)).id();
-    log.take(&mut lab.world, &[child]).unwrap();
-    log.take(&mut lab.world, &[parent]).unwrap();
+    log.remove(&mut lab.world, &[child]).unwrap();
+    log.remove(&mut lab.world, &[parent]).unwrap();
     let are = |lab: &Lab| [parent, child, other].map(|body| disabled(lab, body));
     assert_eq!(are(&lab), [true, true, true]);
     log.undo(&mut lab.world).unwrap();
@@ -587,7 +587,7 @@ fn taking_a_parent_back_leaves_a_child_away_that_was_taken_before() {
     // Undone down to the last, and then something else is done.
     log.undo(&mut lab.world).unwrap();
     let lone = lab.cube(Vec3::Y * 9.0);
-    log.placed(&mut lab.world, &[lone]).unwrap();
+    log.record_placed(&mut lab.world, &[lone]).unwrap();
     assert_eq!(are(&lab), [false, true, false]);
     log.clear(&mut lab.world);
     assert!(lab.world.get_entity(parent).is_ok() && lab.world.get_entity(child).is_err());
@@ -601,7 +601,7 @@ fn a_body_that_was_taken_twice_is_away_until_both_are_undone() {
     // A game may have disabled one by itself.
     let own = lab.spawn((drystone::body::RigidBody::Dynamic, Disabled));
     for _ in 0..2 {
-        log.take(&mut lab.world, &[body, own, body]).unwrap();
+        log.remove(&mut lab.world, &[body, own, body]).unwrap();
     }
     log.undo(&mut lab.world).unwrap();
     assert!(disabled(&lab, body));
@@ -624,11 +624,11 @@ fn an_edit_is_undone_as_a_whole_after_things_have_fallen() {
     let before = poses(&lab, &bricks);
     let mut log = EditLog::default();
     let taken = &bricks[..3];
-    log.take(&mut lab.world, taken).unwrap();
+    log.remove(&mut lab.world, taken).unwrap();
     lab.run(2.0);
     lab.world.despawn(goes);
     // What the last edit was about, and what moved before and after it.
-    log.put(&mut lab.world, far, Transform::from_xyz(0.0, 5.0, 9.0))
+    log.move_to(&mut lab.world, far, Transform::from_xyz(0.0, 5.0, 9.0))
         .unwrap();
     lab.run(2.0);
     let undone = log.undo(&mut lab.world).unwrap().unwrap();
@@ -668,7 +668,7 @@ fn an_edit_is_undone_as_a_whole_after_things_have_fallen() {
         assert!(moved.from.position.distance(before[i].position) < 1e-3);
         // So all of it can be put back.
         let at = Transform::from_translation(moved.from.position);
-        log.put(&mut lab.world, moved.body, at).unwrap();
+        log.move_to(&mut lab.world, moved.body, at).unwrap();
     }
     lab.run(2.0);
     let ends = poses(&lab, &bricks);
@@ -688,7 +688,7 @@ fn what_is_placed_again_is_where_it_was_placed() {
     lab.ground();
     let mut log = EditLog::default();
     let cube = lab.cube(Vec3::Y * 5.0);
-    log.placed(&mut lab.world, &[cube]).unwrap();
+    log.record_placed(&mut lab.world, &[cube]).unwrap();
     lab.run(2.0);
     assert!((lab.position(cube).y - 0.5).abs() < 0.01);
     log.undo(&mut lab.world).unwrap();

@@ -226,12 +226,12 @@ fn a_preview_in_which_nothing_falls_is_soon_known() {
     let top = *bricks.last().unwrap();
     let preview = || {
         let start = Instant::now();
-        let shadow = Shadow::of(&lab.world, &Edit::Take(vec![top])).unwrap();
+        let shadow = Shadow::of(&lab.world, &Edit::Remove(vec![top])).unwrap();
         let copied = milliseconds(start.elapsed());
         let preview = shadow.run(&PreviewSettings::default()).unwrap();
         let all = milliseconds(start.elapsed());
         println!("copied in {copied:.2}, all in {all:.2} ms");
-        assert!(preview.rests && preview.moved.is_empty());
+        assert!(preview.at_rest && preview.moved.is_empty());
         // A quarter of a second would be fifteen steps.
         assert!(preview.time < 0.11, "{} s", preview.time);
         all

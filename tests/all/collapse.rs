@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
 use drystone::body::{Mass, Sleeping};
-use drystone::collapse::{Collapse, CollapseEnded, CollapsePlugin, GaveWay, Watch};
+use drystone::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
 use drystone::collider::{Collider, Friction};
 use drystone::grab::Grab;
 use drystone::masonry::{Bond, Wall};
@@ -57,7 +57,7 @@ fn ends(lab: &mut Lab) -> Vec<CollapseEnded> {
     ended.drain().collect()
 }
 
-fn ways(told: &[Collapse]) -> Vec<(Entity, GaveWay)> {
+fn ways(told: &[Collapse]) -> Vec<(Entity, FailureMode)> {
     told.iter().map(|one| (one.first, one.how)).collect()
 }
 
@@ -71,7 +71,10 @@ fn a_wall_that_loses_its_corner_is_told_of_once() {
         let all = told(&mut lab, 4.0);
         assert_eq!(all.len(), 1, "{all:?}");
         assert!([bricks[5], bricks[6]].contains(&all[0].first));
-        assert!(matches!(all[0].how, GaveWay::Fell | GaveWay::Tipped));
+        assert!(matches!(
+            all[0].how,
+            FailureMode::Fell | FailureMode::Tipped
+        ));
         assert!(all[0].rest.len() > 20 && !all[0].rest.contains(&all[0].first));
         // What is left stands anew, and what falls of it then is another collapse.
         let standing = |lab: &Lab, i: usize| (lab.position(bricks[i]).y - 0.25).abs() < 0.01;
@@ -84,7 +87,7 @@ fn a_wall_that_loses_its_corner_is_told_of_once() {
 #[test]
 fn how_it_gave_way_is_told() {
     // Gravity is tilted a degree a second: what is low slides at 16.7°, what is high tips at 11.3°.
-    for (cubes, friction, how) in [(1, 0.3, GaveWay::Slid), (5, 0.8, GaveWay::Tipped)] {
+    for (cubes, friction, how) in [(1, 0.3, FailureMode::Slid), (5, 0.8, FailureMode::Tipped)] {
         let mut lab = site(true);
         let stack: Vec<Entity> = (0..cubes)
             .map(|i| {
@@ -107,8 +110,8 @@ fn how_it_gave_way_is_told() {
         let found = ways(&all);
         assert!(stack.contains(&found[0].0));
         // The top of what tips goes farthest aside.
-        let expected: &[GaveWay] = match how {
-            GaveWay::Tipped => &[GaveWay::Tipped, GaveWay::Slid],
+        let expected: &[FailureMode] = match how {
+            FailureMode::Tipped => &[FailureMode::Tipped, FailureMode::Slid],
             _ => &[how],
         };
         assert!(expected.contains(&found[0].1), "{found:?}");
@@ -132,7 +135,7 @@ fn who_pulls_the_brick_that_bears_is_told_of() {
     };
     lab.world.entity_mut(pillar).insert(grab);
     let all = told(&mut lab, 3.0);
-    assert_eq!(ways(&all), [(pillar, GaveWay::Pulled)]);
+    assert_eq!(ways(&all), [(pillar, FailureMode::Pulled)]);
 }
 
 #[test]
@@ -166,7 +169,7 @@ fn what_is_built_and_taken_off_is_no_collapse() {
     assert_eq!(told(&mut lab, 2.0), []);
     lab.set_velocity(beside, Vec3::X * 3.0, Vec3::ZERO);
     let all = told(&mut lab, 2.0);
-    assert_eq!(ways(&all), [(beside, GaveWay::Slid)]);
+    assert_eq!(ways(&all), [(beside, FailureMode::Slid)]);
     assert_eq!(all[0].rest, []);
 }
 
@@ -182,7 +185,7 @@ fn what_bears_too_much_is_crushed() {
     // Its own weight, the other's and this make 39 kN.
     let load = lab.cube(Vec3::Y * 2.5);
     lab.world.entity_mut(load).insert(Mass(2000.0));
-    assert_eq!(ways(&told(&mut lab, 2.0)), [(under, GaveWay::Crushed)]);
+    assert_eq!(ways(&told(&mut lab, 2.0)), [(under, FailureMode::Crushed)]);
 }
 
 #[test]
@@ -211,7 +214,7 @@ fn what_is_put_elsewhere_or_held_stood_nowhere() {
     assert_eq!(told(&mut lab, 2.0), []);
     // Where it has come to lie it stands again.
     lab.set_velocity(lies, Vec3::X * 3.0, Vec3::ZERO);
-    assert_eq!(ways(&told(&mut lab, 2.0)), [(lies, GaveWay::Slid)]);
+    assert_eq!(ways(&told(&mut lab, 2.0)), [(lies, FailureMode::Slid)]);
 }
 
 #[test]
@@ -228,7 +231,7 @@ fn a_strength_lowered_while_asleep_counts() {
     let weak = Watch { strength: 15_000.0 };
     lab.world.entity_mut(under).insert(weak);
     let crushed = told(&mut lab, 0.1);
-    assert_eq!(ways(&crushed), [(under, GaveWay::Crushed)]);
+    assert_eq!(ways(&crushed), [(under, FailureMode::Crushed)]);
     assert_eq!(crushed[0].rest, [upper]);
     // Nothing has moved.
     let [ended] = &ends(&mut lab)[..] else {
@@ -237,7 +240,7 @@ fn a_strength_lowered_while_asleep_counts() {
     assert_eq!((ended.first, &ended.moved[..]), (under, &[][..]));
     // And what was told of stands, so that it can fall.
     lab.world.despawn(under);
-    assert_eq!(ways(&told(&mut lab, 2.0)), [(upper, GaveWay::Fell)]);
+    assert_eq!(ways(&told(&mut lab, 2.0)), [(upper, FailureMode::Fell)]);
 }
 
 #[test]
@@ -283,7 +286,7 @@ fn how_many_fall_and_how_heavy_they_are_is_told() {
         let [ended] = &ends(&mut lab)[..] else {
             panic!("one collapse has ended");
         };
-        assert_eq!((ended.first, ended.how), (all[0].first, GaveWay::Fell));
+        assert_eq!((ended.first, ended.how), (all[0].first, FailureMode::Fell));
         assert_eq!(ended.moved, [middle, top]);
         assert_eq!(ended.mass, all[0].mass);
     }

@@ -317,7 +317,7 @@ fn settings_that_cannot_be() {
     });
     refuse("SolverSettings", |world| {
         world.resource_mut::<SolverSettings>().solver = SoftStep {
-            most_sweeps: 0,
+            max_sweeps: 0,
             ..Default::default()
         }
         .into();

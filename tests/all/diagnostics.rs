@@ -10,6 +10,18 @@ use drystone::profile::Profile;
 fn every_system_is_a_diagnostic_with_measurements() {
     let mut app = App::new();
     app.add_plugins((DrystonePlugins::default(), DrystoneDiagnosticsPlugin));
+    check(app);
+}
+
+#[test]
+fn systems_of_plugins_that_come_later_are_diagnostics_too() {
+    let mut app = App::new();
+    app.add_plugins((DrystoneDiagnosticsPlugin, DrystonePlugins::default()));
+    app.finish();
+    check(app);
+}
+
+fn check(mut app: App) {
     app.init_resource::<DiagnosticsStore>();
     drystone::step(app.world_mut(), 0.01).unwrap();
     app.update();

@@ -639,13 +639,13 @@ fn a_body_that_is_disabled_while_held_is_let_go() {
 fn a_body_that_is_taken_and_brought_back_is_not_held_any_more() {
     let (mut lab, cube, pointer) = held_cube();
     let mut log = EditLog::default();
-    log.take(&mut lab.world, &[cube]).unwrap();
+    log.remove(&mut lab.world, &[cube]).unwrap();
     lab.run(0.5);
     log.undo(&mut lab.world).unwrap();
     falls(&mut lab, cube, "taken");
     assert_eq!(held(&lab, pointer), None);
     // It was put up here, is held, and the edit is undone.
-    log.put(&mut lab.world, cube, Transform::from_xyz(3.0, 0.5, 0.0))
+    log.move_to(&mut lab.world, cube, Transform::from_xyz(3.0, 0.5, 0.0))
         .unwrap();
     let grab = Grab::gentle(1000.0, Vec3::ZERO, Vec3::new(3.0, 3.0, 0.0));
     hold(&mut lab, cube, grab);

@@ -63,7 +63,7 @@ fn take_each(
 ) {
     let run = settled(scene);
     for (i, &body) in run.bodies.iter().enumerate() {
-        let shadow = Shadow::of(&run.world, &Edit::Take(vec![body])).unwrap();
+        let shadow = Shadow::of(&run.world, &Edit::Remove(vec![body])).unwrap();
         let settings = PreviewSettings {
             dt,
             ..Default::default()
@@ -105,7 +105,7 @@ fn what_falls_is_what_falls_at_60_hz() {
             for (moved, truth) in moved.iter().zip(truth) {
                 assert!(moved.1.distance(truth.1) < 0.05, "{moved:?} {truth:?}");
             }
-            assert!(preview.rests);
+            assert!(preview.at_rest);
         });
     }
 }
@@ -201,7 +201,7 @@ fn what_is_moved_or_placed_is_told_where_it_ends() {
     );
     assert!(
         moved
-            .ends
+            .end_pose
             .unwrap()
             .position
             .distance(at(-3.0, 0.25).position)
@@ -213,7 +213,7 @@ fn what_is_moved_or_placed_is_told_where_it_ends() {
     // From a height, it comes down.
     let falls = Edit::Place(Collider::cuboid(0.2, 2.0, 0.4), at(0.45, 4.0));
     let placed = preview(&lab.world, &falls).unwrap();
-    assert!(placed.ends.unwrap().position.y < 2.1 && placed.rests);
+    assert!(placed.end_pose.unwrap().position.y < 2.1 && placed.at_rest);
     // Nothing of it is in the world.
     assert_eq!(pose(&lab.world, left).position.x, -0.6);
 }
@@ -241,7 +241,7 @@ fn a_static_body_is_taken_from_under_what_stands_on_it() {
     lab.world.entity_mut(quay).insert(RigidBody::Static);
     let brick = lab.body(Collider::cuboid(1.0, 0.5, 0.5), Vec3::Y * 1.25);
     lab.run(1.0);
-    let preview = preview(&lab.world, &Edit::Take(vec![quay])).unwrap();
+    let preview = preview(&lab.world, &Edit::Remove(vec![quay])).unwrap();
     assert_eq!(preview.moved.len(), 1);
     assert_eq!(preview.moved[0].body, brick);
     assert!((preview.moved[0].to.position.y - 0.25).abs() < 1e-2);
@@ -250,7 +250,7 @@ fn a_static_body_is_taken_from_under_what_stands_on_it() {
 #[test]
 fn a_task_finds_the_same() {
     let (lab, [left, ..]) = trilith();
-    let edit = Edit::Take(vec![left]);
+    let edit = Edit::Remove(vec![left]);
     let task = preview_task(&lab.world, &edit, PreviewSettings::default()).unwrap();
     let found = bevy_tasks::block_on(task).unwrap();
     assert_eq!(found, preview(&lab.world, &edit).unwrap());
@@ -264,12 +264,15 @@ fn what_cannot_be_tried_is_told() {
     let new = lab.body(Collider::ball(0.5), Vec3::Y * 5.0);
     let ball = Collider::ball(0.5);
     let tries = [
-        (Edit::Take(vec![]), PreviewError::Nothing),
-        (Edit::Take(vec![left, nobody]), PreviewError::NoBody(nobody)),
-        (Edit::Take(vec![new]), PreviewError::NoBody(new)),
+        (Edit::Remove(vec![]), PreviewError::Nothing),
+        (
+            Edit::Remove(vec![left, nobody]),
+            PreviewError::NotABody(nobody),
+        ),
+        (Edit::Remove(vec![new]), PreviewError::NotABody(new)),
         (
             Edit::Move(nobody, at(0.0, 0.0)),
-            PreviewError::NoBody(nobody),
+            PreviewError::NotABody(nobody),
         ),
         (Edit::Move(left, at(f32::NAN, 0.0)), PreviewError::NotFinite),
         (
@@ -288,7 +291,7 @@ fn what_cannot_be_tried_is_told() {
     for (edit, error) in tries {
         assert_eq!(preview(&lab.world, &edit), Err(error), "{edit:?}");
     }
-    for (dt, longest, moved) in [
+    for (dt, max_time, moved) in [
         (0.0, 1.0, 0.1),
         (f32::NAN, 1.0, 0.1),
         (0.1, -1.0, 0.1),
@@ -296,8 +299,8 @@ fn what_cannot_be_tried_is_told() {
     ] {
         let settings = PreviewSettings {
             dt: Some(dt),
-            longest,
-            moved,
+            max_time,
+            movement_threshold: moved,
         };
         let shadow = Shadow::around(&lab.world, &[left]).unwrap();
         assert_eq!(shadow.run(&settings), Err(PreviewError::InvalidSettings));
@@ -313,12 +316,12 @@ fn what_never_rests_is_given_up() {
     lab.world.entity_mut(ball).insert(Velocity::linear(Vec3::X));
     lab.run(0.1);
     let settings = PreviewSettings {
-        longest: 1.0,
+        max_time: 1.0,
         ..Default::default()
     };
     let shadow = Shadow::around(&lab.world, &[ball]).unwrap();
     let found = shadow.run(&settings).unwrap();
-    assert!(!found.rests && found.moves(ball) && (found.time - 1.0).abs() < 0.02);
+    assert!(!found.at_rest && found.moves(ball) && (found.time - 1.0).abs() < 0.02);
 }
 
 /// Takes a body out of the world.
@@ -335,11 +338,11 @@ fn what_goes_in_the_same_frame_is_not_copied() {
     for (way, go) in ways {
         let (mut lab, [left, right, across]) = trilith();
         go(lab.world.entity_mut(left));
-        let take = |body| preview(&lab.world, &Edit::Take(vec![body]));
-        assert_eq!(take(left), Err(PreviewError::NoBody(left)), "{way}");
+        let take = |body| preview(&lab.world, &Edit::Remove(vec![body]));
+        assert_eq!(take(left), Err(PreviewError::NotABody(left)), "{way}");
         assert_eq!(take(across).unwrap().moved, [], "{way}");
         let found = take(right).unwrap();
-        assert!(found.rests && found.moved.len() == 1, "{way}");
+        assert!(found.at_rest && found.moved.len() == 1, "{way}");
         assert!(found.moves(across), "{way}");
         // It falls in any case.
         let beside = Edit::Place(Collider::cuboid(1.0, 0.5, 0.5), at(1.7, 0.25));
@@ -381,21 +384,21 @@ fn a_preview_ends_before_the_first_step_and_while_paused() {
         .insert_resource(bevy_time::Time::<bevy_time::Fixed>::from_hz(20.0));
     for lab in [&paused, &new, &clocked] {
         let settings = PreviewSettings {
-            longest: 1.0,
+            max_time: 1.0,
             ..Default::default()
         };
         let found = finish(preview_task(&lab.world, &edit, settings).unwrap());
         // What no step has seen is no body yet, the ground included.
-        assert!(!found.rests && (found.time - 1.0).abs() < 0.06);
-        assert!(found.ends.unwrap().position.y < -3.0);
+        assert!(!found.at_rest && (found.time - 1.0).abs() < 0.06);
+        assert!(found.end_pose.unwrap().position.y < -3.0);
     }
     // Paused later on it is as it was.
     let (mut lab, [left, ..]) = trilith();
-    let before = preview(&lab.world, &Edit::Take(vec![left])).unwrap();
+    let before = preview(&lab.world, &Edit::Remove(vec![left])).unwrap();
     drystone::advance(&mut lab.world, 0.0).unwrap();
     let task = preview_task(
         &lab.world,
-        &Edit::Take(vec![left]),
+        &Edit::Remove(vec![left]),
         PreviewSettings::default(),
     );
     assert_eq!(finish(task.unwrap()), before);
@@ -449,10 +452,10 @@ fn an_edit_wakes_what_sleeps_in_a_shadow() {
     assert!([left, right, across].iter().all(|&body| asleep(&lab, body)));
     let shadow = Shadow::around(&lab.world, &[across]).unwrap();
     let preview = shadow.run(&PreviewSettings::default()).unwrap();
-    assert!(preview.rests && preview.moved.is_empty());
+    assert!(preview.at_rest && preview.moved.is_empty());
     assert!(preview.time < 0.1, "nothing is awake: {} s", preview.time);
 
-    let taken = preview_of(&lab, Edit::Take(vec![left]));
+    let taken = preview_of(&lab, Edit::Remove(vec![left]));
     assert!(taken.moves(across) && !taken.moves(right));
     let away = Pose {
         position: Vec3::new(5.0, 3.0, 0.0),
@@ -460,7 +463,7 @@ fn an_edit_wakes_what_sleeps_in_a_shadow() {
     };
     let moved = preview_of(&lab, Edit::Move(left, away));
     assert!(moved.moves(across) && !moved.moves(right));
-    let ends = moved.ends.unwrap();
+    let ends = moved.end_pose.unwrap();
     assert!((ends.position.y - 0.25).abs() < 1e-2, "{ends:?}");
 }
 
@@ -486,8 +489,8 @@ fn bodies_of_this_frame_are_in_a_preview() {
     lab.world.entity_mut(spare).insert(put);
     drystone::refresh(&mut lab.world);
     let moved = |world: &World, taken| {
-        let preview = preview(world, &Edit::Take(vec![taken])).unwrap();
-        assert!(preview.rests);
+        let preview = preview(world, &Edit::Remove(vec![taken])).unwrap();
+        assert!(preview.at_rest);
         let moved: Vec<Entity> = preview.moved.iter().map(|moved| moved.body).collect();
         moved
     };
@@ -504,6 +507,6 @@ fn bodies_of_this_frame_are_in_a_preview() {
     // A body that is gone again is nobody's.
     lab.world.despawn(lintel);
     assert_eq!(moved(&lab.world, left), [spare]);
-    let gone = preview(&lab.world, &Edit::Take(vec![lintel]));
-    assert_eq!(gone.err(), Some(PreviewError::NoBody(lintel)));
+    let gone = preview(&lab.world, &Edit::Remove(vec![lintel]));
+    assert_eq!(gone.err(), Some(PreviewError::NotABody(lintel)));
 }

@@ -184,7 +184,7 @@ fn check(seed: u64) {
         let (from, way) = (vector(&mut rng, 7.0), direction(&mut rng));
         let most = if rng.bool() { 20.0 * rng.f32() } else { 1e3 };
         let hollow = rng.bool();
-        let filter = if hollow { filter.hollow() } else { filter };
+        let filter = if hollow { filter.solid(false) } else { filter };
 
         let ray = Ray::new(from, *way);
         let hit = |(entity, at, of): &(Entity, parry3d::math::Pose, Collider)| {
@@ -314,7 +314,10 @@ fn answers_are_those_of_geometry() {
             (hit.entity, hit.distance, hit.normal),
             (brick, 0.0, Vec3::ZERO)
         );
-        let hit = world.cast_ray(out, 5.0, &any.hollow()).unwrap().unwrap();
+        let hit = world
+            .cast_ray(out, 5.0, &any.solid(false))
+            .unwrap()
+            .unwrap();
         assert_near(hit.distance, 0.5, 1e-5, "out of the brick");
 
         // A ball of 0.2 m that falls on the brick's edge: 0.1 m beside it, sqrt(0.2² − 0.1²) above it.
@@ -401,7 +404,7 @@ fn filters_leave_out_what_they_say() {
     assert_eq!(seen(&mut lab, &any.dynamic_only()), [brick]);
     assert_eq!(seen(&mut lab, &any.excluding(&[other, ground])), [brick]);
     assert_eq!(
-        seen(&mut lab, &any.that(&|body| body != brick)),
+        seen(&mut lab, &any.with_predicate(&|body| body != brick)),
         [other, ground]
     );
     let layers = CollisionLayers {
@@ -572,7 +575,9 @@ fn casts_may_ignore_what_they_start_in() {
         let hit = world.cast_ray(out, 9.0, &free).unwrap().unwrap();
         assert_eq!(hit.entity, wall);
         assert_near(hit.distance, 2.5, 1e-3, "to the wall");
-        let hits = world.cast_ray_through(out, 9.0, &free.hollow()).unwrap();
+        let hits = world
+            .cast_ray_through(out, 9.0, &free.solid(false))
+            .unwrap();
         assert_eq!(hits.len(), 1);
         assert_eq!(hits[0].entity, wall);
     });

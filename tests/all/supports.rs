@@ -75,7 +75,7 @@ fn a_stack_hangs_on_each_of_its_bricks() {
     lab.run(2.0);
     ask(&mut lab, |supports| {
         for (i, &brick) in stack.iter().enumerate() {
-            assert_eq!(supports.hanging_on(brick).unwrap(), stack[i + 1..]);
+            assert_eq!(supports.supported_only_by(brick).unwrap(), stack[i + 1..]);
             assert_eq!(supports.structure(brick).unwrap(), stack);
             let path = supports.load_path(brick).unwrap();
             let mut expected = vec![ground];
@@ -92,7 +92,7 @@ fn a_stack_hangs_on_each_of_its_bricks() {
         assert_eq!(supports.structure(aside).unwrap(), [aside]);
         let mut all = stack.clone();
         all.push(aside);
-        assert_eq!(supports.hanging_on(ground).unwrap(), all);
+        assert_eq!(supports.supported_only_by(ground).unwrap(), all);
         assert_eq!(supports.supported_by(ground).unwrap(), []);
     });
 }
@@ -117,7 +117,7 @@ fn a_pyramid_divides_what_it_bears() {
                 let down: f32 = down.map(|bearing| bearing.share).sum();
                 assert!((down - 1.0).abs() < 1e-4, "{down}");
                 // Each is borne by two, and by any of them alone it would fall; but on no brick does another hang.
-                assert_eq!(supports.hanging_on(brick).unwrap(), []);
+                assert_eq!(supports.supported_only_by(brick).unwrap(), []);
             }
         }
         let top = courses[5][0];
@@ -193,7 +193,11 @@ fn in_a_heap_all_answers_agree() {
                 .copied()
                 .filter(|b| *b != brick && !held.contains(b))
                 .collect();
-            assert_eq!(supports.hanging_on(brick).unwrap(), expected, "on {brick}");
+            assert_eq!(
+                supports.supported_only_by(brick).unwrap(),
+                expected,
+                "on {brick}"
+            );
             hangs += expected.len();
 
             let path = supports.load_path(brick).unwrap();
@@ -223,7 +227,7 @@ fn who_is_no_body_bears_nothing_and_is_named() {
         assert_eq!(supports.supports(lamp).unwrap_err().0, lamp);
         assert_eq!(supports.supported_by(lamp).unwrap_err().0, lamp);
         assert_eq!(supports.load_path(lamp).unwrap_err().0, lamp);
-        assert_eq!(supports.hanging_on(lamp).unwrap_err().0, lamp);
+        assert_eq!(supports.supported_only_by(lamp).unwrap_err().0, lamp);
         assert_eq!(supports.structure(lamp).unwrap_err().0, lamp);
     });
 }
@@ -247,13 +251,21 @@ fn what_goes_in_the_same_frame_bears_nothing() {
         go(lab.world.entity_mut(stack[1]));
         ask(&mut lab, |supports| {
             assert_eq!(supports.supports(stack[0]).unwrap(), [], "{way}");
-            assert_eq!(supports.hanging_on(stack[0]).unwrap(), [], "{way}");
+            assert_eq!(supports.supported_only_by(stack[0]).unwrap(), [], "{way}");
             assert_eq!(supports.supported_by(stack[2]).unwrap(), [], "{way}");
             assert_eq!(supports.load_path(stack[2]).unwrap(), [], "{way}");
             let path = supports.load_path(stack[3]).unwrap();
             assert_eq!(names(&path, |bearing| bearing.below), [stack[2]], "{way}");
-            assert_eq!(supports.hanging_on(ground).unwrap(), [stack[0]], "{way}");
-            assert_eq!(supports.hanging_on(stack[2]).unwrap(), [stack[3]], "{way}");
+            assert_eq!(
+                supports.supported_only_by(ground).unwrap(),
+                [stack[0]],
+                "{way}"
+            );
+            assert_eq!(
+                supports.supported_only_by(stack[2]).unwrap(),
+                [stack[3]],
+                "{way}"
+            );
             assert!(
                 !supports.structure(stack[3]).unwrap().contains(&stack[1]),
                 "{way}"

@@ -85,7 +85,7 @@ fn bears(radii: [f32; 2], along: impl Fn(Vec2) -> Vec2) -> (f32, f32) {
             point: point.extend(0.0),
             direction: -direction.extend(0.0),
         };
-        let most = stability(&lab.world, &bodies, &trial).unwrap().most;
+        let most = stability(&lab.world, &bodies, &trial).unwrap().limit;
         (most * direction.y / G, middle.x)
     };
     let masses = rests(radii[1]).into_iter().map(mass);

@@ -1,4 +1,4 @@
-//! A camera that orbits, and what the mouse points at.
+//! An orbiting camera, and the body under the mouse.
 
 use crate::BuilderSystems;
 use crate::compare::Comparison;
@@ -31,7 +31,7 @@ impl Plugin for CameraPlugin {
 /// Where the camera looks from.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// What it looks at, m.
+    /// The point that it looks at, m.
     pub target: Vec3,
     /// From there, m.
     pub distance: f32,
@@ -65,11 +65,11 @@ impl View {
 #[derive(Component)]
 pub struct Eye;
 
-/// How wide the panel is at the left, logical pixels. What is behind it is not pointed at.
+/// How wide the panel is at the left, logical pixels. Bodies behind it are not pointed at.
 #[derive(Resource, Default)]
 pub struct PanelWidth(pub f32);
 
-/// What the mouse points at.
+/// The body under the mouse.
 #[derive(Resource, Default)]
 pub struct Pointer {
     /// None where it is outside of the window or over the panel.
@@ -80,7 +80,7 @@ pub struct Pointer {
     pub body: Option<Entity>,
 }
 
-/// What a camera needs besides where it looks, and at what.
+/// The components of a camera besides its pose and target.
 pub fn lens() -> impl Bundle {
     (
         Camera3d::default(),

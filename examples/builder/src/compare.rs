@@ -33,7 +33,7 @@ struct Replica {
     bodies: Vec<Twin>,
 }
 
-/// A body of a copy and what shows it.
+/// A body of a copy and the entity that shows it.
 struct Twin {
     body: Entity,
     drawn: Entity,

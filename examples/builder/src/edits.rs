@@ -1,4 +1,4 @@
-//! Edits: what they do to the world, that they can be taken back, and that they can be saved.
+//! Edits: making, undoing and saving them.
 
 use crate::compare;
 use crate::journal::{Entry, Journal};
@@ -22,7 +22,7 @@ impl Plugin for EditsPlugin {
     }
 }
 
-/// How many edits there have been: what was asked of physics before one is old.
+/// Number of edits so far: answers from before an edit are outdated.
 #[derive(Resource, Default)]
 pub struct Edits(pub u64);
 
@@ -60,7 +60,7 @@ fn with_log<T>(world: &mut World, edit: impl FnOnce(&mut World, &mut EditLog) ->
 /// Where it has no size.
 pub fn place(world: &mut World, piece: &Piece, pose: Pose) -> Result<Entity> {
     let body = world.spawn(piece.bundle(pose)?).id();
-    with_log(world, |world, log| log.placed(world, &[body]))?;
+    with_log(world, |world, log| log.record_placed(world, &[body]))?;
     world.resource::<Journal>().say(&Entry::Placed {
         body: body.to_string(),
         at: pose.position,
@@ -73,7 +73,9 @@ pub fn place(world: &mut World, piece: &Piece, pose: Pose) -> Result<Entity> {
 /// # Errors
 /// Where it is gone.
 pub fn put(world: &mut World, body: Entity, pose: Pose) -> Result {
-    with_log(world, |world, log| log.put(world, body, to_transform(pose)))?;
+    with_log(world, |world, log| {
+        log.move_to(world, body, to_transform(pose))
+    })?;
     world.resource::<Journal>().say(&Entry::Moved {
         body: body.to_string(),
         at: pose.position,
@@ -86,7 +88,7 @@ pub fn put(world: &mut World, body: Entity, pose: Pose) -> Result {
 /// # Errors
 /// Where one is gone already.
 pub fn take(world: &mut World, bodies: &[Entity]) -> Result {
-    with_log(world, |world, log| log.take(world, bodies))?;
+    with_log(world, |world, log| log.remove(world, bodies))?;
     world.resource::<Journal>().say(&Entry::Took {
         bodies: bodies.iter().map(Entity::to_string).collect(),
     });
@@ -126,7 +128,7 @@ pub fn clear(world: &mut World) {
     }
 }
 
-/// Writes what there is to the [`SaveFile`].
+/// Writes the scene to the [`SaveFile`].
 ///
 /// # Errors
 /// Where it cannot be written.
@@ -148,10 +150,10 @@ pub fn save(world: &mut World) -> Result {
     Ok(())
 }
 
-/// Reads what there is from the [`SaveFile`], instead of what is there now.
+/// Replaces the scene by that in the [`SaveFile`].
 ///
 /// # Errors
-/// Where it cannot be read, or holds what is no piece; what is there stays then.
+/// If it cannot be read, or contains something that is not a piece. The scene stays as it is then.
 pub fn load(world: &mut World) -> Result {
     let path = world.resource::<SaveFile>().0.clone();
     let saved =

@@ -25,7 +25,7 @@ impl Plugin for GalleryPlugin {
     }
 }
 
-/// What there is to choose from. Write the resource to open one.
+/// The scenes to choose from. Write the resource to open one.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, ValueEnum)]
 pub enum Scene {
     /// A wall with a door and a window under lintels.
@@ -49,7 +49,7 @@ pub enum Scene {
     Pyramid,
     /// Boxes that fall on each other.
     Heap,
-    /// A wall, and what hangs on a crane.
+    /// A wall, and a load on a crane.
     WreckingBall,
     /// Three planks to a layer.
     Jenga,
@@ -77,7 +77,7 @@ impl Scene {
         }
     }
 
-    /// What stands there in the beginning.
+    /// The structure at the start.
     ///
     /// # Errors
     /// Where a scene is badly laid: its lengths do not fit its bond, for instance.
@@ -311,7 +311,7 @@ fn wrecking_ball() -> (Piece, Pose, Rope) {
     (ball, pose, rope)
 }
 
-/// What they hang on.
+/// The point from which they hang.
 pub fn draw_ropes(mut gizmos: Gizmos, bodies: Query<(&Rope, &Transform)>) {
     for (rope, at) in &bodies {
         gizmos.line(rope.from, at.translation, Color::srgb(0.15, 0.15, 0.17));
@@ -342,7 +342,7 @@ fn rope(
     }
 }
 
-/// Clears away what is there, and lays the scene.
+/// Removes the current scene, and lays the new one.
 fn open(world: &mut World) -> Result {
     let scene = *world.resource::<Scene>();
     edits::clear(world);
@@ -371,7 +371,7 @@ mod tests {
     use bevy::time::{TimePlugin, TimeUpdateStrategy};
     use drystone::masonry::EditLog;
 
-    /// Every scene can be laid, and what is not to move does not, in three seconds.
+    /// Every scene can be laid, and bodies that should not move do not move in three seconds.
     #[test]
     fn scenes_stand() {
         for &scene in Scene::value_variants() {

@@ -1,4 +1,4 @@
-//! What happens, line by line, for scripts: with `--journal` each [`Entry`] is a line of RON after the word `journal`.
+//! A journal of events, line by line, for scripts: with `--journal` each [`Entry`] is a line of RON after the word `journal`.
 
 use crate::BuilderSystems;
 use crate::camera::Eye;
@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use drystone::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Says what happens.
+/// Prints events.
 pub struct JournalPlugin;
 
 impl Plugin for JournalPlugin {
@@ -58,7 +58,7 @@ pub enum Entry {
     Released { body: String },
     /// A ball was thrown.
     Threw,
-    /// What would fall if a piece were taken.
+    /// The bodies that would fall if a piece were removed.
     WouldFall { body: String, falls: Vec<String> },
     /// The least tilt, °, that a structure bears.
     Margin { tilt: f32, moving: usize },
@@ -99,7 +99,7 @@ impl Sight {
 }
 
 impl Journal {
-    /// Says what happened, if anybody listens.
+    /// Prints an event, if the journal is on.
     pub fn say(&self, entry: &Entry) {
         if self.on {
             match ron::to_string(entry) {

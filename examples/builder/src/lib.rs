@@ -1,19 +1,19 @@
-//! The builder: walls that one builds with the mouse, in an engine that knows what carries what.
+//! The builder: an application in which you build walls with the mouse and see loads, load paths and previews.
 //!
 //! Each module is a plugin, and shows one thing of drystone at work; read the one that you need.
 //!
 //! | module | shows |
 //! |---|---|
 //! | [`stage`], [`camera`] | ground, sun, a camera that orbits, the ray under the mouse |
-//! | [`pieces`], [`look`] | what a body is spawned with, and what it looks like: meshes of colliders, interpolated motion |
+//! | [`pieces`], [`look`] | the components of a body, and its look: meshes of colliders, interpolated motion |
 //! | [`gallery`] | scenes from `drystone::masonry` |
 //! | [`edits`] | placing, moving, taking, with undo and redo; saving and loading |
-//! | [`tools`] | what the left button does: build with snapping, move, lift with a hand, press, take, throw |
+//! | [`tools`] | the tools of the left button: build with snapping, move, lift with a hand, press, remove, throw |
 //! | [`clock`] | pause, slow motion, single steps, the length of a step |
-//! | [`overlays`] | loads, friction, islands and sleep as colours; the load path, what falls, the margin of a structure |
+//! | [`overlays`] | loads, friction, islands and sleep as colours; the load path, previews, the margin of a structure |
 //! | [`compare`] | the same scene twice, at 60 and at 10 Hz |
 //! | [`panel`] | buttons, settings, the cost of every stage |
-//! | [`journal`] | what happens, line by line, for scripts |
+//! | [`journal`] | events, line by line, for scripts |
 //! | [`pictures`] | screenshots and films, without a window too |
 
 pub mod camera;
@@ -41,13 +41,13 @@ pub struct BuilderPlugin;
 /// The order within `Update`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BuilderSystems {
-    /// What the mouse points at.
+    /// The body under the mouse.
     Point,
-    /// What the tools do there.
+    /// The effects of the tools there.
     Act,
-    /// What is asked of physics.
+    /// Queries of the simulation.
     Ask,
-    /// What is drawn.
+    /// Drawing.
     Show,
 }
 

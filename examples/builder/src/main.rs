@@ -25,7 +25,7 @@ struct Arguments {
     /// Where scenes are saved.
     #[arg(long, default_value = "builder.ron")]
     file: PathBuf,
-    /// Says what happens, line by line.
+    /// Prints events, line by line.
     #[arg(long)]
     journal: bool,
     /// Draws a picture of this scene instead, without a window or a display.

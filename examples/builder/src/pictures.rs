@@ -130,7 +130,7 @@ impl Studio {
     }
 }
 
-/// What a picture is of.
+/// The contents of a picture.
 #[derive(Clone, Debug)]
 pub struct Shot {
     /// The scene.
@@ -139,7 +139,7 @@ pub struct Shot {
     pub size: [u32; 2],
     /// How long it has been there, s.
     pub after: f32,
-    /// What is shown.
+    /// The overlays that are shown.
     pub overlays: Overlays,
     /// Where it goes.
     pub path: PathBuf,

@@ -1,4 +1,4 @@
-//! What the builder builds of: a shape, a finish, and how it is spawned.
+//! Pieces: a shape and a finish, and how they are spawned.
 
 use crate::look::Finish;
 use bevy::prelude::*;
@@ -23,7 +23,7 @@ pub enum Shape {
 pub struct Piece {
     /// Its shape.
     pub shape: Shape,
-    /// What it looks like, and how heavy it is.
+    /// Its look and density.
     pub finish: Finish,
     /// Nothing moves it.
     pub fixed: bool,
@@ -97,7 +97,7 @@ impl Piece {
         Some((Self::new(Shape::of(&block.collider)?, finish), block.pose))
     }
 
-    /// What to spawn. What it looks like is added by [`look`](crate::look).
+    /// The components to spawn. Meshes are added by [`look`](crate::look).
     ///
     /// # Errors
     /// As [`Shape::collider`].
@@ -124,7 +124,7 @@ pub fn to_transform(pose: Pose) -> Transform {
     Transform::from_translation(pose.position).with_rotation(pose.rotation)
 }
 
-/// What the palette offers: a name and a piece.
+/// The pieces of the palette, with their names.
 pub fn palette() -> Vec<(&'static str, Piece)> {
     use Finish::{Brick, Iron, Stone, Wood};
     let cut = |size: [f32; 3], finish| Piece::new(Shape::Box(size.into()), finish);

@@ -1,4 +1,4 @@
-//! What plots of all examples have in common: a font, and legends.
+//! Shared parts of the plots of all examples: a font and legends.
 
 mod letters;
 
@@ -38,7 +38,7 @@ pub fn bring_font() -> Result<(), Box<dyn Error>> {
     register_font("sans-serif", FontStyle::Normal, FONT).map_err(|_| "the font is damaged".into())
 }
 
-/// Strokes and what they stand for, in so many columns; entries without a stroke are notes.
+/// A legend: strokes and their labels, in this number of columns; entries without a stroke are notes.
 pub fn legend(
     area: &Area,
     columns: usize,

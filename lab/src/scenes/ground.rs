@@ -1,4 +1,4 @@
-//! What scenes stand on.
+//! The ground of scenes.
 
 use drystone::collider::Collider;
 use glam::Vec3;

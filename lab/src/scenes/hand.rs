@@ -23,7 +23,7 @@ const PRESSURE: f32 = 1.0;
 /// together only leans.
 const PRESS_AT: f32 = 0.4;
 
-/// What the hand is at.
+/// The action of the hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Placing block number i.
@@ -45,7 +45,7 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// What the hand is at after so many seconds.
+    /// The action of the hand after this time, s.
     pub fn phase(&self, time: f32) -> Phase {
         let each = CARRY + LOWER + SETTLE;
         let built = (self.blocks.len() - 1) as f32 * each;

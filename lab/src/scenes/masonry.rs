@@ -1,4 +1,4 @@
-//! What stands: walls, stacks, pyramids, arches, houses of cards.
+//! Scenes that stand: walls, stacks, pyramids, arches, houses of cards.
 
 use super::{Hand, Site};
 use bevy_ecs::name::Name;
@@ -25,7 +25,7 @@ impl Site<'_> {
         None
     }
 
-    /// What the library builds.
+    /// Structures that the library builds.
     fn lay(&mut self, name: &str, blocks: Result<Vec<Block>, MasonryError>) {
         for block in blocks.expect("scenes are of sizes that can be built") {
             let Pose { position, rotation } = block.pose;

@@ -18,7 +18,7 @@ use drystone::body::{Density, Pose, RigidBody, Velocity};
 use drystone::collider::{Collider, Friction};
 use glam::{Quat, Vec3};
 
-/// What stands or moves.
+/// A scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scene {
     /// Running bond of bricks 1 × 0.5 × 0.5 m, half bricks at the ends: bricks in a course, courses.
@@ -58,7 +58,7 @@ pub enum Scene {
     Pressed(u32),
 }
 
-/// What a pile is of.
+/// The shape of the bodies in a pile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grain {
     /// Radius 0.25 m.
@@ -86,7 +86,7 @@ pub struct SceneOptions {
     pub vertical_gap: f32,
     /// Coefficient of every surface.
     pub friction: f32,
-    /// What it stands on.
+    /// The ground.
     pub ground: Ground,
 }
 
@@ -105,7 +105,7 @@ impl Default for SceneOptions {
     }
 }
 
-/// What was built.
+/// The bodies of a scene that was built.
 #[derive(Clone, Debug, Default)]
 pub struct Built {
     /// The bodies to watch, in the order in which they were placed.
@@ -137,7 +137,7 @@ impl Scene {
         }
     }
 
-    /// True of what is built to stay where it is. Of the others, that they move is no failure.
+    /// Returns true for scenes that should stay where they are. Other scenes may move.
     pub fn stays(&self) -> bool {
         !matches!(
             self,

@@ -1,4 +1,4 @@
-//! What moves: heaps, slopes, rolling, sliding, dropped and overlapping bodies.
+//! Scenes that move: heaps, slopes, rolling, sliding, dropped and overlapping bodies.
 
 use super::{Grain, Hand, Site};
 use drystone::body::{Density, Pose, Velocity};

@@ -11,7 +11,7 @@ pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, tower:N, arch:N, heap:N, 
     pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
     cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N";
 
-/// What piles are of.
+/// The kinds of piles, by name.
 const GRAINS: [(Grain, &str); 4] = [
     (Grain::Balls, "balls"),
     (Grain::Capsules, "capsules"),

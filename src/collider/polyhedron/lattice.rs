@@ -6,7 +6,7 @@ use glam::{DVec3, I64Vec3, Vec3};
 /// Steps from the middle to the furthest side. Lengths are then below 2³⁰, areas below 2⁶², and volumes fit 128 bits.
 const HALF: f64 = (1 << 29) as f64;
 
-/// What is off a plane by less than this share of the longest extent is on it…
+/// Points nearer to a plane than this share of the longest extent are on it …
 const SHARE: f64 = 4e-6;
 
 /// …and so is what is off by less than this share of the largest coordinate: eight times what single precision rounds away.
@@ -20,7 +20,7 @@ pub(super) struct Lattice {
     pub points: Vec<I64Vec3>,
     /// Length of a step, m.
     pub step: f64,
-    /// What is off a plane by less is on it, in steps.
+    /// Distance from a plane below which a point is on it, in steps.
     pub slack: f64,
 }
 

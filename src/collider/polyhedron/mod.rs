@@ -16,48 +16,48 @@ use super::ColliderError;
 use glam::Vec3;
 use std::ops::Range;
 
-/// A convex polyhedron in its body's frame, m: corners, faces, edges, and how they join.
+/// A convex polyhedron in its body's frame: corners, faces and edges, and how they are connected. Lengths are in metres.
 ///
-/// Faces are true polygons. A point that is outside of the others by less than some millionths of the size, or by less than single
-/// precision resolves so far from the origin, is no corner.
+/// Faces are polygons of any number of corners. A point that lies outside the hull of the others by less than some millionths of the
+/// size, or by less than single precision resolves at its distance from the origin, is not a corner.
 ///
 /// # Source
-/// C. B. Barber, D. P. Dobkin and H. Huhdanpaa, *The Quickhull algorithm for convex hulls*, 1996, for finding the corners;
-/// D. Gregorius, *Implementing Quickhull*, Game Developers Conference 2014, for what single precision does to it.
+/// C. B. Barber, D. P. Dobkin and H. Huhdanpaa, *The Quickhull algorithm for convex hulls*, 1996, for finding the corners; D. Gregorius,
+/// *Implementing Quickhull*, Game Developers Conference 2014, for the effects of single precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
-    /// The corners, m: of the points given, without doubles and such as lie inside a face or on an edge.
+    /// Positions of the corners, m: the given points without duplicates and without those inside a face or on an edge.
     pub points: Box<[Vec3]>,
     /// The faces.
     pub faces: Box<[Face]>,
-    /// The corners of all faces, one face after another, each face's counterclockwise as seen from outside.
+    /// Indices of the corners of all faces, one face after another, counterclockwise as seen from outside.
     pub corners: Box<[u16]>,
-    /// For each of `corners`, the edge from it to the next corner of the face.
+    /// For each of [`corners`](Self::corners), the index of the edge from it to the next corner of the face.
     pub sides: Box<[u16]>,
     /// The edges.
     pub edges: Box<[Edge]>,
-    /// The faces around each point, one point after another.
+    /// Indices of the faces around each point, one point after another.
     pub around: Box<[u16]>,
-    /// Where the faces around each point begin in `around`, and after the last point where they end.
+    /// Where the faces around each point begin in [`around`](Self::around), and one final entry where they end.
     pub first_around: Box<[u32]>,
-    /// The centroid of the volume, m.
+    /// Centroid of the volume, m.
     pub center: Vec3,
-    /// Radius of a ball about `center` that lies inside, m.
+    /// Radius of a ball around [`center`](Self::center) that lies inside, m.
     pub inner: f32,
-    /// Radius of a ball about `center` that holds it, m.
+    /// Radius of a ball around [`center`](Self::center) that contains the polyhedron, m.
     pub outer: f32,
 }
 
 /// A face of a [`Polyhedron`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// The way out, of unit length.
+    /// Outward unit normal.
     pub normal: Vec3,
-    /// How far along the normal the polyhedron reaches from the origin, m.
+    /// Distance of the face's plane from the origin along the normal, m.
     pub offset: f32,
-    /// Where it begins in [`Polyhedron::corners`] and [`Polyhedron::sides`].
+    /// Index of its first entry in [`Polyhedron::corners`] and [`Polyhedron::sides`].
     pub first: u32,
-    /// Its number of corners, which is that of its sides.
+    /// Number of its corners, which is also that of its sides.
     pub count: u32,
     /// Extent of the polyhedron along the normal, m.
     pub depth: f32,
@@ -66,42 +66,52 @@ pub struct Face {
 /// An edge of a [`Polyhedron`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// The points it joins.
+    /// Indices of the two points that it joins.
     pub ends: [u16; 2],
-    /// The faces it divides. That from the first end to the second is counterclockwise around the first face, and clockwise
-    /// around the second.
+    /// Indices of the two faces that it divides. From the first end to the second it runs counterclockwise around the first face, and
+    /// clockwise around the second.
     pub faces: [u16; 2],
 }
 
 impl Polyhedron {
-    /// Most corners there may be. Faces and edges are then fewer than 2¹⁴, and parry, which takes faces less than 1.5° apart for
-    /// one, still finds some on what is as round as a ball.
+    /// Maximum number of corners: 4096. The numbers of faces and edges then stay below 2¹⁴. On a hull as round as a ball with more
+    /// corners, parry would merge all faces, because it merges those less than 1.5° apart.
     pub const MAX_CORNERS: usize = 4096;
 
-    /// The convex hull of points, m.
+    /// The convex hull of these points, m.
     ///
     /// # Errors
-    /// [`ColliderError::DegenerateHull`] where they enclose no volume or are not finite, [`ColliderError::TooManyCorners`] where
-    /// the hull has more than [`MAX_CORNERS`](Self::MAX_CORNERS).
+    /// [`ColliderError::DegenerateHull`] if they enclose no volume or are not finite. [`ColliderError::TooManyCorners`] if the hull has
+    /// more than [`MAX_CORNERS`](Self::MAX_CORNERS).
     pub fn new(points: &[Vec3]) -> Result<Self, ColliderError> {
         let lattice = lattice::Lattice::new(points).ok_or(ColliderError::DegenerateHull)?;
         let outlines = lattice.faces().ok_or(ColliderError::DegenerateHull)?;
         join::join(points, &lattice, &outlines)
     }
 
-    /// The corners of a face, counterclockwise as seen from outside.
+    /// The indices of a face's corners, counterclockwise as seen from outside.
+    ///
+    /// # Panics
+    /// If there is no such face.
     #[inline]
     pub fn corners_of(&self, face: usize) -> &[u16] {
         &self.corners[self.faces[face].range()]
     }
 
-    /// The edges around a face: each from the corner of the same place in [`corners_of`](Self::corners_of) to the next.
+    /// The indices of the edges around a face. Each leads from the corner at the same place in [`corners_of`](Self::corners_of) to the
+    /// next corner.
+    ///
+    /// # Panics
+    /// If there is no such face.
     #[inline]
     pub fn sides_of(&self, face: usize) -> &[u16] {
         &self.sides[self.faces[face].range()]
     }
 
-    /// The faces around a point.
+    /// The indices of the faces around a point.
+    ///
+    /// # Panics
+    /// If there is no such point.
     #[inline]
     pub fn faces_around(&self, point: usize) -> &[u16] {
         &self.around[self.first_around[point] as usize..self.first_around[point + 1] as usize]
@@ -112,7 +122,7 @@ impl Polyhedron {
         Moments::of(self)
     }
 
-    /// Each face as a fan of triangles.
+    /// The surface as triangles: each face as a fan.
     pub(crate) fn triangles(&self) -> impl Iterator<Item = [u16; 3]> + '_ {
         (0..self.faces.len()).flat_map(|face| {
             let corners = self.corners_of(face);
@@ -123,7 +133,7 @@ impl Polyhedron {
 }
 
 impl Face {
-    /// Where its corners are in [`Polyhedron::corners`], and its sides in [`Polyhedron::sides`].
+    /// The indices of its entries in [`Polyhedron::corners`] and [`Polyhedron::sides`].
     #[inline]
     pub fn range(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize

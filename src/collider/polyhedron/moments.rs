@@ -3,14 +3,14 @@
 use super::Polyhedron;
 use glam::{DMat3, DQuat, DVec3};
 
-/// Volume and its first and second moments, at a density of 1 kg/m³.
+/// Volume, centroid and inertia tensor of a solid at a density of 1 kg/m³, in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
-    /// m³
+    /// Volume, m³.
     pub volume: f64,
-    /// m, in the body's frame.
+    /// Centroid in the body's frame, m.
     pub centroid: DVec3,
-    /// The tensor of inertia about the centroid, in the body's axes, m⁵ (kg·m² at 1 kg/m³).
+    /// Inertia tensor about the centroid in the body's axes, m⁵ (kg·m² at 1 kg/m³).
     pub inertia: DMat3,
 }
 
@@ -75,9 +75,9 @@ impl Moments {
         }
     }
 
-    /// The moments about the principal axes, m⁵, and the rotation from the body's axes to these.
+    /// The principal moments of inertia, m⁵, and the rotation from the body's axes to the principal axes.
     ///
-    /// By C. G. J. Jacobi's rotations, each of which takes away what is off the diagonal in one plane.
+    /// Computed with C. G. J. Jacobi's rotations, each of which makes one off-diagonal element zero.
     pub fn principal(&self) -> (DVec3, DQuat) {
         let mut tensor = self.inertia;
         let mut axes = DMat3::IDENTITY;

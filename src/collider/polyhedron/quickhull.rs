@@ -100,7 +100,7 @@ pub(super) fn hull(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
 fn simplex(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     let all = || 0..points.len() as u32;
     let at = |i: u32| points[i as usize];
-    // What is furthest from anything is a corner.
+    // The point farthest from any other is a corner.
     let a = all().max_by_key(|&i| length_squared(at(i)))?;
     let b = all().max_by_key(|&i| length_squared(at(i) - at(a)))?;
     let along = (at(b) - at(a)).as_dvec3().try_normalize()?;

@@ -57,7 +57,7 @@ pub enum Axis {
 /// A direction, and how far the two are apart along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Separation {
-    /// What makes the direction.
+    /// The features that define the direction.
     pub axis: Axis,
     /// Unit vector from A to B, in the frame of A.
     pub normal: DVec3,
@@ -65,7 +65,7 @@ pub struct Separation {
     pub distance: f64,
 }
 
-/// What to try, and what next if too little is found there.
+/// The axis to try first, and the one to try if that gives too small an overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Separations {
     /// The greatest, or one that is preferred to it.

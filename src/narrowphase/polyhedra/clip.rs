@@ -1,25 +1,25 @@
-//! What two faces have in common: that of one, the incident, clipped by the sides of the other, the reference (Sutherland and
-//! Hodgman 1974; Ericson 2005, 5.4.2 and 8.3.4).
+//! The intersection of two faces: the incident face, clipped by the sides of the reference face (Sutherland and Hodgman 1974; Ericson 2005, 5.4.2
+//! and 8.3.4).
 //!
-//! What lies on the border belongs to it: corners on edges, edges on edges and corners on corners are inside within a slack that is
-//! far above rounding. So faces that coincide keep all their corners, whichever way rounding turns them. Each corner of the
-//! result knows which features it is made of, since each edge on the way knows whose it is.
+//! The boundary belongs to a face: corners on edges, edges on edges and corners on corners are inside, with a tolerance far above rounding. Faces
+//! that coincide therefore keep all their corners. Each corner of the result knows its features, because each edge knows to which face it
+//! belongs.
 
 use super::feature::FeatureId;
 use super::solid::{Side, Solid};
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// A corner of what two faces have in common.
+/// A corner of the intersection of two faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Clipped {
     /// On the incident face, m, in the frame of the reference.
     pub at: DVec3,
-    /// What it is.
+    /// The features that it is made of.
     pub origin: Origin,
 }
 
-/// What a clipped corner is made of.
+/// The features of a clipped corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// A corner of the reference.

@@ -92,7 +92,7 @@ impl Point {
     }
 }
 
-/// What is known of two solids beforehand.
+/// The limits of a search for contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
     /// Points farther apart than this do not count, m.
@@ -138,14 +138,14 @@ pub fn touch<A: Solid, B: Solid>(
         return best.axis;
     }
     along(best, contact);
-    // What lies in a strip so narrow is no larger.
+    // A polygon in such a narrow strip is no larger.
     let strip = search.graze / (1.0 - seams::OWN * seams::OWN).sqrt();
     let most = strip * 2.0 * a.outer().min(b.outer());
     if contact.twice_area() <= 2.0 * most && seams::graze(a, b, place, best.normal, search.graze) {
         contact.points.clear();
         return best.axis;
     }
-    // What was preferred may end where the other begins.
+    // The preferred face may end where the other one begins.
     if let Some(beside) = &found.beside {
         let enough = beside.distance + LACKING * across(a).min(across(b));
         if contact.points.iter().all(|point| point.distance > enough) {
@@ -170,7 +170,7 @@ pub fn touch_along<A: Solid, B: Solid>(
     faces_along(a, b, place, normal, reach, contact);
 }
 
-/// What the faces that look along a normal, from A to B, have in common.
+/// The intersection of the faces that look along a normal, from A to B.
 fn faces_along<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -207,7 +207,7 @@ pub(crate) fn across<S: Solid>(solid: &S) -> f64 {
     }
 }
 
-/// What a face and what faces it have in common, or two edges, no farther apart than `reach`.
+/// The intersection of a face with the facing one, or of two edges, no farther apart than `reach`.
 fn common<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -263,7 +263,7 @@ struct Above {
 }
 
 impl Above {
-    /// What lies there, in the frame of the reference. `feature` numbers what a corner is made of.
+    /// The points there, in the frame of the reference. `feature` gives the number of a corner's features.
     fn points<R: Solid, I: Solid>(
         &self,
         reference: &R,

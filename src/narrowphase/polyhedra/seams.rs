@@ -12,7 +12,7 @@ use super::placement::Placement;
 use super::solid::Solid;
 use glam::DVec3;
 
-/// What counts as nothing, as a share of the smaller solid's extent.
+/// Overlap that counts as none, as a share of the smaller solid's extent.
 const SHARE: f64 = 0.02;
 
 /// The same on a ridge: half as much, since in heaps of hulls many faces are as little turned.
@@ -27,7 +27,7 @@ const FLUSH: f64 = 0.9994;
 /// Two faces nearer to parallel than this, as a cosine, may be two sides of a ridge (30°, which is an arch of six voussoirs).
 const RIDGE: f64 = 0.866;
 
-/// What counts as nothing for two faces so near to parallel, as a cosine.
+/// Cosine of the angle between two faces for which the smaller overlap counts.
 fn share(along: f64) -> f64 {
     match along {
         _ if along > FLUSH => SHARE,

@@ -1,31 +1,31 @@
-//! Few corners that hold as the whole polygon does.
+//! Reduction of a polygon to a few corners that support a body like the whole polygon.
 //!
-//! Two square faces turned a little against each other meet in an octagon whose corners crowd together unevenly. Each point is
-//! a spring to a soft solver, so the side with more of them is stiffer, and what stands on it leans: a stack of 20 with 0.01 rad
-//! of yaw fell by that alone. So the corner by which the polygon loses the least area goes first (Visvalingam and Whyatt 1993),
-//! until every one counts and they are few enough. Corners that were there in the last step count more, or of two near each other
-//! now this would stay, now that. And the deepest stays in any case, if it is clearly so: without it one would sink into the other.
+//! Two square faces rotated slightly against each other meet in an octagon with unevenly spaced corners. Each point is a spring to a soft solver, so
+//! the side with more points is stiffer, and the body on it leans: a stack of 20 with 0.01 rad of yaw fell because of that alone. Therefore the
+//! corner that contributes the least area is removed first (Visvalingam and Whyatt 1993), until the corners are few enough and each contributes enough.
+//! Corners that existed in the last step count more; otherwise two neighbours would alternate. A corner that is clearly the deepest
+//! always stays; without it one body would sink into the other.
 //!
-//! What went first may be missed last: of a round face four corners were left that held 0.56 of it. So of many corners each that stays
-//! gives way to one between its neighbours that holds clearly more.
+//! A corner that was removed early may be needed later: of a round face four corners were left that enclosed 0.56 of its area. Therefore each
+//! remaining corner is replaced by one between its neighbours that contributes clearly more.
 
 use super::{Contact, FeatureId, Point, Points};
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// A corner without which less than this share of the area is lost is none.
+/// Corners that contribute less than this share of the area are removed.
 const SMALL: f64 = 0.05;
 
 /// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
 const DEEP: f64 = 0.005;
 
-/// … or that so much less: dropped under its load, it would let go what stands on it, which sinks, and rises, and rocks for ever.
+/// … or by this smaller share if it carries load. A body whose supporting point is removed would sink, rise, and rock for ever.
 const LOADED: f64 = 0.1;
 
 /// Two quadrilaterals have no more corners in common.
 const MANY: usize = 8;
 
-/// What holds more by this share holds clearly more, and how often to look for it.
+/// Relative gain of area from which on a corner is replaced, and the maximum number of passes.
 const CLEARLY: f64 = 1.05;
 const ROUNDS: usize = 2;
 

@@ -1,4 +1,4 @@
-//! What the contact of two convex polyhedra asks of each: corners, faces, edges, and how far it reaches.
+//! The interface of a convex polyhedron for collision detection: corners, faces, edges and extents.
 //!
 //! Everything is in the solid's own frame, in m, and in double precision: without lanes it costs no more than single, and where
 //! faces and edges coincide all digits count.
@@ -35,7 +35,7 @@ pub trait Solid {
     /// Edge `i`.
     fn edge(&self, i: u16) -> Ridge;
 
-    /// True where no corner is as far in a direction as the farthest, but for less than `slack` (m times the direction's length), as
+    /// Returns true if no corner is as far in a direction as the farthest, but for less than `slack` (m times the direction's length), as
     /// far as that is seen at once.
     fn stands_on_a_corner(&self, _direction: DVec3, _slack: f64) -> bool {
         false

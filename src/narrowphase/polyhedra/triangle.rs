@@ -6,7 +6,7 @@
 use super::solid::{Ridge, Side, Solid};
 use glam::{DVec3, Vec3};
 
-/// See the module's text.
+/// A triangle as a solid.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
     points: [DVec3; 3],

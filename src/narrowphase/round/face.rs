@@ -1,4 +1,4 @@
-//! What a body lies on: a face, an end, the line of a side, or an edge.
+//! The faces on which bodies lie: flat faces, ends, the lines of sides, and edges.
 
 use crate::narrowphase::polyhedra::{Outline, Placement, Solid, facing, outline};
 use glam::DVec3;
@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A face counts up to so far from the plane of contact, as the cosine of the angle (8.6°).
 pub const LEVEL: f64 = 0.988_77;
 
-/// See the module's text.
+/// A face, end, line or edge on which a body lies.
 #[derive(Clone, Debug)]
 pub struct Face {
     /// Its corners, counterclockwise seen from outside; two of a line.
@@ -20,7 +20,7 @@ impl Face {
         Self { outline, normal }
     }
 
-    /// What a polyhedron lies on in a direction.
+    /// The face on which a polyhedron lies in a direction.
     pub fn of<S: Solid>(solid: &S, direction: DVec3) -> Option<Self> {
         let face = facing(solid, direction);
         let normal = solid.plane(face).0;

@@ -20,7 +20,7 @@ const RIM: usize = 12;
 const LOWEST: u16 = RIM as u16;
 const SIDE: u16 = LOWEST + 1;
 
-/// What the numbers of the corners of the top are greater by than those of the base.
+/// Offset between the numbers of corners of the top and those of the base.
 const TOP: u16 = 32;
 
 const S: f64 = 0.866_025_403_784_438_6;
@@ -99,7 +99,7 @@ impl Frustum {
         (out * up.y - DVec3::Y * out.dot(up)).try_normalize()
     }
 
-    /// What it lies on in a direction.
+    /// The face on which it lies in a direction.
     pub fn facing(&self, direction: DVec3) -> Option<Face> {
         let side = self.side(direction).unwrap_or_default();
         if side.dot(direction) >= LEVEL {

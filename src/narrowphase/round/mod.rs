@@ -1,7 +1,7 @@
 //! The contact of cylinders and cones with each other, with polyhedra and with half-spaces.
 //!
-//! First the direction along which they are farthest apart ([`separate`]); then what they have in common there: of what lies on each
-//! other the outline of one clipped by that of the other, of all else the one point where they are nearest.
+//! First the direction along which they are farthest apart is found ([`separate`]). If faces lie on each other there, the contact is the outline of
+//! one clipped by that of the other; otherwise it is the point at which the two are nearest.
 
 mod face;
 mod frustum;
@@ -54,7 +54,7 @@ pub fn touch(a: &Part, b: &Part, found: &Found, reach: f64, contact: &mut Contac
     }
 }
 
-/// What two faces have in common. `size`: of the smaller body, m.
+/// The intersection of two faces. `size` is that of the smaller body, m.
 fn common(of_a: Face, of_b: Face, normal: DVec3, size: f64, reach: f64, contact: &mut Contact) {
     let by_a = match [&of_a, &of_b].map(Face::is_line) {
         [false, true] => true,

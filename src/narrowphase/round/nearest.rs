@@ -10,7 +10,7 @@ const PRECISE: f64 = 1e-7;
 /// Most points of the surfaces that are tried.
 const TRIES: usize = 64;
 
-/// What each of four corners counts, and the square of the distance of what they then are together.
+/// The weights of four corners, and the squared distance of their weighted sum from the origin.
 type Shares = (f64, [f64; 4]);
 
 /// Up to four pairs of points of the surfaces, of A and of B. What is left of it after a search is where the next begins that is much the same:
@@ -97,8 +97,8 @@ fn between(on: [DVec3; 2], off: DVec3) -> DVec3 {
     on[1] + off - on[0]
 }
 
-/// What the first `count` corners have of the point nearest to the origin, which the last of them has brought nearer: it is in its lines and
-/// triangles.
+/// The weights of the first `count` corners at the point nearest to the origin. The last corner has brought it nearer, so it lies in one of that
+/// corner's lines or triangles.
 fn reduced(ways: &[DVec3; 4], count: usize) -> Shares {
     let last = count - 1;
     let mut best = on_line(ways, [0, last]);

@@ -1,4 +1,4 @@
-//! What the contact of round bodies asks of each of the two.
+//! The interface of a convex body for contacts of round bodies.
 
 use super::face::Face;
 use crate::narrowphase::forms::Form;
@@ -92,7 +92,7 @@ impl<'a> Part<'a> {
         Some(self.direction(side))
     }
 
-    /// What it lies on in a direction.
+    /// The face on which it lies in a direction.
     pub fn facing(&self, direction: DVec3) -> Option<Face> {
         let there = self.back(direction);
         let face = match self.form {

@@ -4,7 +4,7 @@ use super::part::Part;
 use crate::narrowphase::polyhedra::seams::OWN;
 use glam::DVec3;
 
-/// What counts as nothing, as a share of the smaller body's extent: less than of polyhedra, since where the flank of a cone meets the rim of
+/// Overlap that counts as none, as a share of the smaller body's extent: less than for polyhedra, since where the flank of a cone meets the rim of
 /// another it is most of the overlap, and in heaps many do.
 const SHARE: f64 = 2e-3;
 

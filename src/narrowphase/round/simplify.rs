@@ -1,5 +1,5 @@
-//! Few points, as of polyhedra, but never without the deepest: of the many corners of a round end none counts much for the area, and
-//! what sinks in askew would go on to sink where none of those is that were kept.
+//! Reduction to a few points, as for polyhedra, but always with the deepest point. Of the many corners of a round end none contributes much to the area, and
+//! a body that sinks in at an angle would go on sinking where no point is kept.
 
 use crate::narrowphase::polyhedra::{Contact, FeatureId, Point};
 

@@ -1,4 +1,4 @@
-//! What bodies look like.
+//! The look of bodies.
 
 mod mesh;
 
@@ -21,7 +21,7 @@ impl Plugin for LookPlugin {
     }
 }
 
-/// What a piece is made of.
+/// The material of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Finish {
     /// Burnt clay.
@@ -100,11 +100,11 @@ pub struct Materials {
     pub scale: Vec<Handle<StandardMaterial>>,
     /// One for each island, by turns.
     pub hues: Vec<Handle<StandardMaterial>>,
-    /// What would fall.
+    /// Bodies that would fall.
     pub falls: Handle<StandardMaterial>,
-    /// What gives way first.
+    /// Bodies that fail first.
     pub gives: Handle<StandardMaterial>,
-    /// What sleeps, and what does not.
+    /// Sleeping bodies, and those awake.
     pub asleep: Handle<StandardMaterial>,
     /// See `asleep`.
     pub awake: Handle<StandardMaterial>,

@@ -1,4 +1,4 @@
-//! What falls if the piece under the mouse is taken, by a preview off the main thread.
+//! A preview of what falls if the piece under the mouse is removed, off the main thread.
 
 use super::Overlays;
 use crate::camera::Pointer;
@@ -79,7 +79,7 @@ pub(super) fn ask(world: &mut World) {
             .is_some_and(|(of, at, when)| (of, at) == (body, edits) && now - when < AGE);
         if !fresh {
             falls.asked = Some((body, edits, now));
-            let edit = Edit::Take(vec![body]);
+            let edit = Edit::Remove(vec![body]);
             // It is none before the first step that knows it.
             falls.task = preview_task(world, &edit, PreviewSettings::default()).ok();
         }

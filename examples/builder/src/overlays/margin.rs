@@ -9,7 +9,7 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use drystone::prelude::*;
-use drystone::stability::{How, Trial, stability};
+use drystone::stability::{JointFailure, Trial, stability};
 
 /// The last answer, and the question that is on its way.
 #[derive(Resource, Default)]
@@ -26,7 +26,7 @@ pub struct Weakest {
     pub tilt: f32,
     /// Towards which it is tilted then.
     pub towards: Vec3,
-    /// What moves then.
+    /// The bodies that move then.
     pub moving: HashSet<Entity>,
     /// How its joints give way.
     pub how: &'static str,
@@ -39,12 +39,12 @@ const DIRECTIONS: usize = 8;
 const LARGEST: usize = 400;
 
 impl Margins {
-    /// Whether a body is of what gives way first.
+    /// Whether a body is among those that fail first.
     pub fn moves(&self, body: Entity) -> bool {
         matches!(&self.answer, Some(Ok(weakest)) if weakest.moving.contains(&body))
     }
 
-    /// What is known of the structure under the mouse.
+    /// The margin of the structure under the mouse, if known.
     pub fn answer(&self) -> Option<Result<&Weakest, &str>> {
         Some(self.answer.as_ref()?.as_ref().map_err(String::as_str))
     }
@@ -119,17 +119,20 @@ fn weakest(shadow: Shadow, structure: &[Entity]) -> Result<Weakest, String> {
         let margin = margin.map_err(|error| error.to_string())?;
         if weakest
             .as_ref()
-            .is_none_or(|weakest| margin.most < weakest.tilt)
+            .is_none_or(|weakest| margin.limit < weakest.tilt)
         {
             let moving = margin.moving.iter();
-            let slides = margin.gives.iter().filter(|joint| joint.how == How::Slides);
+            let slides = margin
+                .failing
+                .iter()
+                .filter(|joint| joint.how == JointFailure::Slides);
             weakest = Some(Weakest {
-                tilt: margin.most,
+                tilt: margin.limit,
                 towards,
                 moving: moving
                     .filter_map(|m| originals.get(&m.body).copied())
                     .collect(),
-                how: match (slides.count(), margin.gives.len()) {
+                how: match (slides.count(), margin.failing.len()) {
                     (0, _) => "tips",
                     (slides, all) if slides == all => "slides",
                     _ => "slides and tips",

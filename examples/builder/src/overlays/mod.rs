@@ -1,4 +1,4 @@
-//! What physics knows, made visible.
+//! Overlays: data of the simulation as colours and lines.
 
 mod falls;
 mod margin;
@@ -14,7 +14,7 @@ use crate::gallery::draw_ropes;
 use crate::tools::Tool;
 use bevy::prelude::*;
 
-/// Colours, lines, and what is asked for them.
+/// Adds colours and lines, and the queries for them.
 pub struct OverlaysPlugin;
 
 impl Plugin for OverlaysPlugin {
@@ -37,20 +37,20 @@ impl Plugin for OverlaysPlugin {
     }
 }
 
-/// What is shown.
+/// The overlays that are shown.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlays {
-    /// What colours mean.
+    /// The meaning of colours.
     pub paint: Paint,
-    /// Contacts: green where they stick, red where they slip, and what presses.
+    /// Contacts: green where they stick, red where they slip, and normal forces.
     pub contacts: bool,
     /// Anchors, and by how much they have slipped, a hundredfold.
     pub anchors: bool,
     /// The way of the weight of the piece under the mouse.
     pub path: bool,
-    /// What falls if the piece under the mouse is taken.
+    /// The bodies that fall if the piece under the mouse is removed.
     pub falls: bool,
-    /// How far the structure under the mouse could be tilted, and what would go first.
+    /// How far the structure under the mouse could be tilted, and the bodies that would fail first.
     pub margin: bool,
     /// The cost of every stage.
     pub costs: bool,
@@ -58,19 +58,19 @@ pub struct Overlays {
     pub help: bool,
 }
 
-/// What colours mean.
+/// The meaning of colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Paint {
     /// Nothing: pieces have their own.
     #[default]
     Own,
-    /// What they carry.
+    /// The weight that they support.
     Loads,
     /// How much of the friction in their faces is used.
     Friction,
-    /// What touches.
+    /// Bodies that touch.
     Islands,
-    /// What sleeps.
+    /// Sleeping bodies.
     Sleep,
 }
 
@@ -106,12 +106,12 @@ impl Overlays {
         };
     }
 
-    /// Whether it is asked what falls.
+    /// Whether previews are shown.
     pub fn asks_what_falls(&self, tool: Tool) -> bool {
         self.falls || tool == Tool::Take
     }
 }
 
-/// What the colours of the scale reach up to.
+/// The upper end of the colour scale.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct Legend(pub Option<String>);

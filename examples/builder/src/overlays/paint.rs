@@ -17,7 +17,7 @@ type Painted = (
     &'static mut MeshMaterial3d<StandardMaterial>,
 );
 
-/// What would fall comes before what is asked for, and that before what gives way first.
+/// Bodies that would fall have precedence over the chosen colours, and these over bodies that fail first.
 pub(super) fn paint(
     overlays: Res<Overlays>,
     materials: Res<Materials>,
@@ -26,7 +26,7 @@ pub(super) fn paint(
     mut legend: ResMut<Legend>,
     mut bodies: Query<Painted>,
 ) {
-    let carries = bodies.iter().map(|body| body.4.carries);
+    let carries = bodies.iter().map(|body| body.4.supported_weight);
     let most = carries.fold(0.0, f32::max);
     let text = match overlays.paint {
         Paint::Loads => Some(format!("0 to {:.1} kN carried", 1e-3 * most)),
@@ -44,7 +44,7 @@ pub(super) fn paint(
             match overlays.paint {
                 // Most pieces carry little: the root spreads them out.
                 Paint::Loads if is_dynamic => {
-                    materials.shade((load.carries / most.max(1.0)).max(0.0).sqrt())
+                    materials.shade((load.supported_weight / most.max(1.0)).max(0.0).sqrt())
                 }
                 Paint::Friction if is_dynamic => materials.shade(load.friction_use),
                 Paint::Islands if is_dynamic => match islands.of(index.0) {

@@ -1,4 +1,4 @@
-//! The panel: what one can choose, and what is known.
+//! The panel: choices and information.
 
 mod costs;
 mod settings;
@@ -66,7 +66,7 @@ struct Known<'w, 's> {
     bodies: Query<'w, 's, (&'static Load, &'static MassProperties, &'static Sleeping)>,
 }
 
-/// A value that is written only where it was changed: what reacts to changes must not react to being shown.
+/// A value that is written only if it was changed, so that showing it does not trigger change detection.
 fn edit<T>(value: &mut ResMut<T>, show: impl FnOnce(&mut T))
 where
     T: Resource<Mutability = Mutable> + Clone + PartialEq,
@@ -268,7 +268,10 @@ fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {
         && let Ok((load, mass, sleeping)) = known.bodies.get(body)
     {
         let own = 1.0 / mass.inverse_mass.max(1e-9);
-        lines[0] = format!("{own:.0} kg, carries {:.2} kN", 1e-3 * load.carries);
+        lines[0] = format!(
+            "{own:.0} kg, carries {:.2} kN",
+            1e-3 * load.supported_weight
+        );
         let bearings = known.supports.supported_by(body).unwrap_or_default();
         let rest = if sleeping.asleep { ", sleeps" } else { "" };
         let friction = 100.0 * load.friction_use;
@@ -319,7 +322,7 @@ fn scale(ui: &mut egui::Ui) {
 /// How long the banner stays, s.
 const STAYS: f32 = 5.0;
 
-/// What has collapsed, and what could not be done.
+/// Collapses and errors.
 fn banner(
     mut contexts: EguiContexts,
     mut collapses: MessageReader<Collapse>,
@@ -330,11 +333,11 @@ fn banner(
     let now = time.elapsed_secs();
     if let Some(collapse) = collapses.read().last() {
         let how = match collapse.how {
-            GaveWay::Pulled => "was pulled",
-            GaveWay::Crushed => "was crushed",
-            GaveWay::Fell => "lost what bore it",
-            GaveWay::Slid => "slid",
-            GaveWay::Tipped => "tipped",
+            FailureMode::Pulled => "was pulled",
+            FailureMode::Crushed => "was crushed",
+            FailureMode::Fell => "lost what bore it",
+            FailureMode::Slid => "slid",
+            FailureMode::Tipped => "tipped",
         };
         let height = poses
             .get(collapse.first)

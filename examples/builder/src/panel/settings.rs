@@ -6,7 +6,7 @@ use drystone::prelude::*;
 use drystone::settings::{NormalStabilization, Preset};
 use drystone::solver::{Nncg, Pgs, SoftStep};
 
-/// What can be switched while it runs.
+/// Settings that can be changed while it runs.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct Physics {
     solver: Solver,
@@ -15,7 +15,7 @@ pub struct Physics {
     friction: bool,
     normal: bool,
     sleep: bool,
-    /// The ground is tilted by so much, °; what falls, falls as if.
+    /// Tilt of the ground, °, by the direction of gravity.
     tilt: f32,
 }
 
@@ -39,7 +39,7 @@ impl Solver {
 
     fn sweeps(self) -> usize {
         match self {
-            Self::SoftStep => SoftStep::default().most_sweeps,
+            Self::SoftStep => SoftStep::default().max_sweeps,
             Self::Pgs => Pgs::default().iterations,
             Self::Nncg => Nncg::default().iterations,
         }
@@ -87,7 +87,7 @@ impl Physics {
     fn solver(&self) -> ContactSolver {
         match self.solver {
             Solver::SoftStep => SoftStep {
-                most_sweeps: self.sweeps,
+                max_sweeps: self.sweeps,
                 ..default()
             }
             .into(),

@@ -23,13 +23,13 @@ pub struct Spot {
     pub fits: bool,
 }
 
-/// What has settled may overlap by so much, m.
+/// Overlap that settled bodies may have, m.
 const TOLERANCE: f32 = 5e-3;
 
 /// On bare ground pieces keep to a grid, m.
 const GRID: f32 = 0.25;
 
-/// What leans farther is no ground for a course.
+/// A body that leans farther than this cannot carry a course.
 const UPRIGHT: f32 = 0.998;
 
 /// The mesh of it.
@@ -79,7 +79,7 @@ pub(super) fn find(
     ghost.0 = Some((piece.clone(), Spot { pose, fits }));
 }
 
-/// In the bond of what is pointed at, if both are boxes and that one lies level; else where it touches.
+/// In the bond of the body under the mouse, if both are boxes and that one is level; otherwise where it touches.
 fn place_for(
     shape: &Shape,
     yaw: f32,

@@ -15,7 +15,7 @@ use bevy_egui::input::EguiWantsInput;
 use drystone::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// Keys and what they do.
+/// Keys and their functions.
 pub const HELP: &[(&str, &str)] = &[
     ("left button", "what the tool does"),
     ("right, middle button, wheel", "turn, shift, go nearer"),

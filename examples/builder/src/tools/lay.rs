@@ -1,4 +1,4 @@
-//! Laying what is chosen.
+//! Laying the chosen piece.
 
 use super::{Ghost, attempt, refuse};
 use crate::edits;

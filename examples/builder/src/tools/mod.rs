@@ -1,4 +1,4 @@
-//! What the left button does.
+//! The tools of the left button.
 
 mod carry;
 mod ghost;
@@ -55,10 +55,10 @@ impl Plugin for ToolsPlugin {
     }
 }
 
-/// What the left button does.
+/// The tool of the left button.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Tool {
-    /// Lays what is chosen from the palette.
+    /// Lays the piece that is chosen from the palette.
     #[default]
     Lay,
     /// Drags a piece to another place.
@@ -67,7 +67,7 @@ pub enum Tool {
     Hand,
     /// Presses where it points, and drags aside.
     Press,
-    /// Takes a piece, and shows before what would fall.
+    /// Removes a piece, and shows beforehand what would fall.
     Take,
     /// Throws a ball.
     Throw,
@@ -84,7 +84,7 @@ impl Tool {
         Self::Throw,
     ];
 
-    /// What it is called, and what it does.
+    /// Its name and function.
     pub fn about(self) -> [&'static str; 2] {
         match self {
             Self::Lay => ["Lay", "click: lay the piece · Q, E: turn · Shift: freely"],
@@ -103,12 +103,12 @@ impl Tool {
     }
 }
 
-/// What is laid next.
+/// The piece that is laid next.
 #[derive(Resource, Clone, Debug)]
 pub struct Choice {
     /// It.
     pub piece: Piece,
-    /// What it is called in the palette; a copy of something is not from there.
+    /// Its name in the palette; a copy of another piece has none.
     pub name: Option<&'static str>,
     /// About the vertical, rad.
     pub yaw: f32,
@@ -130,9 +130,9 @@ impl Default for Choice {
 pub struct Strength {
     /// Of the hand, N.
     pub hand: f32,
-    /// Of what presses, N.
+    /// Pressing force, N.
     pub press: f32,
-    /// Of what is thrown, m/s.
+    /// Speed of thrown balls, m/s.
     pub throw: f32,
 }
 
@@ -146,7 +146,7 @@ impl Default for Strength {
     }
 }
 
-/// What could not be done, for the panel.
+/// The last error, for the panel.
 #[derive(Resource, Default)]
 pub struct Notice(pub Option<(String, f32)>);
 

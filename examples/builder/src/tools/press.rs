@@ -6,7 +6,7 @@ use crate::journal::{Entry, Journal};
 use bevy::prelude::*;
 use drystone::prelude::*;
 
-/// What is pressed, if anything is.
+/// The body that is pressed, if any.
 #[derive(Resource, Default)]
 pub struct Pressed(pub Option<Press>);
 

@@ -94,7 +94,7 @@ impl Effort {
             _ => SUBSTEPS_PER_RIGID_SWEEP,
         };
         let round = soft + 1;
-        let usual = round as f32 / (soft as f32 * settings.longest_substep);
+        let usual = round as f32 / (soft as f32 * settings.max_substep);
         let most = MOST * usual;
         let &Survey {
             unsettled, pressed, ..
@@ -105,11 +105,11 @@ impl Effort {
         let sweeps = |seconds: f32| {
             let rounds = (rate * seconds / round as f32 - A_LITTLE).ceil() as usize;
             (rounds * round)
-                .max(settings.least_sweeps)
-                .min(settings.most_sweeps)
+                .max(settings.min_sweeps)
+                .min(settings.max_sweeps)
         };
         // Not all of what whole rounds come to, or stiffness would jump with their number.
-        let rate = rate.max(settings.least_sweeps as f32 / problem.longest);
+        let rate = rate.max(settings.min_sweeps as f32 / problem.longest);
         Self {
             substeps: substeps(sweeps(problem.dt), soft),
             substeps_per_rigid_sweep: soft,

@@ -90,12 +90,12 @@ pub struct SoftStep {
     /// Sweeps in which the mean comes most of the way (1 − 1/e) to a new load. 800 make towers drift.
     pub preload_sweeps: f32,
     /// Longest substep, s. A step takes as many as it needs to stay below; structures that are tall or carry much take more.
-    pub longest_substep: f32,
+    pub max_substep: f32,
     /// Sweeps of a short step, at least; soft and rigid ones together.
-    pub least_sweeps: usize,
+    pub min_sweeps: usize,
     /// Sweeps of a step, at most. Springs are as stiff as sweeps come often, so where this is fewer than the step's length and the
     /// structure call for, they are softer.
-    pub most_sweeps: usize,
+    pub max_sweeps: usize,
     /// How many patches are relaxed side by side.
     pub lanes: Lanes,
 }
@@ -107,9 +107,9 @@ impl Default for SoftStep {
             sweeps_per_period: 10.0,
             preload: 0.8,
             preload_sweeps: 1600.0,
-            longest_substep: 1.0 / 720.0,
-            least_sweeps: 4,
-            most_sweeps: 192,
+            max_substep: 1.0 / 720.0,
+            min_sweeps: 4,
+            max_sweeps: 192,
             lanes: Lanes::Auto,
         }
     }
@@ -121,10 +121,10 @@ impl PatchSolver for SoftStep {
     }
 
     fn problem(&self) -> Option<String> {
-        let (least, most) = (self.least_sweeps, self.most_sweeps);
+        let (least, most) = (self.min_sweeps, self.max_sweeps);
         if least > SWEEPS || !(1..=SWEEPS).contains(&most) {
             return Some(format!(
-                "least_sweeps and most_sweeps of Soft Step are {least} and {most}, and may be {SWEEPS}, the second at least 1"
+                "min_sweeps and max_sweeps of Soft Step are {least} and {most}, and may be {SWEEPS}, the second at least 1"
             ));
         }
         let bounds = [
@@ -132,7 +132,7 @@ impl PatchSolver for SoftStep {
             ("sweeps_per_period", self.sweeps_per_period, 1.0, 1e6),
             ("preload", self.preload, 0.0, 1.0),
             ("preload_sweeps", self.preload_sweeps, 1.0, 1e9),
-            ("longest_substep", self.longest_substep, 1e-6, 1e3),
+            ("max_substep", self.max_substep, 1e-6, 1e3),
         ];
         bounds
             .into_iter()

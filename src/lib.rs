@@ -39,14 +39,14 @@
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
-//! | islands | [`islands`] | | pairs, manifolds | which bodies wake, and which rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
+//! | islands | [`graph`] | | pairs, manifolds | which bodies wake, and which rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
 //! | solve | [`solve`], [`solver`] | (1), (4) | pairs, velocities, last impulses | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
-//! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
+//! | sleeping | [`graph`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
 //! The order itself stands in [`schedule`]. Between two steps [`refresh`] tells [`query`] what has been edited. Beside the step: [`settings`], [`diagnosis`] of bad input, [`profile`]; what a builder stands on: [`query`]
@@ -72,8 +72,8 @@ pub mod diagnostics;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
+pub mod graph;
 pub mod integration;
-pub mod islands;
 pub mod masonry;
 pub mod narrowphase;
 #[cfg(feature = "picking")]

@@ -216,7 +216,7 @@ pub struct BodyTable {
     active: FixedBitSet,
     count: usize,
     resting: usize,
-    /// Slots of resting bodies that something was done to, until they are [roused](crate::islands::rouse).
+    /// Slots of resting bodies that something was done to, until they are [roused](crate::graph::rouse).
     pub(crate) stirred: Vec<u32>,
     /// Bodies that were despawned since *prepare* last looked.
     left: Vec<(Entity, BodyIndex)>,

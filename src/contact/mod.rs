@@ -6,7 +6,7 @@
 //!
 //! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow make the other lists as long as
 //! those of the manifold; a point that no patch names has no effect. Points that are put between bodies that did not touch when
-//! [`islands`](crate::islands) were found are solved from the next step on.
+//! [`islands`](crate::graph::islands) were found are solved from the next step on.
 
 mod events;
 mod force_events;
@@ -28,14 +28,16 @@ use crate::body::{Age, BodyState};
 use crate::narrowphase::ParryManifold;
 use crate::narrowphase::polyhedra::{Axis, FeatureId};
 use crate::solver::Slip;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
 use parry3d::query::ContactManifoldsWorkspace;
 use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`, the younger; normals point from B to A.
 #[derive(Component, Clone, Copy, Debug)]
-#[component(on_remove = crate::broadphase::lose_pair, clone_behavior = Ignore)]
+#[component(on_remove = lose_pair, clone_behavior = Ignore)]
 #[require(
     Manifold,
     ContactTargets,
@@ -48,6 +50,8 @@ pub struct ContactPair {
     pub bodies: [Entity; 2],
     /// Their slots in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
+    /// The number of its edge in the [constraint graph](crate::graph).
+    pub(crate) edge: u32,
     /// When they came into the world.
     pub ages: [Age; 2],
     /// Combined coefficient of friction μ.
@@ -78,10 +82,11 @@ pub struct ContactPair {
 
 impl ContactPair {
     /// Of two bodies that have just come near each other.
-    pub(crate) fn new(slots: [u32; 2], [a, b]: [&BodyState; 2]) -> Self {
+    pub(crate) fn new(edge: u32, slots: [u32; 2], [a, b]: [&BodyState; 2]) -> Self {
         let mut pair = Self {
             bodies: [a.entity, b.entity],
             slots,
+            edge,
             ages: [a.age, b.age],
             friction: 0.0,
             restitution: 0.0,
@@ -112,12 +117,26 @@ impl ContactPair {
     pub(crate) fn take_ends(&mut self, other: &Self) {
         self.bodies = other.bodies;
         self.slots = other.slots;
+        self.edge = other.edge;
         self.ages = other.ages;
     }
 
     /// True where A (0) or B (1) is this body, and not another in the same slot.
     pub(crate) fn is_of(&self, i: usize, body: &BodyState) -> bool {
         (body.entity, body.age) == (self.bodies[i], self.ages[i])
+    }
+}
+
+/// Pairs that are gone, whoever despawned them, until the broadphase has looked at them.
+#[derive(Resource, Default)]
+#[doc(hidden)]
+pub struct LostPairs(pub(crate) Vec<(Entity, ContactPair)>);
+
+/// A pair's entity is gone, or is a pair no more. The hook of [`ContactPair`].
+fn lose_pair(mut world: DeferredWorld, context: HookContext) {
+    let pair = world.get::<ContactPair>(context.entity).copied();
+    if let (Some(pair), Some(mut lost)) = (pair, world.get_resource_mut::<LostPairs>()) {
+        lost.0.push((context.entity, pair));
     }
 }
 

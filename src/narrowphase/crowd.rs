@@ -9,7 +9,7 @@
 use super::matching::Origins;
 use super::{PairColumns, is_idle};
 use crate::body::{BodyTable, Resting};
-use crate::broadphase::Broadphase;
+use crate::graph::ConstraintGraph;
 use crate::contact::{ContactPair, Manifold};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::StepTime;
@@ -33,12 +33,12 @@ struct DeepPair {
 
 /// Part of the stage *narrowphase*: takes the contacts from pairs that are not among the deepest of either body.
 pub fn crowd(
-    (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
+    (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
     mut pairs: Query<(Entity, PairColumns), Without<Resting>>,
     mut suspects: ResMut<Suspects>,
     mut told: Local<bool>,
 ) {
-    let is_crowded = |slot: u32| broadphase.pairs.of(slot).len() > MOST;
+    let is_crowded = |slot: u32| graph.edges_of(slot).len() > MOST;
     let any = table
         .active()
         .any(|(slot, body)| body.is_awake() && is_crowded(slot));
@@ -103,6 +103,7 @@ pub fn crowd(
         pair.parted = pair.announced;
         pair.touching = false;
         pair.empty = time.substep == 0;
+        graph.report([pair.edge]);
     }
 }
 

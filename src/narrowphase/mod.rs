@@ -28,10 +28,12 @@ use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
     is_edited,
 };
+use crate::graph::ConstraintGraph;
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
 };
 use bevy_ecs::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Of the way for which manifolds are kept, the share for which those of round bodies are: so little that nothing can roll.
 const CREPT: f32 = 0.02;
@@ -52,9 +54,12 @@ pub fn narrowphase(
     gravity: Res<Gravity>,
     (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
+    mut graph: ResMut<ConstraintGraph>,
     mut pairs: Query<PairColumns, Without<Resting>>,
 ) {
     let table = &*table;
+    // Edges whose contact has begun or ended.
+    let changed = Mutex::new(Vec::new());
     for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -79,11 +84,15 @@ pub fn narrowphase(
             |(pair, cache, manifold, impulses, anchors, targets)| {
                 if let Some([a, b]) = table.both(pair.slots) {
                     let kept = (manifold, impulses, anchors, targets);
-                    look(&rules, [a, b], pair, cache, kept);
+                    if look(&rules, [a, b], pair, cache, kept) {
+                        let mut changed = changed.lock().unwrap_or_else(PoisonError::into_inner);
+                        changed.push(pair.edge);
+                    }
                 }
             },
         );
     }
+    graph.report(changed.into_inner().unwrap_or_else(PoisonError::into_inner));
 }
 
 /// What pairs are looked at by.
@@ -105,14 +114,14 @@ type Kept<'a> = (
     &'a mut ContactTargets,
 );
 
-/// Brings the contacts of one pair up to date.
+/// Brings the contacts of one pair up to date. True where it has begun or ceased to have points, or to touch.
 fn look(
     rules: &Rules,
     [a, b]: [&BodyState; 2],
     pair: &mut ContactPair,
     cache: &mut NarrowphaseCache,
     (manifold, impulses, anchors, targets): Kept,
-) {
+) -> bool {
     let (time, fall) = (rules.time, rules.fall);
     let outer = rules.stabilization.outer_distance();
     if a.renewed || b.renewed {
@@ -125,11 +134,11 @@ fn look(
     pair.parted = false;
     pair.idle = pair.detected && is_idle(a) && is_idle(b);
     if pair.idle {
-        return;
+        return false;
     }
     if pair.waits > 0 && a.put_from.is_none() && b.put_from.is_none() {
         pair.waits -= 1;
-        return;
+        return false;
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let little = rules.manifolds.recycle_share * a.size.min(b.size);
@@ -138,8 +147,9 @@ fn look(
     let search = reach + little;
     let stand = cache.stand;
     if pair.empty && !rules.edited && stand.is_apart(a, b, search, || stand.since(a, b)) {
-        return;
+        return false;
     }
+    let had_points = !manifold.points.is_empty();
     pair.detected = true;
     impulses.begin_substep(time, manifold);
     if put_apart(a, b) {
@@ -213,6 +223,7 @@ fn look(
     pair.parted = touched && !pair.touching;
     // Only a step's first substep leaves no impulses of points that are no more.
     pair.empty = manifold.points.is_empty() && time.substep == 0;
+    manifold.points.is_empty() == had_points || pair.parted
 }
 
 /// Nothing about its contacts can have changed.

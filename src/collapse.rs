@@ -34,7 +34,7 @@ use crate::body::{
 use crate::contact::Contacts;
 use crate::grab::Grab;
 use crate::graph::Islands;
-use crate::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_app::{App, Plugin};
 use bevy_ecs::message::{Message, MessageWriter};
@@ -54,6 +54,10 @@ impl Plugin for CollapsePlugin {
                 PhysicsSchedule,
                 collapses.after(PhysicsSystems::ContactEvents),
             );
+        let world = app.world_mut();
+        let mut messages = world.get_resource_or_init::<StepMessages>();
+        messages.add::<Collapse>();
+        messages.add::<CollapseEnded>();
     }
 }
 

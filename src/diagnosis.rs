@@ -1,7 +1,7 @@
 //! Bad input, as values with a sentence a user can act on.
 
 use crate::body::limits;
-use crate::schedule::LENGTHS;
+use crate::settings::LENGTHS;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;

@@ -101,7 +101,8 @@ pub mod prelude {
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, GaveWay, Watch};
     pub use crate::collider::{
-        Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
+        Collider, CollisionExceptions, CollisionLayers, CombineRule, Friction, Restitution,
+        RollingFriction,
     };
     pub use crate::contact::{
         Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,

@@ -4,12 +4,12 @@
 //! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`; replace one by taking its plugin out of
 //! [`DrystonePlugins`](crate::DrystonePlugins) and adding a system of your own to its set.
 
-use crate::collapse::{Collapse, CollapseEnded};
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::profile::Profile;
+pub use crate::settings::LENGTHS;
 use crate::settings::{self, SolverSettings, StepTime};
-use bevy_ecs::message::Messages;
+use bevy_ecs::message::{Message, Messages};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy_platform::time::Instant;
@@ -80,8 +80,20 @@ pub(crate) fn physics_schedule() -> Schedule {
     schedule
 }
 
-/// How long a step may be, s. Shorter ones can't be divided by in single precision, longer ones are none.
-pub const LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
+/// Messages of plugins beside the step, which [`step`] updates as an app does by itself.
+#[derive(Resource, Clone, Default)]
+pub(crate) struct StepMessages(Vec<fn(&mut World)>);
+
+impl StepMessages {
+    /// Messages of this kind live until the step after the next, too.
+    pub(crate) fn add<M: Message>(&mut self) {
+        self.0.push(|world| {
+            if let Some(mut messages) = world.get_resource_mut::<Messages<M>>() {
+                messages.update();
+            }
+        });
+    }
+}
 
 /// Takes a step of `dt` seconds in a world without an app around it, whose every step is a frame: messages of drystone's live until
 /// the step after the next, and the world forgets what was removed ([`World::clear_trackers`]). Zero is a pause.
@@ -97,12 +109,11 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<ContactStarted>>().update();
     world.resource_mut::<Messages<ContactEnded>>().update();
     world.resource_mut::<Messages<ContactForce>>().update();
-    if let Some(mut collapses) = world.get_resource_mut::<Messages<Collapse>>() {
-        collapses.update();
-    }
-    if let Some(mut collapses) = world.get_resource_mut::<Messages<CollapseEnded>>() {
-        collapses.update();
-    }
+    let others = world.get_resource::<StepMessages>().cloned();
+    others
+        .into_iter()
+        .flat_map(|others| others.0)
+        .for_each(|update| update(world));
     let result = advance(world, dt);
     world.clear_trackers();
     result

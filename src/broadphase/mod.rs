@@ -97,7 +97,11 @@ impl Broadphase {
 
 /// The two may exert forces on each other.
 fn may_collide(a: &BodyState, b: &BodyState) -> bool {
-    (a.is_dynamic() || b.is_dynamic()) && a.layers.collides_with(b.layers)
+    let excepts = |one: &BodyState, other: &BodyState| one.exceptions.0.contains(&other.entity);
+    (a.is_dynamic() || b.is_dynamic())
+        && a.layers.collides_with(b.layers)
+        && !excepts(a, b)
+        && !excepts(b, a)
 }
 
 /// A box reaches into a half-space.

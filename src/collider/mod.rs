@@ -1,11 +1,13 @@
 //! Shapes and surfaces.
 
+mod exceptions;
 mod layers;
 mod material;
 mod polyhedron;
 mod sizes;
 mod solid;
 
+pub use exceptions::CollisionExceptions;
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 pub use polyhedron::{Edge, Face, Moments, Polyhedron};

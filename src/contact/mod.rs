@@ -8,31 +8,35 @@
 //! those of the manifold; a point that no patch names has no effect. Points that are put between bodies that did not touch when
 //! [`islands`](crate::graph::islands) were found are solved from the next step on.
 
+pub(crate) mod cache;
 mod events;
+mod feature;
 mod force_events;
 mod forces;
+mod origins;
 mod supports;
 mod whole_step;
 
+pub use cache::NarrowphaseCache;
+pub(crate) use cache::{ParryCache, ParryManifold, Stand};
 pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
+pub use feature::FeatureId;
 pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
 pub use forces::{Contacts, FaceForce, Load, NoBody, loads};
+pub(crate) use origins::{Origins, inherit};
 pub use supports::{Bearing, Supports};
 pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 
 use crate::body::{Age, BodyState};
-use crate::narrowphase::ParryManifold;
-use crate::narrowphase::polyhedra::{Axis, FeatureId};
 use crate::solver::Slip;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
-use parry3d::query::ContactManifoldsWorkspace;
 use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`, the younger; normals point from B to A.
@@ -64,8 +68,6 @@ pub struct ContactPair {
     pub rolling_radius: f32,
     /// Some point is inside the collision envelope.
     pub touching: bool,
-    /// It touched in the last step, and does no more.
-    pub(crate) parted: bool,
     /// Contacts have been looked for.
     pub(crate) detected: bool,
     /// Both bodies sleep or stand still: nothing about it can have changed. (Islands may wake them after that was found.)
@@ -93,7 +95,6 @@ impl ContactPair {
             rolling_friction: 0.0,
             rolling_radius: 0.0,
             touching: false,
-            parted: false,
             detected: false,
             idle: false,
             revision: 0,
@@ -425,68 +426,6 @@ pub struct Anchor {
     pub normal: [Vec3; 2],
     /// Curved contacts: the slip since the onset, Σ u_t Δt, world axes, m.
     pub slip: Vec3,
-}
-
-/// What collision detection keeps from step to step.
-#[derive(Component, Default)]
-#[component(clone_behavior = Ignore)]
-#[doc(hidden)]
-pub struct NarrowphaseCache {
-    /// How the bodies stood when the manifold was detected.
-    pub(crate) stand: Stand,
-    /// Along which two polyhedra were last found to be farthest apart.
-    pub(crate) axis: Axis,
-    /// Of shapes that parry looks at.
-    pub(crate) parry: Option<Box<ParryCache>>,
-}
-
-/// What parry keeps from search to search.
-#[derive(Default)]
-pub(crate) struct ParryCache {
-    pub manifolds: Vec<ParryManifold>,
-    pub workspace: Option<ContactManifoldsWorkspace>,
-}
-
-impl NarrowphaseCache {
-    /// A copy of it, in which parry begins anew.
-    pub(crate) fn without_parry(&self) -> Self {
-        Self {
-            stand: self.stand,
-            axis: self.axis,
-            parry: None,
-        }
-    }
-
-    /// What is found next is found anew.
-    pub(crate) fn forget(&mut self) {
-        self.stand.forget();
-        self.axis = Axis::Unknown;
-        self.parry = None;
-    }
-}
-
-/// How two bodies stood to each other, up to what distance their surfaces were searched for contact, and how far they were apart.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stand {
-    /// From the centre of mass of B to that of A, world axes, m.
-    pub between: Vec3,
-    /// Of A and B, as numbers: a `Quat` would be padded to 16 bytes.
-    pub rotations: [[f32; 4]; 2],
-    /// m; −∞ where what was found may not be kept.
-    pub reach: f32,
-    /// No two points of theirs were nearer than this, m; −∞ where nothing is known.
-    pub apart: f32,
-}
-
-impl Default for Stand {
-    fn default() -> Self {
-        Self {
-            between: Vec3::ZERO,
-            rotations: [Quat::IDENTITY.to_array(); 2],
-            reach: f32::NEG_INFINITY,
-            apart: f32::NEG_INFINITY,
-        }
-    }
 }
 
 /// Stages walk columns of these; a wall of 1 000 bricks has 3 000 pairs, and a cache of 2 MB.

@@ -5,11 +5,8 @@
 //! last did has been told. A body that is roused becomes active with all of its pairs, so a pair rests only where both of its bodies do.
 
 use super::ConstraintGraph;
-use super::islands::{Islands, Pairs};
 use crate::body::{BodyTable, Resting};
-use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
-use bevy_ecs::system::SystemState;
 
 /// What is to go to rest.
 #[derive(Default)]
@@ -19,32 +16,13 @@ pub(super) struct Tired {
 }
 
 impl Tired {
-    fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.bodies.is_empty() && self.pairs.is_empty()
     }
 }
 
-/// Second part of the stage *islands*: bodies and pairs go to rest, or are roused; islands follow.
-pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
-    let tired = std::mem::take(&mut world.resource_mut::<Islands>().tired);
-    if tired.is_empty() && world.resource::<BodyTable>().stirred.is_empty() {
-        return;
-    }
-    rouse(world);
-    lay_down(world, tired);
-    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
-        world.resource_scope(|world, mut islands: Mut<Islands>| {
-            let pairs = pairs.get(world).expect("pairs can always be read");
-            let table = world.resource::<BodyTable>();
-            islands.look(&mut graph, &pairs);
-            islands.update(&mut graph, table);
-            islands.find_arriving(table);
-        });
-    });
-}
-
 /// Lays down what is to rest.
-fn lay_down(world: &mut World, Tired { bodies, pairs }: Tired) {
+pub(super) fn lay_down(world: &mut World, Tired { bodies, pairs }: Tired) {
     let mut table = world.resource_mut::<BodyTable>();
     for &(slot, _) in &bodies {
         table.set_resting(slot, true);
@@ -93,36 +71,5 @@ pub fn rouse(world: &mut World) {
         if let Ok(mut entity) = world.get_entity_mut(entity) {
             entity.remove::<Resting>();
         }
-    }
-}
-
-impl ConstraintGraph {
-    /// The pairs that are to go to rest after their bodies: nothing about them changes any more.
-    pub(super) fn take_idle(
-        &mut self,
-        table: &BodyTable,
-        pairs: &Pairs,
-        time: &StepTime,
-    ) -> Vec<(Entity, [u32; 2])> {
-        let mut idle = Vec::new();
-        let mut settling = std::mem::take(&mut self.settling);
-        settling.retain(|&(edge, entity)| {
-            let pair = pairs.get(entity).ok();
-            let pair = pair.filter(|_| self.entity(edge) == Some(entity));
-            let Some((_, pair, _)) = pair else {
-                return false;
-            };
-            if !pair.slots.iter().all(|&slot| table.rests(slot)) {
-                return false;
-            }
-            // What touches has been told by the end of the step.
-            let settled = pair.idle && time.substep == 0;
-            if settled {
-                idle.push((entity, pair.slots));
-            }
-            !settled
-        });
-        self.settling = settling;
-        idle
     }
 }

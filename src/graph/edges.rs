@@ -81,8 +81,8 @@ pub struct ConstraintGraph {
     /// By slot.
     nodes: Vec<Node>,
     pub(super) changes: Changes,
-    /// Edges whose contact may have begun or ended to have points, or to touch.
-    reported: Vec<u32>,
+    /// Edges whose contact may have begun or ceased to have points, and whether their bodies have parted.
+    reported: Vec<(u32, bool)>,
     /// Edges that may be at rest, since both of their bodies are.
     pub(super) settling: Vec<(u32, Entity)>,
 }
@@ -233,20 +233,22 @@ impl ConstraintGraph {
         }
     }
 
-    /// The narrowphase reports edges whose contact has begun or ceased to have points, or to touch.
-    pub(crate) fn report(&mut self, edges: impl IntoIterator<Item = u32>) {
+    /// Reports edges whose contact has begun or ceased to have points, and of each whether its bodies have parted: they touched in the last
+    /// step, and do no more.
+    pub(crate) fn report(&mut self, edges: impl IntoIterator<Item = (u32, bool)>) {
         self.reported.extend(edges);
     }
 
     /// Whatever contact the edges of a body have is looked at again.
     pub(super) fn report_all_of(&mut self, slot: u32) {
         if let Some(node) = self.nodes.get(slot as usize) {
-            self.reported.extend(&node.edges);
+            self.reported
+                .extend(node.edges.iter().map(|&edge| (edge, false)));
         }
     }
 
-    /// The edges to look at, each once.
-    pub(super) fn take_reported(&mut self) -> Vec<u32> {
+    /// The edges to look at, in the order of their numbers.
+    pub(super) fn take_reported(&mut self) -> Vec<(u32, bool)> {
         let mut reported = std::mem::take(&mut self.reported);
         reported.sort_unstable();
         reported.dedup();

@@ -6,31 +6,31 @@
 //! comparing the active ones with those of the last step.
 
 use super::ConstraintGraph;
-use super::activation::Tired;
+use super::activation::{Tired, lay_down, rouse};
 use super::levels::{Kind, Levels};
 use super::partition::Partition;
-use crate::body::{Age, BodyState, BodyTable, Resting, Sleeping, Velocity};
+use crate::body::{Age, BodyState, BodyTable, Resting, Sleeping};
 use crate::contact::{ContactPair, LostPairs, Manifold, is_edited};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
-use fixedbitset::FixedBitSet;
+use bevy_ecs::system::SystemState;
 
 /// Which island each body is in, and what stands on what: views of the [`ConstraintGraph`].
 #[derive(Resource, Default)]
 pub struct Islands {
-    partition: Partition,
+    pub(super) partition: Partition,
     levels: Levels,
     /// By slot, bodies at rest included.
     known: Vec<Option<Known>>,
     /// The bodies that are active.
     active: Vec<Member>,
     version: u64,
-    woke: bool,
+    pub(super) woke: bool,
     pub(super) tired: Tired,
     /// Who touched in the last step, and does no more.
-    parted: Vec<[u32; 2]>,
+    pub(super) parted: Vec<[u32; 2]>,
     /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
-    arriving: Vec<bool>,
+    pub(super) arriving: Vec<bool>,
 }
 
 /// A body, and whether contacts can move it.
@@ -178,14 +178,33 @@ pub fn islands(
     }
 }
 
+/// Second part of the stage *islands*: bodies and pairs go to rest, or are roused; islands follow.
+pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
+    let tired = std::mem::take(&mut world.resource_mut::<Islands>().tired);
+    if tired.is_empty() && world.resource::<BodyTable>().stirred.is_empty() {
+        return;
+    }
+    rouse(world);
+    lay_down(world, tired);
+    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+        world.resource_scope(|world, mut islands: Mut<Islands>| {
+            let pairs = pairs.get(world).expect("pairs can always be read");
+            let table = world.resource::<BodyTable>();
+            islands.look(&mut graph, &pairs);
+            islands.update(&mut graph, table);
+            islands.find_arriving(table);
+        });
+    });
+}
+
 /// The edges of contacts whose manifold somebody has edited since the stage ran last.
-fn edited(pairs: &Pairs) -> Vec<u32> {
+fn edited(pairs: &Pairs) -> Vec<(u32, bool)> {
     let mut found = Vec::new();
     let tables = pairs.contiguous_iter();
     for (_, pairs, manifolds) in tables.expect("pair components are stored in tables") {
         if is_edited!(manifolds) {
             let rows = (0..pairs.len()).filter(|&row| is_edited!(manifolds, row));
-            found.extend(rows.map(|row| pairs[row].edge));
+            found.extend(rows.map(|row| (pairs[row].edge, false)));
         }
     }
     found
@@ -194,11 +213,11 @@ fn edited(pairs: &Pairs) -> Vec<u32> {
 impl Islands {
     /// Looks at the contacts that were reported: whether they link their bodies, and whether those have parted.
     pub(super) fn look(&mut self, graph: &mut ConstraintGraph, pairs: &Pairs) {
-        for edge in graph.take_reported() {
+        for (edge, parted) in graph.take_reported() {
             if let Some(entity) = graph.entity(edge)
                 && let Ok((_, pair, manifold)) = pairs.get(entity)
             {
-                if pair.parted {
+                if parted {
                     self.parted.push(pair.slots);
                 }
                 graph.set_links(edge, !manifold.points.is_empty());
@@ -314,138 +333,35 @@ impl Islands {
             }
         }
     }
-
-    /// Islands sleep and wake as a whole. What is awake, was roused by the user, or is carried by something that moves wakes the rest;
-    /// and so does what has parted: what a body lay on, or what held it down, has gone away.
-    fn find_awake(&self, graph: &ConstraintGraph, table: &BodyTable) -> FixedBitSet {
-        let mut awake = FixedBitSet::with_capacity(self.partition.ids());
-        let mut wake = |slot: u32| {
-            if let Some(island) = self.partition.id(slot) {
-                awake.insert(island as usize);
-            }
-        };
-        for (slot, body) in table.active() {
-            if body.is_dynamic() {
-                if !body.asleep || body.roused {
-                    wake(slot);
-                }
-                continue;
-            }
-            let is_new = body.moved || body.renewed;
-            let moves = body.velocity != Velocity::default();
-            if !is_new && !moves {
-                continue;
-            }
-            for carried in graph.neighbours(slot) {
-                // What comes into the world together with its ground may sleep on it.
-                let together = |above: &BodyState| body.arrived && above.arrived;
-                if moves || !table.get(carried).is_some_and(together) {
-                    wake(carried);
-                }
-            }
-        }
-        self.parted.as_flattened().iter().copied().for_each(wake);
-        awake
-    }
-
-    /// Wakes all bodies of islands that are awake; those that rest are roused next.
-    fn wake(
-        &mut self,
-        table: &mut BodyTable,
-        awake: &FixedBitSet,
-        sleepers: &mut Query<&mut Sleeping>,
-    ) {
-        let is_awake = |slot: u32| {
-            let island = self.partition.id(slot);
-            island.is_some_and(|island| awake.contains(island as usize))
-        };
-        let asleep = table.active().filter(|(_, body)| body.asleep);
-        let asleep = asleep.map(|(slot, _)| slot);
-        let mut rising: Vec<u32> = asleep.filter(|&slot| is_awake(slot)).collect();
-        for island in awake.ones() {
-            for slot in self.resting_members(table, island as u32) {
-                table.stir(slot);
-                rising.push(slot);
-            }
-        }
-        self.woke = !rising.is_empty();
-        for slot in rising {
-            let body = table.get_mut(slot).expect("it was just seen");
-            body.asleep = false;
-            if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
-                sleeping.wake();
-            }
-        }
-    }
-
-    /// The members of an island that are at rest.
-    fn resting_members(&self, table: &BodyTable, island: u32) -> Vec<u32> {
-        if !self.partition.has_resting(island) {
-            return Vec::new();
-        }
-        let members = self.partition.members(island).iter().copied();
-        members.filter(|&slot| table.rests(slot)).collect()
-    }
-
-    /// Finds islands that sleep and of which bodies have come in this step.
-    pub(super) fn find_arriving(&mut self, table: &BodyTable) {
-        self.arriving.clear();
-        let comes = |body: &BodyState| body.arrived && body.asleep;
-        if !table.active().any(|(_, body)| comes(body)) {
-            return;
-        }
-        self.arriving.resize(self.count(), false);
-        let mut awake = vec![false; self.count()];
-        for (slot, body) in table.active() {
-            if let Some(island) = self.of(slot) {
-                self.arriving[island] |= comes(body);
-                awake[island] |= body.is_awake();
-            }
-        }
-        for (arriving, awake) in self.arriving.iter_mut().zip(awake) {
-            *arriving &= !awake;
-        }
-    }
-
-    /// Of what comes onto an island at rest all of it bears a part, and takes part in this step. It sleeps on.
-    fn activate_arriving(&mut self, table: &mut BodyTable) {
-        for (number, &island) in self.partition.numbered().iter().enumerate() {
-            if self.arrives(number) {
-                for slot in self.resting_members(table, island) {
-                    table.stir(slot);
-                }
-            }
-        }
-    }
-
-    /// Finds who may go to rest: islands that sleep, and what stands still.
-    fn tire(&mut self, table: &BodyTable, awake: &FixedBitSet) {
-        let mut restless = awake.clone();
-        for (slot, body) in table.active() {
-            let may_rest = body.may_rest();
-            match self.partition.id(slot) {
-                Some(island) if !may_rest => restless.insert(island as usize),
-                None if may_rest => self.tired.bodies.push((slot, body.entity)),
-                _ => (),
-            }
-        }
-        for (slot, body) in table.active() {
-            let island = self.partition.id(slot);
-            if island.is_some_and(|island| !restless.contains(island as usize)) {
-                self.tired.bodies.push((slot, body.entity));
-            }
-        }
-    }
 }
 
-impl BodyState {
-    /// It sleeps or stands still, did so in the step before, and nothing was done to it.
-    fn may_rest(&self) -> bool {
-        let still = match self.is_dynamic() {
-            true => self.asleep && !self.roused,
-            false => self.velocity == Velocity::default() && self.target.is_none(),
-        };
-        let put = self.moved || self.put_from.is_some();
-        still && !put && !self.renewed && !self.arrived
+impl ConstraintGraph {
+    /// The pairs that are to go to rest after their bodies: nothing about them changes any more.
+    pub(super) fn take_idle(
+        &mut self,
+        table: &BodyTable,
+        pairs: &Pairs,
+        time: &StepTime,
+    ) -> Vec<(Entity, [u32; 2])> {
+        let mut idle = Vec::new();
+        let mut settling = std::mem::take(&mut self.settling);
+        settling.retain(|&(edge, entity)| {
+            let pair = pairs.get(entity).ok();
+            let pair = pair.filter(|_| self.entity(edge) == Some(entity));
+            let Some((_, pair, _)) = pair else {
+                return false;
+            };
+            if !pair.slots.iter().all(|&slot| table.rests(slot)) {
+                return false;
+            }
+            // What touches has been told by the end of the step.
+            let settled = pair.idle && time.substep == 0;
+            if settled {
+                idle.push((entity, pair.slots));
+            }
+            !settled
+        });
+        self.settling = settling;
+        idle
     }
 }

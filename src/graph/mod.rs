@@ -29,9 +29,10 @@ mod partition;
 mod sleeping;
 #[cfg(test)]
 mod tests;
+mod waking;
 
-pub use activation::{activation, rouse};
+pub use activation::rouse;
 pub use edges::ConstraintGraph;
-pub use islands::{Islands, islands};
+pub use islands::{Islands, activation, islands};
 pub use pairs::pair_changes;
 pub use sleeping::sleeping;

@@ -6,11 +6,10 @@
 //!
 //! Only overlap that no structure has is counted, so that what lies on a large floor, or in a bowl, is no crowd.
 
-use super::matching::Origins;
 use super::{PairColumns, is_idle};
 use crate::body::{BodyTable, Resting};
 use crate::graph::ConstraintGraph;
-use crate::contact::{ContactPair, Manifold};
+use crate::contact::{ContactPair, Manifold, Origins};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -100,10 +99,9 @@ pub fn crowd(
         cache.bypass_change_detection().stand.forget();
         pair.revision = pair.revision.wrapping_add(1);
         pair.waits = (WAITS / 2 + (pair.ages[0].0 + pair.ages[1].0) % WAITS) as u8;
-        pair.parted = pair.announced;
         pair.touching = false;
         pair.empty = time.substep == 0;
-        graph.report([pair.edge]);
+        graph.report([(pair.edge, pair.announced)]);
     }
 }
 

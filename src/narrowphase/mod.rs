@@ -21,12 +21,10 @@ mod round;
 
 use crate::body::{BodyState, BodyTable, Pose, Resting};
 pub use crowd::crowd;
-pub(crate) use dispatcher::ParryManifold;
-pub(crate) use matching::{Origins, inherit};
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-    is_edited,
+    inherit, is_edited,
 };
 use crate::graph::ConstraintGraph;
 use crate::settings::{
@@ -84,9 +82,9 @@ pub fn narrowphase(
             |(pair, cache, manifold, impulses, anchors, targets)| {
                 if let Some([a, b]) = table.both(pair.slots) {
                     let kept = (manifold, impulses, anchors, targets);
-                    if look(&rules, [a, b], pair, cache, kept) {
+                    if let Some(parted) = look(&rules, [a, b], pair, cache, kept) {
                         let mut changed = changed.lock().unwrap_or_else(PoisonError::into_inner);
-                        changed.push(pair.edge);
+                        changed.push((pair.edge, parted));
                     }
                 }
             },
@@ -114,14 +112,15 @@ type Kept<'a> = (
     &'a mut ContactTargets,
 );
 
-/// Brings the contacts of one pair up to date. True where it has begun or ceased to have points, or to touch.
+/// Brings the contacts of one pair up to date. Where it has begun or ceased to have points, or to touch, it tells whether the bodies have parted:
+/// they touched in the last step, and do no more.
 fn look(
     rules: &Rules,
     [a, b]: [&BodyState; 2],
     pair: &mut ContactPair,
     cache: &mut NarrowphaseCache,
     (manifold, impulses, anchors, targets): Kept,
-) -> bool {
+) -> Option<bool> {
     let (time, fall) = (rules.time, rules.fall);
     let outer = rules.stabilization.outer_distance();
     if a.renewed || b.renewed {
@@ -131,14 +130,13 @@ fn look(
         pair.empty = false;
         pair.waits = 0;
     }
-    pair.parted = false;
     pair.idle = pair.detected && is_idle(a) && is_idle(b);
     if pair.idle {
-        return false;
+        return None;
     }
     if pair.waits > 0 && a.put_from.is_none() && b.put_from.is_none() {
         pair.waits -= 1;
-        return false;
+        return None;
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let little = rules.manifolds.recycle_share * a.size.min(b.size);
@@ -147,7 +145,7 @@ fn look(
     let search = reach + little;
     let stand = cache.stand;
     if pair.empty && !rules.edited && stand.is_apart(a, b, search, || stand.since(a, b)) {
-        return false;
+        return None;
     }
     let had_points = !manifold.points.is_empty();
     pair.detected = true;
@@ -203,12 +201,12 @@ fn look(
             let origins = matching::match_points(&old, manifold, turns, radius);
             impulses.reorder(&origins);
             if !anchors.points.is_empty() {
-                matching::inherit(&origins, &mut anchors.points);
+                inherit(&origins, &mut anchors.points);
             }
             anchors.measured = false;
             let origins = matching::match_patches(&old, manifold);
-            matching::inherit(&origins, &mut impulses.patches);
-            matching::inherit(&origins, &mut anchors.patches);
+            inherit(&origins, &mut impulses.patches);
+            inherit(&origins, &mut anchors.patches);
             targets.points.clear();
             targets.patches.clear();
             targets.patches.resize(manifold.patches.len(), None);
@@ -220,10 +218,11 @@ fn look(
     }
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
-    pair.parted = touched && !pair.touching;
+    let parted = touched && !pair.touching;
     // Only a step's first substep leaves no impulses of points that are no more.
     pair.empty = manifold.points.is_empty() && time.substep == 0;
-    manifold.points.is_empty() == had_points || pair.parted
+    let changed = manifold.points.is_empty() == had_points || parted;
+    changed.then_some(parted)
 }
 
 /// Nothing about its contacts can have changed.

@@ -20,7 +20,7 @@ pub use stabilization::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, StabilizationSettings,
 };
 pub use threads::PhysicsThreads;
-pub use time::StepTime;
+pub use time::{LENGTHS, StepTime};
 
 use crate::body::Velocity;
 use bevy_ecs::prelude::*;

@@ -3,6 +3,9 @@
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
 
+/// How long a step may be, s. Shorter ones can't be divided by in single precision, longer ones are none.
+pub const LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
+
 /// The step at hand; a substep of it where there are several. Written by [`step`](crate::step).
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct StepTime {

@@ -5,7 +5,7 @@
 //! far above rounding. So faces that coincide keep all their corners, whichever way rounding turns them. Each corner of the
 //! result knows which features it is made of, since each edge on the way knows whose it is.
 
-use super::feature::FeatureId;
+use crate::contact::FeatureId;
 use super::solid::{Side, Solid};
 use glam::DVec3;
 use smallvec::SmallVec;

@@ -34,8 +34,8 @@ use crate::body::{
 };
 use crate::contact::Contacts;
 use crate::grab::Grab;
-use crate::islands::Islands;
-use crate::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::graph::Islands;
+use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_app::{App, Plugin};
 use bevy_ecs::message::{Message, MessageWriter};
@@ -56,6 +56,10 @@ impl Plugin for CollapsePlugin {
                 PhysicsSchedule,
                 collapses.after(PhysicsSystems::ContactEvents),
             );
+        let world = app.world_mut();
+        let mut messages = world.get_resource_or_init::<StepMessages>();
+        messages.add::<Collapse>();
+        messages.add::<CollapseEnded>();
     }
 
     fn finish(&self, app: &mut App) {
@@ -263,14 +267,14 @@ pub(crate) fn collapses(
     // By structure: who has gone farthest beyond what counts, of those that do so in this step, and where all of those stood.
     let mut gone: HashMap<u64, (f32, Age, Entity, FailureMode)> = HashMap::default();
     let mut left: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
-    let mut settled: Vec<(usize, Entity, u32, Pose)> = Vec::new();
-    let mut known: HashMap<usize, u64> = HashMap::default();
+    let mut settled: Vec<(u32, Entity, u32, Pose)> = Vec::new();
+    let mut known: HashMap<u32, u64> = HashMap::default();
     for ((entity, index), (pose, velocity), (watch, mut stands), state) in &mut watched.p0() {
         let (grab, force, rests) = state;
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
-        let island = islands.number(&table, index.0);
+        let island = islands.id(index.0);
         let Some((place, structure)) = stands.at else {
             // What is held still stands on nothing.
             let still = grab.is_none()
@@ -383,8 +387,8 @@ pub(crate) fn collapses(
     for (island, entity, slot, pose) in settled {
         let structure = known.get(&island).copied().unwrap_or_else(|| {
             let all = watched.p1();
-            let others = islands.members(&table, slot).into_iter();
-            let stands = others.filter_map(|slot| all.get(table.get(slot)?.entity).ok()?.3.at);
+            let others = islands.members(slot).iter();
+            let stands = others.filter_map(|&slot| all.get(table.get(slot)?.entity).ok()?.3.at);
             stands
                 .map(|(_, structure)| structure)
                 .min()

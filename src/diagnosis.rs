@@ -4,7 +4,7 @@
 //! not affected. It comes back by itself when the input is valid again.
 
 use crate::body::limits;
-use crate::schedule::STEP_LENGTHS;
+use crate::settings::STEP_LENGTHS;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;

@@ -40,14 +40,14 @@
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
-//! | islands | [`islands`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
+//! | islands | [`graph`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
 //! | solve | [`solve`], [`solver`] | (1), (4) | pairs, velocities, last impulses | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
-//! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
+//! | sleeping | [`graph`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
 //! The order is defined in [`schedule`]. [`settings`] holds the settings, [`diagnosis`] the errors about invalid input, and [`profile`] the time of every
@@ -97,9 +97,9 @@ pub mod diagnostics;
 #[deny(missing_debug_implementations)]
 pub mod gizmos;
 pub mod grab;
+pub mod graph;
 #[deny(missing_debug_implementations)]
 pub mod integration;
-pub mod islands;
 #[deny(missing_debug_implementations)]
 pub mod masonry;
 #[deny(missing_debug_implementations)]
@@ -140,7 +140,8 @@ pub mod prelude {
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{
-        Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
+        Collider, CollisionExceptions, CollisionLayers, CombineRule, Friction, Restitution,
+        RollingFriction,
     };
     pub use crate::contact::{
         Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,

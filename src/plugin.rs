@@ -6,9 +6,11 @@
 
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
-use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, EndedPairs, Untriggered};
+use crate::contact::{
+    self, ContactEnded, ContactForce, ContactStarted, EndedPairs, LostPairs, Untriggered,
+};
 use crate::diagnosis::{BodyError, StepError, Suspects};
-use crate::islands::Islands;
+use crate::graph::{self, ConstraintGraph, Islands};
 use crate::profile::{Profile, timed};
 use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
@@ -19,7 +21,7 @@ use crate::settings::{
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
-use crate::{grab, integration, islands, narrowphase, solve};
+use crate::{grab, integration, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
@@ -103,8 +105,10 @@ impl Plugin for StepPlugin {
             .init_resource::<BodyTable>()
             .init_resource::<Pending>()
             .init_resource::<Broadphase>()
+            .init_resource::<ConstraintGraph>()
             .init_resource::<Islands>()
             .init_resource::<SolveReports>()
+            .init_resource::<LostPairs>()
             .init_resource::<EndedPairs>()
             .init_resource::<Untriggered>()
             .add_message::<BodyError>()
@@ -179,7 +183,7 @@ impl Plugin for BodyPlugin {
                 timed(&profile, "prepare", body::prepare),
                 timed(&profile, "prepare", body::strays),
                 timed(&profile, "prepare", body::quarantine),
-                timed(&profile, "prepare", islands::rouse),
+                timed(&profile, "prepare", graph::rouse),
             )
                 .chain()
                 .in_set(PhysicsSystems::Prepare),
@@ -211,7 +215,7 @@ impl Plugin for CollisionPlugin {
             PhysicsSchedule,
             (
                 timed(&profile, "broadphase", broadphase::broadphase),
-                timed(&profile, "broadphase", broadphase::pair_changes),
+                timed(&profile, "broadphase", graph::pair_changes),
             )
                 .chain()
                 .in_set(PhysicsSystems::Broadphase),
@@ -287,8 +291,8 @@ impl Plugin for SolverPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "islands", islands::islands),
-                timed(&profile, "islands", islands::regroup),
+                timed(&profile, "islands", graph::islands),
+                timed(&profile, "islands", graph::activation),
             )
                 .chain()
                 .in_set(PhysicsSystems::Islands),
@@ -330,7 +334,7 @@ pub struct SleepingPlugin;
 
 impl Plugin for SleepingPlugin {
     fn build(&self, app: &mut App) {
-        stages!(app, Sleeping: "sleeping" islands::sleeping);
+        stages!(app, Sleeping: "sleeping" graph::sleeping);
     }
 
     fn finish(&self, app: &mut App) {

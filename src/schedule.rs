@@ -4,12 +4,12 @@
 //! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`. To replace a stage, disable its plugin in
 //! [`DrystonePlugins`](crate::DrystonePlugins) and add your own system to its set.
 
-use crate::collapse::{Collapse, CollapseEnded};
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::profile::Profile;
+pub use crate::settings::STEP_LENGTHS;
 use crate::settings::{self, SolverSettings, StepTime};
-use bevy_ecs::message::Messages;
+use bevy_ecs::message::{Message, Messages};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy_platform::time::Instant;
@@ -77,8 +77,20 @@ pub(crate) fn order_stages(schedule: &mut Schedule) {
     }
 }
 
-/// Valid lengths of a step, s. Single precision cannot divide by shorter ones; longer ones are a mistake.
-pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
+/// Messages of plugins beside the step, which [`step`] updates as an app does by itself.
+#[derive(Resource, Clone, Default)]
+pub(crate) struct StepMessages(Vec<fn(&mut World)>);
+
+impl StepMessages {
+    /// Messages of this kind live until the step after the next, too.
+    pub(crate) fn add<M: Message>(&mut self) {
+        self.0.push(|world| {
+            if let Some(mut messages) = world.get_resource_mut::<Messages<M>>() {
+                messages.update();
+            }
+        });
+    }
+}
 
 /// Takes a step of `dt` seconds in a world without an app. The step is a frame of its own: drystone's messages are kept until the step
 /// after the next, and removal detection is reset ([`World::clear_trackers`]). A `dt` of 0 takes no step.
@@ -95,12 +107,11 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<ContactStarted>>().update();
     world.resource_mut::<Messages<ContactEnded>>().update();
     world.resource_mut::<Messages<ContactForce>>().update();
-    if let Some(mut collapses) = world.get_resource_mut::<Messages<Collapse>>() {
-        collapses.update();
-    }
-    if let Some(mut collapses) = world.get_resource_mut::<Messages<CollapseEnded>>() {
-        collapses.update();
-    }
+    let others = world.get_resource::<StepMessages>().cloned();
+    others
+        .into_iter()
+        .flat_map(|others| others.0)
+        .for_each(|update| update(world));
     let result = advance(world, dt);
     world.clear_trackers();
     result

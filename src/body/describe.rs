@@ -3,7 +3,9 @@
 use super::{
     AngularInertia, BodyState, CenterOfMass, Density, Mass, MassProperties, RigidBody, limits,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::collider::{
+    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+};
 use crate::contact::ContactEvents;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
@@ -22,6 +24,7 @@ pub(super) type Changes = Or<(
     Changed<Restitution>,
     Changed<RollingFriction>,
     Changed<CollisionLayers>,
+    Changed<CollisionExceptions>,
     Changed<ContactEvents>,
     Changed<BodyIndex>,
 )>;
@@ -40,6 +43,7 @@ pub(super) type Described<'w> = (
         Option<&'w Restitution>,
         Option<&'w RollingFriction>,
         Option<&'w CollisionLayers>,
+        Option<&'w CollisionExceptions>,
         Has<ContactEvents>,
     ),
     &'w mut MassProperties,
@@ -55,7 +59,7 @@ pub(super) fn describe(
         kind,
         collider,
         (density, mass, inertia, center),
-        (friction, restitution, rolling, layers, events),
+        (friction, restitution, rolling, layers, exceptions, events),
         mut properties,
     ): <Described as bevy_ecs::query::QueryData>::Item<'_, '_>,
 ) -> Result<(), BodyProblem> {
@@ -87,11 +91,16 @@ pub(super) fn describe(
         (None, None) => true,
         _ => false,
     };
+    let same_exceptions = match exceptions {
+        Some(exceptions) => body.exceptions == *exceptions,
+        None => body.exceptions.0.is_empty(),
+    };
     body.events = events;
     // It may have been taken off, and put back as nothing.
     properties.set_if_neq(computed);
     let same = same_shape
         && (body.kind, body.layers, body.mass) == (*kind, layers, computed)
+        && same_exceptions
         && (body.friction, body.restitution, body.rolling) == (friction, restitution, rolling);
     if same && !body.arrived {
         return Ok(());
@@ -101,6 +110,9 @@ pub(super) fn describe(
     body.restitution = restitution;
     body.rolling = rolling;
     body.layers = layers;
+    if !same_exceptions {
+        body.exceptions = exceptions.cloned().unwrap_or_default();
+    }
     body.mass = computed;
     body.center = body.pose.transform_point(computed.local_center);
     body.set_shape(collider, radius);

@@ -7,7 +7,9 @@ use super::{
     Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     MassProperties, Pose, Quarantined, Resting, RigidBody, Sleeping, Teleport, Velocity, limits,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::collider::{
+    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
@@ -342,6 +344,7 @@ impl BodyState {
             restitution: Restitution::default(),
             rolling: RollingFriction::default(),
             layers: CollisionLayers::default(),
+            exceptions: CollisionExceptions::default(),
             events: false,
             gravity_scale: 1.0,
             radius: 0.0,

@@ -11,7 +11,9 @@ use super::{
     ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Quarantined, RigidBody, Sleeping,
     Velocity,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::collider::{
+    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+};
 use crate::contact::ContactEvents;
 use crate::grab::Grab;
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
@@ -61,6 +63,7 @@ type Written = (
         Option<Ref<'static, CollisionLayers>>,
         Option<Ref<'static, ContactEvents>>,
         Option<&'static ChildOf>,
+        Option<Ref<'static, CollisionExceptions>>,
     ),
 );
 
@@ -124,6 +127,7 @@ pub(super) fn find_written(
             surface.3 => |body, &restitution: &Restitution| body.restitution == restitution,
             surface.4 => |body, &rolling: &RollingFriction| body.rolling == rolling,
             surface.5 => |body, &layers: &CollisionLayers| body.layers == layers,
+            surface.8 => |body, exceptions: &CollisionExceptions| body.exceptions == *exceptions,
         );
         // Of a child's frame `find_carried` knows.
         if surface.7.is_none() {

@@ -4,7 +4,9 @@
 //! has a slot for life ([`BodyIndex`]), and the stage *prepare* copies what those stages read into it once a step.
 
 use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::collider::{
+    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
@@ -105,6 +107,8 @@ pub struct BodyState {
     pub rolling: RollingFriction,
     /// What it collides with.
     pub layers: CollisionLayers,
+    /// Bodies that it does not collide with.
+    pub exceptions: CollisionExceptions,
     /// Multiplies gravity.
     pub gravity_scale: f32,
     /// Half the edges of the box that holds the shape in its own frame, m; infinite for a half-space.
@@ -216,7 +220,7 @@ pub struct BodyTable {
     active: FixedBitSet,
     count: usize,
     resting: usize,
-    /// Slots of resting bodies that something was done to, until they are [roused](crate::islands::rouse).
+    /// Slots of resting bodies that something was done to, until they are [roused](crate::graph::rouse).
     pub(crate) stirred: Vec<u32>,
     /// Bodies that were despawned since *prepare* last looked.
     left: Vec<(Entity, BodyIndex)>,

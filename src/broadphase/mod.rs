@@ -1,30 +1,18 @@
-//! The stage **broadphase**: which bodies may touch. Spawns a [`ContactPair`] entity when the fat boxes of two bodies begin
-//! to overlap, and despawns it when they cease to.
+//! The stage **broadphase**: which bodies may touch. A contact pair is there while the fat boxes of two bodies overlap: here those are found
+//! that overlap or may have ceased to; [`pair_changes`](crate::graph::pair_changes) begins and ends the pairs.
 //!
 //! Each body's tight box holds its shape, the collision envelope and the way it can go in a step. The tree keeps a fatter
 //! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
 //! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
 
 mod outrun;
-mod pairs;
 
 pub use outrun::outrun;
-pub(crate) use pairs::Pairs;
 
 use crate::body::{BodyState, BodyTable};
 use crate::collider::Collider;
-use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, Manifold,
-    NarrowphaseCache,
-};
-use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
-use crate::islands::rouse;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
-use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
-use bevy_ecs::world::DeferredWorld;
-use bevy_platform::collections::HashSet;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace};
@@ -38,7 +26,7 @@ const AHEAD: f32 = 2.0;
 /// The tree is put in order when one in so many of its boxes was changed: that costs as much as it has boxes.
 const TIDY: usize = 16;
 
-/// The tree, and the pairs alive.
+/// The tree, and what was found in it.
 #[derive(Resource, Default)]
 pub struct Broadphase {
     tree: Bvh,
@@ -47,26 +35,33 @@ pub struct Broadphase {
     fat: Vec<Option<Aabb>>,
     /// Slots of half-spaces.
     unbounded: Vec<u32>,
-    pub(crate) pairs: Pairs,
-    begun: Vec<[u32; 2]>,
-    /// Pairs whose entity is gone, whoever despawned it.
-    lost: Vec<ContactPair>,
-    /// Slots of what left its box or went, so that pairs may have ended.
-    stirred: Vec<u32>,
+    /// In this step, until pairs begin and end by it.
+    pub(crate) found: Found,
     /// How many boxes were changed since the tree was last put in order.
     untidy: usize,
-    /// Slots to give back once no pair names them.
-    removed: Vec<u32>,
     /// Slots of bodies that have [left their box](outrun()) in the last step, in order.
     outrun: Vec<u32>,
 }
 
-impl Broadphase {
-    /// Number of pairs alive.
-    pub fn pair_count(&self) -> usize {
-        self.pairs.count()
-    }
+/// What has changed in the tree.
+#[derive(Default)]
+pub(crate) struct Found {
+    /// Slots of what left its box or went, so that pairs may have ended.
+    pub stirred: Vec<u32>,
+    /// Slots of bodies that overlap, the elder first: of those that left their box all, new or not, some of them twice.
+    pub overlaps: Vec<[u32; 2]>,
+    /// Slots to give back once no pair names them.
+    pub removed: Vec<u32>,
+}
 
+impl Found {
+    /// Nobody has left a box or gone.
+    pub fn is_empty(&self) -> bool {
+        self.stirred.is_empty()
+    }
+}
+
+impl Broadphase {
     /// The boxes that bodies were in at the start of the last step, by slot.
     pub(crate) fn tree(&self) -> &Bvh {
         &self.tree
@@ -83,7 +78,8 @@ impl Broadphase {
         self.unbounded.iter().chain(&self.outrun).copied()
     }
 
-    fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
+    /// The boxes of two bodies that may collide overlap.
+    pub(crate) fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
         let (Some(one), Some(two)) = (table.get(a), table.get(b)) else {
             return false;
         };
@@ -101,7 +97,11 @@ impl Broadphase {
 
 /// The two may exert forces on each other.
 fn may_collide(a: &BodyState, b: &BodyState) -> bool {
-    (a.is_dynamic() || b.is_dynamic()) && a.layers.collides_with(b.layers)
+    let excepts = |one: &BodyState, other: &BodyState| one.exceptions.0.contains(&other.entity);
+    (a.is_dynamic() || b.is_dynamic())
+        && a.layers.collides_with(b.layers)
+        && !excepts(a, b)
+        && !excepts(b, a)
 }
 
 /// A box reaches into a half-space.
@@ -114,7 +114,7 @@ fn below(body: &BodyState, aabb: &Aabb) -> bool {
     normal.dot(aabb.center() - body.pose.position) <= reach
 }
 
-/// First half of the stage: finds the pairs that begin.
+/// First half of the stage: finds who overlaps, and who may have ceased to.
 pub fn broadphase(
     mut broadphase: ResMut<Broadphase>,
     mut table: ResMut<BodyTable>,
@@ -127,14 +127,15 @@ pub fn broadphase(
         workspace,
         fat,
         unbounded,
-        pairs,
-        begun,
-        stirred,
+        found,
         untidy,
-        removed,
         outrun: _,
-        lost: _,
     } = &mut *broadphase;
+    let Found {
+        stirred,
+        overlaps,
+        removed,
+    } = found;
     fat.resize(table.slots(), None);
     for slot in table.removed.drain(..) {
         tree.remove(slot);
@@ -205,9 +206,8 @@ pub fn broadphase(
         if a != b
             && let (Some(one), Some(two)) = (table.get(a), table.get(b))
             && may_collide(one, two)
-            && pairs.insert(key)
         {
-            begun.push(key);
+            overlaps.push(key);
         }
     };
     for &slot in &moved {
@@ -264,148 +264,4 @@ fn meant_way(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
         0.0
     };
     (body.velocity.linear.length() + fall) * dt + body.comes_by
-}
-
-/// A pair's entity is gone, or is a pair no more: by [`pair_changes`], or by a user. The hook of [`ContactPair`].
-pub(crate) fn lose_pair(mut world: DeferredWorld, context: HookContext) {
-    let pair = world.get::<ContactPair>(context.entity).copied();
-    if let (Some(pair), Some(mut broadphase)) = (pair, world.get_resource_mut::<Broadphase>()) {
-        broadphase.pairs.remove(pair.slots);
-        broadphase.lost.push(pair);
-    }
-}
-
-/// What is left of a pair that somebody took apart.
-type Broken = (
-    Or<(
-        (
-            With<ContactPair>,
-            Or<(
-                Without<Manifold>,
-                Without<ContactTargets>,
-                Without<ContactImpulses>,
-                Without<ContactAnchors>,
-                Without<NarrowphaseCache>,
-                With<Disabled>,
-            )>,
-        ),
-        // By what nobody but drystone has: a manifold may be a user's own copy.
-        (Without<ContactPair>, With<NarrowphaseCache>),
-    )>,
-    Allow<Disabled>,
-);
-
-/// Second half of the stage: despawns the pairs that ended and spawns those that began. Wakes what rested on a body that
-/// is gone. Pairs that somebody took away or apart are made anew.
-pub fn pair_changes(
-    world: &mut World,
-    mut ending: Local<Vec<Entity>>,
-    broken: &mut QueryState<Entity, Broken>,
-    pairs: &mut QueryState<(Entity, &ContactPair)>,
-) {
-    ending.clear();
-    ending.extend(broken.iter(world));
-    let mut broadphase = world.resource_mut::<Broadphase>();
-    if broadphase.stirred.is_empty() && broadphase.lost.is_empty() && ending.is_empty() {
-        return;
-    }
-    let stirred = std::mem::take(&mut broadphase.stirred);
-    let (table, broadphase) = (
-        world.resource::<BodyTable>(),
-        world.resource::<Broadphase>(),
-    );
-    let lives = |pair: &ContactPair, i: usize| {
-        let body = table.get(pair.slots[i]);
-        body.is_some_and(|body| pair.is_of(i, body))
-    };
-    let goes_on = |pair: &ContactPair| {
-        lives(pair, 0) && lives(pair, 1) && broadphase.overlap(table, pair.slots)
-    };
-    let stirred = stirred.iter().flat_map(|&slot| broadphase.pairs.of(slot));
-    let pairs = pairs.query(world);
-    let stirred = pairs.iter_many(stirred).flatten();
-    let ended = stirred.filter(|(_, pair)| !goes_on(pair));
-    ending.extend(ended.map(|(entity, _)| entity));
-    for pair in ending.drain(..) {
-        world.try_despawn(pair).ok();
-    }
-
-    let mut broadphase = world.resource_mut::<Broadphase>();
-    let lost = std::mem::take(&mut broadphase.lost);
-    let removed = std::mem::take(&mut broadphase.removed);
-    let mut begun = std::mem::take(&mut broadphase.begun);
-    world.resource_scope(|world, mut broadphase: Mut<Broadphase>| {
-        let mut table = world.resource_mut::<BodyTable>();
-        for pair in &lost {
-            let alive = [0, 1].map(|i| {
-                let slot = pair.slots[i];
-                let body = table.get_mut(slot).filter(|body| pair.is_of(i, body));
-                let dynamic = body.map(|body| {
-                    body.roused |= pair.touching;
-                    body.is_dynamic()
-                });
-                if pair.touching && dynamic == Some(true) {
-                    table.stir(slot);
-                }
-                dynamic.is_some()
-            });
-            if alive == [true; 2]
-                && broadphase.overlap(&table, pair.slots)
-                && broadphase.pairs.insert(pair.slots)
-            {
-                begun.push(pair.slots);
-            }
-        }
-        // Only now may a slot go to another body: no pair names it any more.
-        removed.into_iter().for_each(|slot| table.recycle(slot));
-        // The tree's shape depends on its history; the order of pairs must not.
-        begun.sort_unstable_by_key(|slots| slots.map(|slot| table.get(slot).map(|body| body.age)));
-    });
-    let told = lost.iter().filter(|pair| pair.announced);
-    let told = told.map(|pair| (pair.ages, pair.bodies));
-    world.resource_mut::<EndedPairs>().0.extend(told);
-
-    let mut warnings = Vec::new();
-    let table = world.resource::<BodyTable>();
-    let new: Vec<ContactPair> = begun
-        .iter()
-        .filter_map(|&slots| {
-            let [a, b] = [table.get(slots[0])?, table.get(slots[1])?];
-            warn(a, b, &mut warnings);
-            Some(ContactPair::new(slots, [a, b]))
-        })
-        .collect();
-    // Of many in one place each is named once.
-    let mut named = HashSet::<Entity>::default();
-    warnings.retain(|(body, problem)| {
-        !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
-    });
-    let slots: Vec<_> = new.iter().map(|pair| pair.slots).collect();
-    let spawned: Vec<Entity> = world.spawn_batch(new).collect();
-    let mut broadphase = world.resource_mut::<Broadphase>();
-    for (slots, pair) in slots.into_iter().zip(spawned) {
-        broadphase.pairs.name(slots, pair);
-    }
-    rouse(world);
-    world.resource_mut::<Suspects>().0.extend(warnings);
-}
-
-/// What cannot go well, said once when two bodies meet.
-fn warn(a: &BodyState, b: &BodyState, warnings: &mut Vec<(Entity, BodyProblem)>) {
-    if !a.is_dynamic() || !b.is_dynamic() {
-        return;
-    }
-    let ratio = a.mass.inverse_mass / b.mass.inverse_mass;
-    if !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
-        let (heavy, light) = if ratio < 1.0 { (a, b) } else { (b, a) };
-        warnings.push((
-            heavy.entity,
-            BodyProblem::ExtremeMassRatio {
-                other: light.entity,
-            },
-        ));
-    }
-    if (a.center - b.center).length() <= 1e-6 * a.radius.min(b.radius) {
-        warnings.push((b.entity, BodyProblem::Coincident { other: a.entity }));
-    }
 }

@@ -3,12 +3,14 @@
 //! [`Collider`] is the shape of a body. [`Friction`], [`Restitution`] and [`RollingFriction`] describe its surface, [`CollisionLayers`]
 //! what it collides with. All lengths are in metres.
 
+mod exceptions;
 mod layers;
 mod material;
 mod polyhedron;
 mod sizes;
 mod solid;
 
+pub use exceptions::CollisionExceptions;
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 pub use polyhedron::{Edge, Face, Moments, Polyhedron};

@@ -36,7 +36,7 @@
 use super::events::Untriggered;
 use super::{ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyIndex, BodyTable, Resting};
-use crate::broadphase::Broadphase;
+use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -85,7 +85,7 @@ pub struct ContactForce {
 pub fn contact_forces(
     askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Resting>>,
     pairs: Query<(&ContactPair, &Manifold, &ContactImpulses), Without<Resting>>,
-    (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
+    (table, graph, time): (Res<BodyTable>, Res<ConstraintGraph>, Res<StepTime>),
     mut messages: MessageWriter<ContactForce>,
     mut untriggered: ResMut<Untriggered>,
 ) {
@@ -97,7 +97,7 @@ pub fn contact_forces(
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
-        for pair in broadphase.pairs.of(index.0) {
+        for pair in graph.edges_of(index.0) {
             let Ok((ends, manifold, impulses)) = pairs.get(pair) else {
                 continue;
             };

@@ -37,7 +37,7 @@
 
 use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyIndex, BodyTable, Resting, RigidBody};
-use crate::broadphase::Broadphase;
+use crate::graph::ConstraintGraph;
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -103,7 +103,7 @@ type Pair = (
 #[derive(SystemParam)]
 pub struct Contacts<'w, 's> {
     pub(super) table: Res<'w, BodyTable>,
-    broadphase: Res<'w, Broadphase>,
+    graph: Res<'w, ConstraintGraph>,
     time: Res<'w, StepTime>,
     bodies: Query<'w, 's, &'static BodyIndex, With<RigidBody>>,
     pairs: Query<'w, 's, Pair>,
@@ -160,9 +160,9 @@ impl Contacts<'_, '_> {
         Ok(faces)
     }
 
-    /// The pairs of the body in a slot, by age: in the broadphase they stand as they came and went.
+    /// The pairs of the body in a slot, by age: in the graph they stand as they came and went.
     fn pairs_of(&self, slot: u32) -> SmallVec<[Entity; 16]> {
-        let pairs = self.broadphase.pairs.of(slot);
+        let pairs = self.graph.edges_of(slot);
         let pairs = pairs.filter_map(|pair| Some((self.pairs.get(pair).ok()?.0.ages, pair)));
         let mut pairs: SmallVec<[_; 16]> = pairs.collect();
         pairs.sort_unstable_by_key(|&(ages, _)| ages);
@@ -172,7 +172,7 @@ impl Contacts<'_, '_> {
     /// Who presses on the body in a slot, the eldest first, and with what force over all their faces, N, world.
     pub(super) fn neighbours(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 8]> {
         let mut found = SmallVec::<[_; 8]>::new();
-        for pair in self.broadphase.pairs.of(slot) {
+        for pair in self.graph.edges_of(slot) {
             if let Ok((pair, manifold, impulses, _, rests)) = self.pairs.get(pair)
                 && let Some(force) = self.whole(manifold, impulses, rests)
             {

@@ -6,36 +6,42 @@
 //!
 //! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow make the other lists as long as
 //! those of the manifold; a point that no patch names has no effect. Points that are put between bodies that did not touch when
-//! [`islands`](crate::islands) were found are solved from the next step on.
+//! [`islands`](crate::graph::islands) were found are solved from the next step on.
 
+pub(crate) mod cache;
 mod events;
+mod feature;
 mod force_events;
 mod forces;
+mod origins;
 mod supports;
 mod whole_step;
 
+pub use cache::NarrowphaseCache;
+pub(crate) use cache::{ParryCache, ParryManifold, Stand};
 pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
 };
+pub use feature::FeatureId;
 pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
 pub use forces::{Contacts, FaceForce, Load, NotABody, contacts, loads};
+pub(crate) use origins::{Origins, inherit};
 pub use supports::{Bearing, Supports, supports};
 pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 
 use crate::body::{Age, BodyState};
-use crate::narrowphase::ParryManifold;
-use crate::narrowphase::polyhedra::{Axis, FeatureId};
 use crate::solver::Slip;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
-use parry3d::query::ContactManifoldsWorkspace;
 use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`, the younger; normals point from B to A.
 #[derive(Component, Clone, Copy, Debug)]
-#[component(on_remove = crate::broadphase::lose_pair, clone_behavior = Ignore)]
+#[component(on_remove = lose_pair, clone_behavior = Ignore)]
 #[require(
     Manifold,
     ContactTargets,
@@ -48,6 +54,8 @@ pub struct ContactPair {
     pub bodies: [Entity; 2],
     /// Their slots in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
+    /// The number of its edge in the [constraint graph](crate::graph).
+    pub(crate) edge: u32,
     /// When they came into the world.
     pub ages: [Age; 2],
     /// Combined coefficient of friction μ.
@@ -60,8 +68,6 @@ pub struct ContactPair {
     pub rolling_radius: f32,
     /// Some point is inside the collision envelope.
     pub touching: bool,
-    /// It touched in the last step, and does no more.
-    pub(crate) parted: bool,
     /// Contacts have been looked for.
     pub(crate) detected: bool,
     /// Both bodies sleep or stand still: nothing about it can have changed. (Islands may wake them after that was found.)
@@ -78,17 +84,17 @@ pub struct ContactPair {
 
 impl ContactPair {
     /// Of two bodies that have just come near each other.
-    pub(crate) fn new(slots: [u32; 2], [a, b]: [&BodyState; 2]) -> Self {
+    pub(crate) fn new(edge: u32, slots: [u32; 2], [a, b]: [&BodyState; 2]) -> Self {
         let mut pair = Self {
             bodies: [a.entity, b.entity],
             slots,
+            edge,
             ages: [a.age, b.age],
             friction: 0.0,
             restitution: 0.0,
             rolling_friction: 0.0,
             rolling_radius: 0.0,
             touching: false,
-            parted: false,
             detected: false,
             idle: false,
             revision: 0,
@@ -112,12 +118,26 @@ impl ContactPair {
     pub(crate) fn take_ends(&mut self, other: &Self) {
         self.bodies = other.bodies;
         self.slots = other.slots;
+        self.edge = other.edge;
         self.ages = other.ages;
     }
 
     /// True where A (0) or B (1) is this body, and not another in the same slot.
     pub(crate) fn is_of(&self, i: usize, body: &BodyState) -> bool {
         (body.entity, body.age) == (self.bodies[i], self.ages[i])
+    }
+}
+
+/// Pairs that are gone, whoever despawned them, until the broadphase has looked at them.
+#[derive(Resource, Default)]
+#[doc(hidden)]
+pub struct LostPairs(pub(crate) Vec<(Entity, ContactPair)>);
+
+/// A pair's entity is gone, or is a pair no more. The hook of [`ContactPair`].
+fn lose_pair(mut world: DeferredWorld, context: HookContext) {
+    let pair = world.get::<ContactPair>(context.entity).copied();
+    if let (Some(pair), Some(mut lost)) = (pair, world.get_resource_mut::<LostPairs>()) {
+        lost.0.push((context.entity, pair));
     }
 }
 
@@ -406,68 +426,6 @@ pub struct Anchor {
     pub normal: [Vec3; 2],
     /// Curved contacts: the slip since the onset, Σ u_t Δt, world axes, m.
     pub slip: Vec3,
-}
-
-/// What collision detection keeps from step to step.
-#[derive(Component, Default)]
-#[component(clone_behavior = Ignore)]
-#[doc(hidden)]
-pub struct NarrowphaseCache {
-    /// How the bodies stood when the manifold was detected.
-    pub(crate) stand: Stand,
-    /// Along which two polyhedra were last found to be farthest apart.
-    pub(crate) axis: Axis,
-    /// Of shapes that parry looks at.
-    pub(crate) parry: Option<Box<ParryCache>>,
-}
-
-/// What parry keeps from search to search.
-#[derive(Default)]
-pub(crate) struct ParryCache {
-    pub manifolds: Vec<ParryManifold>,
-    pub workspace: Option<ContactManifoldsWorkspace>,
-}
-
-impl NarrowphaseCache {
-    /// A copy of it, in which parry begins anew.
-    pub(crate) fn without_parry(&self) -> Self {
-        Self {
-            stand: self.stand,
-            axis: self.axis,
-            parry: None,
-        }
-    }
-
-    /// What is found next is found anew.
-    pub(crate) fn forget(&mut self) {
-        self.stand.forget();
-        self.axis = Axis::Unknown;
-        self.parry = None;
-    }
-}
-
-/// How two bodies stood to each other, up to what distance their surfaces were searched for contact, and how far they were apart.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stand {
-    /// From the centre of mass of B to that of A, world axes, m.
-    pub between: Vec3,
-    /// Of A and B, as numbers: a `Quat` would be padded to 16 bytes.
-    pub rotations: [[f32; 4]; 2],
-    /// m; −∞ where what was found may not be kept.
-    pub reach: f32,
-    /// No two points of theirs were nearer than this, m; −∞ where nothing is known.
-    pub apart: f32,
-}
-
-impl Default for Stand {
-    fn default() -> Self {
-        Self {
-            between: Vec3::ZERO,
-            rotations: [Quat::IDENTITY.to_array(); 2],
-            reach: f32::NEG_INFINITY,
-            apart: f32::NEG_INFINITY,
-        }
-    }
 }
 
 /// Stages walk columns of these; a wall of 1 000 bricks has 3 000 pairs, and a cache of 2 MB.

@@ -40,7 +40,7 @@
 
 use super::{Contacts, NotABody};
 use crate::body::BodyState;
-use crate::islands::Islands;
+use crate::graph::Islands;
 use crate::settings::Gravity;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
@@ -225,7 +225,7 @@ impl Supports<'_, '_> {
         Ok(self.by_age(search.hangs.into_iter()))
     }
 
-    /// All that holds together with a body by touching: the dynamic bodies of its [island](crate::islands). What cannot move is in none.
+    /// All that holds together with a body by touching: the dynamic bodies of its [island](crate::graph). What cannot move is in none.
     /// The eldest first.
     ///
     /// # Errors
@@ -236,8 +236,8 @@ impl Supports<'_, '_> {
         if !table.get(slot).is_some_and(BodyState::is_dynamic) {
             return Ok(Vec::new());
         }
-        let members = self.islands.members(table, slot).into_iter();
-        let members = members.filter_map(|slot| table.get(slot));
+        let members = self.islands.members(slot).iter();
+        let members = members.filter_map(|&slot| table.get(slot));
         let members = members.filter(|body| self.contacts.slot(body.entity).is_ok());
         let mut members: Vec<_> = members.map(|body| (body.age, body.entity)).collect();
         members.sort_unstable_by_key(|&(age, _)| age);

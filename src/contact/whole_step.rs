@@ -3,9 +3,8 @@
 //! While substeps go on [`ContactImpulses`] holds those of the one at hand, since that is what classifies friction; what those before
 //! it gave waits in a list beside.
 
-use super::{ContactImpulses, Given, Manifold};
+use super::{ContactImpulses, Given, Manifold, Origins, inherit};
 use crate::body::Resting;
-use crate::narrowphase::{Origins, inherit};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use glam::Vec3;

@@ -29,7 +29,7 @@ use crate::collider::Collider;
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Contacts, Manifold,
 };
-use crate::islands::Islands;
+use crate::graph::Islands;
 use crate::settings::Gravity;
 use bevy_app::{App, Plugin, PostUpdate};
 use bevy_color::{Alpha, Color};

@@ -6,11 +6,10 @@
 //!
 //! Only overlaps deeper than those in any structure count, so that bodies on a large floor or in a bowl are not a crowd.
 
-use super::matching::Origins;
 use super::{PairColumns, is_idle};
 use crate::body::{BodyTable, Resting};
-use crate::broadphase::Broadphase;
-use crate::contact::{ContactPair, Manifold};
+use crate::graph::ConstraintGraph;
+use crate::contact::{ContactPair, Manifold, Origins};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -33,12 +32,12 @@ struct DeepPair {
 
 /// Removes the contacts of pairs that are not among the deepest of either body; a part of the stage *narrowphase*.
 pub fn crowd(
-    (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
+    (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
     mut pairs: Query<(Entity, PairColumns), Without<Resting>>,
     mut suspects: ResMut<Suspects>,
     mut told: Local<bool>,
 ) {
-    let is_crowded = |slot: u32| broadphase.pairs.of(slot).len() > MOST;
+    let is_crowded = |slot: u32| graph.edges_of(slot).len() > MOST;
     let any = table
         .active()
         .any(|(slot, body)| body.is_awake() && is_crowded(slot));
@@ -100,9 +99,9 @@ pub fn crowd(
         cache.bypass_change_detection().stand.forget();
         pair.revision = pair.revision.wrapping_add(1);
         pair.waits = (WAITS / 2 + (pair.ages[0].0 + pair.ages[1].0) % WAITS) as u8;
-        pair.parted = pair.announced;
         pair.touching = false;
         pair.empty = time.substep == 0;
+        graph.report([(pair.edge, pair.announced)]);
     }
 }
 

@@ -7,14 +7,12 @@ use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{Axis, Contact, Placement, Search, Solid, separate, touch, touch_along};
 use super::round::{self, Found, Part};
 use crate::body::BodyState;
+use crate::contact::ParryManifold;
 use glam::{DVec3, Vec3};
 use parry3d::math::Pose;
 use parry3d::query::details::*;
 use parry3d::query::*;
 use parry3d::shape::{PackedFeatureId, Shape, ShapeType};
-
-/// A parry manifold that stores our separating axis.
-pub(crate) type ParryManifold = ContactManifold<Axis, ()>;
 
 /// Of two bodies.
 pub(super) struct Dispatcher<'a> {

@@ -2,12 +2,9 @@
 //! along. Matched points inherit impulses, sticking and anchors.
 
 use super::polyhedra::FeatureId;
-use crate::contact::{ContactPoint, Manifold, ManifoldPatch};
+use crate::contact::{ContactPoint, Manifold, ManifoldPatch, Origins};
 use glam::Quat;
 use smallvec::SmallVec;
-
-/// For each new point the index of the old one.
-pub(crate) type Origins = SmallVec<[Option<u16>; 8]>;
 
 /// Matches the points of a manifold with those before, no further apart than `radius` m where features don't tell; A and B have turned
 /// since then.
@@ -69,23 +66,10 @@ pub(crate) fn match_patches(old: &Manifold, new: &Manifold) -> Origins {
     new.patches.iter().map(origin).collect()
 }
 
-/// Reorders the data of points; new points start with the default. Usually all stay in their places.
-pub(crate) fn inherit<T: Copy + Default, Kept: AsRef<[T]> + FromIterator<T>>(
-    origins: &Origins,
-    kept: &mut Kept,
-) {
-    let is_same = |(i, origin): (usize, &Option<u16>)| *origin == Some(i as u16);
-    if kept.as_ref().len() == origins.len() && origins.iter().enumerate().all(is_same) {
-        return;
-    }
-    let before = |i: u16| kept.as_ref().get(i as usize).copied();
-    let inherited = origins.iter().map(|origin| origin.and_then(before));
-    *kept = inherited.map(Option::unwrap_or_default).collect();
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::inherit;
     use glam::Vec3;
 
     fn manifold(xs: &[f32]) -> Manifold {

@@ -22,17 +22,17 @@ mod round;
 use crate::body::{BodyState, BodyTable, Pose, Resting};
 #[doc(hidden)]
 pub use crowd::crowd;
-pub(crate) use dispatcher::ParryManifold;
-pub(crate) use matching::{Origins, inherit};
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-    is_edited,
+    inherit, is_edited,
 };
+use crate::graph::ConstraintGraph;
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
 };
 use bevy_ecs::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Share of the usual movement within which manifolds of round bodies are kept: so small that nothing can roll.
 const CREPT: f32 = 0.02;
@@ -53,9 +53,12 @@ pub fn narrowphase(
     gravity: Res<Gravity>,
     (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
+    mut graph: ResMut<ConstraintGraph>,
     mut pairs: Query<PairColumns, Without<Resting>>,
 ) {
     let table = &*table;
+    // Edges whose contact has begun or ended.
+    let changed = Mutex::new(Vec::new());
     for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -80,11 +83,15 @@ pub fn narrowphase(
             |(pair, cache, manifold, impulses, anchors, targets)| {
                 if let Some([a, b]) = table.both(pair.slots) {
                     let kept = (manifold, impulses, anchors, targets);
-                    look(&rules, [a, b], pair, cache, kept);
+                    if let Some(parted) = look(&rules, [a, b], pair, cache, kept) {
+                        let mut changed = changed.lock().unwrap_or_else(PoisonError::into_inner);
+                        changed.push((pair.edge, parted));
+                    }
                 }
             },
         );
     }
+    graph.report(changed.into_inner().unwrap_or_else(PoisonError::into_inner));
 }
 
 /// The settings for all pairs of a step.
@@ -106,14 +113,15 @@ type Kept<'a> = (
     &'a mut ContactTargets,
 );
 
-/// Brings the contacts of a pair up to date.
+/// Brings the contacts of a pair up to date. Returns a value if the pair has begun or ceased to have points, or to touch: whether the bodies
+/// have parted, that is, touched in the last step and no longer do.
 fn look(
     rules: &Rules,
     [a, b]: [&BodyState; 2],
     pair: &mut ContactPair,
     cache: &mut NarrowphaseCache,
     (manifold, impulses, anchors, targets): Kept,
-) {
+) -> Option<bool> {
     let (time, fall) = (rules.time, rules.fall);
     let outer = rules.stabilization.outer_distance();
     if a.renewed || b.renewed {
@@ -123,14 +131,13 @@ fn look(
         pair.empty = false;
         pair.waits = 0;
     }
-    pair.parted = false;
     pair.idle = pair.detected && is_idle(a) && is_idle(b);
     if pair.idle {
-        return;
+        return None;
     }
     if pair.waits > 0 && a.put_from.is_none() && b.put_from.is_none() {
         pair.waits -= 1;
-        return;
+        return None;
     }
     let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
     let little = rules.manifolds.recycle_share * a.size.min(b.size);
@@ -139,8 +146,9 @@ fn look(
     let search = reach + little;
     let stand = cache.stand;
     if pair.empty && !rules.edited && stand.is_apart(a, b, search, || stand.since(a, b)) {
-        return;
+        return None;
     }
+    let had_points = !manifold.points.is_empty();
     pair.detected = true;
     impulses.begin_substep(time, manifold);
     if put_apart(a, b) {
@@ -194,12 +202,12 @@ fn look(
             let origins = matching::match_points(&old, manifold, turns, radius);
             impulses.reorder(&origins);
             if !anchors.points.is_empty() {
-                matching::inherit(&origins, &mut anchors.points);
+                inherit(&origins, &mut anchors.points);
             }
             anchors.measured = false;
             let origins = matching::match_patches(&old, manifold);
-            matching::inherit(&origins, &mut impulses.patches);
-            matching::inherit(&origins, &mut anchors.patches);
+            inherit(&origins, &mut impulses.patches);
+            inherit(&origins, &mut anchors.patches);
             targets.points.clear();
             targets.patches.clear();
             targets.patches.resize(manifold.patches.len(), None);
@@ -211,9 +219,11 @@ fn look(
     }
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
-    pair.parted = touched && !pair.touching;
+    let parted = touched && !pair.touching;
     // Only in the first substep are there no impulses left of points that are gone.
     pair.empty = manifold.points.is_empty() && time.substep == 0;
+    let changed = manifold.points.is_empty() == had_points || parted;
+    changed.then_some(parted)
 }
 
 /// Whether nothing about the contacts of this body can have changed.

@@ -8,8 +8,7 @@
 //! falling heap this applies to nine pairs of ten.
 
 use crate::body::BodyState;
-use crate::contact::{Manifold, NarrowphaseCache, Stand};
-use crate::narrowphase::ParryManifold;
+use crate::contact::{Manifold, NarrowphaseCache, ParryManifold, Stand};
 use glam::{Quat, Vec3};
 
 impl Stand {

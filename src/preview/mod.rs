@@ -197,7 +197,7 @@ impl Previews<'_> {
 
 impl PreviewSettings {
     fn check(&self) -> Result<(), PreviewError> {
-        let is_length = |dt: f32| crate::schedule::STEP_LENGTHS.contains(&dt);
+        let is_length = |dt: f32| crate::settings::STEP_LENGTHS.contains(&dt);
         let numbers = [self.max_time, self.movement_threshold];
         (self.dt.is_none_or(is_length) && numbers.iter().all(|number| (0.0..=1e6).contains(number)))
             .then_some(())

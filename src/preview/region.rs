@@ -5,6 +5,7 @@ use super::copy::{Contact, contact};
 use crate::body::{BodyState, BodyTable, Pending, is_body};
 use crate::broadphase::Broadphase;
 use crate::contact::ContactPair;
+use crate::graph::ConstraintGraph;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -12,7 +13,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 /// What is copied.
 pub(super) struct Region<'w> {
     pub table: &'w BodyTable,
-    broadphase: &'w Broadphase,
+    graph: &'w ConstraintGraph,
     /// In the order of their age.
     pub slots: Vec<u32>,
     /// Those of the structures.
@@ -33,7 +34,7 @@ impl<'w> Region<'w> {
         let broadphase = world.resource::<Broadphase>();
         let mut region = Self {
             table,
-            broadphase,
+            graph: world.resource::<ConstraintGraph>(),
             slots: Vec::new(),
             structure: HashSet::default(),
             bereft: HashSet::default(),
@@ -89,7 +90,7 @@ impl<'w> Region<'w> {
             pair.is_some_and(|pair| pair.touching && !pair.bodies.iter().all(is_there))
         };
         let slots = region.slots.iter().copied();
-        let bereft = slots.filter(|&slot| broadphase.pairs.of(slot).any(has_lost));
+        let bereft = slots.filter(|&slot| region.graph.edges_of(slot).any(has_lost));
         region.bereft.extend(bereft);
         let age = |&slot: &u32| (table.get(slot).map(|body| body.age), slot);
         region.slots.sort_unstable_by_key(age);
@@ -108,7 +109,7 @@ impl<'w> Region<'w> {
             if !self.structure.insert(slot) || !goes_on {
                 continue;
             }
-            for pair in self.broadphase.pairs.of(slot) {
+            for pair in self.graph.edges_of(slot) {
                 if let Some(pair) = world.get::<ContactPair>(pair)
                     && pair.touching
                 {
@@ -127,7 +128,7 @@ impl<'w> Region<'w> {
         let mut contacts =
             HashMap::with_capacity_and_hasher(4 * self.slots.len(), Default::default());
         for &slot in &self.slots {
-            for pair in self.broadphase.pairs.of(slot) {
+            for pair in self.graph.edges_of(slot) {
                 // Its other end has it, too.
                 let is_first = |pair: &ContactPair| pair.slots[0] == slot;
                 if world.get::<ContactPair>(pair).is_some_and(is_first) {

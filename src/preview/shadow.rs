@@ -4,8 +4,9 @@ use super::copy::{Lies, Taken, copy, empty, to_transform};
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
-use crate::collider::Collider;
-use crate::schedule::{STEP_LENGTHS, step};
+use crate::collider::{Collider, CollisionExceptions};
+use crate::schedule::step;
+use crate::settings::STEP_LENGTHS;
 use crate::settings::{Preset, SleepSettings, StepTime};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
@@ -232,8 +233,24 @@ impl Shadow {
         for body in region.pending {
             shadow.bring_up_to_date(world, body);
         }
+        shadow.copy_exceptions(world);
         shadow.world.insert_resource(Taken { contacts, poses });
         Ok(shadow)
+    }
+
+    /// Copies of bodies that do not collide do not, either.
+    fn copy_exceptions(&mut self, world: &World) {
+        let bodies = self.bodies.iter();
+        let copies: EntityHashMap<Entity> = bodies
+            .map(|copied| (copied.original, copied.copy))
+            .collect();
+        for copied in &self.bodies {
+            if let Some(exceptions) = world.get::<CollisionExceptions>(copied.original) {
+                let others = exceptions.0.iter().filter_map(|body| copies.get(body));
+                let others: CollisionExceptions = others.copied().collect();
+                self.world.entity_mut(copied.copy).insert(others);
+            }
+        }
     }
 
     /// Adds a copy of a body, which begins at a pose.

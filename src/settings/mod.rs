@@ -23,7 +23,7 @@ pub use stabilization::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, StabilizationSettings,
 };
 pub use threads::PhysicsThreads;
-pub use time::StepTime;
+pub use time::{STEP_LENGTHS, StepTime};
 
 use crate::body::Velocity;
 use bevy_ecs::prelude::*;

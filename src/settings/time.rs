@@ -3,6 +3,9 @@
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
 
+/// Valid lengths of a step, s. Single precision cannot divide by shorter ones; longer ones are a mistake.
+pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
+
 /// Number and length of the current substep. Written by [`step`](crate::step()); read-only for other systems.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct StepTime {

@@ -17,7 +17,7 @@ impl Step<'_> {
             return;
         }
         let mut order = Order::default();
-        order.find(self.table, self.islands, |island, _| {
+        order.find(self.table, self.graph, self.islands, |island, _| {
             self.islands.arrives(island)
         });
         let mut islands: Vec<Island<PatchRows>> = Vec::new();

@@ -20,7 +20,7 @@ use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Resting, Velocity, 
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::{Grab, HandForce};
-use crate::islands::Islands;
+use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::Profile;
 use crate::settings::{
     Gravity, Method, PhysicsThreads, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
@@ -134,7 +134,7 @@ type Hands<'w, 's> = Query<
 
 /// See the module's text.
 pub fn solve(
-    (table, islands, given): (Res<BodyTable>, Res<Islands>, Given),
+    (table, graph, islands, given): (Res<BodyTable>, Res<ConstraintGraph>, Res<Islands>, Given),
     (mut scratch, mut said): (Local<Scratch>, Said),
     mut pairs: Pairs,
     mut bodies: Bodies,
@@ -142,6 +142,7 @@ pub fn solve(
 ) {
     let step = Step {
         table: &table,
+        graph: &graph,
         islands: &islands,
         given: &given,
     };
@@ -179,6 +180,7 @@ pub fn solve(
 /// The stage at work.
 struct Step<'a> {
     table: &'a BodyTable,
+    graph: &'a ConstraintGraph,
     islands: &'a Islands,
     given: &'a Given<'a>,
 }
@@ -193,7 +195,7 @@ impl Step<'_> {
         hands: &mut Hands,
         said: &mut Said,
     ) {
-        let kept = problems.order.keep(self.table, self.islands);
+        let kept = problems.order.keep(self.table, self.graph, self.islands);
         let (mut touches, complete) = problems.order.touches(pairs);
         self.gather_bodies(problems, bodies, kept && complete);
         let held = self.gather_grips(problems, hands);

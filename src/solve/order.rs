@@ -1,15 +1,15 @@
 //! What is solved with what, and in which order: found when islands change, and kept while they don't.
 //!
-//! What touches is what *islands* found to touch. A pair is known by its entity. Where the query has it is only where to look for it: if a
-//! system between *islands* and *solve* has taken pairs into other tables, by a component of its own for instance, they are looked for.
+//! What touches is what *islands* found to touch. A pair is known by the number of its edge in the graph and by its entity, wherever the query
+//! has it: a system between *islands* and *solve* may take pairs into other tables, by a component of its own for instance.
 
 use super::Pairs;
 use super::touch::{Touch, place};
 use crate::body::{BodyState, BodyTable};
 use crate::contact::is_edited;
-use crate::islands::Islands;
+use crate::graph::{ConstraintGraph, Islands};
 use bevy_ecs::change_detection::ContiguousMut;
-use bevy_ecs::entity::{Entity, EntityHashMap};
+use bevy_ecs::entity::Entity;
 
 /// See the module's text.
 #[derive(Default)]
@@ -21,8 +21,8 @@ pub(super) struct Order {
     /// By slot: where the body stands in its island's problem; `u32::MAX` where it is in none.
     pub local: Vec<u32>,
     touches: Vec<Place>,
-    /// The same as the query has them: the row, and the place in the order.
-    rows: Vec<(u32, u32)>,
+    /// By the number of an edge: its place in the order; `u32::MAX` where it is not solved.
+    by_edge: Vec<u32>,
     /// Scratch.
     places: Vec<u32>,
     spare: Vec<Touch<'static>>,
@@ -33,6 +33,7 @@ pub(super) struct Order {
 struct Place {
     island: u32,
     pair: Entity,
+    edge: u32,
     /// Of its contacts when it was solved last.
     revision: Option<u32>,
 }
@@ -46,13 +47,13 @@ pub(super) struct Member {
 
 impl Order {
     /// Finds it anew where it does not hold any more; true where it does.
-    pub fn keep(&mut self, table: &BodyTable, islands: &Islands) -> bool {
+    pub fn keep(&mut self, table: &BodyTable, graph: &ConstraintGraph, islands: &Islands) -> bool {
         let versions = Some([islands.version(), table.version()]);
         if self.versions == versions {
             return true;
         }
         self.versions = versions;
-        self.find(table, islands, |_, body| body.is_awake());
+        self.find(table, graph, islands, |_, body| body.is_awake());
         false
     }
 
@@ -60,11 +61,12 @@ impl Order {
     pub fn find(
         &mut self,
         table: &BodyTable,
+        graph: &ConstraintGraph,
         islands: &Islands,
         is_solved: impl Fn(usize, &BodyState) -> bool,
     ) {
         self.order_bodies(table, islands, is_solved);
-        self.order_touches(table, islands);
+        self.order_touches(table, graph, islands);
     }
 
     /// Something else has solved.
@@ -100,71 +102,45 @@ impl Order {
         }
     }
 
-    fn order_touches(&mut self, table: &BodyTable, islands: &Islands) {
+    fn order_touches(&mut self, table: &BodyTable, graph: &ConstraintGraph, islands: &Islands) {
         let local = &self.local;
-        let is_solved = |slot: &&u32| local[**slot as usize] != u32::MAX;
-        let touching = islands.links().iter();
-        let mut touches: Vec<(u128, Place, u32)> = touching
+        let is_solved = |slot: u32| local[slot as usize] != u32::MAX;
+        // A link between two that are solved is found at A.
+        let links = self.bodies.iter().flat_map(|body| {
+            let links = graph.links_of(body.slot);
+            links.filter(move |link| link.slots[0] == body.slot || !is_solved(link.slots[0]))
+        });
+        let mut touches: Vec<(u128, Place)> = links
             .filter_map(|link| {
                 let bodies = table.both(link.slots)?;
-                let island = islands.of(*link.slots.iter().find(is_solved)?)? as u32;
+                let solved = link.slots.into_iter().find(|&slot| is_solved(slot))?;
+                let island = islands.of(solved)? as u32;
                 let ends = link.slots.map(|slot| local[slot as usize]);
                 let at = Place {
                     island,
                     pair: link.pair,
+                    edge: link.edge,
                     revision: None,
                 };
-                Some((place(island, bodies, ends), at, link.row))
+                Some((place(island, bodies, ends), at))
             })
             .collect();
-        touches.sort_unstable_by_key(|&(place, ..)| place);
+        touches.sort_unstable_by_key(|&(place, _)| place);
         self.touches.clear();
         self.touches
-            .extend(touches.iter().map(|&(_, place, _)| place));
-        self.rows.clear();
-        let rows = touches.iter().map(|&(.., row)| row);
-        self.rows.extend(rows.zip(0..));
-        self.rows.sort_unstable();
-    }
-
-    /// Looks for the touches where they are not in the rows in which they were.
-    fn find_rows(&mut self, pairs: &Pairs) {
-        if self.are_in_their_rows(pairs) {
-            return;
+            .extend(touches.into_iter().map(|(_, place)| place));
+        self.by_edge.clear();
+        self.by_edge.resize(graph.edge_numbers(), u32::MAX);
+        for (place, at) in self.touches.iter().zip(0..) {
+            self.by_edge[place.edge as usize] = at;
         }
-        let places = self.touches.iter().map(|touch| touch.pair).zip(0..);
-        let places: EntityHashMap<u32> = places.collect();
-        let rows = pairs.iter().zip(0..);
-        let rows = rows.filter_map(|((pair, ..), row)| Some((row, *places.get(&pair)?)));
-        self.rows.clear();
-        self.rows.extend(rows);
-    }
-
-    fn are_in_their_rows(&self, pairs: &Pairs) -> bool {
-        let mut wanted = self.rows.iter().peekable();
-        let mut first = 0;
-        let tables = pairs.contiguous_iter();
-        for (entities, ..) in tables.expect("pair components are stored in tables") {
-            let end = first + entities.len() as u32;
-            while let Some((row, at)) = wanted.next_if(|(row, _)| *row < end) {
-                if entities[(row - first) as usize] != self.touches[*at as usize].pair {
-                    return false;
-                }
-            }
-            first = end;
-        }
-        wanted.next().is_none()
     }
 
     /// The touches, in order; and whether they are all there: some pairs may have gone since islands were found.
     pub fn touches<'a>(&mut self, pairs: &'a mut Pairs) -> (Vec<Touch<'a>>, bool) {
-        self.find_rows(pairs);
         let mut touches = reuse(std::mem::take(&mut self.spare));
         self.places.clear();
-        let mut wanted = self.rows.iter().copied();
-        let mut next = wanted.next();
-        let mut first = 0;
-        for (_, pairs, manifolds, targets, impulses) in pairs
+        for (entities, pairs, manifolds, targets, impulses) in pairs
             .contiguous_iter_mut()
             .expect("pair components are stored in tables")
         {
@@ -184,18 +160,17 @@ impl Order {
             let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
             let rows = impulses.iter_mut().zip(pairs).zip(manifolds).zip(targets);
             for (row, (((impulses, pair), manifold), targets)) in rows.enumerate() {
-                let Some((number, at)) = next else {
-                    break;
+                let at = self.by_edge.get(pair.edge as usize);
+                let Some(place) = at.and_then(|&at| self.touches.get_mut(at as usize)) else {
+                    continue;
                 };
-                if first + row as u32 != number {
+                if place.pair != entities[row] {
                     continue;
                 }
-                next = wanted.next();
-                let place = &mut self.touches[at as usize];
                 let revision = place.revision.replace(pair.revision);
                 let edited = edits.get(row).copied().unwrap_or(false);
                 impulses.fit(manifold);
-                self.places.push(at);
+                self.places.push(self.by_edge[pair.edge as usize]);
                 touches.push(Touch {
                     island: place.island,
                     changed: edited || revision != Some(pair.revision),
@@ -205,7 +180,6 @@ impl Order {
                     impulses,
                 });
             }
-            first += pairs.len() as u32;
         }
         let complete = touches.len() == self.touches.len();
         if !complete {

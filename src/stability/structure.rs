@@ -1,7 +1,7 @@
 //! A structure as input of the cone program: bodies with the forces on them, and the faces in which they touch.
 
 use crate::body::{BodyState, BodyTable, ExternalForce};
-use crate::broadphase::Broadphase;
+use crate::graph::ConstraintGraph;
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
@@ -84,11 +84,11 @@ impl Structure {
 
 fn joints(world: &World, slots: &[u32]) -> Vec<Joint> {
     let table = world.resource::<BodyTable>();
-    let broadphase = world.resource::<Broadphase>();
+    let graph = world.resource::<ConstraintGraph>();
     let places: HashMap<u32, usize> = slots.iter().copied().zip(0..).collect();
     let mut joints = Vec::new();
     for &slot in slots {
-        for pair in broadphase.pairs.of(slot) {
+        for pair in graph.edges_of(slot) {
             let found = world.get_entity(pair).ok().and_then(|pair| {
                 pair.get_components::<(&ContactPair, &Manifold, &ContactImpulses)>()
                     .ok()

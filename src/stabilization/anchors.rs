@@ -7,7 +7,7 @@ use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PatchAnchor,
     is_edited,
 };
-use crate::islands::Islands;
+use crate::graph::Islands;
 use crate::settings::{
     AnchorRule, Classifier, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
 };

@@ -8,7 +8,7 @@ use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, ManifoldPatch,
     PatchAnchor, Target, is_edited,
 };
-use crate::islands::Islands;
+use crate::graph::Islands;
 use crate::settings::{
     AnchorRule, Classifier, InForce, PhysicsThreads, SolverSettings, StabilizationSettings,
     StepTime,

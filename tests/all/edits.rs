@@ -9,11 +9,12 @@ use drystone::body::{
     BodyIndex, CenterOfMass, Damping, Density, ExternalForce, GravityScale, Mass, MassProperties,
     RigidBody, Velocity,
 };
-use drystone::collider::{Collider, CollisionLayers, Friction, Restitution};
+use drystone::collider::{Collider, CollisionExceptions, CollisionLayers, Friction, Restitution};
 use drystone::contact::{
     ContactAnchors, ContactEnded, ContactEvents, ContactImpulses, ContactPair, ContactStarted,
     ContactTargets, Manifold,
 };
+use drystone::preview::{PreviewSettings, Shadow};
 use drystone::settings::SleepSettings;
 use glam::{Quat, Vec3};
 use support::*;
@@ -574,4 +575,79 @@ fn mass_properties_that_are_taken_off_come_back() {
     lab.world.entity_mut(cube).remove::<MassProperties>();
     lab.step();
     assert_eq!(lab.mass(cube), mass);
+}
+
+// 8: bodies that do not collide
+
+fn excepts(bodies: impl IntoIterator<Item = Entity>) -> CollisionExceptions {
+    bodies.into_iter().collect()
+}
+
+/// A cube at rest on the ground, asleep.
+fn sleeper() -> (Lab, [Entity; 2]) {
+    let mut lab = Lab::new();
+    let ground = lab.ground();
+    let cube = lab.cube(Vec3::Y * 0.5);
+    lab.run(2.0);
+    assert!(lab.world.get::<Sleeping>(cube).unwrap().asleep);
+    (lab, [ground, cube])
+}
+
+#[test]
+fn a_contact_ends_when_either_body_excepts_the_other_and_begins_when_none_does() {
+    for side in [0, 1] {
+        let (mut lab, bodies) = sleeper();
+        let [ground, cube] = bodies;
+        drain::<ContactEnded>(&mut lab);
+        let except = excepts([bodies[1 - side]]);
+        lab.world.entity_mut(bodies[side]).insert(except);
+        lab.step();
+        assert!(pairs(&mut lab).is_empty());
+        let ended = drain::<ContactEnded>(&mut lab);
+        assert_eq!(ended.len(), 1);
+        assert_eq!((ended[0].body, ended[0].other), (ground, cube));
+        lab.run(0.2);
+        let height = lab.pose(cube).position.y;
+        assert!(height < 0.4, "it falls through: {height}");
+        // The list is taken off: the ground pushes it out again.
+        lab.world
+            .entity_mut(bodies[side])
+            .remove::<CollisionExceptions>();
+        lab.step();
+        assert_eq!(pairs(&mut lab).len(), 1);
+        lab.run(3.0);
+        assert_high(&lab, cube, 0.5);
+    }
+}
+
+#[test]
+fn exceptions_of_others_disturb_nobody() {
+    let (mut lab, [_, cube]) = sleeper();
+    let stranger = lab.world.spawn_empty().id();
+    let far = lab.cube(Vec3::new(20.0, 0.5, 0.0));
+    lab.world.entity_mut(far).insert(excepts([stranger, cube]));
+    lab.run(1.0);
+    assert_high(&lab, far, 0.5);
+    assert!(lab.world.get::<Sleeping>(cube).unwrap().asleep);
+    // The same list again changes nothing for one that sleeps.
+    lab.run(1.0);
+    assert!(lab.world.get::<Sleeping>(far).unwrap().asleep);
+    lab.world.entity_mut(far).insert(excepts([cube, stranger]));
+    lab.step();
+    assert!(lab.world.get::<Sleeping>(far).unwrap().asleep);
+}
+
+#[test]
+fn copies_in_a_preview_do_not_collide_either() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let outer = lab.cube(Vec3::Y * 0.5);
+    // Inside the other one, and held up by the ground alone.
+    let inner = lab.cube(Vec3::new(0.3, 0.5, 0.0));
+    lab.world.entity_mut(inner).insert(excepts([outer]));
+    lab.run(2.0);
+    assert_eq!(pairs(&mut lab).len(), 2);
+    let shadow = Shadow::around(&lab.world, &[inner, outer]).unwrap();
+    let preview = shadow.run(&PreviewSettings::default()).unwrap();
+    assert!(preview.rests && preview.moved.is_empty(), "{preview:?}");
 }

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{Age, BodyIndex, Pose, RigidBody};
 use drystone::collider::Collider;
-use drystone::islands::Islands;
+use drystone::graph::Islands;
 use drystone::settings::SleepSettings;
 use drystone_lab::metrics::Displacement;
 use drystone_lab::scenes::{Scene, SceneOptions};

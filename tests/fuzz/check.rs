@@ -5,7 +5,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use drystone::body::{BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity};
-use drystone::broadphase::Broadphase;
+use drystone::graph::ConstraintGraph;
 use drystone::collider::Collider;
 use drystone::contact::{
     ContactAnchors, ContactEnded, ContactImpulses, ContactPair, ContactStarted, ContactTargets,
@@ -133,7 +133,7 @@ impl Watch {
 
     fn memory(&mut self, site: &Site, pairs: usize) -> Result<(), Fault> {
         let world = &site.noisy.world;
-        let known = world.resource::<Broadphase>().pair_count();
+        let known = world.resource::<ConstraintGraph>().edge_count();
         if known != pairs {
             return fault("pairs leak", (known, pairs));
         }

@@ -15,6 +15,7 @@
 use super::cuboid;
 use super::placement::Placement;
 use super::solid::Solid;
+use crate::contact::cache::Axis;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -39,20 +40,6 @@ const ROUNDING: f64 = 4e-14;
 
 /// How far edges may be behind other corners along their normal, as a share of the smaller solid's radius.
 const BEHIND: f64 = 1e-7;
-
-/// Which features make the separating axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Axis {
-    /// Not known.
-    #[default]
-    Unknown,
-    /// The normal of a face of A.
-    FaceOfA(u16),
-    /// The normal of a face of B.
-    FaceOfB(u16),
-    /// Square to an edge of A and one of B.
-    Edges(u16, u16),
-}
 
 /// A direction, and how far the two are apart along it.
 #[derive(Clone, Copy, Debug)]

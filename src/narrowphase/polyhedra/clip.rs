@@ -5,7 +5,7 @@
 //! that coincide therefore keep all their corners. Each corner of the result knows its features, because each edge knows to which face it
 //! belongs.
 
-use super::feature::FeatureId;
+use crate::contact::FeatureId;
 use super::solid::{Side, Solid};
 use glam::DVec3;
 use smallvec::SmallVec;

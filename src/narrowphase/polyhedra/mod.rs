@@ -9,7 +9,6 @@
 mod axis;
 mod clip;
 mod cuboid;
-mod feature;
 mod hull;
 mod placement;
 mod plane;
@@ -18,10 +17,11 @@ mod simplify;
 mod solid;
 mod triangle;
 
-pub use axis::{Axis, Separation, Separations, separate};
+pub use crate::contact::FeatureId;
+pub use crate::contact::cache::Axis;
+pub use axis::{Separation, Separations, separate};
 pub use clip::{Clipped, Origin, Outline, Space, clip, facing, outline};
 pub use cuboid::Cuboid;
-pub use feature::FeatureId;
 pub use placement::Placement;
 pub use plane::meet_plane;
 pub use solid::{Ridge, Side, Solid};

@@ -4,7 +4,7 @@ use super::{Falls, Legend, Margins, Overlays, Paint};
 use crate::look::{Materials, Own};
 use bevy::prelude::*;
 use drystone::body::BodyIndex;
-use drystone::islands::Islands;
+use drystone::graph::Islands;
 use drystone::prelude::*;
 
 type Painted = (

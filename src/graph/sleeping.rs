@@ -2,7 +2,7 @@
 //!
 //! A sleeping body keeps its contacts, impulses and anchors as they are, so that it wakes exactly where it lay, and goes to
 //! [rest](crate::body::Resting) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change, when
-//! something awake comes into its island, and when a body that it touched goes: in [`islands`](super::islands).
+//! something awake comes into its island, and when a body that it touched goes: in [`islands`](super::islands()).
 
 use super::Islands;
 use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Resting, Sleeping, Velocity};

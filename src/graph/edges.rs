@@ -1,0 +1,346 @@
+//! Edges, and the adjacency of bodies: which pairs there are, and which of them act.
+//!
+//! Invariants:
+//! - An edge is known by its kind and its two slots, and there is one of a kind between two bodies at most.
+//! - An edge stands once in the list of each of its two bodies. In a list the edges that *link* come first.
+//! - Every change is written down in [`Changes`] until [`Islands`](super::Islands) takes it over, so islands and levels cost as much as has
+//!   changed.
+//!
+//! All of it costs as much as one body has neighbours, whoever else there is.
+
+use bevy_ecs::prelude::*;
+use bevy_platform::collections::HashMap;
+
+/// What kind of constraint an edge is. To add a kind, add it here, say below what it does, and insert and remove its edges where its
+/// components begin and end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum EdgeKind {
+    /// Two bodies whose boxes overlap: a [`ContactPair`](crate::contact::ContactPair). It links them while its manifold has points.
+    Contact,
+}
+
+/// An edge that links its two bodies: something to solve acts between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Link {
+    /// Those of its bodies, A and B.
+    pub slots: [u32; 2],
+    /// The entity that holds its components.
+    pub pair: Entity,
+    /// Its number, the same as long as it is there.
+    pub edge: u32,
+}
+
+#[derive(Clone, Copy)]
+struct Edge {
+    kind: EdgeKind,
+    links: bool,
+    slots: [u32; 2],
+    entity: Entity,
+    /// Where it stands in the list of either body.
+    places: [u32; 2],
+}
+
+impl Edge {
+    /// Which of its ends a body is.
+    fn end(&self, slot: u32) -> usize {
+        usize::from(self.slots[0] != slot)
+    }
+}
+
+/// The edges of one body.
+#[derive(Default)]
+struct Node {
+    edges: Vec<u32>,
+    /// So many of them link; they come first.
+    links: usize,
+}
+
+/// What has changed since islands were last brought up to date.
+#[derive(Default)]
+pub(super) struct Changes {
+    /// Slots of bodies between which an edge began to link.
+    pub linked: Vec<[u32; 2]>,
+    /// The same for edges that ceased to link, or are gone.
+    pub unlinked: Vec<[u32; 2]>,
+    /// Slots of bodies that have left the table. They have no edges any more.
+    pub gone: Vec<u32>,
+}
+
+impl Changes {
+    pub fn is_empty(&self) -> bool {
+        self.linked.is_empty() && self.unlinked.is_empty() && self.gone.is_empty()
+    }
+}
+
+/// The constraint graph: bodies by slot, and the edges between them. See the [module](super).
+#[derive(Resource, Default)]
+pub struct ConstraintGraph {
+    known: HashMap<(EdgeKind, [u32; 2]), u32>,
+    edges: Vec<Edge>,
+    free: Vec<u32>,
+    /// By slot.
+    nodes: Vec<Node>,
+    pub(super) changes: Changes,
+    /// Edges whose contact may have begun or ceased to have points, and whether their bodies have parted.
+    reported: Vec<(u32, bool)>,
+    /// Edges that may be at rest, since both of their bodies are.
+    pub(super) settling: Vec<(u32, Entity)>,
+}
+
+impl ConstraintGraph {
+    /// Number of edges.
+    pub fn edge_count(&self) -> usize {
+        self.known.len()
+    }
+
+    /// The entities of a body's edges.
+    pub(crate) fn edges_of(&self, slot: u32) -> impl ExactSizeIterator<Item = Entity> {
+        let node = self.nodes.get(slot as usize);
+        let edges = node.map_or(&[][..], |node| &node.edges);
+        edges.iter().map(|&edge| self.edges[edge as usize].entity)
+    }
+
+    /// The edges that link a body to others.
+    pub(crate) fn links_of(&self, slot: u32) -> impl Iterator<Item = Link> {
+        let links = self.linked_edges(slot).iter();
+        links.map(|&edge| {
+            let Edge { slots, entity, .. } = self.edges[edge as usize];
+            Link {
+                slots,
+                pair: entity,
+                edge,
+            }
+        })
+    }
+
+    /// The slots of the bodies that a body is linked to.
+    pub(super) fn neighbours(&self, slot: u32) -> impl Iterator<Item = u32> {
+        let links = self.linked_edges(slot).iter();
+        links.map(move |&edge| {
+            let [a, b] = self.edges[edge as usize].slots;
+            if a == slot { b } else { a }
+        })
+    }
+
+    fn linked_edges(&self, slot: u32) -> &[u32] {
+        let node = self.nodes.get(slot as usize);
+        node.map_or(&[], |node| &node.edges[..node.links])
+    }
+
+    /// How many numbers of edges are in use, at most.
+    pub(crate) fn edge_numbers(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// Adds an edge that does not link yet: its number, or none where it is known. Its entity is told later.
+    pub(super) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> Option<u32> {
+        if self.known.contains_key(&(kind, slots)) {
+            return None;
+        }
+        let number = self.free.pop().unwrap_or(self.edges.len() as u32);
+        self.known.insert((kind, slots), number);
+        let last = slots.into_iter().max().unwrap_or(0) as usize;
+        if self.nodes.len() <= last {
+            self.nodes.resize_with(last + 1, Node::default);
+        }
+        let places = slots.map(|slot| {
+            let list = &mut self.nodes[slot as usize].edges;
+            list.push(number);
+            list.len() as u32 - 1
+        });
+        let edge = Edge {
+            kind,
+            links: false,
+            slots,
+            entity: Entity::PLACEHOLDER,
+            places,
+        };
+        match self.edges.get_mut(number as usize) {
+            Some(free) => *free = edge,
+            None => self.edges.push(edge),
+        }
+        Some(number)
+    }
+
+    /// There is an edge of this kind between the two.
+    pub(super) fn knows(&self, kind: EdgeKind, slots: [u32; 2]) -> bool {
+        self.known.contains_key(&(kind, slots))
+    }
+
+    /// Tells the entity of an edge.
+    pub(super) fn name(&mut self, edge: u32, entity: Entity) {
+        self.edges[edge as usize].entity = entity;
+    }
+
+    /// The entity of an edge that is there.
+    pub(super) fn entity(&self, edge: u32) -> Option<Entity> {
+        let known = self.edges.get(edge as usize)?;
+        (self.known.get(&(known.kind, known.slots)) == Some(&edge)).then_some(known.entity)
+    }
+
+    /// Removes the edge of this number if it is this entity's still.
+    pub(super) fn remove(&mut self, edge: u32, entity: Entity) {
+        if self.entity(edge) != Some(entity) {
+            return;
+        }
+        self.set_links(edge, false);
+        let Edge {
+            kind,
+            slots,
+            places,
+            ..
+        } = self.edges[edge as usize];
+        self.known.remove(&(kind, slots));
+        self.free.push(edge);
+        for (slot, place) in slots.into_iter().zip(places) {
+            let list = &mut self.nodes[slot as usize].edges;
+            list.swap_remove(place as usize);
+            if let Some(&moved) = list.get(place as usize) {
+                let moved = &mut self.edges[moved as usize];
+                moved.places[moved.end(slot)] = place;
+            }
+        }
+    }
+
+    /// Says whether an edge that is there links its bodies.
+    pub(super) fn set_links(&mut self, edge: u32, links: bool) {
+        let Edge {
+            links: linked,
+            slots,
+            ..
+        } = self.edges[edge as usize];
+        if linked == links {
+            return;
+        }
+        self.edges[edge as usize].links = links;
+        for slot in slots {
+            let node = &mut self.nodes[slot as usize];
+            // The edge changes places with the first that does not link, or with the last that does.
+            let to = if links { node.links } else { node.links - 1 };
+            node.links = if links { to + 1 } else { to };
+            let known = self.edges[edge as usize];
+            let end = known.end(slot);
+            let place = known.places[end] as usize;
+            node.edges.swap(place, to);
+            let other = node.edges[place];
+            let other = &mut self.edges[other as usize];
+            other.places[other.end(slot)] = place as u32;
+            self.edges[edge as usize].places[end] = to as u32;
+        }
+        match links {
+            true => self.changes.linked.push(slots),
+            false => self.changes.unlinked.push(slots),
+        }
+    }
+
+    /// Reports edges whose contact has begun or ceased to have points, and of each whether its bodies have parted: they touched in the last
+    /// step, and do no more.
+    pub(crate) fn report(&mut self, edges: impl IntoIterator<Item = (u32, bool)>) {
+        self.reported.extend(edges);
+    }
+
+    /// Whatever contact the edges of a body have is looked at again.
+    pub(super) fn report_all_of(&mut self, slot: u32) {
+        if let Some(node) = self.nodes.get(slot as usize) {
+            self.reported
+                .extend(node.edges.iter().map(|&edge| (edge, false)));
+        }
+    }
+
+    /// The edges to look at, in the order of their numbers.
+    pub(super) fn take_reported(&mut self) -> Vec<(u32, bool)> {
+        let mut reported = std::mem::take(&mut self.reported);
+        reported.sort_unstable();
+        reported.dedup();
+        reported
+    }
+
+    /// Edges of a body whose other end is as is wanted.
+    pub(super) fn settle(&mut self, slot: u32, settles: impl Fn(u32) -> bool) {
+        let Some(node) = self.nodes.get(slot as usize) else {
+            return;
+        };
+        for &number in &node.edges {
+            let edge = &self.edges[number as usize];
+            if settles(edge.slots[1 - edge.end(slot)]) {
+                self.settling.push((number, edge.entity));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn lists_are_those_of_the_edges_there_and_links_come_first() {
+        let mut rng = fastrand::Rng::with_seed(3);
+        let mut graph = ConstraintGraph::default();
+        let mut expected: BTreeMap<[u32; 2], (u32, Entity, bool)> = BTreeMap::new();
+        for number in 0..5000 {
+            let a = rng.u32(0..20);
+            let slots = [a, a + rng.u32(1..6)];
+            match rng.u8(0..4) {
+                0 => {
+                    let new = graph.insert(EdgeKind::Contact, slots);
+                    assert_eq!(new.is_some(), !expected.contains_key(&slots));
+                    if let Some(edge) = new {
+                        let entity = Entity::from_raw_u32(number).unwrap();
+                        graph.name(edge, entity);
+                        expected.insert(slots, (edge, entity, false));
+                    }
+                }
+                1 => {
+                    if let Some((edge, entity, _)) = expected.remove(&slots) {
+                        // Only the one whose number it is can take it away.
+                        graph.remove(edge, Entity::PLACEHOLDER);
+                        graph.remove(edge, entity);
+                        assert_eq!(graph.entity(edge), None);
+                    }
+                }
+                _ => {
+                    if let Some((edge, _, links)) = expected.get_mut(&slots) {
+                        *links = rng.bool();
+                        graph.set_links(*edge, *links);
+                    }
+                }
+            }
+        }
+        assert_eq!(graph.edge_count(), expected.len());
+        assert!(!expected.is_empty());
+        for slot in 0..26 {
+            let of = |(slots, _): &(&[u32; 2], &(u32, Entity, bool))| slots.contains(&slot);
+            let mut found: Vec<_> = graph.edges_of(slot).collect();
+            let mut wanted: Vec<_> = expected
+                .iter()
+                .filter(of)
+                .map(|(_, known)| known.1)
+                .collect();
+            found.sort_unstable();
+            wanted.sort_unstable();
+            assert_eq!(found, wanted);
+            let mut found: Vec<_> = graph.links_of(slot).map(|link| link.pair).collect();
+            let links = expected.iter().filter(of).filter(|(_, known)| known.2);
+            let mut wanted: Vec<_> = links.map(|(_, known)| known.1).collect();
+            found.sort_unstable();
+            wanted.sort_unstable();
+            assert_eq!(found, wanted);
+        }
+    }
+
+    #[test]
+    fn changes_are_written_down_once() {
+        let mut graph = ConstraintGraph::default();
+        let edge = graph.insert(EdgeKind::Contact, [0, 1]).unwrap();
+        let entity = Entity::from_raw_u32(7).unwrap();
+        graph.name(edge, entity);
+        graph.set_links(edge, true);
+        graph.set_links(edge, true);
+        assert_eq!(graph.changes.linked, [[0, 1]]);
+        graph.remove(edge, entity);
+        graph.remove(edge, entity);
+        assert_eq!(graph.changes.unlinked, [[0, 1]]);
+    }
+}

@@ -1,0 +1,367 @@
+//! The stage **islands**: brings islands and levels of support up to date, and wakes islands that may not sleep on. It comes before forces, so
+//! that what wakes has all of its weight when it is first solved.
+//!
+//! What it costs: one look at each active body, and beyond that as much as has changed. The narrowphase reports the edges whose contact has begun
+//! or ended; contacts that a user has edited are found by change ticks; bodies that have come, gone, or are of another kind are found by
+//! comparing the active ones with those of the last step.
+
+use super::ConstraintGraph;
+use super::activation::{Tired, lay_down, rouse};
+use super::levels::{Kind, Levels};
+use super::partition::Partition;
+use crate::body::{Age, BodyState, BodyTable, Resting, Sleeping};
+use crate::contact::{ContactPair, LostPairs, Manifold, is_edited};
+use crate::settings::StepTime;
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+
+/// Which island each body is in, and what stands on what: views of the [`ConstraintGraph`].
+#[derive(Resource, Default)]
+pub struct Islands {
+    pub(super) partition: Partition,
+    levels: Levels,
+    /// By slot, bodies at rest included.
+    known: Vec<Option<Known>>,
+    /// The bodies that are active.
+    active: Vec<Member>,
+    version: u64,
+    pub(super) woke: bool,
+    pub(super) tired: Tired,
+    /// Who touched in the last step, and does no more.
+    pub(super) parted: Vec<[u32; 2]>,
+    /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
+    pub(super) arriving: Vec<bool>,
+}
+
+/// A body, and whether contacts can move it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Known {
+    entity: Entity,
+    age: Age,
+    dynamic: bool,
+}
+
+/// A body that is active.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Member {
+    slot: u32,
+    body: Known,
+    asleep: bool,
+}
+
+impl Known {
+    #[inline]
+    fn of(body: &BodyState) -> Self {
+        Self {
+            entity: body.entity,
+            age: body.age,
+            dynamic: body.is_dynamic(),
+        }
+    }
+}
+
+impl Member {
+    #[inline]
+    fn of((slot, body): (u32, &BodyState)) -> Self {
+        Self {
+            slot,
+            body: Known::of(body),
+            asleep: body.asleep,
+        }
+    }
+}
+
+/// What an update goes through.
+#[derive(Default)]
+struct Update {
+    linked: Vec<[u32; 2]>,
+    unlinked: Vec<[u32; 2]>,
+    /// Slots that hold another body than before, one of another kind, or none.
+    renewed: Vec<u32>,
+    /// Bodies that have lost a link.
+    ends: Vec<u32>,
+    /// Bodies that have fallen asleep, gone to rest, or the reverse.
+    roused: Vec<u32>,
+}
+
+/// The pairs that do not rest.
+pub(super) type Pairs<'w, 's> =
+    Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>), Without<Resting>>;
+
+impl Islands {
+    /// The island of a dynamic body, by its slot: a number below [`Self::count`]. None where the island is at rest.
+    #[inline]
+    pub fn of(&self, slot: u32) -> Option<usize> {
+        self.partition.number(self.partition.id(slot)?)
+    }
+
+    /// How many there are, but for those that [rest](Resting).
+    pub fn count(&self) -> usize {
+        self.partition.count()
+    }
+
+    /// How many contacts a body is away from what stands still; `None` where nothing carries it.
+    #[inline]
+    pub fn level(&self, slot: u32) -> Option<u32> {
+        Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
+    }
+
+    /// The version of the graph in which an island was last another: who is in it, who touches whom, or who sleeps. With
+    /// what was made of it in an earlier version than this it has to be made anew.
+    pub fn changed(&self, island: usize) -> u64 {
+        self.partition.changed(self.partition.numbered()[island])
+    }
+
+    /// Another whenever who touches whom or who is awake is not as it was.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// An island sleeps, and some of its bodies have come into the world in this step.
+    pub(crate) fn arrives(&self, island: usize) -> bool {
+        self.arriving.get(island).copied().unwrap_or(false)
+    }
+
+    /// Some island does.
+    pub(crate) fn any_arrives(&self) -> bool {
+        self.arriving.contains(&true)
+    }
+
+    /// Somebody was woken in this step.
+    pub(crate) fn woke(&self) -> bool {
+        self.woke
+    }
+
+    /// What tells the islands of dynamic bodies apart, be they awake, asleep or at rest. It is that of no other island until the next step.
+    pub(crate) fn id(&self, slot: u32) -> Option<u32> {
+        self.partition.id(slot)
+    }
+
+    /// The slots of all bodies in the island of a dynamic one, be they awake, asleep or at rest.
+    pub(crate) fn members(&self, slot: u32) -> &[u32] {
+        let island = self.partition.id(slot);
+        island.map_or(&[], |island| self.partition.members(island))
+    }
+
+    /// What bodies and contacts are solved in the order of.
+    pub(crate) fn rank(&self, slot: u32, body: &BodyState) -> (u32, Age) {
+        (self.levels.of(slot), body.age)
+    }
+}
+
+/// First part of the stage: who touches whom, who wakes, and who goes to rest.
+pub fn islands(
+    mut table: ResMut<BodyTable>,
+    (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
+    lost: Res<LostPairs>,
+    pairs: Pairs,
+    time: Res<StepTime>,
+    mut sleepers: Query<&mut Sleeping>,
+) {
+    let (graph, islands) = (&mut *graph, &mut *islands);
+    graph.forget(&lost);
+    graph.report(edited(&pairs));
+    islands.parted.clear();
+    islands.look(graph, &pairs);
+    islands.update(graph, &table);
+    islands.tired.pairs = graph.take_idle(&table, &pairs, &time);
+    islands.woke = false;
+    islands.arriving.clear();
+    let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
+    if table.resting() > 0 || table.active().any(rests) {
+        let awake = islands.find_awake(graph, &table);
+        islands.wake(&mut table, &awake, &mut sleepers);
+        islands.find_arriving(&table);
+        islands.activate_arriving(&mut table);
+        islands.tire(&table, &awake);
+        islands.update(graph, &table);
+    }
+}
+
+/// Second part of the stage *islands*: bodies and pairs go to rest, or are roused; islands follow.
+pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
+    let tired = std::mem::take(&mut world.resource_mut::<Islands>().tired);
+    if tired.is_empty() && world.resource::<BodyTable>().stirred.is_empty() {
+        return;
+    }
+    rouse(world);
+    lay_down(world, tired);
+    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+        world.resource_scope(|world, mut islands: Mut<Islands>| {
+            let pairs = pairs.get(world).expect("pairs can always be read");
+            let table = world.resource::<BodyTable>();
+            islands.look(&mut graph, &pairs);
+            islands.update(&mut graph, table);
+            islands.find_arriving(table);
+        });
+    });
+}
+
+/// The edges of contacts whose manifold somebody has edited since the stage ran last.
+fn edited(pairs: &Pairs) -> Vec<(u32, bool)> {
+    let mut found = Vec::new();
+    let tables = pairs.contiguous_iter();
+    for (_, pairs, manifolds) in tables.expect("pair components are stored in tables") {
+        if is_edited!(manifolds) {
+            let rows = (0..pairs.len()).filter(|&row| is_edited!(manifolds, row));
+            found.extend(rows.map(|row| (pairs[row].edge, false)));
+        }
+    }
+    found
+}
+
+impl Islands {
+    /// Looks at the contacts that were reported: whether they link their bodies, and whether those have parted.
+    pub(super) fn look(&mut self, graph: &mut ConstraintGraph, pairs: &Pairs) {
+        for (edge, parted) in graph.take_reported() {
+            if let Some(entity) = graph.entity(edge)
+                && let Ok((_, pair, manifold)) = pairs.get(entity)
+            {
+                if parted {
+                    self.parted.push(pair.slots);
+                }
+                graph.set_links(edge, !manifold.points.is_empty());
+            }
+        }
+    }
+
+    /// Takes over what has changed in the graph and among the active bodies.
+    pub(super) fn update(&mut self, graph: &mut ConstraintGraph, table: &BodyTable) {
+        let now = table.active().map(Member::of);
+        let same = now.eq(self.active.iter().copied());
+        if same && graph.changes.is_empty() {
+            return;
+        }
+        self.version += 1;
+        let changes = std::mem::take(&mut graph.changes);
+        let mut update = Update {
+            linked: changes.linked,
+            unlinked: changes.unlinked,
+            ..Default::default()
+        };
+        for slot in changes.gone {
+            self.leave(graph, slot, &mut update);
+        }
+        if !same {
+            self.follow_bodies(graph, table, &mut update);
+        }
+        let Update {
+            linked,
+            unlinked,
+            renewed,
+            mut ends,
+            roused,
+        } = update;
+        let known = &self.known;
+        let kind = |slot: u32| match known.get(slot as usize).copied().flatten() {
+            None => Kind::Empty,
+            Some(body) if body.dynamic => Kind::Dynamic,
+            Some(_) => Kind::Fixed,
+        };
+        self.levels
+            .update(graph, kind, [&linked, &unlinked], &renewed);
+        for &slots in &linked {
+            self.partition.link(slots);
+        }
+        ends.extend(unlinked.as_flattened());
+        self.partition.split(graph, &ends);
+        self.partition.renumber();
+        let slots = linked.as_flattened().iter().chain(&ends);
+        for &slot in slots.chain(&renewed).chain(&roused) {
+            self.partition.mark(slot, self.version);
+        }
+    }
+
+    /// Takes over which bodies are active, and what they are.
+    fn follow_bodies(&mut self, graph: &ConstraintGraph, table: &BodyTable, update: &mut Update) {
+        let before = std::mem::take(&mut self.active);
+        self.active.extend(table.active().map(Member::of));
+        for member in before.iter().filter(|member| table.rests(member.slot)) {
+            match table.get(member.slot).map(Known::of) {
+                Some(body) if body == member.body => {
+                    self.partition.set_active(member.slot, false);
+                    update.roused.push(member.slot);
+                }
+                _ => self.leave(graph, member.slot, update),
+            }
+        }
+        // Both lists are in the order of slots.
+        let mut before = before.into_iter().peekable();
+        for i in 0..self.active.len() {
+            let now = self.active[i];
+            while before.next_if(|was| was.slot < now.slot).is_some() {}
+            if before.peek() == Some(&now) {
+                continue;
+            }
+            match self.known.get(now.slot as usize).copied().flatten() {
+                Some(body) if body == now.body => {
+                    self.partition.set_active(now.slot, true);
+                    update.roused.push(now.slot);
+                }
+                Some(_) => {
+                    self.leave(graph, now.slot, update);
+                    self.enter(graph, now, update);
+                }
+                None => self.enter(graph, now, update),
+            }
+        }
+    }
+
+    /// A body comes.
+    fn enter(&mut self, graph: &ConstraintGraph, now: Member, update: &mut Update) {
+        let Member { slot, body, .. } = now;
+        if self.known.len() <= slot as usize {
+            self.known.resize(slot as usize + 1, None);
+        }
+        self.known[slot as usize] = Some(body);
+        update.renewed.push(slot);
+        if body.dynamic {
+            self.partition.insert(slot);
+            let links = graph.neighbours(slot).map(|other| [slot, other]);
+            update.linked.extend(links);
+        }
+    }
+
+    /// A body goes, or what it is does.
+    fn leave(&mut self, graph: &ConstraintGraph, slot: u32, update: &mut Update) {
+        let known = self.known.get_mut(slot as usize);
+        if let Some(body) = known.and_then(Option::take) {
+            update.renewed.push(slot);
+            if body.dynamic {
+                update.ends.extend(graph.neighbours(slot));
+                self.partition.remove(slot);
+            }
+        }
+    }
+}
+
+impl ConstraintGraph {
+    /// The pairs that are to go to rest after their bodies: nothing about them changes any more.
+    pub(super) fn take_idle(
+        &mut self,
+        table: &BodyTable,
+        pairs: &Pairs,
+        time: &StepTime,
+    ) -> Vec<(Entity, [u32; 2])> {
+        let mut idle = Vec::new();
+        let mut settling = std::mem::take(&mut self.settling);
+        settling.retain(|&(edge, entity)| {
+            let pair = pairs.get(entity).ok();
+            let pair = pair.filter(|_| self.entity(edge) == Some(entity));
+            let Some((_, pair, _)) = pair else {
+                return false;
+            };
+            if !pair.slots.iter().all(|&slot| table.rests(slot)) {
+                return false;
+            }
+            // What touches has been told by the end of the step.
+            let settled = pair.idle && time.substep == 0;
+            if settled {
+                idle.push((entity, pair.slots));
+            }
+            !settled
+        });
+        self.settling = settling;
+        idle
+    }
+}

@@ -1,0 +1,181 @@
+//! Contact edges begin and end: second half of the stage *broadphase*.
+//!
+//! The broadphase finds which boxes overlap. Here a [`ContactPair`] entity is spawned with its edge where two begin to, and despawned where they
+//! cease to, where one of the bodies has gone, or where the two may no longer collide. Pairs that somebody took away or apart are made anew.
+
+use super::ConstraintGraph;
+use super::activation::rouse;
+use super::edges::EdgeKind;
+use crate::body::{BodyState, BodyTable};
+use crate::broadphase::Broadphase;
+use crate::contact::{
+    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, LostPairs, Manifold,
+    NarrowphaseCache,
+};
+use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::prelude::*;
+use bevy_platform::collections::HashSet;
+
+/// What is left of a pair that somebody took apart.
+type Broken = (
+    Or<(
+        (
+            With<ContactPair>,
+            Or<(
+                Without<Manifold>,
+                Without<ContactTargets>,
+                Without<ContactImpulses>,
+                Without<ContactAnchors>,
+                Without<NarrowphaseCache>,
+                With<Disabled>,
+            )>,
+        ),
+        // By what nobody but drystone has: a manifold may be a user's own copy.
+        (Without<ContactPair>, With<NarrowphaseCache>),
+    )>,
+    Allow<Disabled>,
+);
+
+/// Despawns the pairs that ended and spawns those that began. Wakes what rested on a body that is gone.
+pub fn pair_changes(
+    world: &mut World,
+    mut ending: Local<Vec<Entity>>,
+    broken: &mut QueryState<Entity, Broken>,
+    pairs: &mut QueryState<(Entity, &ContactPair)>,
+) {
+    ending.clear();
+    ending.extend(broken.iter(world));
+    let is_same = world.resource::<Broadphase>().found.is_empty();
+    if is_same && world.resource::<LostPairs>().0.is_empty() && ending.is_empty() {
+        return;
+    }
+    let found = std::mem::take(&mut world.resource_mut::<Broadphase>().found);
+    let (table, graph) = (
+        world.resource::<BodyTable>(),
+        world.resource::<ConstraintGraph>(),
+    );
+    let broadphase = world.resource::<Broadphase>();
+    let lives = |pair: &ContactPair, i: usize| {
+        let body = table.get(pair.slots[i]);
+        body.is_some_and(|body| pair.is_of(i, body))
+    };
+    let goes_on = |pair: &ContactPair| {
+        lives(pair, 0) && lives(pair, 1) && broadphase.overlap(table, pair.slots)
+    };
+    let stirred = found.stirred.iter();
+    let stirred = stirred.flat_map(|&slot| graph.edges_of(slot));
+    let stirred = pairs.query(world).iter_many_inner(stirred).flatten();
+    let ended = stirred.filter(|(_, pair)| !goes_on(pair));
+    ending.extend(ended.map(|(entity, _)| entity));
+    for pair in ending.drain(..) {
+        world.try_despawn(pair).ok();
+    }
+
+    let lost = std::mem::take(&mut *world.resource_mut::<LostPairs>());
+    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+        graph.forget(&lost);
+        let again = world.resource_scope(|world, broadphase: Mut<Broadphase>| {
+            give_up(&mut world.resource_mut::<BodyTable>(), &broadphase, &lost)
+        });
+        for &slot in &found.removed {
+            // Only now may a slot go to another body: no pair names it any more.
+            world.resource_mut::<BodyTable>().recycle(slot);
+            graph.changes.gone.push(slot);
+        }
+        let overlaps = found.overlaps.into_iter().chain(again);
+        begin(world, &mut graph, overlaps.collect());
+    });
+    let told = lost.0.iter().filter(|(_, pair)| pair.announced);
+    let told = told.map(|(_, pair)| (pair.ages, pair.bodies));
+    world.resource_mut::<EndedPairs>().0.extend(told);
+    rouse(world);
+}
+
+/// Rouses what touched in pairs that are gone: the slots of those that are to be made anew.
+fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> Vec<[u32; 2]> {
+    let mut again = Vec::new();
+    for (_, pair) in &lost.0 {
+        let alive = [0, 1].map(|i| {
+            let slot = pair.slots[i];
+            let body = table.get_mut(slot).filter(|body| pair.is_of(i, body));
+            let dynamic = body.map(|body| {
+                body.roused |= pair.touching;
+                body.is_dynamic()
+            });
+            if pair.touching && dynamic == Some(true) {
+                table.stir(slot);
+            }
+            dynamic.is_some()
+        });
+        if alive == [true; 2] && broadphase.overlap(table, pair.slots) {
+            again.push(pair.slots);
+        }
+    }
+    again
+}
+
+/// Spawns pairs with their edges where there are none.
+fn begin(world: &mut World, graph: &mut ConstraintGraph, mut overlaps: Vec<[u32; 2]>) {
+    overlaps.retain(|&slots| !graph.knows(EdgeKind::Contact, slots));
+    if overlaps.is_empty() {
+        return;
+    }
+    let table = world.resource::<BodyTable>();
+    // The tree's shape depends on its history; the order of pairs must not.
+    overlaps.sort_unstable_by_key(|slots| slots.map(|slot| table.get(slot).map(|body| body.age)));
+    let mut warnings = Vec::new();
+    let mut new: Vec<ContactPair> = Vec::new();
+    for slots in overlaps {
+        if let Some(bodies) = table.both(slots)
+            && let Some(edge) = graph.insert(EdgeKind::Contact, slots)
+        {
+            warn(bodies, &mut warnings);
+            new.push(ContactPair::new(edge, slots, bodies));
+        }
+    }
+    // Of many in one place each is named once.
+    let mut named = HashSet::<Entity>::default();
+    warnings.retain(|(body, problem)| {
+        !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
+    });
+    let edges: Vec<_> = new.iter().map(|pair| (pair.edge, pair.slots)).collect();
+    let spawned: Vec<Entity> = world.spawn_batch(new).collect();
+    let table = world.resource::<BodyTable>();
+    for ((edge, slots), pair) in edges.into_iter().zip(spawned) {
+        graph.name(edge, pair);
+        if slots.into_iter().all(|slot| table.rests(slot)) {
+            graph.settling.push((edge, pair));
+        }
+    }
+    world.resource_mut::<Suspects>().0.extend(warnings);
+}
+
+impl ConstraintGraph {
+    /// Removes the edges of pairs that are gone.
+    pub(super) fn forget(&mut self, lost: &LostPairs) {
+        for (entity, pair) in &lost.0 {
+            self.remove(pair.edge, *entity);
+        }
+    }
+}
+
+/// What cannot go well, said once when two bodies meet.
+fn warn([a, b]: [&BodyState; 2], warnings: &mut Vec<(Entity, BodyProblem)>) {
+    if !a.is_dynamic() || !b.is_dynamic() {
+        return;
+    }
+    let ratio = a.mass.inverse_mass / b.mass.inverse_mass;
+    if !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
+        let (heavy, light) = if ratio < 1.0 { (a, b) } else { (b, a) };
+        warnings.push((
+            heavy.entity,
+            BodyProblem::ExtremeMassRatio {
+                other: light.entity,
+            },
+        ));
+    }
+    if (a.center - b.center).length() <= 1e-6 * a.radius.min(b.radius) {
+        warnings.push((b.entity, BodyProblem::Coincident { other: a.entity }));
+    }
+}

@@ -1,0 +1,417 @@
+//! Which bodies hang together: the dynamic bodies, parted into islands.
+//!
+//! Invariants, after every update:
+//! - Every dynamic body is a member of one island, and two that are linked are members of the same one. Static and kinematic bodies are in
+//!   none, so they connect nobody.
+//! - An island whose members are all at rest has no number. The others are numbered from 0 in the order of their first member (by slot)
+//!   that is active.
+//!
+//! That is what a search through the whole graph finds (the oracle of the tests). After Erin Catto, *Simulation Islands* (box2d.org, 2023): a link
+//! that begins merges the smaller island into the larger at once; one that ends makes its island a candidate for a split. Candidates are split in the
+//! same update, as bits depend on exact islands: from all bodies that have lost a link one searches at once, in turns, until the searches have met,
+//! which two neighbours in a wall do after a few bodies, or until one has found all there is, and is split off. So a split costs as much as
+//! its smaller part.
+
+use super::edges::ConstraintGraph;
+use std::collections::VecDeque;
+
+/// Where a body is in the partition.
+#[derive(Clone, Copy)]
+struct Place {
+    island: u32,
+    /// In the list of its members.
+    place: u32,
+    active: bool,
+}
+
+const NONE: u32 = u32::MAX;
+
+const NOWHERE: Place = Place {
+    island: NONE,
+    place: 0,
+    active: false,
+};
+
+#[derive(Default)]
+struct Island {
+    members: Vec<u32>,
+    active: u32,
+    /// The first member that is active; [`NONE`] where none is.
+    first: u32,
+    number: u32,
+    /// Version of the graph in which it was last another.
+    changed: u64,
+}
+
+/// The islands.
+#[derive(Default)]
+pub(super) struct Partition {
+    /// By slot.
+    places: Vec<Place>,
+    islands: Vec<Island>,
+    free: Vec<u32>,
+    /// Islands with active members, in the order of their numbers.
+    numbered: Vec<u32>,
+    /// Islands that became active since they were numbered.
+    unnumbered: Vec<u32>,
+    /// Islands whose first member has to be found.
+    headless: Vec<u32>,
+    /// The islands have to be numbered anew.
+    stale: bool,
+    search: Search,
+}
+
+impl Partition {
+    /// How many islands have active members.
+    pub fn count(&self) -> usize {
+        self.numbered.len()
+    }
+
+    /// How many identities of islands are in use, at most.
+    pub fn ids(&self) -> usize {
+        self.islands.len()
+    }
+
+    /// The island of a dynamic body. It is known by that as long as it is neither merged nor split.
+    #[inline]
+    pub fn id(&self, slot: u32) -> Option<u32> {
+        let island = self.places.get(slot as usize)?.island;
+        (island != NONE).then_some(island)
+    }
+
+    /// The number of an island with active members.
+    #[inline]
+    pub fn number(&self, island: u32) -> Option<usize> {
+        let number = self.islands[island as usize].number;
+        (number != NONE).then_some(number as usize)
+    }
+
+    /// The islands with active members, by number.
+    pub fn numbered(&self) -> &[u32] {
+        &self.numbered
+    }
+
+    /// All members of an island.
+    pub fn members(&self, island: u32) -> &[u32] {
+        let island = self.islands.get(island as usize);
+        island.map_or(&[], |island| &island.members)
+    }
+
+    /// Some of its members are at rest.
+    pub fn has_resting(&self, island: u32) -> bool {
+        let island = &self.islands[island as usize];
+        (island.active as usize) < island.members.len()
+    }
+
+    /// The version in which an island was last another.
+    pub fn changed(&self, island: u32) -> u64 {
+        self.islands[island as usize].changed
+    }
+
+    /// The island of a body is another in this version, be it only by what its members do.
+    pub fn mark(&mut self, slot: u32, version: u64) {
+        if let Some(island) = self.id(slot) {
+            self.islands[island as usize].changed = version;
+        }
+    }
+
+    /// A dynamic body comes, active, as an island of its own.
+    pub fn insert(&mut self, slot: u32) {
+        if self.places.len() <= slot as usize {
+            self.places.resize(slot as usize + 1, NOWHERE);
+        }
+        let island = self.new_island();
+        self.places[slot as usize].active = true;
+        self.add(slot, island);
+    }
+
+    /// A body goes, or is no longer dynamic.
+    pub fn remove(&mut self, slot: u32) {
+        if self.id(slot).is_some() {
+            self.take(slot);
+            self.places[slot as usize] = NOWHERE;
+        }
+    }
+
+    /// A body goes to rest, or is active again.
+    pub fn set_active(&mut self, slot: u32, active: bool) {
+        let Some(id) = self.id(slot) else {
+            return;
+        };
+        let place = &mut self.places[slot as usize];
+        if place.active == active {
+            return;
+        }
+        place.active = active;
+        let island = &mut self.islands[id as usize];
+        if active {
+            island.active += 1;
+            self.lead(id, slot);
+        } else {
+            island.active -= 1;
+            self.leave_lead(id, slot);
+        }
+    }
+
+    /// Two bodies are linked.
+    pub fn link(&mut self, [a, b]: [u32; 2]) {
+        let (Some(one), Some(other)) = (self.id(a), self.id(b)) else {
+            return;
+        };
+        if one == other {
+            return;
+        }
+        let size = |island: u32| self.islands[island as usize].members.len();
+        let (large, small) = match size(one) >= size(other) {
+            true => (one, other),
+            false => (other, one),
+        };
+        let merged = std::mem::take(&mut self.islands[small as usize]);
+        self.free(small);
+        let into = &mut self.islands[large as usize];
+        into.active += merged.active;
+        for slot in merged.members {
+            self.places[slot as usize].island = large;
+            self.places[slot as usize].place = into.members.len() as u32;
+            into.members.push(slot);
+        }
+        if merged.active > 0 {
+            // Where the first of the small one is unknown, it is looked for in the large one.
+            match self.headless.contains(&small) {
+                true => self.headless.push(large),
+                false => self.lead(large, merged.first),
+            }
+        }
+    }
+
+    /// Splits islands in which links have ended, at these bodies among others. Every part that an island may have come apart into must have one
+    /// of them.
+    pub fn split(&mut self, graph: &ConstraintGraph, ends: &[u32]) {
+        let mut ends: Vec<(u32, u32)> = ends
+            .iter()
+            .filter_map(|&slot| Some((self.id(slot)?, slot)))
+            .collect();
+        ends.sort_unstable();
+        ends.dedup();
+        let mut search = std::mem::take(&mut self.search);
+        for ends in ends.chunk_by(|(a, _), (b, _)| a == b) {
+            if ends.len() == 1 {
+                continue;
+            }
+            search.begin(self.places.len(), ends.iter().map(|&(_, slot)| slot));
+            let is_member = |slot: u32| self.id(slot).is_some();
+            let parts = search.parts(graph, is_member);
+            for part in parts {
+                let island = self.new_island();
+                for slot in part {
+                    self.take(slot);
+                    self.add(slot, island);
+                }
+            }
+        }
+        self.search = search;
+    }
+
+    /// Numbers the islands anew where that is necessary. True where it was.
+    pub fn renumber(&mut self) -> bool {
+        for id in std::mem::take(&mut self.headless) {
+            let island = &mut self.islands[id as usize];
+            let active = island.members.iter().copied();
+            let active = active.filter(|&slot| self.places[slot as usize].active);
+            let first = match island.active {
+                0 => NONE,
+                _ => active.min().unwrap_or(NONE),
+            };
+            if island.first != first {
+                island.first = first;
+                self.stale = true;
+            }
+        }
+        if !std::mem::take(&mut self.stale) {
+            return false;
+        }
+        let islands = &mut self.islands;
+        self.numbered.append(&mut self.unnumbered);
+        self.numbered.retain(|&id| {
+            let island = &mut islands[id as usize];
+            island.number = NONE;
+            island.first != NONE
+        });
+        self.numbered
+            .sort_unstable_by_key(|&id| islands[id as usize].first);
+        self.numbered.dedup();
+        for (number, &id) in self.numbered.iter().enumerate() {
+            islands[id as usize].number = number as u32;
+        }
+        true
+    }
+
+    fn new_island(&mut self) -> u32 {
+        let id = self.free.pop().unwrap_or_else(|| {
+            self.islands.push(Island::default());
+            self.islands.len() as u32 - 1
+        });
+        let island = &mut self.islands[id as usize];
+        (island.first, island.number) = (NONE, NONE);
+        id
+    }
+
+    fn free(&mut self, id: u32) {
+        self.islands[id as usize] = Island {
+            first: NONE,
+            number: NONE,
+            ..Default::default()
+        };
+        self.free.push(id);
+        self.stale = true;
+    }
+
+    /// Adds a body to an island.
+    fn add(&mut self, slot: u32, id: u32) {
+        let island = &mut self.islands[id as usize];
+        let place = &mut self.places[slot as usize];
+        (place.island, place.place) = (id, island.members.len() as u32);
+        island.members.push(slot);
+        if place.active {
+            island.active += 1;
+            self.lead(id, slot);
+        }
+    }
+
+    /// Takes a body out of its island.
+    fn take(&mut self, slot: u32) {
+        let Place {
+            island: id,
+            place,
+            active,
+        } = self.places[slot as usize];
+        let island = &mut self.islands[id as usize];
+        island.members.swap_remove(place as usize);
+        if let Some(&moved) = island.members.get(place as usize) {
+            self.places[moved as usize].place = place;
+        }
+        if active {
+            island.active -= 1;
+            self.leave_lead(id, slot);
+        }
+        if self.islands[id as usize].members.is_empty() {
+            self.free(id);
+        }
+    }
+
+    /// An active body may be the first of its island.
+    fn lead(&mut self, id: u32, slot: u32) {
+        let island = &mut self.islands[id as usize];
+        if slot < island.first {
+            if island.first == NONE {
+                self.unnumbered.push(id);
+            }
+            island.first = slot;
+            self.stale = true;
+        }
+    }
+
+    /// A body that was the first of its island is no more.
+    fn leave_lead(&mut self, id: u32, slot: u32) {
+        if self.islands[id as usize].first == slot {
+            self.headless.push(id);
+        }
+    }
+}
+
+/// Several searches through the links of an island, in turns.
+#[derive(Default)]
+struct Search {
+    /// By slot: 1 + the search that has found the body; 0 where none has.
+    found_by: Vec<u32>,
+    searches: Vec<Front>,
+}
+
+/// One of them.
+struct Front {
+    /// The search that it has met and is one with; itself if none.
+    is: u32,
+    found: Vec<u32>,
+    next: VecDeque<u32>,
+}
+
+impl Search {
+    /// One from each of these bodies.
+    fn begin(&mut self, slots: usize, from: impl Iterator<Item = u32>) {
+        self.found_by.resize(slots, 0);
+        self.searches.clear();
+        for (search, slot) in (0..).zip(from) {
+            self.found_by[slot as usize] = search + 1;
+            self.searches.push(Front {
+                is: search,
+                found: vec![slot],
+                next: VecDeque::from([slot]),
+            });
+        }
+    }
+
+    /// The parts to split off. The last part, which is none of them, is not gone through.
+    fn parts(&mut self, graph: &ConstraintGraph, is_member: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
+        let mut parts = Vec::new();
+        // Searches whose turn may come, and how many of them have neither met another nor found all there is.
+        let mut turns: VecDeque<u32> = (0..self.searches.len() as u32).collect();
+        let mut open = turns.len();
+        while open > 1
+            && let Some(search) = turns.pop_front()
+        {
+            let front = &mut self.searches[search as usize];
+            if front.is != search {
+                continue;
+            }
+            let Some(slot) = front.next.pop_front() else {
+                parts.push(std::mem::take(&mut front.found));
+                open -= 1;
+                continue;
+            };
+            for other in graph.neighbours(slot).filter(|&other| is_member(other)) {
+                match self.found_by[other as usize] {
+                    0 => {
+                        self.found_by[other as usize] = search + 1;
+                        let front = &mut self.searches[search as usize];
+                        front.found.push(other);
+                        front.next.push_back(other);
+                    }
+                    by => open -= usize::from(self.meet(search, by - 1)),
+                }
+            }
+            turns.push_back(search);
+        }
+        let left = self.searches.iter().flat_map(|front| &front.found);
+        for &slot in left.chain(parts.iter().flatten()) {
+            self.found_by[slot as usize] = 0;
+        }
+        parts
+    }
+
+    /// A search has found a body that another one knows, and goes on for both. False where the two are one already.
+    fn meet(&mut self, search: u32, mut other: u32) -> bool {
+        let searches = &mut self.searches;
+        while searches[other as usize].is != other {
+            let next = searches[other as usize].is;
+            searches[other as usize].is = searches[next as usize].is;
+            other = next;
+        }
+        if other == search {
+            return false;
+        }
+        let met = &mut searches[other as usize];
+        met.is = search;
+        let (mut found, mut next) = (
+            std::mem::take(&mut met.found),
+            std::mem::take(&mut met.next),
+        );
+        let front = &mut searches[search as usize];
+        if found.len() > front.found.len() {
+            std::mem::swap(&mut found, &mut front.found);
+            std::mem::swap(&mut next, &mut front.next);
+        }
+        front.found.append(&mut found);
+        front.next.append(&mut next);
+        true
+    }
+}

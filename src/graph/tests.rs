@@ -1,0 +1,294 @@
+//! The views of the graph against a search through all of it, after every change of graphs drawn at random.
+
+use super::ConstraintGraph;
+use super::edges::EdgeKind;
+use super::islands::Islands;
+use super::levels::{self, Kind, Levels};
+use crate::body::{Age, BodyIndex, BodyState, BodyTable, Pose, RigidBody, Velocity};
+use bevy_ecs::prelude::*;
+use fastrand::Rng;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A table of bodies, their graph, and what is known of both.
+#[derive(Default)]
+struct Site {
+    table: BodyTable,
+    graph: ConstraintGraph,
+    islands: Islands,
+    edges: BTreeMap<[u32; 2], (u32, Entity, bool)>,
+    /// The bodies that are there.
+    bodies: BTreeMap<u32, Entity>,
+    entities: u32,
+}
+
+impl Site {
+    fn entity(&mut self) -> Entity {
+        self.entities += 1;
+        Entity::from_raw_u32(self.entities).unwrap()
+    }
+
+    fn spawn(&mut self, kind: RigidBody) -> u32 {
+        let entity = self.entity();
+        let mut body = BodyState::new(entity, Pose::default(), Velocity::default());
+        body.kind = kind;
+        body.age = Age(u64::from(self.entities));
+        let BodyIndex(slot) = self.table.insert(body);
+        self.bodies.insert(slot, entity);
+        slot
+    }
+
+    fn despawn(&mut self, slot: u32) {
+        let entity = self.bodies.remove(&slot).unwrap();
+        let ends: Vec<_> = self.edges.keys().copied().collect();
+        for slots in ends.into_iter().filter(|slots| slots.contains(&slot)) {
+            self.disconnect(slots);
+        }
+        self.table.remove(entity, BodyIndex(slot));
+        self.table.recycle(slot);
+        self.graph.changes.gone.push(slot);
+    }
+
+    fn connect(&mut self, slots: [u32; 2]) {
+        if let Some(edge) = self.graph.insert(EdgeKind::Contact, slots) {
+            let entity = self.entity();
+            self.graph.name(edge, entity);
+            self.edges.insert(slots, (edge, entity, false));
+        }
+    }
+
+    fn disconnect(&mut self, slots: [u32; 2]) {
+        let (edge, entity, _) = self.edges.remove(&slots).unwrap();
+        self.graph.remove(edge, entity);
+    }
+
+    fn link(&mut self, slots: [u32; 2], links: bool) {
+        let (edge, _, known) = self.edges.get_mut(&slots).unwrap();
+        *known = links;
+        self.graph.set_links(*edge, links);
+    }
+
+    fn update(&mut self) {
+        self.islands.update(&mut self.graph, &self.table);
+    }
+
+    /// Something is done to the site.
+    fn edit(&mut self, rng: &mut Rng) {
+        let slots: Vec<u32> = self.bodies.keys().copied().collect();
+        let slot = *rng.choice(&slots).unwrap();
+        let edges: Vec<[u32; 2]> = self.edges.keys().copied().collect();
+        match rng.u8(0..100) {
+            0..3 => {
+                let kind = if rng.u8(0..5) == 0 {
+                    RigidBody::Static
+                } else {
+                    RigidBody::Dynamic
+                };
+                self.spawn(kind);
+            }
+            3..6 if slots.len() > 4 => self.despawn(slot),
+            6..9 => {
+                let body = self.table.get_mut(slot).unwrap();
+                body.kind = match body.kind {
+                    RigidBody::Dynamic => RigidBody::Static,
+                    _ => RigidBody::Dynamic,
+                };
+                // It would have been stirred.
+                self.table.set_resting(slot, false);
+            }
+            9..15 => {
+                let rests = rng.bool();
+                self.table.set_resting(slot, rests);
+            }
+            15..18 => {
+                let body = self.table.get_mut(slot).unwrap();
+                body.asleep = !body.asleep;
+            }
+            18..40 => {
+                // Neighbours in a row, as in a wall, and now and then farther off.
+                let far = if rng.u8(0..4) == 0 { 30 } else { 3 };
+                let other = slot + rng.u32(1..=far);
+                if self.bodies.contains_key(&other) {
+                    self.connect([slot, other]);
+                }
+            }
+            40..45 if !edges.is_empty() => self.disconnect(*rng.choice(&edges).unwrap()),
+            _ if !edges.is_empty() => {
+                let links = rng.u8(0..5) < 3;
+                self.link(*rng.choice(&edges).unwrap(), links);
+            }
+            _ => (),
+        }
+    }
+
+    fn is_dynamic(&self, slot: u32) -> bool {
+        self.table.get(slot).is_some_and(BodyState::is_dynamic)
+    }
+
+    /// The islands, found by flooding.
+    fn wanted_islands(&self) -> BTreeSet<Vec<u32>> {
+        let links = self.edges.iter().filter(|(_, known)| known.2);
+        let links: Vec<[u32; 2]> = links.map(|(&slots, _)| slots).collect();
+        let mut label: BTreeMap<u32, u32> = self.bodies.keys().map(|&slot| (slot, slot)).collect();
+        loop {
+            let mut changed = false;
+            for slots in &links {
+                if slots.iter().all(|&slot| self.is_dynamic(slot)) {
+                    let least = slots.map(|slot| label[&slot]).into_iter().min().unwrap();
+                    for slot in slots {
+                        changed |= label.insert(*slot, least) != Some(least);
+                    }
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        let mut islands: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (slot, label) in label {
+            if self.is_dynamic(slot) {
+                islands.entry(label).or_default().push(slot);
+            }
+        }
+        islands.into_values().collect()
+    }
+
+    fn check(&self) {
+        let wanted = self.wanted_islands();
+        let sorted = |slot: u32| {
+            let mut members = self.islands.members(slot).to_vec();
+            members.sort_unstable();
+            members
+        };
+        let dynamic = self.bodies.keys().copied();
+        let dynamic = dynamic.filter(|&slot| self.is_dynamic(slot));
+        let found: BTreeSet<Vec<u32>> = dynamic.map(sorted).collect();
+        assert_eq!(found, wanted);
+        // Numbers go by the first that is active.
+        let active = |members: &Vec<u32>| {
+            let mut active = members.iter().copied();
+            active.find(|&slot| !self.table.rests(slot))
+        };
+        let mut firsts: Vec<(u32, &Vec<u32>)> = wanted
+            .iter()
+            .filter_map(|members| Some((active(members)?, members)))
+            .collect();
+        firsts.sort_unstable();
+        assert_eq!(self.islands.count(), firsts.len());
+        for (number, (_, members)) in firsts.iter().enumerate() {
+            for &slot in *members {
+                assert_eq!(self.islands.of(slot), Some(number));
+            }
+        }
+        for members in wanted.iter().filter(|members| active(members).is_none()) {
+            assert_eq!(self.islands.of(members[0]), None);
+        }
+        let slots = self.table.slots() as u32;
+        let kind = |slot: u32| match self.table.get(slot) {
+            None => Kind::Empty,
+            Some(body) if body.is_dynamic() => Kind::Dynamic,
+            Some(_) => Kind::Fixed,
+        };
+        let wanted = levels::recompute(&self.graph, slots, kind);
+        let level = |slot| self.islands.level(slot).unwrap_or(Levels::NONE);
+        let found: Vec<u32> = (0..slots).map(level).collect();
+        assert_eq!(found, wanted);
+    }
+}
+
+#[test]
+fn islands_and_levels_are_what_a_search_through_the_whole_graph_finds() {
+    for seed in 0..60 {
+        let mut rng = Rng::with_seed(seed);
+        let mut site = Site::default();
+        for i in 0..40 {
+            site.spawn(if i % 13 == 0 {
+                RigidBody::Static
+            } else {
+                RigidBody::Dynamic
+            });
+        }
+        for _ in 0..250 {
+            // One change at a time, or many at once.
+            for _ in 0..rng.u32(1..=12).saturating_sub(6).max(1) {
+                site.edit(&mut rng);
+            }
+            site.update();
+            site.check();
+        }
+    }
+}
+
+/// A wall of so many bricks a course, each on two; slot 0 is the ground.
+fn wall(width: u32, courses: u32) -> Site {
+    let mut site = Site::default();
+    site.spawn(RigidBody::Static);
+    for course in 0..courses {
+        for i in 0..width {
+            let slot = site.spawn(RigidBody::Dynamic);
+            let below = match course {
+                0 => vec![0],
+                _ => vec![slot - width, (slot - width + 1).min(course * width)],
+            };
+            for below in below {
+                site.connect([below, slot]);
+                site.link([below, slot], true);
+            }
+            if i > 0 {
+                site.connect([slot - 1, slot]);
+                site.link([slot - 1, slot], true);
+            }
+        }
+    }
+    site.update();
+    site
+}
+
+#[test]
+fn an_island_that_comes_apart_is_split_and_joined_again() {
+    let mut site = wall(6, 4);
+    site.check();
+    assert_eq!(site.islands.count(), 1);
+    let top = 6 * 4;
+    let of_top: Vec<_> = site.edges.keys().copied().collect();
+    let of_top: Vec<_> = of_top
+        .into_iter()
+        .filter(|slots| slots.contains(&top))
+        .collect();
+    for &slots in &of_top {
+        site.link(slots, false);
+    }
+    site.update();
+    site.check();
+    assert_eq!(site.islands.count(), 2);
+    assert_eq!(site.islands.level(top), None);
+    site.link(of_top[0], true);
+    site.update();
+    site.check();
+    assert_eq!(site.islands.count(), 1);
+}
+
+#[test]
+fn an_island_is_marked_when_it_changes_and_only_then() {
+    let mut site = wall(3, 2);
+    let (a, b) = (
+        site.spawn(RigidBody::Dynamic),
+        site.spawn(RigidBody::Dynamic),
+    );
+    site.connect([a, b]);
+    site.update();
+    let versions =
+        |site: &Site| [1, a, b].map(|slot| site.islands.changed(site.islands.of(slot).unwrap()));
+    let before = versions(&site);
+    site.update();
+    assert_eq!(versions(&site), before);
+    site.link([a, b], true);
+    site.update();
+    let now = versions(&site);
+    assert_eq!(now[0], before[0]);
+    assert!(now[1] > before[1] && now[1] == now[2]);
+    // A body that falls asleep changes its island.
+    site.table.get_mut(1).unwrap().asleep = true;
+    site.update();
+    assert!(versions(&site)[0] > before[0]);
+    assert_eq!(versions(&site)[1], now[1]);
+}

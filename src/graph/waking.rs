@@ -1,0 +1,143 @@
+//! Who wakes, and who may go to rest: parts of the stage *islands*.
+
+use super::ConstraintGraph;
+use super::islands::Islands;
+use crate::body::{BodyState, BodyTable, Sleeping, Velocity};
+use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
+
+impl Islands {
+    /// Islands sleep and wake as a whole. What is awake, was roused by the user, or is carried by something that moves wakes the rest;
+    /// and so does what has parted: what a body lay on, or what held it down, has gone away.
+    pub(super) fn find_awake(&self, graph: &ConstraintGraph, table: &BodyTable) -> FixedBitSet {
+        let mut awake = FixedBitSet::with_capacity(self.partition.ids());
+        let mut wake = |slot: u32| {
+            if let Some(island) = self.partition.id(slot) {
+                awake.insert(island as usize);
+            }
+        };
+        for (slot, body) in table.active() {
+            if body.is_dynamic() {
+                if !body.asleep || body.roused {
+                    wake(slot);
+                }
+                continue;
+            }
+            let is_new = body.moved || body.renewed;
+            let moves = body.velocity != Velocity::default();
+            if !is_new && !moves {
+                continue;
+            }
+            for carried in graph.neighbours(slot) {
+                // What comes into the world together with its ground may sleep on it.
+                let together = |above: &BodyState| body.arrived && above.arrived;
+                if moves || !table.get(carried).is_some_and(together) {
+                    wake(carried);
+                }
+            }
+        }
+        self.parted.as_flattened().iter().copied().for_each(wake);
+        awake
+    }
+
+    /// Wakes all bodies of islands that are awake; those that rest are roused next.
+    pub(super) fn wake(
+        &mut self,
+        table: &mut BodyTable,
+        awake: &FixedBitSet,
+        sleepers: &mut Query<&mut Sleeping>,
+    ) {
+        let is_awake = |slot: u32| {
+            let island = self.partition.id(slot);
+            island.is_some_and(|island| awake.contains(island as usize))
+        };
+        let asleep = table.active().filter(|(_, body)| body.asleep);
+        let asleep = asleep.map(|(slot, _)| slot);
+        let mut rising: Vec<u32> = asleep.filter(|&slot| is_awake(slot)).collect();
+        for island in awake.ones() {
+            for slot in self.resting_members(table, island as u32) {
+                table.stir(slot);
+                rising.push(slot);
+            }
+        }
+        self.woke = !rising.is_empty();
+        for slot in rising {
+            let body = table.get_mut(slot).expect("it was just seen");
+            body.asleep = false;
+            if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
+                sleeping.wake();
+            }
+        }
+    }
+
+    /// The members of an island that are at rest.
+    fn resting_members(&self, table: &BodyTable, island: u32) -> Vec<u32> {
+        if !self.partition.has_resting(island) {
+            return Vec::new();
+        }
+        let members = self.partition.members(island).iter().copied();
+        members.filter(|&slot| table.rests(slot)).collect()
+    }
+
+    /// Finds islands that sleep and of which bodies have come in this step.
+    pub(super) fn find_arriving(&mut self, table: &BodyTable) {
+        self.arriving.clear();
+        let comes = |body: &BodyState| body.arrived && body.asleep;
+        if !table.active().any(|(_, body)| comes(body)) {
+            return;
+        }
+        self.arriving.resize(self.count(), false);
+        let mut awake = vec![false; self.count()];
+        for (slot, body) in table.active() {
+            if let Some(island) = self.of(slot) {
+                self.arriving[island] |= comes(body);
+                awake[island] |= body.is_awake();
+            }
+        }
+        for (arriving, awake) in self.arriving.iter_mut().zip(awake) {
+            *arriving &= !awake;
+        }
+    }
+
+    /// Of what comes onto an island at rest all of it bears a part, and takes part in this step. It sleeps on.
+    pub(super) fn activate_arriving(&mut self, table: &mut BodyTable) {
+        for (number, &island) in self.partition.numbered().iter().enumerate() {
+            if self.arrives(number) {
+                for slot in self.resting_members(table, island) {
+                    table.stir(slot);
+                }
+            }
+        }
+    }
+
+    /// Finds who may go to rest: islands that sleep, and what stands still.
+    pub(super) fn tire(&mut self, table: &BodyTable, awake: &FixedBitSet) {
+        let mut restless = awake.clone();
+        for (slot, body) in table.active() {
+            let may_rest = body.may_rest();
+            match self.partition.id(slot) {
+                Some(island) if !may_rest => restless.insert(island as usize),
+                None if may_rest => self.tired.bodies.push((slot, body.entity)),
+                _ => (),
+            }
+        }
+        for (slot, body) in table.active() {
+            let island = self.partition.id(slot);
+            if island.is_some_and(|island| !restless.contains(island as usize)) {
+                self.tired.bodies.push((slot, body.entity));
+            }
+        }
+    }
+}
+
+impl BodyState {
+    /// It sleeps or stands still, did so in the step before, and nothing was done to it.
+    pub(super) fn may_rest(&self) -> bool {
+        let still = match self.is_dynamic() {
+            true => self.asleep && !self.roused,
+            false => self.velocity == Velocity::default() && self.target.is_none(),
+        };
+        let put = self.moved || self.put_from.is_some();
+        still && !put && !self.renewed && !self.arrived
+    }
+}

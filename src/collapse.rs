@@ -37,6 +37,7 @@ use crate::islands::Islands;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_app::{App, Plugin};
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::message::{Message, MessageWriter};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
@@ -48,6 +49,7 @@ pub struct CollapsePlugin;
 impl Plugin for CollapsePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<CollapseSettings>()
+            .init_resource::<Structures>()
             .add_message::<Collapse>()
             .add_message::<CollapseEnded>()
             .add_systems(
@@ -158,7 +160,8 @@ impl Default for CollapseSettings {
 }
 
 /// What is known of structures.
-#[derive(Default)]
+#[derive(Resource, Clone, Default)]
+#[component(map_entities)]
 pub struct Structures {
     last: u64,
     /// s
@@ -169,7 +172,22 @@ pub struct Structures {
     falling: Vec<Falling>,
 }
 
+impl MapEntities for Structures {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for pulled in self.pulled.values_mut() {
+            pulled.body.map_entities(mapper);
+        }
+        for falling in &mut self.falling {
+            falling.first.map_entities(mapper);
+            for (body, _) in &mut falling.bodies {
+                body.map_entities(mapper);
+            }
+        }
+    }
+}
+
 /// A body that was held as it left its structure.
+#[derive(Clone)]
 struct Pulled {
     body: Entity,
     how: GaveWay,
@@ -179,6 +197,7 @@ struct Pulled {
 }
 
 /// A structure that has collapsed.
+#[derive(Clone)]
 struct Falling {
     first: Entity,
     how: GaveWay,
@@ -230,7 +249,7 @@ pub fn collapses(
         Res<StepTime>,
     ),
     (table, islands, contacts): (Res<BodyTable>, Res<Islands>, Contacts),
-    mut structures: Local<Structures>,
+    mut structures: ResMut<Structures>,
     mut watched: ParamSet<(Watched, AllWatched)>,
     mut begun: MessageWriter<Collapse>,
     mut ended: MessageWriter<CollapseEnded>,

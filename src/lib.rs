@@ -89,6 +89,7 @@ pub mod solver;
 #[cfg(feature = "stability")]
 pub mod stability;
 pub mod stabilization;
+pub mod state;
 
 pub use plugin::*;
 pub use schedule::{advance, refresh, step};

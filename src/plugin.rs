@@ -3,7 +3,7 @@
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
 use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, EndedPairs, Untriggered};
-use crate::diagnosis::{BodyError, StepError, Suspects};
+use crate::diagnosis::{BodyError, StepError, Suspects, Told};
 use crate::islands::Islands;
 use crate::profile::{Profile, timed};
 use crate::schedule::{
@@ -91,6 +91,7 @@ impl Plugin for StepPlugin {
             .init_resource::<StepTime>()
             .init_resource::<Profile>()
             .init_resource::<Suspects>()
+            .init_resource::<Told>()
             .init_resource::<BodyTable>()
             .init_resource::<Pending>()
             .init_resource::<Broadphase>()

@@ -20,6 +20,7 @@ use crate::contact::{
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::islands::rouse;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -39,7 +40,8 @@ const AHEAD: f32 = 2.0;
 const TIDY: usize = 16;
 
 /// The tree, and the pairs alive.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Default)]
+#[component(map_entities)]
 pub struct Broadphase {
     tree: Bvh,
     workspace: BvhWorkspace,
@@ -59,6 +61,15 @@ pub struct Broadphase {
     removed: Vec<u32>,
     /// Slots of bodies that have [left their box](outrun()) in the last step, in order.
     outrun: Vec<u32>,
+}
+
+impl MapEntities for Broadphase {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.pairs.map_entities(mapper);
+        for pair in &mut self.lost {
+            pair.bodies.map_entities(mapper);
+        }
+    }
 }
 
 impl Broadphase {
@@ -101,7 +112,7 @@ impl Broadphase {
 
 /// The two may exert forces on each other.
 fn may_collide(a: &BodyState, b: &BodyState) -> bool {
-    (a.is_dynamic() || b.is_dynamic()) && a.layers.collides_with(b.layers)
+    (a.is_dynamic() || b.is_dynamic()) && a.properties.layers.collides_with(b.properties.layers)
 }
 
 /// A box reaches into a half-space.

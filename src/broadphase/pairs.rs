@@ -1,11 +1,12 @@
 //! The pairs alive: by the slots of their bodies, and those of each body, so that what is done to one body costs as much as it has
 //! neighbours, whoever else there is.
 
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 
 /// See the module's text.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Pairs {
     known: HashMap<[u32; 2], u32>,
     pairs: Vec<Pair>,
@@ -14,11 +15,20 @@ pub(crate) struct Pairs {
     of: Vec<Vec<u32>>,
 }
 
+#[derive(Clone)]
 struct Pair {
     slots: [u32; 2],
     entity: Entity,
     /// Where it stands in the list of either body.
     places: [u32; 2],
+}
+
+impl MapEntities for Pairs {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for &number in self.known.values() {
+            self.pairs[number as usize].entity.map_entities(mapper);
+        }
+    }
 }
 
 impl Pairs {

@@ -1,5 +1,6 @@
 //! Which bodies collide with which.
 
+use crate::body::KeptProperty;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -22,6 +23,8 @@ impl Default for CollisionLayers {
         }
     }
 }
+
+impl KeptProperty for CollisionLayers {}
 
 impl CollisionLayers {
     /// True where both agree to collide.

@@ -45,6 +45,7 @@ use smallvec::SmallVec;
 )]
 pub struct ContactPair {
     /// A and B.
+    #[entities]
     pub bodies: [Entity; 2],
     /// Their slots in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
@@ -102,9 +103,10 @@ impl ContactPair {
 
     /// Takes over how the surfaces of its bodies act on each other.
     pub(crate) fn combine(&mut self, [a, b]: [&BodyState; 2]) {
-        self.friction = a.friction.combine(b.friction);
-        self.restitution = a.restitution.combine(b.restitution);
-        self.rolling_friction = a.rolling.combine(b.rolling);
+        let (of_a, of_b) = (&a.properties, &b.properties);
+        self.friction = of_a.friction.combine(of_b.friction);
+        self.restitution = of_a.restitution.combine(of_b.restitution);
+        self.rolling_friction = of_a.rolling.combine(of_b.rolling);
         self.rolling_radius = a.rolling_radius().min(b.rolling_radius());
     }
 
@@ -409,7 +411,7 @@ pub struct Anchor {
 }
 
 /// What collision detection keeps from step to step.
-#[derive(Component, Default)]
+#[derive(Component, Clone, Default)]
 #[component(clone_behavior = Ignore)]
 #[doc(hidden)]
 pub struct NarrowphaseCache {
@@ -422,7 +424,7 @@ pub struct NarrowphaseCache {
 }
 
 /// What parry keeps from search to search.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ParryCache {
     pub manifolds: Vec<ParryManifold>,
     pub workspace: Option<ContactManifoldsWorkspace>,

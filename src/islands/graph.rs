@@ -1,7 +1,7 @@
 //! Which island each body is in: the parts of a graph that hang together.
 
 /// Union–find over its nodes: slots of bodies, and behind them what else has a part in it.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Graph {
     parent: Vec<u32>,
     island: Vec<u32>,

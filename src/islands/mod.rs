@@ -14,6 +14,8 @@ pub use sleeping::sleeping;
 use crate::body::{Age, BodyState, BodyTable, Resting, Sleeping, Velocity};
 use crate::contact::{ContactPair, Manifold};
 use crate::settings::StepTime;
+use crate::state::next_version;
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use graph::Graph;
@@ -21,7 +23,8 @@ use order::Levels;
 use rest::{Groups, Tired};
 
 /// Which island each body is in, and what stands on what.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Default)]
+#[component(map_entities)]
 pub struct Islands {
     graph: Graph,
     levels: Levels,
@@ -39,6 +42,19 @@ pub struct Islands {
     touched: Vec<u32>,
     /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
     arriving: Vec<bool>,
+}
+
+impl MapEntities for Islands {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for link in &mut self.links {
+            link.pair.map_entities(mapper);
+        }
+        for member in &mut self.members {
+            member.entity.map_entities(mapper);
+        }
+        self.resting.map_entities(mapper);
+        self.version = next_version();
+    }
 }
 
 /// A pair that touches.
@@ -258,7 +274,7 @@ pub fn islands(
     }
     let now = table.active().map(Member::of);
     if new || islands.woke || !now.eq(islands.members.iter().copied()) {
-        islands.version += 1;
+        islands.version = next_version();
         islands.members.clear();
         islands.members.extend(table.active().map(Member::of));
     }
@@ -278,7 +294,7 @@ pub fn regroup(world: &mut World, pairs: &mut SystemState<Pairs>) {
         islands.link(table, &pairs, world.resource::<StepTime>());
         islands.find_arriving(table);
         islands.tired = Tired::default();
-        islands.version += 1;
+        islands.version = next_version();
         islands.members.clear();
         islands.members.extend(table.active().map(Member::of));
     });

@@ -6,7 +6,7 @@
 //! McKee 1969 number the unknowns of a sparse matrix so for the same reason).
 
 /// By slot: 0 for what stands still and carries something, [`Levels::NONE`] for what nothing carries.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Levels {
     levels: Vec<u32>,
     /// Where the neighbours of each slot begin in `neighbours`.

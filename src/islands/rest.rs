@@ -7,10 +7,11 @@
 
 use crate::body::{BodyTable, Resting};
 use crate::broadphase::Broadphase;
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 
 /// The islands that rest.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Groups {
     /// By slot; means something only where the body rests.
     of: Vec<u32>,
@@ -18,6 +19,14 @@ pub(super) struct Groups {
     free: Vec<u32>,
     /// How many bodies are in the lists, those that have gone or rest elsewhere by now included.
     listed: usize,
+}
+
+impl MapEntities for Groups {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for (_, body) in self.members.iter_mut().flatten() {
+            body.map_entities(mapper);
+        }
+    }
 }
 
 /// Lists are gone through when so many bodies in them may have gone, or half of all if that is more.
@@ -104,7 +113,7 @@ fn is_there(of: &[u32], table: &BodyTable, island: u32, (slot, entity): (u32, En
 }
 
 /// What is to go to rest.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Tired {
     pub bodies: Vec<(u32, Entity)>,
     pub pairs: Vec<(Entity, [u32; 2])>,

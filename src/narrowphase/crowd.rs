@@ -11,7 +11,7 @@ use super::{PairColumns, is_idle};
 use crate::body::{BodyTable, Resting};
 use crate::broadphase::Broadphase;
 use crate::contact::{ContactPair, Manifold};
-use crate::diagnosis::{BodyProblem, Suspects};
+use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 
@@ -35,15 +35,14 @@ struct DeepPair {
 pub fn crowd(
     (table, broadphase, time): (Res<BodyTable>, Res<Broadphase>, Res<StepTime>),
     mut pairs: Query<(Entity, PairColumns), Without<Resting>>,
-    mut suspects: ResMut<Suspects>,
-    mut told: Local<bool>,
+    (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
 ) {
     let is_crowded = |slot: u32| broadphase.pairs.of(slot).len() > MOST;
     let any = table
         .active()
         .any(|(slot, body)| body.is_awake() && is_crowded(slot));
     if !any {
-        *told = false;
+        told.crowded = false;
         return;
     }
     let mut deep: Vec<DeepPair> = pairs
@@ -75,7 +74,7 @@ pub fn crowd(
     let Some(first) = deep.first() else {
         return;
     };
-    if !std::mem::replace(&mut *told, true)
+    if !std::mem::replace(&mut told.crowded, true)
         && let Some(body) = table.get(first.slots[0])
     {
         suspects.0.push((body.entity, BodyProblem::Crowded));

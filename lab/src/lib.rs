@@ -14,6 +14,7 @@
 //! |---|---|
 //! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
 //! | [`blows`] | what falls on a stack or is shot at a wall, and how far things go |
+//! | [`copy`] | the state of a world in another world |
 //! | [`energy`] | what loose bodies gain that must not gain any |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
@@ -31,6 +32,7 @@
 #![deny(unsafe_code)]
 
 pub mod blows;
+pub mod copy;
 pub mod energy;
 pub mod experiment;
 pub mod metrics;

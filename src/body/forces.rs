@@ -1,7 +1,8 @@
 //! What pushes a body besides contact, and the stage that turns it into velocity: v += Δt M⁻¹ f.
 
 use super::{
-    BodyIndex, BodyProperty, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting, Velocity, limits,
+    BodyIndex, BodyProperty, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting,
+    Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};

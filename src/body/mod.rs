@@ -23,6 +23,7 @@ mod table;
 pub use age::Age;
 pub use complete::complete;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
+pub(crate) use listed::{copy_description, properties_of, visit};
 pub(crate) use mass::weigh;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
 pub use motion::Motion;
@@ -30,12 +31,11 @@ pub use pending::{Pending, refresh};
 pub use placement::Teleport;
 pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
+pub(crate) use properties::{BodyProperty, KeptProperty};
 pub use quarantine::{Quarantined, lift, quarantine};
 pub use resting::Resting;
 pub use sleeping::Sleeping;
 pub use table::{BodyIndex, BodyState, BodyTable};
-pub(crate) use listed::{copy_description, properties_of, visit};
-pub(crate) use properties::{BodyProperty, KeptProperty};
 pub(crate) use table::{is_body, lost_description, lost_parent};
 
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
@@ -45,9 +45,7 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
-use listed::{
-    Changes, Described, DescribedItem, Incomplete, Written, essentials,
-};
+use listed::{Changes, Described, DescribedItem, Incomplete, Written, essentials};
 use properties::body_properties;
 
 body_properties! {

@@ -9,8 +9,8 @@ use super::describe::describe;
 use super::placement::{Placed, user_pose};
 use super::resting::{RestingBodies, RestingChildren, find_carried, find_written};
 use super::{
-    Age, BodyIndex, BodyState, BodyTable, Changes, Described, Pose, Quarantined, Resting, RigidBody,
-    Velocity, limits,
+    Age, BodyIndex, BodyState, BodyTable, Changes, Described, Pose, Quarantined, Resting,
+    RigidBody, Velocity, limits,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};

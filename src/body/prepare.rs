@@ -4,8 +4,9 @@ use super::describe::describe;
 use super::placement::{Placed, user_pose};
 use super::resting::{RestingBodies, RestingChildren, Rests, find_carried, find_written};
 use super::{
-    Age, BodyIndex, BodyProperties, BodyState, BodyTable, Changes, Damping, Described, ExternalForce, ExternalImpulse, GravityScale,
-    MassProperties, Pose, Quarantined, Resting, RigidBody, Sleeping, Teleport, Velocity, limits,
+    Age, BodyIndex, BodyProperties, BodyState, BodyTable, Changes, Damping, Described,
+    ExternalForce, ExternalImpulse, GravityScale, MassProperties, Pose, Quarantined, Resting,
+    RigidBody, Sleeping, Teleport, Velocity, limits,
 };
 use crate::collider::Collider;
 use crate::diagnosis::{BodyProblem, Suspects, Told};

@@ -136,7 +136,7 @@ macro_rules! body_properties {
 
             impl WrittenContiguousItem<'_, '_> {
                 /// Finds the bodies whose properties were written with values that the table does not know; once for each property.
-                pub fn find(self, rows: Rows, found: &mut Vec<Entity>) {
+                pub(super) fn find(self, rows: Rows, found: &mut Vec<Entity>) {
                     rows.compare(self.kind, found);
                     $(rows.compare(self.$essential, found);)*
                     macro_rules! look_if_there {

@@ -8,8 +8,8 @@ use super::describe::describe;
 use super::placement::{Placed, user_pose};
 use super::prepare::{Pushed, check};
 use super::{
-    BodyIndex, BodyState, BodyTable, Damping, Described, ExternalForce, ExternalImpulse, GravityScale,
-    MassProperties, Pose, Resting, RigidBody, Sleeping, Velocity,
+    BodyIndex, BodyState, BodyTable, Damping, Described, ExternalForce, ExternalImpulse,
+    GravityScale, MassProperties, Pose, Resting, RigidBody, Sleeping, Velocity,
 };
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use bevy_ecs::entity::{EntityMapper, MapEntities};

@@ -11,6 +11,7 @@
 mod events;
 mod force_events;
 mod forces;
+mod lists;
 mod supports;
 mod whole_step;
 
@@ -20,6 +21,7 @@ pub use events::{
 };
 pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
 pub use forces::{Contacts, FaceForce, Load, NoBody, loads};
+pub(crate) use lists::{Lists, fit, reorder};
 pub use supports::{Bearing, Supports};
 pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
@@ -265,23 +267,11 @@ impl ContactImpulses {
     /// Makes the lists as long as those of the manifold, where somebody has changed the length of either. Entries stay in their places.
     #[inline(always)]
     pub(crate) fn fit(&mut self, manifold: &Manifold) {
-        let (points, patches) = (manifold.points.len(), manifold.patches.len());
-        let friction = self.friction.len();
-        if self.points.len() != points
-            || self.patches.len() != patches
-            || friction != 0 && friction != points
-        {
-            self.resize(points, patches);
-        }
-    }
-
-    #[cold]
-    fn resize(&mut self, points: usize, patches: usize) {
-        self.points.resize(points, Impulse::default());
-        self.patches.resize(patches, PatchImpulse::default());
-        if !self.friction.is_empty() {
-            self.friction.resize(points, PointFriction::default());
-        }
+        let lists = Lists {
+            impulses: Some(self),
+            ..Default::default()
+        };
+        fit(manifold, lists);
     }
 }
 
@@ -431,15 +421,6 @@ pub(crate) struct ParryCache {
 }
 
 impl NarrowphaseCache {
-    /// A copy of it, in which parry begins anew.
-    pub(crate) fn without_parry(&self) -> Self {
-        Self {
-            stand: self.stand,
-            axis: self.axis,
-            parry: None,
-        }
-    }
-
     /// What is found next is found anew.
     pub(crate) fn forget(&mut self) {
         self.stand.forget();

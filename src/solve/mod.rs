@@ -379,7 +379,9 @@ impl Said<'_> {
         self.reports.0.extend(touching.map(Island::report));
         let wrong = islands.iter().filter(|island| island.diverged);
         let wrong: Vec<Entity> = wrong.filter_map(|island| island.first).collect();
-        let new = wrong.iter().filter(|entity| !self.told.diverged.contains(entity));
+        let new = wrong
+            .iter()
+            .filter(|entity| !self.told.diverged.contains(entity));
         self.suspects
             .0
             .extend(new.map(|&entity| (entity, BodyProblem::Diverged)));

@@ -6,7 +6,7 @@
 //! the plane and none flickers.
 
 use crate::body::{BodyTable, Resting};
-use crate::contact::{ContactPair, ContactTargets, Manifold};
+use crate::contact::{ContactPair, ContactTargets, Lists, Manifold, fit};
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
 
@@ -104,9 +104,11 @@ pub fn normal_correction(
             let Some([a, b]) = table.both(pair.slots) else {
                 return;
             };
-            targets
-                .points
-                .resize(manifold.points.len(), Default::default());
+            let lists = Lists {
+                targets: Some((&mut *targets, true)),
+                ..Default::default()
+            };
+            fit(manifold, lists);
             for patch in &manifold.patches {
                 let range = manifold.range(patch);
                 let points = &manifold.points[range.clone()];

@@ -222,8 +222,8 @@ type Watched<'w, 's> = Query<
     ),
     (
         Without<Quarantined>,
-        // Of a body at rest only what is asked of it can change.
-        Or<(Without<Resting>, Changed<Watch>)>,
+        // Of a body at rest only what is asked of it can change. What comes to rest stands.
+        Or<(Without<Resting>, Added<Resting>, Changed<Watch>)>,
     ),
 >;
 

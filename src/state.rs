@@ -13,7 +13,7 @@ use crate::broadphase::Broadphase;
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
     ContactAnchors, ContactForceEvents, ContactImpulses, ContactPair, ContactTargets, EndedPairs,
-    Manifold, NarrowphaseCache, Untriggered,
+    Load, Manifold, NarrowphaseCache, Untriggered,
 };
 use crate::diagnosis::{Suspects, Told};
 use crate::grab::{Grasp, Hand, HandForce, HeldBy};
@@ -51,7 +51,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     // Of bodies, as users and stages write them.
     body::visit(visitor);
     list!(component: Resting, Quarantined, Teleport, HandForce, HeldBy);
-    list!(component: ContactForceEvents, Watch, Stands);
+    list!(component: ContactForceEvents, Load, Watch, Stands);
     // Of hands.
     list!(component: Grasp, Hand);
     // Of anything: Bevy's, as far as drystone reads them.

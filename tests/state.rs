@@ -8,6 +8,7 @@ use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{BodyTable, Resting};
+use drystone::collapse::CollapseSettings;
 use drystone::contact::ContactImpulses;
 use drystone::prelude::*;
 use drystone::settings::Preset;
@@ -36,8 +37,16 @@ const NOTHING: Act = &|_, _, _| {};
 fn empty() -> World {
     let mut app = App::new();
     app.add_plugins((DrystonePlugins::default(), HandPlugin, CollapsePlugin));
+    app.init_resource::<Heard>();
+    app.add_observer(|started: On<ContactStarted>, mut heard: ResMut<Heard>| {
+        heard.0.push((started.body, started.impulse));
+    });
     std::mem::take(app.world_mut())
 }
+
+/// What observers were told.
+#[derive(Resource, Default)]
+struct Heard(Vec<(Entity, f32)>);
 
 impl Run {
     fn new() -> Self {
@@ -80,8 +89,8 @@ impl Run {
         self
     }
 
-    /// Copies the state into a world that has seen others, and takes steps in both.
-    fn goes_on_in_a_copy(mut self, name: &str, act: Act) {
+    /// Copies the state into a world that has seen others, and takes steps in both. Returned is what was told.
+    fn goes_on_in_a_copy(mut self, name: &str, act: Act) -> Vec<String> {
         let mut copy = empty();
         copy.spawn_batch((0..7).map(|_| ()));
         let junk = (RigidBody::Dynamic, Collider::ball(0.5));
@@ -90,13 +99,14 @@ impl Run {
         for _ in 0..5 {
             drystone::step(&mut copy, DT).unwrap();
         }
-        tell(&mut self.world, &|entity| Some(entity));
-        tell(&mut copy, &|entity| Some(entity));
+        tell(&mut self.world, &Some);
+        tell(&mut copy, &Some);
 
         let map = copy_state(&self.world, &mut copy);
         let back: EntityHashMap<Entity> = map.iter().map(|(&from, &to)| (to, from)).collect();
         assert!(map.iter().any(|(from, to)| from != to), "{name}");
         assert_eq!(bodies(&self.world), bodies(&copy), "{name}");
+        let mut all = Vec::new();
         for step in 0..ON {
             act(&mut self.world, &|entity| entity, step);
             act(&mut copy, &|entity| map[&entity], step);
@@ -107,13 +117,15 @@ impl Run {
                 assert_eq!(both[0], both[1], "{name}: {original} in step {step}");
             }
             let told = [
-                tell(&mut self.world, &|entity| Some(entity)),
+                tell(&mut self.world, &Some),
                 tell(&mut copy, &|entity| back.get(&entity).copied()),
             ];
             assert_eq!(told[0], told[1], "{name}: in step {step}");
+            all.extend_from_slice(&told[0]);
             assert_eq!(bodies(&self.world), bodies(&copy), "{name}: in step {step}");
         }
         assert_eq!(impulses(&mut self.world), impulses(&mut copy), "{name}");
+        all
     }
 }
 
@@ -122,11 +134,13 @@ fn motion(world: &World, body: Entity) -> Option<(Vec<u32>, bool, bool)> {
     let (pose, velocity) = (world.get::<Pose>(body)?, world.get::<Velocity>(body)?);
     let sleeping = world.get::<Sleeping>(body)?;
     let transform = world.get::<Transform>(body)?;
+    let load = world.get::<Load>(body).copied().unwrap_or_default();
     let numbers = [
         pose.position,
         velocity.linear,
         velocity.angular,
         transform.translation,
+        load.force,
     ];
     let numbers = numbers.into_iter().flat_map(|v| v.to_array());
     let turns = [pose.rotation, transform.rotation].into_iter();
@@ -172,6 +186,9 @@ fn tell(world: &mut World, name: &dyn Fn(Entity) -> Option<Entity>) -> Vec<Strin
         format!("{of:?}")
     }
     let mut told = Vec::new();
+    for (body, impulse) in std::mem::take(&mut world.resource_mut::<Heard>().0) {
+        told.push(line(&("heard", name(body), impulse.to_bits())));
+    }
     for message in drain::<ContactStarted>(world) {
         let bits = message.impulse.to_bits();
         told.push(line(&(
@@ -432,13 +449,120 @@ fn a_collapse_that_is_watched() {
         };
         run.world.entity_mut(body).insert((Watch::default(), asks));
     }
+    run.world.resource_mut::<CollapseSettings>().longest = 1.5;
     let mut run = run.steps(60, NOTHING);
     for _ in 0..2 {
         let corner = run.bodies.remove(0);
         run.world.despawn(corner);
     }
-    run.steps(10, NOTHING)
-        .goes_on_in_a_copy("collapse", NOTHING);
+    // Before it is told.
+    let told = run.goes_on_in_a_copy("collapse", NOTHING);
+    assert_eq!(
+        [count(&told, "collapse"), count(&told, "collapsed")],
+        [1; 2]
+    );
+}
+
+fn count(told: &[String], kind: &str) -> usize {
+    let kind = format!("({kind:?}");
+    told.iter().filter(|line| line.contains(&kind)).count()
+}
+
+/// A collapse has been told, and not its end.
+#[test]
+fn the_end_of_a_collapse() {
+    let mut run = Run::scene("wall:6x5");
+    for &body in &run.bodies {
+        run.world.entity_mut(body).insert(Watch::default());
+    }
+    let mut run = run.steps(60, NOTHING);
+    let corner = run.bodies.remove(0);
+    run.world.despawn(corner);
+    while count(&tell(&mut run.world, &Some), "collapse") == 0 {
+        drystone::step(&mut run.world, DT).unwrap();
+    }
+    let told = run.goes_on_in_a_copy("the end of a collapse", NOTHING);
+    assert_eq!(
+        [count(&told, "collapse"), count(&told, "collapsed")],
+        [0, 1]
+    );
+}
+
+/// Bodies on which nothing is the default, under settings that are not.
+#[test]
+fn what_is_not_the_default() {
+    let mut run = Run::new();
+    run.world.resource_mut::<Gravity>().0 = Vec3::new(0.5, -6.0, 0.0);
+    run.world.resource_mut::<SleepSettings>().delay = 0.2;
+    run.world.resource_mut::<SpeedLimits>().linear = 5.0;
+    let cube = || Collider::cuboid(0.6, 0.6, 0.6);
+    let force = ExternalForce {
+        force: Vec3::X * 300.0,
+        torque: Vec3::Y * 20.0,
+    };
+    run.body(cube(), 0.0, 1.0, (force, Friction::new(0.1)));
+    let damping = Damping {
+        linear: 2.0,
+        angular: 1.0,
+    };
+    let sideways = Velocity::linear(Vec3::Z * 3.0);
+    run.body(cube(), 2.0, 1.0, (damping, sideways));
+    run.body(cube(), 4.0, 3.0, (GravityScale(0.3), Density(300.0)));
+    let center = CenterOfMass(Vec3::new(0.1, 0.2, 0.0));
+    run.body(cube(), 6.0, 3.0, (Mass(40.0), center));
+    let inertia = AngularInertia {
+        principal: Vec3::new(20.0, 30.0, 25.0),
+        local_frame: Quat::IDENTITY,
+    };
+    let spin = Velocity {
+        linear: Vec3::ZERO,
+        angular: Vec3::new(1.0, 4.0, 0.1),
+    };
+    run.body(cube(), 8.0, 4.0, (inertia, spin, Load::default()));
+    let apart = CollisionLayers {
+        memberships: 2,
+        filters: 0,
+    };
+    run.body(cube(), 10.0, 2.0, apart);
+    run.body(cube(), 12.0, 2.5, (ContactEvents, sideways));
+    // It falls faster than anything may.
+    run.body(cube(), 14.0, 9.0, GravityScale(3.0));
+    let carrier = run.body(cube(), 16.0, 1.0, ());
+    run.world.entity_mut(carrier).insert(RigidBody::Kinematic);
+    let on_it = run.body(cube(), 16.0, 1.6, Friction::new(1.0));
+    let mut run = run.steps(25, NOTHING);
+    // Elsewhere at once: it carries nothing along.
+    run.world.entity_mut(carrier).insert(Teleport);
+    let mut transform = run.world.get_mut::<Transform>(carrier).unwrap();
+    transform.translation.x += 0.05;
+    // A mistake that is told with the name of the body.
+    let mut on_it = run.world.entity_mut(on_it);
+    on_it.insert(Name::new("on the carrier"));
+    on_it.get_mut::<Velocity>().unwrap().angular.x = f32::INFINITY;
+    let told = run.goes_on_in_a_copy("not the default", NOTHING);
+    assert!(count(&told, "heard") > 0 && count(&told, "error") == 1);
+}
+
+/// A wall that is spawned asleep stands as soon as it is at rest.
+#[test]
+fn a_collapse_of_what_was_spawned_asleep() {
+    let mut run = Run::scene("wall:6x5");
+    for &body in &run.bodies {
+        let mut body = run.world.entity_mut(body);
+        body.insert(Watch::default());
+        body.get_mut::<Sleeping>().unwrap().asleep = true;
+    }
+    let mut run = run.steps(10, NOTHING);
+    assert_rests(&run);
+    let corner = run.bodies.remove(0);
+    run.world.despawn(corner);
+    let mut told = Vec::new();
+    for _ in 0..40 {
+        drystone::step(&mut run.world, DT).unwrap();
+        told.extend(tell(&mut run.world, &Some));
+    }
+    assert_eq!(count(&told, "collapse"), 1);
+    run.goes_on_in_a_copy("spawned asleep", NOTHING);
 }
 
 /// So many bricks in one place that only the deepest contacts count.

@@ -38,6 +38,7 @@ use crate::graph::Islands;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_app::{App, Plugin};
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::message::{Message, MessageWriter};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
@@ -50,6 +51,7 @@ pub struct CollapsePlugin;
 impl Plugin for CollapsePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<CollapseSettings>()
+            .init_resource::<Structures>()
             .add_message::<Collapse>()
             .add_message::<CollapseEnded>()
             .add_systems(
@@ -170,8 +172,10 @@ impl Default for CollapseSettings {
 }
 
 /// The state of all structures.
-#[derive(Default)]
-pub(crate) struct Structures {
+#[doc(hidden)]
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
+pub struct Structures {
     last: u64,
     /// s
     now: f64,
@@ -181,7 +185,22 @@ pub(crate) struct Structures {
     falling: Vec<Falling>,
 }
 
+impl MapEntities for Structures {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for pulled in self.pulled.values_mut() {
+            pulled.body.map_entities(mapper);
+        }
+        for falling in &mut self.falling {
+            falling.first.map_entities(mapper);
+            for (body, _) in &mut falling.bodies {
+                body.map_entities(mapper);
+            }
+        }
+    }
+}
+
 /// A body that was held as it left its structure.
+#[derive(Clone, Debug)]
 struct Pulled {
     body: Entity,
     how: FailureMode,
@@ -191,6 +210,7 @@ struct Pulled {
 }
 
 /// A structure that has collapsed.
+#[derive(Clone, Debug)]
 struct Falling {
     first: Entity,
     how: FailureMode,
@@ -215,8 +235,8 @@ type Watched<'w, 's> = Query<
     ),
     (
         Without<Quarantined>,
-        // Of a body at rest only what is asked of it can change.
-        Or<(Without<Resting>, Changed<Watch>)>,
+        // Of a body at rest only what is asked of it can change. What comes to rest stands.
+        Or<(Without<Resting>, Added<Resting>, Changed<Watch>)>,
     ),
 >;
 
@@ -242,7 +262,7 @@ pub(crate) fn collapses(
         Res<StepTime>,
     ),
     (table, islands, contacts): (Res<BodyTable>, Res<Islands>, Contacts),
-    mut structures: Local<Structures>,
+    mut structures: ResMut<Structures>,
     mut watched: ParamSet<(Watched, AllWatched)>,
     mut begun: MessageWriter<Collapse>,
     mut ended: MessageWriter<CollapseEnded>,

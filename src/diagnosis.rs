@@ -5,6 +5,7 @@
 
 use crate::body::limits;
 use crate::settings::STEP_LENGTHS;
+use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;
@@ -55,6 +56,17 @@ pub enum BodyProblem {
     },
     /// The `Transform` has a scale, which the collider does not follow.
     ScaleIgnored,
+}
+
+impl MapEntities for BodyProblem {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        match self {
+            Self::ExtremeMassRatio { other: named }
+            | Self::Coincident { other: named }
+            | Self::ChildCollider { body: named } => named.map_entities(mapper),
+            _ => {}
+        }
+    }
 }
 
 /// Mass ratio of two touching bodies from which on it is reported, because an iterative solver converges slowly.
@@ -222,5 +234,38 @@ impl std::error::Error for StepError {}
 
 /// Problems found in this step, which *quarantine* will report.
 #[doc(hidden)]
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
 pub struct Suspects(pub(crate) Vec<(Entity, BodyProblem)>);
+
+impl MapEntities for Suspects {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for (entity, problem) in &mut self.0 {
+            entity.map_entities(mapper);
+            problem.map_entities(mapper);
+        }
+    }
+}
+
+/// What users have been told and will not be told again while it goes on.
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
+pub struct Told {
+    /// The first bodies of islands whose solve went wrong in the last step.
+    pub(crate) diverged: Vec<Entity>,
+    /// There is a [crowd](crate::narrowphase::crowd()).
+    pub(crate) crowded: bool,
+    /// Hands that hold on as before, since what they ask for is invalid.
+    pub(crate) hands: EntityHashSet,
+    /// Entities with a shape that belongs to no body.
+    pub(crate) strays: EntityHashSet,
+}
+
+impl MapEntities for Told {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.diverged.map_entities(mapper);
+        for set in [&mut self.hands, &mut self.strays] {
+            *set = set.iter().map(|&of| mapper.get_mapped(of)).collect();
+        }
+    }
+}

@@ -125,6 +125,7 @@ pub mod solver;
 pub mod stability;
 #[deny(missing_debug_implementations)]
 pub mod stabilization;
+pub mod state;
 
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of
 /// [`Collider::shape`](collider::Collider::shape); use this re-export to name them in the version that drystone uses.

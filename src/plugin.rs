@@ -9,7 +9,7 @@ use crate::broadphase::{self, Broadphase};
 use crate::contact::{
     self, ContactEnded, ContactForce, ContactStarted, EndedPairs, LostPairs, Untriggered,
 };
-use crate::diagnosis::{BodyError, StepError, Suspects};
+use crate::diagnosis::{BodyError, StepError, Suspects, Told};
 use crate::graph::{self, ConstraintGraph, Islands};
 use crate::profile::{Profile, timed};
 use crate::schedule::{
@@ -102,6 +102,7 @@ impl Plugin for StepPlugin {
             .init_resource::<StepTime>()
             .init_resource::<Profile>()
             .init_resource::<Suspects>()
+            .init_resource::<Told>()
             .init_resource::<BodyTable>()
             .init_resource::<Pending>()
             .init_resource::<Broadphase>()

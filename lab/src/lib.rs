@@ -14,6 +14,7 @@
 //! |---|---|
 //! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
 //! | [`blows`] | bodies that fall on a stack or are shot at a wall, and how far they move other bodies |
+//! | [`copy`] | the state of a world in another world |
 //! | [`energy`] | the energy that loose bodies gain |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
@@ -31,6 +32,7 @@
 #![deny(unsafe_code)]
 
 pub mod blows;
+pub mod copy;
 pub mod energy;
 pub mod experiment;
 pub mod metrics;

@@ -1,6 +1,6 @@
 //! Who came first.
 
-use super::BodyTable;
+use super::{BodyProperty, BodyTable};
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_reflect::Reflect;
 
@@ -24,6 +24,8 @@ impl Default for Age {
         Self::NONE
     }
 }
+
+impl BodyProperty for Age {}
 
 /// As soon as the body is spawned: by the next step nobody would know the order any more. Where the plugins come after the body,
 /// *prepare* makes up for it.

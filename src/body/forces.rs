@@ -1,7 +1,8 @@
 //! What pushes a body besides contact, and the stage that turns it into velocity: v += Δt M⁻¹ f.
 
 use super::{
-    BodyIndex, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting, Velocity, limits,
+    BodyIndex, BodyProperty, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting,
+    Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};
@@ -68,6 +69,22 @@ pub struct GravityScale(pub f32);
 impl Default for GravityScale {
     fn default() -> Self {
         Self(1.0)
+    }
+}
+
+impl BodyProperty for ExternalForce {
+    fn is_known(&self, body: &BodyState) -> bool {
+        body.force == *self
+    }
+}
+
+impl BodyProperty for ExternalImpulse {}
+
+impl BodyProperty for Damping {}
+
+impl BodyProperty for GravityScale {
+    fn is_known(&self, body: &BodyState) -> bool {
+        body.gravity_scale == self.0
     }
 }
 

@@ -1,6 +1,6 @@
 //! Mass, inertia and centre of mass: from shape and density, or set by hand.
 
-use super::{RigidBody, limits, table};
+use super::{BodyProperty, RigidBody, limits, table};
 use crate::collider::Collider;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -41,6 +41,14 @@ pub struct AngularInertia {
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct CenterOfMass(pub Vec3);
+
+impl BodyProperty for Density {}
+
+impl BodyProperty for Mass {}
+
+impl BodyProperty for AngularInertia {}
+
+impl BodyProperty for CenterOfMass {}
 
 /// What the solver needs to know of a body's inertia. Computed; set [`Density`], [`Mass`], [`AngularInertia`] or
 /// [`CenterOfMass`] to change it.

@@ -14,6 +14,7 @@ mod motion;
 mod pending;
 mod placement;
 mod prepare;
+mod properties;
 mod quarantine;
 mod resting;
 mod sleeping;
@@ -22,6 +23,7 @@ mod table;
 pub use age::Age;
 pub use complete::complete;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
+pub(crate) use listed::{copy_description, properties_of, visit};
 pub(crate) use mass::weigh;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
 pub use motion::Motion;
@@ -29,45 +31,82 @@ pub use pending::{Pending, refresh};
 pub use placement::Teleport;
 pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
+pub(crate) use properties::{BodyProperty, KeptProperty};
 pub use quarantine::{Quarantined, lift, quarantine};
 pub use resting::Resting;
 pub use sleeping::Sleeping;
 pub use table::{BodyIndex, BodyState, BodyTable};
 pub(crate) use table::{is_body, lost_description, lost_parent};
 
+use crate::collider::{
+    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+};
+use crate::contact::ContactEvents;
+use crate::grab::Grab;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
+use listed::{Changes, Described, DescribedItem, Incomplete, Written, essentials};
+use properties::body_properties;
 
-/// How a body answers to contact. May be changed at any time.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-#[reflect(Component, Debug, Default)]
-#[component(summary_tick)]
-#[require(
-    Pose,
-    Velocity,
-    Motion,
-    MassProperties,
-    ExternalForce,
-    ExternalImpulse,
-    Damping,
-    GravityScale,
-    Sleeping,
-    BodyIndex,
-    Age,
-    Transform
-)]
-pub enum RigidBody {
-    /// Moved by forces and contacts.
-    #[default]
-    Dynamic,
-    /// Never moves; infinitely heavy. Moved by its `Transform` it is elsewhere at once and carries nothing along; a
-    /// [`Velocity`] is that of its surface, a conveyor belt's.
-    Static,
-    /// Moved by the user alone, infinitely heavy to whatever it touches: by its [`Velocity`], or by its `Transform`, and then its
-    /// velocity is for that step what takes it there, so that it carries what stands on it. See [`Teleport`].
-    Kinematic,
+body_properties! {
+    /// How a body answers to contact. May be changed at any time.
+    #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+    #[reflect(Component, Debug, Default)]
+    #[component(summary_tick)]
+    pub enum RigidBody {
+        /// Moved by forces and contacts.
+        #[default]
+        Dynamic,
+        /// Never moves; infinitely heavy. Moved by its `Transform` it is elsewhere at once and carries nothing along; a
+        /// [`Velocity`] is that of its surface, a conveyor belt's.
+        Static,
+        /// Moved by the user alone, infinitely heavy to whatever it touches: by its [`Velocity`], or by its `Transform`, and then its
+        /// velocity is for that step what takes it there, so that it carries what stands on it. See [`Teleport`].
+        Kinematic,
+    }
+
+    essential {
+        pose: Pose,
+        velocity: Velocity,
+        sleeping: Sleeping,
+        age: Age,
+        index: BodyIndex,
+    }
+    computed {
+        motion: Motion,
+        mass_properties: MassProperties,
+    }
+    pushing {
+        force: ExternalForce,
+        impulse: ExternalImpulse,
+        damping: Damping,
+        gravity_scale: GravityScale,
+    }
+    optional {
+        grab: Grab,
+    }
+    described {
+        collider: Collider,
+        density: Density,
+        mass: Mass,
+        inertia: AngularInertia,
+        center: CenterOfMass,
+        events: ContactEvents,
+    }
+    kept {
+        /// Its surface.
+        friction: Friction,
+        /// Its bounce.
+        restitution: Restitution,
+        /// What resists its rolling.
+        rolling: RollingFriction,
+        /// What it collides with.
+        layers: CollisionLayers,
+        /// Bodies that it does not collide with.
+        exceptions: CollisionExceptions,
+    }
 }
 
 /// Where a body is in the world: its origin in metres, and its orientation.
@@ -169,5 +208,20 @@ impl Velocity {
     #[inline]
     pub fn is_within_limits(&self) -> bool {
         limits::within(self.linear, limits::SPEED) && limits::within(self.angular, limits::SPIN)
+    }
+}
+
+impl BodyProperty for RigidBody {
+    fn is_known(&self, body: &BodyState) -> bool {
+        body.kind == *self
+    }
+}
+
+impl BodyProperty for Pose {}
+
+impl BodyProperty for Velocity {
+    /// A resting body stands still.
+    fn is_known(&self, _: &BodyState) -> bool {
+        *self == Self::default()
     }
 }

@@ -5,11 +5,12 @@
 //! [`SpatialQuery`](crate::query::SpatialQuery) prefers them to those of the table. The stage *prepare* makes all of it obsolete, and
 //! nothing of it reaches the simulation.
 
-use super::describe::{Changes, Described, describe};
+use super::describe::describe;
 use super::placement::{Placed, user_pose};
 use super::resting::{RestingBodies, RestingChildren, find_carried, find_written};
 use super::{
-    Age, BodyIndex, BodyState, BodyTable, Pose, Quarantined, Resting, RigidBody, Velocity, limits,
+    Age, BodyIndex, BodyState, BodyTable, Changes, Described, Pose, Quarantined, Resting,
+    RigidBody, Velocity, limits,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};

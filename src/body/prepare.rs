@@ -1,16 +1,15 @@
 //! The stage **prepare**: reads what the user changed, checks it, and fills the [`BodyTable`].
 
-use super::describe::{Changes, Described, describe};
+use super::describe::describe;
 use super::placement::{Placed, user_pose};
 use super::resting::{RestingBodies, RestingChildren, Rests, find_carried, find_written};
 use super::{
-    Age, BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
-    MassProperties, Pose, Quarantined, Resting, RigidBody, Sleeping, Teleport, Velocity, limits,
+    Age, BodyIndex, BodyProperties, BodyState, BodyTable, Changes, Damping, Described,
+    ExternalForce, ExternalImpulse, GravityScale, MassProperties, Pose, Quarantined, Resting,
+    RigidBody, Sleeping, Teleport, Velocity, limits,
 };
-use crate::collider::{
-    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
-};
-use crate::diagnosis::{BodyProblem, Suspects};
+use crate::collider::Collider;
+use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::grab::Grab;
 use crate::settings::{InForce, SpeedLimits, StepTime};
 use bevy_ecs::query::QueryData;
@@ -80,7 +79,7 @@ pub fn prepare(
         joining.extend(visitor.visit(body, &mut described, placed));
     }
     let mut stirred = match rules.in_force.changed {
-        true => bodies.p1().iter().map(|(of, ..)| of.0).collect(),
+        true => bodies.p1().iter().map(|of| of.entity).collect(),
         false => find_written(visitor.table, bodies.p1(), None),
     };
     stirred.extend(find_carried(bodies.p2(), placed));
@@ -251,8 +250,8 @@ fn leave(
     resting: Option<RestingBodies>,
 ) {
     if let Some(resting) = resting {
-        for (of, ..) in &resting {
-            if let Some(body) = table.body_mut(of.0, *of.4) {
+        for of in &resting {
+            if let Some(body) = table.body_mut(of.entity, *of.slot) {
                 body.visited = visit;
             }
         }
@@ -340,11 +339,7 @@ impl BodyState {
             comes_by: 0.0,
             curved: false,
             collider: None,
-            friction: Friction::default(),
-            restitution: Restitution::default(),
-            rolling: RollingFriction::default(),
-            layers: CollisionLayers::default(),
-            exceptions: CollisionExceptions::default(),
+            properties: BodyProperties::default(),
             events: false,
             gravity_scale: 1.0,
             radius: 0.0,
@@ -362,14 +357,22 @@ impl BodyState {
     }
 }
 
-/// Part of the stage *prepare*: shapes that belong to no body, said once.
+/// Part of the stage *prepare*: reports shapes that belong to no body, each once.
 pub fn strays(
-    mut suspects: ResMut<Suspects>,
+    (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
     new: Query<Entity, (Added<Collider>, Without<RigidBody>)>,
     parents: Query<&ChildOf>,
     bodies: Query<(), With<RigidBody>>,
+    shapes: Query<(), (With<Collider>, Without<RigidBody>)>,
 ) {
+    if new.is_empty() {
+        return;
+    }
+    told.strays.retain(|entity| shapes.contains(*entity));
     for entity in &new {
+        if !told.strays.insert(entity) {
+            continue;
+        }
         let above = parents.iter_ancestors(entity).find(|&e| bodies.contains(e));
         suspects.0.push((
             entity,

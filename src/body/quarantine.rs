@@ -4,14 +4,15 @@
 //! outside the simulation until the input is mended. Nothing of it is lost, and what touched it loses a neighbour and nothing
 //! else. It runs before contacts are looked for and once more after forces, before anything is solved with them.
 
-use super::describe::{Described, describe};
+use super::describe::describe;
 use super::placement::{Placed, user_pose};
 use super::prepare::{Pushed, check};
 use super::{
-    BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
-    MassProperties, Pose, Resting, RigidBody, Sleeping, Velocity,
+    BodyIndex, BodyState, BodyTable, Damping, Described, ExternalForce, ExternalImpulse,
+    GravityScale, MassProperties, Pose, Resting, RigidBody, Sleeping, Velocity,
 };
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::{name::Name, prelude::*};
 use bevy_reflect::Reflect;
@@ -24,12 +25,18 @@ use bevy_transform::components::Transform;
 /// velocity, damping, gravity scale, or mass.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
-#[component(clone_behavior = Ignore)]
+#[component(clone_behavior = Ignore, map_entities)]
 pub struct Quarantined {
     /// What was wrong.
     pub problem: BodyProblem,
     #[reflect(ignore)]
     pushed: PushedBody,
+}
+
+impl MapEntities for Quarantined {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.problem.map_entities(mapper);
+    }
 }
 
 /// What the speed of a body follows from.

@@ -6,16 +6,7 @@
 //! instance, is found by a census: as many must be there as have been marked.
 
 use super::placement::{Placed, user_pose};
-use super::{
-    Age, AngularInertia, BodyIndex, BodyState, BodyTable, CenterOfMass, Damping, Density,
-    ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Quarantined, RigidBody, Sleeping,
-    Velocity,
-};
-use crate::collider::{
-    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
-};
-use crate::contact::ContactEvents;
-use crate::grab::Grab;
+use super::{BodyIndex, BodyProperty, BodyTable, Pose, Quarantined, Written};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
@@ -31,41 +22,6 @@ impl Resting {
         Self(())
     }
 }
-
-/// Of a resting body all that a user may write.
-type Written = (
-    (
-        Entity,
-        Ref<'static, RigidBody>,
-        Ref<'static, Age>,
-        Ref<'static, Sleeping>,
-        Ref<'static, BodyIndex>,
-        Ref<'static, Pose>,
-        Ref<'static, Velocity>,
-        Ref<'static, Transform>,
-    ),
-    (
-        Option<Ref<'static, ExternalForce>>,
-        Option<Ref<'static, ExternalImpulse>>,
-        Option<Ref<'static, Damping>>,
-        Option<Ref<'static, GravityScale>>,
-        Option<Ref<'static, Grab>>,
-        Option<Ref<'static, Collider>>,
-        Option<Ref<'static, Density>>,
-        Option<Ref<'static, Mass>>,
-    ),
-    (
-        Option<Ref<'static, AngularInertia>>,
-        Option<Ref<'static, CenterOfMass>>,
-        Option<Ref<'static, Friction>>,
-        Option<Ref<'static, Restitution>>,
-        Option<Ref<'static, RollingFriction>>,
-        Option<Ref<'static, CollisionLayers>>,
-        Option<Ref<'static, ContactEvents>>,
-        Option<&'static ChildOf>,
-        Option<Ref<'static, CollisionExceptions>>,
-    ),
-);
 
 /// A body that rests.
 pub(super) type Rests = (With<Resting>, Without<Quarantined>);
@@ -86,63 +42,30 @@ pub(super) fn find_written(
 ) -> Vec<Entity> {
     let mut found = Vec::new();
     let columns = bodies.contiguous_iter();
-    for (required, forces, surface) in columns.expect("all of it is stored in tables") {
-        let entities = required.0;
+    for columns in columns.expect("all of it is stored in tables") {
         let rows = Rows {
             table,
-            entities,
-            slots: &required.4.clone(),
+            entities: columns.entity,
+            slots: columns.slot,
             since,
         };
-        macro_rules! look {
-            ($($column:expr),+ $(,)?) => {$(
-                look($column, since, |row, _| found.push(entities[row]));
-            )+};
-        }
-        macro_rules! look_if_there {
-            ($($column:expr),+ $(,)?) => {$(
-                if let Some(column) = $column {
-                    look!(column);
-                }
-            )+};
-        }
-        // Of what the table has a copy of, only what differs.
-        macro_rules! compare {
-            ($($column:expr => $same:expr),+ $(,)?) => {$(
-                if let Some(column) = $column {
-                    rows.compare(column, $same, &mut found);
-                }
-            )+};
-        }
-        compare!(
-            Some(required.1) => |body, &kind: &RigidBody| body.kind == kind,
-            Some(required.3) => |body, sleeping: &Sleeping| body.asleep == sleeping.asleep,
-            Some(required.6) => |_, &velocity: &Velocity| velocity == Velocity::default(),
-            forces.0 => |body, &force: &ExternalForce| body.force == force,
-            forces.3 => |body, scale: &GravityScale| body.gravity_scale == scale.0,
-            forces.5 => |body, collider: &Collider| {
-                body.collider.as_ref().is_some_and(|known| known.is_same(collider))
-            },
-            surface.2 => |body, &friction: &Friction| body.friction == friction,
-            surface.3 => |body, &restitution: &Restitution| body.restitution == restitution,
-            surface.4 => |body, &rolling: &RollingFriction| body.rolling == rolling,
-            surface.5 => |body, &layers: &CollisionLayers| body.layers == layers,
-            surface.8 => |body, exceptions: &CollisionExceptions| body.exceptions == *exceptions,
-        );
         // Of a child's frame `find_carried` knows.
-        if surface.7.is_none() {
-            look_moved(entities, &required.5, required.7, &mut found);
+        if columns.parent.is_none() {
+            look_moved(
+                columns.entity,
+                columns.at,
+                columns.transform.clone(),
+                &mut found,
+            );
         }
-        look!(required.2, required.4, required.5);
-        look_if_there!(forces.1, forces.2, forces.4, forces.6, forces.7);
-        look_if_there!(surface.0, surface.1, surface.6);
+        columns.find(rows, &mut found);
     }
     found
 }
 
 /// The bodies of a table of Bevy's.
 #[derive(Clone, Copy)]
-struct Rows<'a> {
+pub(super) struct Rows<'a> {
     table: &'a BodyTable,
     entities: &'a [Entity],
     slots: &'a [BodyIndex],
@@ -150,11 +73,10 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Whose row of a column has been written with what the table does not know.
-    fn compare<T>(
+    /// Finds the bodies whose row of a column was written with a value that the table does not know.
+    pub(super) fn compare<T: BodyProperty>(
         self,
         column: ContiguousRef<T>,
-        same: impl Fn(&BodyState, &T) -> bool,
         found: &mut Vec<Entity>,
     ) {
         let Self {
@@ -166,7 +88,7 @@ impl Rows<'_> {
         look(column, since, |row, value| {
             let body = table.get(slots[row].0);
             let known = body.filter(|body| body.entity == entities[row]);
-            if !known.is_some_and(|body| same(body, value)) {
+            if !known.is_some_and(|body| value.is_known(body)) {
                 found.push(entities[row]);
             }
         });

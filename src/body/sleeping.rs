@@ -1,5 +1,6 @@
 //! Whether a body sleeps. *Sleeping* puts islands to sleep, and *islands* wakes them.
 
+use super::{BodyProperty, BodyState};
 use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -33,6 +34,12 @@ impl Default for Sleeping {
             still_for: 0.0,
             allowed: true,
         }
+    }
+}
+
+impl BodyProperty for Sleeping {
+    fn is_known(&self, body: &BodyState) -> bool {
+        body.asleep == self.asleep
     }
 }
 

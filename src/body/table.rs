@@ -3,11 +3,13 @@
 //! Pair stages need their two bodies at random, which costs 5–30 ns through a query and 2 through a slice. So each body
 //! has a slot for life ([`BodyIndex`]), and the stage *prepare* copies what those stages read into it once a step.
 
-use super::{Age, ExternalForce, MassProperties, Pose, RigidBody, Velocity};
-use crate::collider::{
-    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+use super::{
+    Age, BodyProperties, BodyProperty, ExternalForce, MassProperties, Pose, RigidBody, Velocity,
 };
+use crate::collider::Collider;
+use crate::state::next_version;
 use bevy_ecs::change_detection::Tick;
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use fixedbitset::FixedBitSet;
@@ -29,6 +31,8 @@ impl Default for BodyIndex {
         Self::NONE
     }
 }
+
+impl BodyProperty for BodyIndex {}
 
 /// What describes a body has been taken off: *prepare* shall look at it anew, as when it is changed. By a hook, since the list of
 /// removed components is cleared with every frame, and a step may come after several.
@@ -99,16 +103,8 @@ pub struct BodyState {
     pub mass: MassProperties,
     /// Its shape, if it has one.
     pub collider: Option<Collider>,
-    /// Its surface.
-    pub friction: Friction,
-    /// Its bounce.
-    pub restitution: Restitution,
-    /// What resists its rolling.
-    pub rolling: RollingFriction,
-    /// What it collides with.
-    pub layers: CollisionLayers,
-    /// Bodies that it does not collide with.
-    pub exceptions: CollisionExceptions,
+    /// Its surface, and what else the table keeps a copy of.
+    pub properties: BodyProperties,
     /// Multiplies gravity.
     pub gravity_scale: f32,
     /// Half the edges of the box that holds the shape in its own frame, m; infinite for a half-space.
@@ -212,8 +208,9 @@ const THICKNESS: f32 = 2.5;
 /// What is longer than its second longest side by this is slender; a plank of 0.75 × 0.15 × 0.245 m is not.
 const SLENDER: f32 = 6.0;
 
-/// All live bodies by slot. See the module's text.
-#[derive(Resource, Default)]
+/// All live bodies by slot: a dense copy of what the stages of a step read at random, and what was known of each body in the last step.
+#[derive(Resource, Clone, Default)]
+#[component(map_entities)]
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,
     /// Slots of bodies that are not [`Resting`](super::Resting).
@@ -229,8 +226,24 @@ pub struct BodyTable {
     pub(crate) removed: Vec<u32>,
     ages: u64,
     visits: u64,
+    /// A tick of the world it is in.
     visited_at: Option<Tick>,
     version: u64,
+}
+
+impl MapEntities for BodyTable {
+    /// For a table in another world: whatever was derived there from the table that it replaces is not derived from this one.
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for body in self.slots.iter_mut().flatten() {
+            body.entity.map_entities(mapper);
+            body.properties.exceptions.map_entities(mapper);
+        }
+        for (body, _) in &mut self.left {
+            body.map_entities(mapper);
+        }
+        self.visited_at = None;
+        self.version = next_version();
+    }
 }
 
 /// Whether an entity is a body now: not despawned, disabled or robbed of its kind.
@@ -363,7 +376,7 @@ impl BodyTable {
 
     pub(crate) fn insert(&mut self, body: BodyState) -> BodyIndex {
         self.count += 1;
-        self.version += 1;
+        self.version = next_version();
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push(None);
             self.slots.len() as u32 - 1
@@ -380,7 +393,7 @@ impl BodyTable {
             self.active.remove(index.0 as usize);
             self.slots[index.0 as usize] = None;
             self.count -= 1;
-            self.version += 1;
+            self.version = next_version();
             self.removed.push(index.0);
         }
     }

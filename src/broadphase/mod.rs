@@ -27,7 +27,7 @@ const AHEAD: f32 = 2.0;
 const TIDY: usize = 16;
 
 /// The tree, and what was found in it.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Default)]
 pub struct Broadphase {
     tree: Bvh,
     workspace: BvhWorkspace,
@@ -44,7 +44,7 @@ pub struct Broadphase {
 }
 
 /// What has changed in the tree.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Found {
     /// Slots of what left its box or went, so that pairs may have ended.
     pub stirred: Vec<u32>,
@@ -97,9 +97,9 @@ impl Broadphase {
 
 /// The two may exert forces on each other.
 fn may_collide(a: &BodyState, b: &BodyState) -> bool {
-    let excepts = |one: &BodyState, other: &BodyState| one.exceptions.0.contains(&other.entity);
+    let excepts = |one: &BodyState, other: &BodyState| one.properties.exceptions.0.contains(&other.entity);
     (a.is_dynamic() || b.is_dynamic())
-        && a.layers.collides_with(b.layers)
+        && a.properties.layers.collides_with(b.properties.layers)
         && !excepts(a, b)
         && !excepts(b, a)
 }

@@ -1,5 +1,6 @@
 //! Pairs of bodies that do not collide.
 
+use crate::body::KeptProperty;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -32,6 +33,8 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, map_entities, summary_tick)]
 pub struct CollisionExceptions(pub EntityHashSet);
+
+impl KeptProperty for CollisionExceptions {}
 
 impl MapEntities for CollisionExceptions {
     fn map_entities<Mapper: EntityMapper>(&mut self, mapper: &mut Mapper) {

@@ -1,5 +1,6 @@
 //! Collision layers: which bodies collide with which.
 
+use crate::body::KeptProperty;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -23,6 +24,8 @@ impl Default for CollisionLayers {
         }
     }
 }
+
+impl KeptProperty for CollisionLayers {}
 
 impl CollisionLayers {
     /// Returns true if bodies with these layers collide with each other.

@@ -1,6 +1,7 @@
 //! Surface materials: friction, restitution and rolling friction, and how those of two bodies are combined.
 
-use crate::body::limits;
+use crate::body::{KeptProperty, limits};
+use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -78,6 +79,15 @@ macro_rules! surface {
         impl Default for $name {
             fn default() -> Self {
                 Self::new($default)
+            }
+        }
+
+        impl KeptProperty for $name {
+            fn check(&self) -> Result<(), BodyProblem> {
+                match self.is_valid() {
+                    true => Ok(()),
+                    false => Err(BodyProblem::InvalidMaterial),
+                }
             }
         }
 

@@ -22,7 +22,7 @@ pub enum Axis {
 pub(crate) type ParryManifold = ContactManifold<Axis, ()>;
 
 /// What collision detection keeps from step to step.
-#[derive(Component, Default)]
+#[derive(Component, Clone, Default)]
 #[component(clone_behavior = Ignore)]
 #[doc(hidden)]
 pub struct NarrowphaseCache {
@@ -35,22 +35,13 @@ pub struct NarrowphaseCache {
 }
 
 /// What parry keeps from search to search.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ParryCache {
     pub manifolds: Vec<ParryManifold>,
     pub workspace: Option<ContactManifoldsWorkspace>,
 }
 
 impl NarrowphaseCache {
-    /// A copy of it, in which parry begins anew.
-    pub(crate) fn without_parry(&self) -> Self {
-        Self {
-            stand: self.stand,
-            axis: self.axis,
-            parry: None,
-        }
-    }
-
     /// What is found next is found anew.
     pub(crate) fn forget(&mut self) {
         self.stand.forget();

@@ -2,8 +2,9 @@
 //! observers of entities that ask for them with [`ContactEvents`].
 
 use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair};
-use crate::body::{Age, BodyTable, Resting};
+use crate::body::{Age, BodyProperty, BodyTable, Resting};
 use crate::settings::StepTime;
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -12,6 +13,8 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ContactEvents;
+
+impl BodyProperty for ContactEvents {}
 
 /// Two bodies began to touch: sent in the step in which they first push on each other, or come within the collision envelope. As an
 /// entity event its target is `body`; as a message `body` is A of the pair.
@@ -40,17 +43,47 @@ pub struct ContactEnded {
 }
 
 /// Pairs that listeners believe to touch, and that are gone.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Default)]
+#[component(map_entities)]
 #[doc(hidden)]
 pub struct EndedPairs(pub(crate) Vec<([Age; 2], [Entity; 2])>);
 
 /// Events for observers, triggered once the step is over.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Default)]
+#[component(map_entities)]
 #[doc(hidden)]
 pub struct Untriggered {
     started: Vec<ContactStarted>,
     ended: Vec<ContactEnded>,
     pub(super) forces: Vec<ContactForce>,
+}
+
+impl MapEntities for EndedPairs {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for (_, bodies) in &mut self.0 {
+            bodies.map_entities(mapper);
+        }
+    }
+}
+
+impl MapEntities for Untriggered {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for event in &mut self.started {
+            for named in [&mut event.body, &mut event.other, &mut event.pair] {
+                named.map_entities(mapper);
+            }
+        }
+        for event in &mut self.ended {
+            for named in [&mut event.body, &mut event.other] {
+                named.map_entities(mapper);
+            }
+        }
+        for event in &mut self.forces {
+            for named in [&mut event.body, &mut event.other, &mut event.pair] {
+                named.map_entities(mapper);
+            }
+        }
+    }
 }
 
 /// See the module's text. With several substeps it speaks of the whole step, at its end.

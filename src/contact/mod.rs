@@ -13,6 +13,7 @@ mod events;
 mod feature;
 mod force_events;
 mod forces;
+mod lists;
 mod origins;
 mod supports;
 mod whole_step;
@@ -26,6 +27,7 @@ pub use events::{
 pub use feature::FeatureId;
 pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
 pub use forces::{Contacts, FaceForce, Load, NotABody, contacts, loads};
+pub(crate) use lists::{Lists, fit, reorder};
 pub(crate) use origins::{Origins, inherit};
 pub use supports::{Bearing, Supports, supports};
 pub(crate) use whole_step::Earlier;
@@ -34,6 +36,7 @@ pub use whole_step::whole_step;
 use crate::body::{Age, BodyState};
 use crate::solver::Slip;
 use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
@@ -51,6 +54,7 @@ use smallvec::SmallVec;
 )]
 pub struct ContactPair {
     /// A and B.
+    #[entities]
     pub bodies: [Entity; 2],
     /// Their slots in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
@@ -108,9 +112,10 @@ impl ContactPair {
 
     /// Takes over how the surfaces of its bodies act on each other.
     pub(crate) fn combine(&mut self, [a, b]: [&BodyState; 2]) {
-        self.friction = a.friction.combine(b.friction);
-        self.restitution = a.restitution.combine(b.restitution);
-        self.rolling_friction = a.rolling.combine(b.rolling);
+        let (of_a, of_b) = (&a.properties, &b.properties);
+        self.friction = of_a.friction.combine(of_b.friction);
+        self.restitution = of_a.restitution.combine(of_b.restitution);
+        self.rolling_friction = of_a.rolling.combine(of_b.rolling);
         self.rolling_radius = a.rolling_radius().min(b.rolling_radius());
     }
 
@@ -129,9 +134,19 @@ impl ContactPair {
 }
 
 /// Pairs that are gone, whoever despawned them, until the broadphase has looked at them.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Default)]
+#[component(map_entities)]
 #[doc(hidden)]
 pub struct LostPairs(pub(crate) Vec<(Entity, ContactPair)>);
+
+impl MapEntities for LostPairs {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for (entity, pair) in &mut self.0 {
+            entity.map_entities(mapper);
+            pair.bodies.map_entities(mapper);
+        }
+    }
+}
 
 /// A pair's entity is gone, or is a pair no more. The hook of [`ContactPair`].
 fn lose_pair(mut world: DeferredWorld, context: HookContext) {
@@ -283,23 +298,11 @@ impl ContactImpulses {
     /// Makes the lists as long as those of the manifold, where somebody has changed the length of either. Entries stay in their places.
     #[inline(always)]
     pub(crate) fn fit(&mut self, manifold: &Manifold) {
-        let (points, patches) = (manifold.points.len(), manifold.patches.len());
-        let friction = self.friction.len();
-        if self.points.len() != points
-            || self.patches.len() != patches
-            || friction != 0 && friction != points
-        {
-            self.resize(points, patches);
-        }
-    }
-
-    #[cold]
-    fn resize(&mut self, points: usize, patches: usize) {
-        self.points.resize(points, Impulse::default());
-        self.patches.resize(patches, PatchImpulse::default());
-        if !self.friction.is_empty() {
-            self.friction.resize(points, PointFriction::default());
-        }
+        let lists = Lists {
+            impulses: Some(self),
+            ..Default::default()
+        };
+        fit(manifold, lists);
     }
 }
 

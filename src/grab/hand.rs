@@ -2,10 +2,11 @@
 
 use super::{Grab, HeldBy};
 use crate::body::RigidBody;
+use crate::diagnosis::Told;
 use crate::query::{QueryFilter, Ray3d, SpatialQuery};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, refresh};
 use bevy_app::{App, Plugin};
-use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -83,7 +84,7 @@ pub struct Hand {
 
 /// What a [`Hand`] holds. The clone of a hand holds nothing.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-#[component(on_remove = let_go, clone_behavior = Ignore)]
+#[component(on_remove = let_go, clone_behavior = Ignore, map_entities)]
 pub enum Grasp {
     /// It is open.
     #[default]
@@ -92,6 +93,14 @@ pub enum Grasp {
     Empty,
     /// A body, at a point of it, in its frame, m.
     Holds(Entity, Vec3),
+}
+
+impl MapEntities for Grasp {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        if let Self::Holds(body, _) = self {
+            body.map_entities(mapper);
+        }
+    }
 }
 
 impl Hand {
@@ -148,7 +157,7 @@ pub fn hands(
     world: SpatialQuery,
     mut hands: Query<(Entity, &mut Hand, &mut Grasp)>,
     mut bodies: Bodies,
-    mut told: Local<EntityHashSet>,
+    mut told: ResMut<Told>,
 ) {
     // First all that let go, so that a body goes from hand to hand in one step.
     let mut freed = EntityHashSet::default();
@@ -162,7 +171,7 @@ pub fn hands(
             freed.insert(body);
         }
         *grasp = Grasp::Open;
-        told.remove(&entity);
+        told.hands.remove(&entity);
     }
     for (entity, mut hand, mut grasp) in &mut hands {
         if !hand.closed {
@@ -211,8 +220,8 @@ pub fn hands(
                 let wanted = hand.grab(local, target);
                 if wanted.is_valid() {
                     grab.set_if_neq(wanted);
-                    told.remove(&entity);
-                } else if told.insert(entity) {
+                    told.hands.remove(&entity);
+                } else if told.hands.insert(entity) {
                     tracing::error!("the hand {entity} holds on to {body} as before: {INVALID}");
                 }
             }

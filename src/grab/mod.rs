@@ -4,7 +4,7 @@ mod hand;
 
 pub use hand::{Grasp, Hand, HandPlugin, hands};
 
-use crate::body::{BodyState, Pose, limits};
+use crate::body::{BodyProperty, BodyState, Pose, limits};
 use crate::solver::Grip;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
@@ -68,6 +68,8 @@ pub struct Grab {
     pub max_torque: f32,
 }
 
+impl BodyProperty for Grab {}
+
 /// What the hand that holds a body did in the last step; nothing where none does.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
@@ -82,7 +84,7 @@ pub struct HandForce {
 /// The [`Hand`] that holds a body by its [`Grab`]; none where a game has grabbed it by itself.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(clone_behavior = Ignore)]
-pub struct HeldBy(pub(crate) Entity);
+pub struct HeldBy(#[entities] pub(crate) Entity);
 
 impl HeldBy {
     /// The hand.

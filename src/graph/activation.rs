@@ -9,7 +9,7 @@ use crate::body::{BodyTable, Resting};
 use bevy_ecs::prelude::*;
 
 /// What is to go to rest.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Tired {
     pub bodies: Vec<(u32, Entity)>,
     pub pairs: Vec<(Entity, [u32; 2])>,

@@ -8,6 +8,7 @@
 //!
 //! All of it costs as much as one body has neighbours, whoever else there is.
 
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 
@@ -30,7 +31,7 @@ pub(crate) struct Link {
     pub edge: u32,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Edge {
     kind: EdgeKind,
     links: bool,
@@ -48,7 +49,7 @@ impl Edge {
 }
 
 /// The edges of one body.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Node {
     edges: Vec<u32>,
     /// So many of them link; they come first.
@@ -56,7 +57,7 @@ struct Node {
 }
 
 /// What has changed since islands were last brought up to date.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
     /// Slots of bodies between which an edge began to link.
     pub linked: Vec<[u32; 2]>,
@@ -73,7 +74,8 @@ impl Changes {
 }
 
 /// The constraint graph: bodies by slot, and the edges between them. See the [module](super).
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
 pub struct ConstraintGraph {
     known: HashMap<(EdgeKind, [u32; 2]), u32>,
     edges: Vec<Edge>,
@@ -85,6 +87,17 @@ pub struct ConstraintGraph {
     reported: Vec<(u32, bool)>,
     /// Edges that may be at rest, since both of their bodies are.
     pub(super) settling: Vec<(u32, Entity)>,
+}
+
+impl MapEntities for ConstraintGraph {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for &edge in self.known.values() {
+            self.edges[edge as usize].entity.map_entities(mapper);
+        }
+        for (_, entity) in &mut self.settling {
+            entity.map_entities(mapper);
+        }
+    }
 }
 
 impl ConstraintGraph {

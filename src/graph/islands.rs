@@ -12,11 +12,14 @@ use super::partition::Partition;
 use crate::body::{Age, BodyState, BodyTable, Resting, Sleeping};
 use crate::contact::{ContactPair, LostPairs, Manifold, is_edited};
 use crate::settings::StepTime;
+use crate::state::next_version;
+use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 
 /// Which island each body is in, and what stands on what: views of the [`ConstraintGraph`].
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
 pub struct Islands {
     pub(super) partition: Partition,
     levels: Levels,
@@ -31,6 +34,23 @@ pub struct Islands {
     pub(super) parted: Vec<[u32; 2]>,
     /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
     pub(super) arriving: Vec<bool>,
+}
+
+impl MapEntities for Islands {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        let known = self.known.iter_mut().flatten();
+        let active = self.active.iter_mut().map(|member| &mut member.body);
+        for body in known.chain(active) {
+            body.entity.map_entities(mapper);
+        }
+        for (_, body) in &mut self.tired.bodies {
+            body.map_entities(mapper);
+        }
+        for (pair, _) in &mut self.tired.pairs {
+            pair.map_entities(mapper);
+        }
+        self.version = next_version();
+    }
 }
 
 /// A body, and whether contacts can move it.
@@ -232,7 +252,7 @@ impl Islands {
         if same && graph.changes.is_empty() {
             return;
         }
-        self.version += 1;
+        self.version = next_version();
         let changes = std::mem::take(&mut graph.changes);
         let mut update = Update {
             linked: changes.linked,

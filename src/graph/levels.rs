@@ -28,7 +28,7 @@ pub(super) enum Kind {
 }
 
 /// By slot.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Levels {
     levels: Vec<u32>,
     /// Bodies to look at, by level: scratch.

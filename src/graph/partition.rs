@@ -16,7 +16,7 @@ use super::edges::ConstraintGraph;
 use std::collections::VecDeque;
 
 /// Where a body is in the partition.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Place {
     island: u32,
     /// In the list of its members.
@@ -32,7 +32,7 @@ const NOWHERE: Place = Place {
     active: false,
 };
 
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Island {
     members: Vec<u32>,
     active: u32,
@@ -44,7 +44,7 @@ struct Island {
 }
 
 /// The islands.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Partition {
     /// By slot.
     places: Vec<Place>,
@@ -320,7 +320,7 @@ impl Partition {
 }
 
 /// Several searches through the links of an island, in turns.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Search {
     /// By slot: 1 + the search that has found the body; 0 where none has.
     found_by: Vec<u32>,
@@ -328,6 +328,7 @@ struct Search {
 }
 
 /// One of them.
+#[derive(Clone, Debug)]
 struct Front {
     /// The search that it has met and is one with; itself if none.
     is: u32,

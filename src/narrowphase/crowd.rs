@@ -8,9 +8,9 @@
 
 use super::{PairColumns, is_idle};
 use crate::body::{BodyTable, Resting};
+use crate::contact::{ContactPair, Manifold, Origins, reorder};
+use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
-use crate::contact::{ContactPair, Manifold, Origins};
-use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 
@@ -34,15 +34,14 @@ struct DeepPair {
 pub fn crowd(
     (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
     mut pairs: Query<(Entity, PairColumns), Without<Resting>>,
-    mut suspects: ResMut<Suspects>,
-    mut told: Local<bool>,
+    (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
 ) {
     let is_crowded = |slot: u32| graph.edges_of(slot).len() > MOST;
     let any = table
         .active()
         .any(|(slot, body)| body.is_awake() && is_crowded(slot));
     if !any {
-        *told = false;
+        told.crowded = false;
         return;
     }
     let mut deep: Vec<DeepPair> = pairs
@@ -74,7 +73,7 @@ pub fn crowd(
     let Some(first) = deep.first() else {
         return;
     };
-    if !std::mem::replace(&mut *told, true)
+    if !std::mem::replace(&mut told.crowded, true)
         && let Some(body) = table.get(first.slots[0])
     {
         suspects.0.push((body.entity, BodyProblem::Crowded));
@@ -87,15 +86,10 @@ pub fn crowd(
         let pair = pair.bypass_change_detection();
         *manifold.bypass_change_detection() = Manifold::default();
         let impulses = impulses.bypass_change_detection();
-        impulses.reorder(&Origins::default());
-        impulses.patches.clear();
         let anchors = anchors.bypass_change_detection();
-        anchors.points.clear();
-        anchors.patches.clear();
-        anchors.measured = false;
         let targets = targets.bypass_change_detection();
-        targets.points.clear();
-        targets.patches.clear();
+        let none = Origins::default();
+        reorder(&none, &none, impulses, anchors, targets);
         cache.bypass_change_detection().stand.forget();
         pair.revision = pair.revision.wrapping_add(1);
         pair.waits = (WAITS / 2 + (pair.ages[0].0 + pair.ages[1].0) % WAITS) as u8;

@@ -25,7 +25,7 @@ pub use crowd::crowd;
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-    inherit, is_edited,
+    is_edited, reorder,
 };
 use crate::graph::ConstraintGraph;
 use crate::settings::{
@@ -200,17 +200,8 @@ fn look(
             };
             let turns = stand.turns([a, b]);
             let origins = matching::match_points(&old, manifold, turns, radius);
-            impulses.reorder(&origins);
-            if !anchors.points.is_empty() {
-                inherit(&origins, &mut anchors.points);
-            }
-            anchors.measured = false;
-            let origins = matching::match_patches(&old, manifold);
-            inherit(&origins, &mut impulses.patches);
-            inherit(&origins, &mut anchors.patches);
-            targets.points.clear();
-            targets.patches.clear();
-            targets.patches.resize(manifold.patches.len(), None);
+            let of_patches = matching::match_patches(&old, manifold);
+            reorder(&origins, &of_patches, impulses, anchors, targets);
             cache.stand.take(a, b);
             if limit > 0.0 && !passing {
                 (cache.stand.reach, cache.stand.apart) = (reach, apart);

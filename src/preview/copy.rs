@@ -2,10 +2,9 @@
 
 use crate::DrystonePlugins;
 use crate::body::{
-    AngularInertia, BodyState, BodyTable, CenterOfMass, Damping, Density, ExternalForce,
-    GravityScale, Mass, Pose, Sleeping, Velocity,
+    BodyState, BodyTable, Pose, Sleeping, Velocity, copy_description, properties_of,
 };
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::collider::Collider;
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
 };
@@ -53,7 +52,7 @@ pub(super) fn contact(
         pair.get::<ContactImpulses>()?.clone(),
         pair.get::<ContactAnchors>()?.clone(),
         pair.get::<ContactTargets>()?.clone(),
-        pair.get::<NarrowphaseCache>()?.without_parry(),
+        pair.get::<NarrowphaseCache>()?.clone(),
     );
     Some(([a?, b?], contact))
 }
@@ -161,38 +160,16 @@ pub(super) fn copy(world: &World, body: &BodyState, shadow: &mut World, lies: Li
         Lies::UntilHit => sleeping.asleep |= still,
         Lies::Falls => sleeping = Sleeping::default(),
     }
-    // All of it at once: each insertion of its own would move the body to another table.
-    macro_rules! current {
-        ($component:ty) => {
-            original.get::<$component>().copied().unwrap_or_default()
-        };
-    }
+    // Most of it at once: each insertion of its own would move the body to another table.
     let parts = (
         (body.kind, to_transform(pose), velocity, sleeping),
-        (
-            current!(ExternalForce),
-            current!(Damping),
-            current!(GravityScale),
-        ),
-        (
-            current!(Friction),
-            current!(Restitution),
-            current!(RollingFriction),
-            current!(CollisionLayers),
-        ),
+        properties_of(original),
     );
     let mut copy = match original.get::<Collider>() {
         Some(collider) => shadow.spawn((parts, collider.clone())),
         None => shadow.spawn(parts),
     };
-    macro_rules! take {
-        ($($component:ty),+ $(,)?) => {
-            $(if let Some(component) = original.get::<$component>() {
-                copy.insert(component.clone());
-            })+
-        };
-    }
-    take!(Density, Mass, AngularInertia, CenterOfMass);
+    copy_description(original, &mut copy);
     copy.id()
 }
 

@@ -18,7 +18,7 @@ mod touch;
 
 use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Resting, Velocity, limits};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
-use crate::diagnosis::{BodyProblem, Suspects};
+use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::grab::{Grab, HandForce};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::Profile;
@@ -88,11 +88,10 @@ const TOGETHER: usize = 64;
 
 /// What is said of a step's solves.
 #[derive(SystemParam)]
-pub struct Said<'w, 's> {
+pub struct Said<'w> {
     reports: ResMut<'w, SolveReports>,
     suspects: ResMut<'w, Suspects>,
-    /// Whose solve went wrong in the last step.
-    told: Local<'s, Vec<Entity>>,
+    told: ResMut<'w, Told>,
 }
 
 type Pairs<'w, 's> = Query<
@@ -374,7 +373,7 @@ fn clean(velocity: [Vec3; 2]) -> Velocity {
     Velocity { linear, angular }
 }
 
-impl Said<'_, '_> {
+impl Said<'_> {
     /// Of the first body of an island that goes wrong, when it begins to.
     fn report<R: Rows>(&mut self, islands: &[Island<R>]) {
         let touching = islands.iter().filter(|island| island.points() > 0);
@@ -382,10 +381,12 @@ impl Said<'_, '_> {
         self.reports.0.extend(touching.map(Island::report));
         let wrong = islands.iter().filter(|island| island.diverged);
         let wrong: Vec<Entity> = wrong.filter_map(|island| island.first).collect();
-        let new = wrong.iter().filter(|entity| !self.told.contains(entity));
+        let new = wrong
+            .iter()
+            .filter(|entity| !self.told.diverged.contains(entity));
         self.suspects
             .0
             .extend(new.map(|&entity| (entity, BodyProblem::Diverged)));
-        *self.told = wrong;
+        self.told.diverged = wrong;
     }
 }

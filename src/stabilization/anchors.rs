@@ -4,8 +4,8 @@
 use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PatchAnchor,
-    is_edited,
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, Lists, Manifold, ManifoldPatch,
+    PatchAnchor, fit, is_edited,
 };
 use crate::graph::Islands;
 use crate::settings::{
@@ -98,12 +98,14 @@ pub fn anchors(
                 return;
             }
             let bodies = [a, b];
-            impulses.fit(manifold);
-            let patches = manifold.patches.len();
-            if anchors.patches.len() != patches {
-                anchors.patches.resize(patches, PatchAnchor::default());
-            }
-            if friction.anchors == AnchorRule::PairPose {
+            let by_pose = friction.anchors == AnchorRule::PairPose;
+            let lists = Lists {
+                impulses: Some(&mut *impulses),
+                anchors: Some((&mut *anchors, !by_pose)),
+                ..Default::default()
+            };
+            fit(manifold, lists);
+            if by_pose {
                 hold_patches(
                     &friction, pair, manifold, impulses, bodies, anchors, time.dt,
                 );
@@ -122,9 +124,6 @@ fn hold_points(
     bodies: [&BodyState; 2],
     anchors: &mut ContactAnchors,
 ) {
-    anchors
-        .points
-        .resize(manifold.points.len(), Anchor::default());
     for (number, patch) in manifold.patches.iter().enumerate() {
         let range = manifold.range(patch);
         let held = &mut anchors.points[range.clone()];

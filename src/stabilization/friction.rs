@@ -5,8 +5,8 @@
 
 use crate::body::{BodyState, BodyTable, Resting};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Manifold, ManifoldPatch,
-    PatchAnchor, Target, is_edited,
+    Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Lists, Manifold,
+    ManifoldPatch, PatchAnchor, Target, fit, is_edited,
 };
 use crate::graph::Islands;
 use crate::settings::{
@@ -271,17 +271,12 @@ pub fn friction_error(
                 return;
             }
             anchors.measured = true;
-            let count = if by_pose { 0 } else { manifold.points.len() };
-            anchors.points.resize(count, Anchor::default());
-            // No longer or shorter than the manifold, unless somebody has changed that.
-            let patches = manifold.patches.len();
-            anchors.patches.resize(patches, PatchAnchor::default());
-            targets.patches.resize(patches, None);
-            if by_points {
-                targets
-                    .points
-                    .resize(manifold.points.len(), Target::default());
-            }
+            let lists = Lists {
+                anchors: Some((&mut *anchors, !by_pose)),
+                targets: Some((&mut *targets, by_points)),
+                ..Default::default()
+            };
+            fit(manifold, lists);
             for (i, patch) in manifold.patches.iter().enumerate() {
                 let range = manifold.range(patch);
                 let points = &manifold.points[range.clone()];

@@ -5,7 +5,7 @@
 //! *lets points come down* that are above it but inside the envelope. Every contact settles on the ideal plane, and none flickers.
 
 use crate::body::{BodyTable, Resting};
-use crate::contact::{ContactPair, ContactTargets, Manifold};
+use crate::contact::{ContactPair, ContactTargets, Lists, Manifold, fit};
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
 
@@ -103,9 +103,11 @@ pub fn normal_correction(
             let Some([a, b]) = table.both(pair.slots) else {
                 return;
             };
-            targets
-                .points
-                .resize(manifold.points.len(), Default::default());
+            let lists = Lists {
+                targets: Some((&mut *targets, true)),
+                ..Default::default()
+            };
+            fit(manifold, lists);
             for patch in &manifold.patches {
                 let range = manifold.range(patch);
                 let points = &manifold.points[range.clone()];

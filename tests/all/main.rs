@@ -40,6 +40,7 @@ mod solvers;
 mod spin;
 mod squeeze;
 mod stability;
+mod state;
 mod steadiness;
 mod stops;
 mod strewn;

@@ -172,6 +172,42 @@ fn a_shadow_goes_where_its_world_goes() {
     }
 }
 
+/// What sleeps in a shadow sleeps on, and goes where it goes in the world once something happens to it.
+#[test]
+fn what_sleeps_in_a_shadow_goes_where_its_world_goes() {
+    for scene in ["wall:8x6", "arch:9", "cardhouse:3", "heap:60"] {
+        let mut run = settled(scene);
+        run.world.resource_mut::<SleepSettings>().enabled = true;
+        for _ in 0..600 {
+            run.step();
+        }
+        let mut shadow = Shadow::around(&run.world, &run.bodies).unwrap();
+        let copies: Vec<Entity> = run
+            .bodies
+            .iter()
+            .map(|&body| shadow.copy_of(body).unwrap())
+            .collect();
+        let mut asleep = 0;
+        for step in 0..150 {
+            if step == 30 {
+                run.world.despawn(run.bodies[3]);
+                shadow.world_mut().despawn(copies[3]);
+            }
+            drystone::step(&mut run.world, 1.0 / 60.0).unwrap();
+            drystone::step(shadow.world_mut(), 1.0 / 60.0).unwrap();
+            for (&body, &copy) in run.bodies.iter().zip(&copies) {
+                let one = run.world.get::<Pose>(body);
+                assert_eq!(one, shadow.world_mut().get::<Pose>(copy), "{scene} {step}");
+                let one = run.world.get::<Sleeping>(body).map(|body| body.asleep);
+                let other = shadow.world_mut().get::<Sleeping>(copy);
+                assert_eq!(one, other.map(|body| body.asleep), "{scene} {step}");
+                asleep += usize::from(step < 30 && one == Some(true));
+            }
+        }
+        assert!(asleep > 100, "{scene}: {asleep}");
+    }
+}
+
 /// Two bricks on the ground, one across, all at rest.
 fn trilith() -> (Lab, [Entity; 3]) {
     let mut lab = Lab::new();

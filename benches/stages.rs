@@ -194,8 +194,8 @@ fn soft_step(criterion: &mut Criterion) {
     let (mut patches, mut points) = patches(&contacts);
     let method = |lanes| SoftStep {
         lanes,
-        most_sweeps: SWEEPS,
-        longest_substep: 1e-5,
+        max_sweeps: SWEEPS,
+        max_substep: 1e-5,
         ..Default::default()
     };
     let solve = |method: &SoftStep,

@@ -43,7 +43,8 @@
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
-//! | solve | [`solve`], [`solver`] | (1), (4) | pairs, velocities, last impulses | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
+//! | warm start | [`warm_start`] | | pairs, manifolds, last impulses | [`IslandProblems`](warm_start::IslandProblems) |
+//! | solve | [`solve`], [`solver`] | (1), (4) | `IslandProblems`, velocities | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
 //! | sleeping | [`islands`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
@@ -89,6 +90,7 @@ pub mod solver;
 #[cfg(feature = "stability")]
 pub mod stability;
 pub mod stabilization;
+pub mod warm_start;
 
 pub use plugin::*;
 pub use schedule::{advance, refresh, step};

@@ -15,6 +15,7 @@ use crate::settings::{
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
+use crate::warm_start::{self, IslandProblems};
 use crate::{grab, integration, islands, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
@@ -60,6 +61,7 @@ impl PluginGroup for DrystonePlugins {
             .add(CollisionPlugin)
             .add(FrictionStabilizationPlugin)
             .add(NormalStabilizationPlugin)
+            .add(WarmStartPlugin)
             .add(SolverPlugin)
             .add(IntegrationPlugin)
             .add(SleepingPlugin)
@@ -95,6 +97,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Pending>()
             .init_resource::<Broadphase>()
             .init_resource::<Islands>()
+            .init_resource::<IslandProblems>()
             .init_resource::<SolveReports>()
             .init_resource::<EndedPairs>()
             .init_resource::<Untriggered>()
@@ -225,6 +228,15 @@ impl Plugin for NormalStabilizationPlugin {
                 .run_if(solves_points)
                 .in_set(PhysicsSystems::NormalCorrection),
         );
+    }
+}
+
+/// The problems of islands, and the impulses that they start from. Without it nothing is solved, and bodies fall through each other.
+pub struct WarmStartPlugin;
+
+impl Plugin for WarmStartPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(app, WarmStart: "warm_start" warm_start::warm_start);
     }
 }
 

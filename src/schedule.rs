@@ -40,7 +40,9 @@ pub enum PhysicsSystems {
     NormalCorrection,
     /// v += Δt M⁻¹ f.
     Forces,
-    /// λ and v, island by island, from the λ of the last step.
+    /// The problem of each island, and the λ that it starts from.
+    WarmStart,
+    /// λ and v, island by island.
     Solve,
     /// Equation (10) with the λ just found; writes or deletes anchors.
     Anchors,
@@ -54,7 +56,7 @@ pub enum PhysicsSystems {
 
 impl PhysicsSystems {
     /// All of them, in the order in which they run.
-    pub const ORDER: [Self; 12] = [
+    pub const ORDER: [Self; 13] = [
         Self::Prepare,
         Self::Broadphase,
         Self::Narrowphase,
@@ -62,6 +64,7 @@ impl PhysicsSystems {
         Self::FrictionError,
         Self::NormalCorrection,
         Self::Forces,
+        Self::WarmStart,
         Self::Solve,
         Self::Anchors,
         Self::Integration,
@@ -125,7 +128,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     }
     let start = Instant::now();
     settings::check(world);
-    let substeps = world.resource::<SolverSettings>().substeps;
+    let substeps = world.resource::<SolverSettings>().outer_substeps;
     for substep in 0..substeps {
         let before = *world.resource::<StepTime>();
         world.insert_resource(before.next(dt, substep, substeps));

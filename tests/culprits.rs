@@ -319,13 +319,13 @@ fn settings_that_cannot_be() {
     });
     refuse("SolverSettings", |world| {
         world.resource_mut::<SolverSettings>().solver = SoftStep {
-            most_sweeps: 0,
+            max_sweeps: 0,
             ..Default::default()
         }
         .into();
     });
     refuse("SolverSettings", |world| {
-        world.resource_mut::<SolverSettings>().substeps = 0;
+        world.resource_mut::<SolverSettings>().outer_substeps = 0;
     });
     refuse("SolverSettings", |world| {
         world.resource_mut::<SolverSettings>().solver = Nncg {

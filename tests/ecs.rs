@@ -193,7 +193,7 @@ fn a_users_own_solver_solves() {
     let count = Arc::new(AtomicUsize::new(0));
     let mut settings = app.world_mut().resource_mut::<SolverSettings>();
     settings.solver = ContactSolver::Points(Arc::new(Counting(count.clone())));
-    settings.substeps = 1;
+    settings.outer_substeps = 1;
     ground(&mut app);
     let resting = cube(&mut app, Vec3::Y * 0.5);
     frames(&mut app, 11);
@@ -222,6 +222,7 @@ fn every_stage_has_its_time() {
         "friction_error",
         "normal_correction",
         "forces",
+        "warm_start",
         "solve",
         "anchors",
         "integration",

@@ -754,8 +754,8 @@ fn lanes_are_chosen_by_how_many_are_filled() {
 /// It takes all the sweeps that it may, whatever is to be solved.
 fn every_sweep(sweeps: usize) -> SoftStep {
     SoftStep {
-        longest_substep: 1e-5,
-        most_sweeps: sweeps,
+        max_substep: 1e-5,
+        max_sweeps: sweeps,
         ..Default::default()
     }
 }

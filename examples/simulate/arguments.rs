@@ -177,9 +177,9 @@ impl Arguments {
         match self.solver.unwrap_or(own) {
             SolverName::SoftStep => {
                 let default = SoftStep::default();
-                let most_sweeps = self.iterations.unwrap_or(default.most_sweeps);
+                let max_sweeps = self.iterations.unwrap_or(default.max_sweeps);
                 let soft_step = SoftStep {
-                    most_sweeps,
+                    max_sweeps,
                     lanes,
                     ..default
                 };
@@ -215,7 +215,7 @@ impl Arguments {
         experiment.dt = self.dt.unwrap_or(experiment.dt);
         let solver = &mut experiment.solver;
         solver.solver = self.contact_solver();
-        solver.substeps = self.substeps.unwrap_or(solver.substeps);
+        solver.outer_substeps = self.substeps.unwrap_or(solver.outer_substeps);
         let stabilization = &mut experiment.stabilization;
         let gain = BAUMGARTE_GAIN;
         match self.normal {
@@ -342,8 +342,8 @@ mod tests {
         let ContactSolver::SoftStep(soft_step) = experiment.solver.solver else {
             panic!("{}", experiment.solver.solver.name());
         };
-        assert_eq!((soft_step.most_sweeps, soft_step.lanes), (12, Lanes::Four));
-        assert_eq!(experiment.solver.substeps, 2);
+        assert_eq!((soft_step.max_sweeps, soft_step.lanes), (12, Lanes::Four));
+        assert_eq!(experiment.solver.outer_substeps, 2);
         assert_eq!(experiment.options.noise_position, 0.002);
         assert_eq!(experiment.options.noise_angle, 0.01);
         assert_eq!(experiment.options.lateral_gap, 0.036);

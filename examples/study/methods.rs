@@ -178,9 +178,9 @@ impl Method {
         experiment.solver.solver = if self.is_soft() {
             let mut soft = SoftStep::default();
             if iterations != self.own_iterations(case) {
-                soft.most_sweeps = iterations;
+                soft.max_sweeps = iterations;
                 // Short enough that it would always take more.
-                soft.longest_substep = case.dt / iterations as f32;
+                soft.max_substep = case.dt / iterations as f32;
             }
             (self.soft)(&mut soft);
             soft.into()

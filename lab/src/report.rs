@@ -60,7 +60,7 @@ fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
     let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
     let friction = &stabilization.friction;
     let (iterations, tolerance, warm_start, cone) = match &solver.solver {
-        ContactSolver::SoftStep(s) => (s.most_sweeps, 0.0, 1.0, FrictionCone::Circular),
+        ContactSolver::SoftStep(s) => (s.max_sweeps, 0.0, 1.0, FrictionCone::Circular),
         ContactSolver::Pgs(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
         ContactSolver::Nncg(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
         ContactSolver::Patches(_) | ContactSolver::Points(_) => unreachable!("it is one of ours"),
@@ -80,7 +80,7 @@ fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
         "steps": steps,
         "solver": solver.solver.name(),
         "iterations": iterations,
-        "substeps": solver.substeps,
+        "substeps": solver.outer_substeps,
         "tolerance": tolerance,
         "warm_start": warm_start,
         "friction": match cone {

@@ -11,7 +11,7 @@ pub struct SolverSettings {
     /// Drystone's own with their settings, or a user's.
     pub solver: ContactSolver,
     /// Whole steps of Δt/n that one step is cut into, detection included.
-    pub substeps: usize,
+    pub outer_substeps: usize,
     /// Keep the merit after every sweep (see [`crate::solve::SolveReports`]).
     pub record_history: bool,
 }

@@ -87,7 +87,7 @@ enum Method {
 impl Solver {
     pub fn settings(&self) -> SolverSettings {
         SolverSettings {
-            substeps: self.substeps,
+            outer_substeps: self.substeps,
             ..SolverSettings::new(self.solver())
         }
     }
@@ -95,7 +95,7 @@ impl Solver {
     fn solver(&self) -> ContactSolver {
         match &self.method {
             Method::SoftStep(method) => SoftStep {
-                most_sweeps: self.iterations,
+                max_sweeps: self.iterations,
                 ..*method
             }
             .into(),
@@ -207,8 +207,8 @@ impl Solver {
                 sweeps_per_period: dice.number(9.0, 11.0),
                 preload: dice.number(0.0, 1.0),
                 preload_sweeps: dice.number(1600.0, 1e5),
-                longest_substep: dice.number(5e-4, 1e-2),
-                least_sweeps: dice.index(12),
+                max_substep: dice.number(5e-4, 1e-2),
+                min_sweeps: dice.index(12),
                 lanes: dice.pick(&[Lanes::Auto, Lanes::Four]),
                 ..Default::default()
             }),

@@ -132,7 +132,7 @@ fn with_many_sweeps_a_stack_falls_at_its_limit() {
         let mut slope = Slope::new(&structure, 1.0 / 60.0, tilt);
         let world = &mut slope.site.lab.world;
         let solver = SoftStep {
-            most_sweeps: 400,
+            max_sweeps: 400,
             ..Default::default()
         };
         world.insert_resource(SolverSettings::new(solver));

@@ -39,7 +39,7 @@ impl Solver {
 
     fn sweeps(self) -> usize {
         match self {
-            Self::SoftStep => SoftStep::default().most_sweeps,
+            Self::SoftStep => SoftStep::default().max_sweeps,
             Self::Pgs => Pgs::default().iterations,
             Self::Nncg => Nncg::default().iterations,
         }
@@ -87,7 +87,7 @@ impl Physics {
     fn solver(&self) -> ContactSolver {
         match self.solver {
             Solver::SoftStep => SoftStep {
-                most_sweeps: self.sweeps,
+                max_sweeps: self.sweeps,
                 ..default()
             }
             .into(),

@@ -237,6 +237,15 @@ fn every_stage_has_its_time() {
     }
     let sum: Duration = profile.systems().iter().map(|(_, time)| *time).sum();
     assert!(sum <= profile.step, "{sum:?} of {:?}", profile.step);
+    let parts = profile.solve_parts();
+    for (stage, parts) in [
+        ("warm_start", [parts.refresh, parts.warm_start]),
+        ("solve", [parts.sweeps, parts.store]),
+    ] {
+        let whole = profile.system(stage).unwrap();
+        assert!(parts.iter().all(|part| *part > Duration::ZERO), "{stage}");
+        assert!(parts.iter().sum::<Duration>() <= whole, "{stage}");
+    }
 }
 
 #[test]

@@ -123,7 +123,7 @@ impl PatchRows {
                 }
             }
         }
-        at == self.patches.len()
+        at == self.patches.len() && contacts.len() == self.firsts.len()
     }
 }
 

@@ -110,7 +110,7 @@ fn cost(scene: Scene, arguments: &Arguments) -> Result<Cost, Box<dyn Error>> {
 }
 
 /// The stages in the order of a step, and their colours.
-const STAGES: [(&str, (u8, u8, u8)); 12] = [
+const STAGES: [(&str, (u8, u8, u8)); 13] = [
     ("prepare", (130, 130, 130)),
     ("broadphase", (90, 50, 130)),
     ("narrowphase", (170, 90, 170)),
@@ -118,6 +118,7 @@ const STAGES: [(&str, (u8, u8, u8)); 12] = [
     ("friction_error", (240, 150, 40)),
     ("normal_correction", (250, 200, 90)),
     ("forces", (150, 200, 60)),
+    ("warm_start", (90, 140, 240)),
     ("solve", (20, 60, 200)),
     ("anchors", (225, 60, 40)),
     ("integration", (60, 160, 60)),

@@ -69,7 +69,7 @@ pub fn integration(
                     (turned.normalize(), velocity.angular)
                 }
             };
-            pose.rotation = Quat::from_vec4(limits::dusted(pose.rotation.into()));
+            pose.rotation = Quat::from_vec4(limits::flush_to_zero(pose.rotation.into()));
             pose.position = center - pose.rotation * mass.local_center;
         }
         if !child {

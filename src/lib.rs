@@ -44,7 +44,8 @@
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
-//! | solve | [`solve`], [`solver`] | (1), (4) | pairs, velocities, last impulses | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
+//! | warm start | [`warm_start`] | | pairs, manifolds, last impulses | [`IslandProblems`](warm_start::IslandProblems) |
+//! | solve | [`solve`], [`solver`] | (1), (4) | `IslandProblems`, velocities | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
 //! | sleeping | [`graph`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
@@ -125,7 +126,9 @@ pub mod solver;
 pub mod stability;
 #[deny(missing_debug_implementations)]
 pub mod stabilization;
+#[deny(missing_debug_implementations)]
 pub mod state;
+pub mod warm_start;
 
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of
 /// [`Collider::shape`](collider::Collider::shape); use this re-export to name them in the version that drystone uses.

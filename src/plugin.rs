@@ -21,6 +21,7 @@ use crate::settings::{
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
+use crate::warm_start::{self, IslandProblems};
 use crate::{grab, integration, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
@@ -70,6 +71,7 @@ impl PluginGroup for DrystonePlugins {
             .add(CollisionPlugin)
             .add(FrictionStabilizationPlugin)
             .add(NormalStabilizationPlugin)
+            .add(WarmStartPlugin)
             .add(SolverPlugin)
             .add(IntegrationPlugin)
             .add(SleepingPlugin)
@@ -108,6 +110,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Broadphase>()
             .init_resource::<ConstraintGraph>()
             .init_resource::<Islands>()
+            .init_resource::<IslandProblems>()
             .init_resource::<SolveReports>()
             .init_resource::<LostPairs>()
             .init_resource::<EndedPairs>()
@@ -275,6 +278,21 @@ impl Plugin for NormalStabilizationPlugin {
                 .run_if(uses_point_solver)
                 .in_set(PhysicsSystems::NormalCorrection),
         );
+    }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
+}
+
+/// Adds the stage *warm start*: the problems of islands, and the impulses that they start from. Without it nothing is solved, and bodies
+/// fall through each other.
+#[derive(Debug)]
+pub struct WarmStartPlugin;
+
+impl Plugin for WarmStartPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(app, WarmStart: "warm_start" warm_start::warm_start);
     }
 
     fn finish(&self, app: &mut App) {

@@ -15,7 +15,7 @@ use std::time::Duration;
 #[derive(Resource, Clone, Default)]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
-    solve: Arc<SolveClocks>,
+    parts: Arc<PartClocks>,
     /// The whole of the last step.
     pub step: Duration,
 }
@@ -43,23 +43,29 @@ impl Clock {
     }
 }
 
-/// The clocks of what *solve* does with each island.
+/// The clocks of the parts of *warm start* and *solve*.
 #[derive(Default)]
-struct SolveClocks {
-    gather: Clock,
-    solver: Clock,
-    store: Clock,
+struct PartClocks([Clock; 4]);
+
+/// A part of *warm start* or *solve*.
+#[derive(Clone, Copy)]
+pub(crate) enum SolvePart {
+    Refresh,
+    WarmStart,
+    Sweeps,
+    Store,
 }
 
-/// What the stage *solve* spent its time on in the last step, summed over its islands: more than the stage's own where they were solved
-/// side by side.
+/// How long the parts of the stages *warm start* and *solve* took in the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolveParts {
-    /// Bringing problems up to date, or making them anew.
-    pub gather: Duration,
-    /// In the solver. Soft Step has spans of `tracing` for what it does there: `refresh`, `sweeps` and `store`.
-    pub solver: Duration,
-    /// Giving impulses back to components.
+    /// In *warm start*: bringing the problems of islands up to date, or making them anew.
+    pub refresh: Duration,
+    /// In *warm start*: giving them the impulses to start from.
+    pub warm_start: Duration,
+    /// In *solve*: in the solver. Soft Step has spans of `tracing` for what it does there: `refresh`, `sweeps` and `store`.
+    pub sweeps: Duration,
+    /// In *solve*: giving impulses and velocities back to components.
     pub store: Duration,
 }
 
@@ -81,25 +87,20 @@ impl Profile {
             .map(|(_, time)| time)
     }
 
-    /// The parts of *solve* in the last step.
+    /// The parts of *warm start* and *solve* in the last step.
     pub fn solve_parts(&self) -> SolveParts {
-        let SolveClocks {
-            gather,
-            solver,
-            store,
-        } = &*self.solve;
+        let part = |part: SolvePart| self.parts.0[part as usize].last();
         SolveParts {
-            gather: gather.last(),
-            solver: solver.last(),
-            store: store.last(),
+            refresh: part(SolvePart::Refresh),
+            warm_start: part(SolvePart::WarmStart),
+            sweeps: part(SolvePart::Sweeps),
+            store: part(SolvePart::Store),
         }
     }
 
-    /// One island more has been solved.
-    pub(crate) fn add_solve(&self, parts: SolveParts) {
-        self.solve.gather.add(parts.gather);
-        self.solve.solver.add(parts.solver);
-        self.solve.store.add(parts.store);
+    /// So much time more was spent on a part.
+    pub(crate) fn add_part(&self, part: SolvePart, spent: Duration) {
+        self.parts.0[part as usize].add(spent);
     }
 
     /// A wrapper that times a system under this name. Several systems may share one; their times add up.
@@ -120,8 +121,8 @@ impl Profile {
     pub(crate) fn end_step(&mut self, step: Duration) {
         self.step = step;
         let clocks = self.clocks.lock().expect("no holder panics");
-        let parts = [&self.solve.gather, &self.solve.solver, &self.solve.store];
-        let all = clocks.iter().map(|clock| &**clock).chain(parts);
+        let all = clocks.iter().map(|clock| &**clock);
+        let all = all.chain(&self.parts.0);
         all.for_each(Clock::end_step);
     }
 }

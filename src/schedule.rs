@@ -39,7 +39,9 @@ pub enum PhysicsSystems {
     NormalCorrection,
     /// Applies forces: v += Δt M⁻¹ f.
     Forces,
-    /// Computes impulses λ and velocities v of each island, starting from the impulses of the last step.
+    /// Prepares the problem of each island, and the impulses λ that it starts from: those of the last step.
+    WarmStart,
+    /// Computes impulses λ and velocities v of each island.
     Solve,
     /// Classifies contacts by their new impulses, equation (10), and writes or deletes anchors.
     Anchors,
@@ -53,7 +55,7 @@ pub enum PhysicsSystems {
 
 impl PhysicsSystems {
     /// All sets, in the order in which they run.
-    pub const ORDER: [Self; 12] = [
+    pub const ORDER: [Self; 13] = [
         Self::Prepare,
         Self::Broadphase,
         Self::Narrowphase,
@@ -61,6 +63,7 @@ impl PhysicsSystems {
         Self::FrictionError,
         Self::NormalCorrection,
         Self::Forces,
+        Self::WarmStart,
         Self::Solve,
         Self::Anchors,
         Self::Integration,
@@ -145,7 +148,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     }
     let start = Instant::now();
     settings::check(world);
-    let substeps = world.resource::<SolverSettings>().substeps;
+    let substeps = world.resource::<SolverSettings>().outer_substeps;
     for substep in 0..substeps {
         let before = *world.resource::<StepTime>();
         world.insert_resource(before.next(dt, substep, substeps));

@@ -22,6 +22,7 @@ use crate::settings::{
     Gravity, InForce, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
+use crate::warm_start::IslandProblems;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::name::Name;
@@ -65,7 +66,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);
 
-    list!(derived: Pending);
+    list!(derived: Pending, IslandProblems);
 }
 
 /// A number that no version of anything has had. What is derived from a version of something is not taken for that of another one, not even

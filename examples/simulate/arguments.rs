@@ -215,7 +215,7 @@ impl Arguments {
         experiment.dt = self.dt.unwrap_or(experiment.dt);
         let solver = &mut experiment.solver;
         solver.solver = self.contact_solver();
-        solver.substeps = self.substeps.unwrap_or(solver.substeps);
+        solver.outer_substeps = self.substeps.unwrap_or(solver.outer_substeps);
         let stabilization = &mut experiment.stabilization;
         let gain = BAUMGARTE_GAIN;
         match self.normal {
@@ -343,7 +343,7 @@ mod tests {
             panic!("{}", experiment.solver.solver.name());
         };
         assert_eq!((soft_step.max_sweeps, soft_step.lanes), (12, Lanes::Four));
-        assert_eq!(experiment.solver.substeps, 2);
+        assert_eq!(experiment.solver.outer_substeps, 2);
         assert_eq!(experiment.options.noise_position, 0.002);
         assert_eq!(experiment.options.noise_angle, 0.01);
         assert_eq!(experiment.options.lateral_gap, 0.036);

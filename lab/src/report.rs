@@ -80,7 +80,7 @@ fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
         "steps": steps,
         "solver": solver.solver.name(),
         "iterations": iterations,
-        "substeps": solver.substeps,
+        "substeps": solver.outer_substeps,
         "tolerance": tolerance,
         "warm_start": warm_start,
         "friction": match cone {

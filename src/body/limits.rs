@@ -47,7 +47,7 @@ const DUST: f32 = 1e-18;
 
 /// With nothing for what is next to nothing, as things at rest have by rounding.
 #[inline]
-pub(crate) fn dusted(v: Vec4) -> Vec4 {
+pub(crate) fn flush_to_zero(v: Vec4) -> Vec4 {
     Vec4::select(v.abs().cmplt(Vec4::splat(DUST)), Vec4::ZERO, v)
 }
 

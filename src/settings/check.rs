@@ -153,17 +153,17 @@ impl Checked for SolverSettings {
     const NAME: &'static str = "SolverSettings";
 
     fn problem(&self) -> Option<String> {
-        if !(1..=SUBSTEPS).contains(&self.substeps) {
-            let n = self.substeps;
+        if !(1..=SUBSTEPS).contains(&self.outer_substeps) {
+            let n = self.outer_substeps;
             return Some(format!(
-                "substeps is {n}, and must be between 1 and {SUBSTEPS}"
+                "outer_substeps is {n}, and must be between 1 and {SUBSTEPS}"
             ));
         }
         self.solver.problem()
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        self.solver == other.solver && self.substeps == other.substeps
+        self.solver == other.solver && self.outer_substeps == other.outer_substeps
     }
 }
 

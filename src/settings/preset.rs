@@ -84,7 +84,7 @@ impl Preset {
                 Preset::Default => SoftStep::default().into(),
                 Preset::Paper => Nncg::default().into(),
             },
-            substeps: 1,
+            outer_substeps: 1,
             record_history: false,
         }
     }

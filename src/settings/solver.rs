@@ -12,7 +12,7 @@ pub struct SolverSettings {
     /// The contact solver with its settings. Default: [`SoftStep`].
     pub solver: ContactSolver,
     /// Whole steps of Δt/n that one step is cut into, detection included.
-    pub substeps: usize,
+    pub outer_substeps: usize,
     /// Whether to record the merit after every sweep, in [`SolveReports`](crate::solve::SolveReports). Default: false.
     pub record_history: bool,
 }

@@ -4,13 +4,11 @@
 //! supports would be told of it, and it would take up its load as it wakes. So in the step in which bodies come, the contacts of their island
 //! get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever the solver.
 
-use super::island::{From, Island};
-use super::order::{Member, Order};
-use super::patches::PatchRows;
-use super::{Pairs, Step};
-use crate::body::Velocity;
+use super::patches::settle;
+use super::{Solve, SolveRows};
+use crate::warm_start::{GatherContext, Island, Order, Pairs, PatchRows, Stored};
 
-impl Step<'_> {
+impl Solve<'_> {
     /// Loads the islands that sleep and have got bodies in this step.
     pub(super) fn load_arrivals(&self, pairs: &mut Pairs) {
         if !self.islands.any_arrives() {
@@ -22,10 +20,11 @@ impl Step<'_> {
         });
         let mut islands: Vec<Island<PatchRows>> = Vec::new();
         islands.resize_with(self.islands.count(), Island::default);
-        let (gravity, dt) = (self.given.gravity.0, self.given.time.dt);
-        for &Member { island, slot } in &order.bodies {
-            let body = self.table.get(slot).expect("a member is in the table");
-            let level = self.islands.level(slot).unwrap_or(0);
+        let (gravity, dt) = (self.context.gravity.0, self.context.time.dt);
+        for (number, member) in (0..).zip(&order.bodies) {
+            let body = self.table.get(member.slot);
+            let body = body.expect("a member is in the table");
+            let level = self.islands.level(member.slot).unwrap_or(0);
             let mut pushed = body.velocity;
             let (scale, force) = (body.gravity_scale, &body.force);
             pushed.push(
@@ -35,17 +34,33 @@ impl Step<'_> {
                 Some(force),
                 dt,
             );
-            islands[island as usize].add(body, &pushed, level);
+            islands[member.island as usize].add(number, body, &pushed, level);
         }
-        let (mut touches, _) = order.touches(pairs);
-        let from = From {
+        let (contacts, _) = order.contacts(pairs);
+        let from = GatherContext {
             table: self.table,
-            // What such an island touches stands still.
-            velocities: &vec![Velocity::default(); self.table.slots()],
             local: &order.local,
-            given: self.given,
+            context: self.context,
         };
-        let of_island = touches.chunk_by_mut(|a, b| a.island == b.island);
-        of_island.for_each(|touches| islands[touches[0].island as usize].load(touches, &from));
+        let mut first = 0;
+        for contacts in contacts.chunk_by(|a, b| a.island == b.island) {
+            let island = &mut islands[contacts[0].island as usize];
+            island.first_contact = first;
+            first += contacts.len() as u32;
+            island.gather(contacts, &from);
+            island.warm_start(contacts, self.context);
+            let Island { rows, bodies, .. } = island;
+            island.diverged = !settle(rows, bodies, self.context);
+        }
+        drop(contacts);
+        order.store_each(pairs, None, |stored: Stored| {
+            let island = &islands[stored.island as usize];
+            if !island.diverged {
+                let contact = (stored.place - island.first_contact) as usize;
+                island
+                    .rows
+                    .store(contact, stored.manifold, stored.impulses, dt);
+            }
+        });
     }
 }

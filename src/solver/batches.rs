@@ -14,7 +14,7 @@
 //! Several contacts of one heavy body may stand in one block, if many light bodies touch it ([`rounds`](super::rounds)).
 //!
 //! What stands in a row, as a stack does, fills one lane in a block, since each contact waits for the one before. There the sequence of
-//! blocks is *folded*: cut into laps of the same length, which lie side by side, each a sweep behind the one before it
+//! blocks is *skewed*: cut into laps of the same length, which lie side by side, each a sweep behind the one before it
 //! ([`super::patches`]'s laps).
 
 use super::Body;
@@ -35,7 +35,7 @@ pub struct Batches {
 /// In a lane without a contact.
 const NONE: u32 = u32::MAX;
 
-/// A sequence of blocks is folded where its sweeps take less than this share of the time then.
+/// A sequence of blocks is skewed where its sweeps take less than this share of the time then.
 const WORTH: f32 = 0.85;
 
 /// What a visit takes whose lanes are full and in different sweeps, where one to half as many in one sweep takes 1: in a wall of 10 × 10
@@ -65,8 +65,8 @@ impl Batches {
         Self::new(lanes, pairs, &waves, bodies.len(), moves, rounds)
     }
 
-    /// The same, folded where that is worth it. Blocks with rounds are not folded: the body that so many others touch is in all of them.
-    pub fn folded(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
+    /// The same, skewed where that is worth it. Blocks with rounds are not skewed: the body that so many others touch is in all of them.
+    pub fn skewed(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let pairs: Vec<[u32; 2]> = pairs.collect();
         let rounds = Rounds::of(pairs.iter().copied(), bodies);
@@ -91,7 +91,7 @@ impl Batches {
             let time = time(blocks, laps);
             if time < least {
                 least = time;
-                best = narrow.fold(lanes, blocks);
+                best = narrow.skew(lanes, blocks);
             }
             width /= 2;
         }
@@ -168,7 +168,7 @@ impl Batches {
     }
 
     /// Laps of so many blocks side by side in so many lanes.
-    fn fold(&self, lanes: usize, blocks: usize) -> Self {
+    fn skew(&self, lanes: usize, blocks: usize) -> Self {
         let mut slots = vec![NONE; blocks * lanes];
         for (number, narrow) in self.slots.chunks_exact(self.lanes).enumerate() {
             let (lap, block) = (number / blocks, number % blocks);
@@ -441,19 +441,19 @@ mod tests {
                 body.inverse_mass = 1.0;
             }
             for lanes in [4, 8] {
-                let folded = Batches::folded(lanes, pairs.iter().copied(), &bodies);
-                let blocks = folded.blocks();
+                let skewed = Batches::skewed(lanes, pairs.iter().copied(), &bodies);
+                let blocks = skewed.blocks();
                 let whole = of(lanes, &pairs, bodies.len(), |body| body > 0);
                 assert!(
-                    folded.laps() > 1 && blocks < whole.blocks(),
+                    skewed.laps() > 1 && blocks < whole.blocks(),
                     "{length} in {lanes}"
                 );
                 // When a sweep comes to a contact, in visits since it began.
                 let mut visit_of = vec![usize::MAX; pairs.len()];
-                for (block, contacts) in folded.iter().enumerate() {
+                for (block, contacts) in skewed.iter().enumerate() {
                     for (lane, contact) in contacts {
-                        assert!(folded.lap_of(lane) < folded.laps());
-                        visit_of[contact as usize] = folded.lap_of(lane) * blocks + block;
+                        assert!(skewed.lap_of(lane) < skewed.laps());
+                        visit_of[contact as usize] = skewed.lap_of(lane) * blocks + block;
                     }
                 }
                 for (i, one) in pairs.iter().enumerate() {

@@ -10,6 +10,7 @@ use super::body::trace;
 use super::lanes::State;
 use super::walls::{self, Wall};
 use glam::{Mat3, Vec3, Vec4};
+use std::cell::Cell;
 
 /// The share of a hand's strength that it counts on for braking; the rest may be bearing a load.
 const BRAKES: f32 = 0.5;
@@ -125,12 +126,12 @@ impl Held {
 
     /// Brings its walls up to date, in a substep before which bodies have moved and turned by so much; contacts correct no faster than
     /// `fastest`, m/s. Then as [`aim`](Self::aim).
-    pub fn aim_among(&mut self, motions: &[State], fastest: f32) {
+    fn aim_among(&mut self, motions: &[Cell<State>], fastest: f32) {
         let body = self.grip.body;
         for wall in &mut self.walls {
             wall.aim(body, motions, self.h, fastest);
         }
-        self.aim(motions[body as usize].map(Vec4::truncate));
+        self.aim(motions[body as usize].get().map(Vec4::truncate));
     }
 
     /// Asks for the velocity that takes it where it should be, when it has moved and turned by so much since the step began.
@@ -172,8 +173,8 @@ impl Held {
     }
 
     /// Lets its body feel the impulses that it starts with.
-    pub fn start(&self, velocities: &mut [State]) {
-        add(&mut velocities[self.grip.body as usize], self.warm_start());
+    pub fn start(&self, velocities: &[Cell<State>]) {
+        add(&velocities[self.grip.body as usize], self.warm_start());
     }
 
     /// What its impulses do to the linear and angular velocity of its body.
@@ -226,11 +227,22 @@ impl Held {
     }
 
     /// The same with the velocities of all bodies. Σ W Δλ², J.
-    pub fn visit(&mut self, velocities: &mut [State]) -> f32 {
-        let of = |body: u32| velocities[body as usize].map(Vec4::truncate);
+    pub fn visit(&mut self, velocities: &[Cell<State>]) -> f32 {
+        let of = |body: u32| velocities[body as usize].get().map(Vec4::truncate);
         let (moved, change) = self.relax(of(self.grip.body), of);
-        add(&mut velocities[self.grip.body as usize], moved);
+        add(&velocities[self.grip.body as usize], moved);
         change
+    }
+
+    /// The same in a substep before which bodies have moved and turned by so much; contacts correct no faster than `fastest`, m/s.
+    pub fn visit_among(
+        &mut self,
+        velocities: &[Cell<State>],
+        motions: &[Cell<State>],
+        fastest: f32,
+    ) -> f32 {
+        self.aim_among(motions, fastest);
+        self.visit(velocities)
     }
 
     /// What a visit would change if the hand had done nothing yet and there were no walls: Σ W Δλ², J.
@@ -271,10 +283,9 @@ impl Held {
     }
 }
 
-fn add(velocity: &mut State, change: [Vec3; 2]) {
-    for (velocity, change) in velocity.iter_mut().zip(change) {
-        *velocity += change.extend(0.0);
-    }
+fn add(velocity: &Cell<State>, [linear, angular]: [Vec3; 2]) {
+    let [moves, turns] = velocity.get();
+    velocity.set([moves + linear.extend(0.0), turns + angular.extend(0.0)]);
 }
 
 /// What an answer is to impulses along some axes only, seen along these: rows and columns of the others are zero.

@@ -8,6 +8,7 @@ use super::by_body::ByBody;
 use super::lanes::State;
 use super::{Body, PatchProblem, PointConstraint};
 use glam::{Vec3, Vec4};
+use std::cell::Cell;
 
 /// How far a hand presses its body into a wall whose contacts are springs, m. With those of Soft Step a cube of 1 m is pressed by 50 to 550
 /// times its weight then: more with time, because springs take over what they carry.
@@ -47,9 +48,9 @@ pub(super) struct Wall {
 
 impl Wall {
     /// Brings it up to date in a substep of `h` s: bodies have moved and turned by so much since detection.
-    pub fn aim(&mut self, body: u32, motions: &[State], h: f32, fastest: f32) {
+    pub fn aim(&mut self, body: u32, motions: &[Cell<State>], h: f32, fastest: f32) {
         let [a, b] = [(body, self.arms[0]), (self.other, self.arms[1])].map(|(body, arm)| {
-            let [moved, turned] = motions[body as usize].map(Vec4::truncate);
+            let [moved, turned] = motions[body as usize].get().map(Vec4::truncate);
             moved + turned.cross(arm)
         });
         let separation = self.separation + self.normal.dot(a - b);
@@ -102,39 +103,29 @@ pub(super) fn project(
     changed
 }
 
-/// Who touches whom, by body.
-pub(super) struct Walls {
-    /// Bodies A and B of each contact, and the normal from B to A.
-    contacts: Vec<([u32; 2], Vec3)>,
-    of_bodies: ByBody<u32>,
-    moves: Vec<bool>,
+/// The contacts of each body, where they are between such pairs.
+pub(super) fn by_body(bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone) -> ByBody<u32> {
+    let ends = (0..).zip(pairs);
+    let ends = ends.flat_map(|(contact, bodies)| bodies.map(|body| (body, contact)));
+    let mut by_body = ByBody::default();
+    by_body.fill(bodies, ends);
+    by_body
 }
 
-impl Walls {
-    fn new(contacts: impl Iterator<Item = ([u32; 2], Vec3)>, bodies: &[Body]) -> Self {
-        let contacts: Vec<_> = contacts.collect();
-        let ends = (0..).zip(&contacts);
-        let ends = ends.flat_map(|(contact, (bodies, _))| bodies.map(|body| (body, contact)));
-        let mut of_bodies = ByBody::default();
-        of_bodies.fill(bodies.len(), ends);
+/// Who touches whom, by body. `contact` tells bodies A and B of each contact, and the normal from B to A.
+pub(super) struct Walls<'a, C> {
+    of_bodies: &'a ByBody<u32>,
+    bodies: &'a [Body],
+    contact: C,
+}
+
+impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
+    pub fn new(of_bodies: &'a ByBody<u32>, bodies: &'a [Body], contact: C) -> Self {
         Self {
-            contacts,
             of_bodies,
-            moves: bodies.iter().map(|body| body.inverse_mass > 0.0).collect(),
+            bodies,
+            contact,
         }
-    }
-
-    pub fn of_patches(problem: &PatchProblem) -> Self {
-        let patches = problem.patches.iter();
-        Self::new(
-            patches.map(|patch| (patch.bodies, patch.normal)),
-            problem.bodies,
-        )
-    }
-
-    pub fn of_points(constraints: &[PointConstraint], bodies: &[Body]) -> Self {
-        let points = constraints.iter();
-        Self::new(points.map(|point| (point.bodies, point.normal)), bodies)
     }
 
     /// The walls of a held body, whose contacts are those of patches.
@@ -146,7 +137,7 @@ impl Walls {
                 let arms = self.arms(contact, body, patch.arms.map(|arm| arm + point.offset));
                 walls.push(Wall {
                     separation: point.separation,
-                    ..wall(&problem.bodies[body as usize], other, normal, arms)
+                    ..wall(&self.bodies[body as usize], other, normal, arms)
                 });
             }
         }
@@ -154,19 +145,13 @@ impl Walls {
     }
 
     /// The same of points, in a step of `h` s.
-    pub fn among_points(
-        &self,
-        body: u32,
-        constraints: &[PointConstraint],
-        bodies: &[Body],
-        h: f32,
-    ) -> Vec<Wall> {
+    pub fn among_points(&self, body: u32, constraints: &[PointConstraint], h: f32) -> Vec<Wall> {
         let points = self.found(body).map(|(contact, other, normal)| {
             let point = &constraints[contact];
             let arms = self.arms(contact, body, point.arms);
             Wall {
                 least: point.target.x - PRESSED_RIGIDLY / h,
-                ..wall(&bodies[body as usize], other, normal, arms)
+                ..wall(&self.bodies[body as usize], other, normal, arms)
             }
         });
         points.collect()
@@ -174,7 +159,7 @@ impl Walls {
 
     /// Its own arm first.
     fn arms(&self, contact: usize, body: u32, [a, b]: [Vec3; 2]) -> [Vec3; 2] {
-        match self.contacts[contact].0[0] == body {
+        match (self.contact)(contact).0[0] == body {
             true => [a, b],
             false => [b, a],
         }
@@ -183,7 +168,7 @@ impl Walls {
     /// The contacts of a body, each with the other body and the normal out of that.
     fn contacts_of(&self, body: u32) -> impl Iterator<Item = (usize, u32, Vec3)> {
         self.of_bodies.of(body).iter().map(move |&contact| {
-            let (bodies, normal) = self.contacts[contact as usize];
+            let (bodies, normal) = (self.contact)(contact as usize);
             match bodies[0] == body {
                 true => (contact as usize, bodies[1], normal),
                 false => (contact as usize, bodies[0], -normal),
@@ -197,23 +182,27 @@ impl Walls {
             .filter(move |&(_, other, normal)| self.stands(other, normal, body))
     }
 
+    fn moves(&self, body: u32) -> bool {
+        self.bodies[body as usize].inverse_mass > 0.0
+    }
+
     /// The body is static, or leans against something that is, seen from a body that lies on it in a direction.
     fn stands(&self, body: u32, direction: Vec3, from: u32) -> bool {
-        if !self.moves[body as usize] {
+        if !self.moves(body) {
             return true;
         }
-        let mut seen = vec![from, body];
+        let mut seen = vec![false; self.bodies.len()];
         let mut open = vec![body];
+        (seen[from as usize], seen[body as usize]) = (true, true);
         while let Some(body) = open.pop() {
             for (_, other, normal) in self.contacts_of(body) {
                 if normal.dot(direction) < SAME_WAY {
                     continue;
                 }
-                if !self.moves[other as usize] {
+                if !self.moves(other) {
                     return true;
                 }
-                if !seen.contains(&other) {
-                    seen.push(other);
+                if !std::mem::replace(&mut seen[other as usize], true) {
                     open.push(other);
                 }
             }

@@ -149,7 +149,7 @@ fn row_07_stack_of_10() {
 }
 
 fn tall_wall(mut experiment: Experiment, substeps: usize) {
-    experiment.solver.substeps = substeps;
+    experiment.solver.outer_substeps = substeps;
     each_seed(&experiment, MINUTE, |outcome| {
         stands(outcome, 0.042);
         assert!(outcome.penetration_max < 0.025);

@@ -1,14 +1,19 @@
-//! What systems of a user's may do to contact pairs between two stages: never a panic, and nothing to other pairs.
+//! What systems of a user's may do between two stages: never a panic, and nothing to bodies and pairs that they leave alone.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::ScheduleSystem;
+use bevy_transform::components::Transform;
+use drystone::body::{BodyTable, ExternalForce, RigidBody, Velocity};
 use drystone::collider::Collider;
 use drystone::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Contacts, Manifold,
     ManifoldPatch, Supports,
 };
+use drystone::grab::Grab;
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
 use drystone::settings::{Preset, SleepSettings, SolverSettings};
+use drystone::solver::Nncg;
+use drystone::warm_start::IslandProblems;
 use glam::Vec3;
 use support::*;
 
@@ -47,32 +52,40 @@ fn scene(lab: &mut Lab) {
 #[derive(Component)]
 struct Marked;
 
+#[derive(Component)]
+struct Stranger;
+
 #[derive(Resource)]
 struct Dice(fastrand::Rng);
 
-/// A marker goes on some pairs and off others once in a while, which takes them into other tables. (In steps between, all that is kept
-/// from step to step is kept.)
+/// A marker goes on some pairs and bodies and off others once in a while, which takes them into other tables; and what is no body comes and
+/// goes. (In steps between, all that is kept from step to step is kept.)
 fn mark(
     mut commands: Commands,
     mut dice: ResMut<Dice>,
-    pairs: Query<(Entity, Has<Marked>), With<ContactPair>>,
+    all: Query<(Entity, Has<Marked>), Or<(With<ContactPair>, With<RigidBody>)>>,
+    strangers: Query<Entity, With<Stranger>>,
 ) {
     if dice.0.u8(0..6) > 0 {
         return;
     }
-    for (pair, marked) in &pairs {
+    for (entity, marked) in &all {
         if dice.0.u8(0..4) == 0 {
             match marked {
-                true => _ = commands.entity(pair).remove::<Marked>(),
-                false => _ = commands.entity(pair).insert(Marked),
+                true => _ = commands.entity(entity).remove::<Marked>(),
+                false => _ = commands.entity(entity).insert(Marked),
             }
         }
     }
+    for entity in &strangers {
+        commands.entity(entity).try_despawn();
+    }
+    commands.spawn((Stranger, ExternalForce::default()));
 }
 
 /// Where pairs are kept changes, and nothing else.
 #[test]
-fn a_marker_on_pairs_changes_no_bit_whenever_it_is_put_there() {
+fn a_marker_changes_no_bit_whenever_it_is_put_there() {
     for preset in [Preset::Default, Preset::Paper] {
         let play = |gap: Option<[PhysicsSystems; 2]>| {
             let mut lab = Lab::with_preset(preset);
@@ -114,22 +127,125 @@ fn despawn_pairs(mut commands: Commands, pairs: Query<(Entity, &ContactPair)>) {
 
 #[test]
 fn a_pair_that_is_despawned_between_islands_and_solve_is_missed_by_its_bodies_alone() {
-    let play = |despawn: bool| {
+    let play = |gap: Option<[PhysicsSystems; 2]>| {
         let mut lab = Lab::new();
-        if despawn {
-            let (islands, solve) = (PhysicsSystems::Forces, PhysicsSystems::Solve);
-            between(&mut lab, islands, solve, despawn_pairs);
+        if let Some([earlier, later]) = gap {
+            between(&mut lab, earlier, later, despawn_pairs);
         }
         scene(&mut lab);
         lab.run(0.3);
         lab.bits()
     };
-    let (whole, without) = (play(false), play(true));
+    let whole = play(None);
     let height = |bits: &[[u32; 13]]| f32::from_bits(bits[5][1]);
-    assert!(height(&without) < height(&whole) - 0.2, "its stack falls");
-    // Ground, stack, and what has not yet fallen on it.
-    assert_eq!(whole[6..16], without[6..16]);
-    assert_eq!(whole[56], without[56]);
+    for (gap, falls) in [
+        ([PhysicsSystems::Forces, PhysicsSystems::WarmStart], true),
+        // They have been gathered by then.
+        ([PhysicsSystems::WarmStart, PhysicsSystems::Solve], false),
+    ] {
+        let without = play(Some(gap));
+        assert_eq!(
+            height(&without) < height(&whole) - 0.2,
+            falls,
+            "its stack, {gap:?}"
+        );
+        // Ground, stack, and what has not yet fallen on it.
+        assert_eq!(whole[6..16], without[6..16]);
+        assert_eq!(whole[56], without[56]);
+    }
+}
+
+/// A velocity is a component, and components are the truth until the solver starts.
+#[test]
+fn a_velocity_written_after_warm_start_counts_as_one_written_before() {
+    fn push(mut bodies: Query<(&mut Velocity, &Transform)>, mut step: Local<u32>) {
+        *step += 1;
+        for (mut velocity, at) in &mut bodies {
+            if *step % 20 == 5 && at.translation.y > 0.9 {
+                velocity.linear.x += 0.5;
+            }
+        }
+    }
+    for paper in [false, true] {
+        let play = |gap: Option<[PhysicsSystems; 2]>| {
+            let mut lab = match paper {
+                true => Lab::exact(1.0 / 60.0),
+                false => Lab::shipped(1.0 / 60.0),
+            };
+            lab.ground();
+            let lift = |pose| (RigidBody::Kinematic, Collider::cuboid(1.0, 1.0, 1.0), pose);
+            lab.spawn(lift(Transform::from_xyz(4.0, 0.5, 0.0)));
+            for [x, y] in [[0.0, 0.5], [0.0, 1.5], [0.0, 2.5], [4.0, 1.5], [9.0, 0.5]] {
+                lab.cube(Vec3::new(x, y, 0.0));
+            }
+            if let Some([earlier, later]) = gap {
+                between(&mut lab, earlier, later, push);
+            }
+            lab.run(1.0);
+            lab.bits()
+        };
+        let [before, after] = [
+            [PhysicsSystems::Forces, PhysicsSystems::WarmStart],
+            [PhysicsSystems::WarmStart, PhysicsSystems::Solve],
+        ]
+        .map(|gap| play(Some(gap)));
+        assert_eq!(before, after);
+        assert_ne!(before, play(None), "it counts at all");
+    }
+}
+
+#[derive(Resource, Default)]
+struct Seen {
+    /// Of each island: its bodies, its contacts, and the sum of the impulses that it starts from.
+    islands: Vec<(Vec<Entity>, usize, f32)>,
+}
+
+#[test]
+fn problems_can_be_looked_at_between_warm_start_and_solve() {
+    fn look(problems: Res<IslandProblems>, mut seen: ResMut<Seen>) {
+        let islands = problems.iter().map(|problem| {
+            assert!(problem.points() >= 4 && problem.hands() == 0);
+            let contacts: Vec<_> = problem.contacts().collect();
+            let sum = contacts.iter().map(|(_, impulse)| impulse).sum();
+            (problem.bodies().collect(), contacts.len(), sum)
+        });
+        seen.islands = islands.collect();
+        assert_eq!(problems.len(), seen.islands.len());
+    }
+    for paper in [false, true] {
+        let mut lab = match paper {
+            true => Lab::exact(1.0 / 60.0),
+            false => Lab::shipped(1.0 / 60.0),
+        };
+        if paper {
+            let whole = Nncg {
+                iterations: 300,
+                warm_start: 1.0,
+                ..Default::default()
+            };
+            lab.world.insert_resource(SolverSettings::new(whole));
+        }
+        lab.world.init_resource::<Seen>();
+        let (warm_start, solve) = (PhysicsSystems::WarmStart, PhysicsSystems::Solve);
+        between(&mut lab, warm_start, solve, look);
+        lab.ground();
+        let [below, above] = [0.5, 1.5].map(|y| lab.cube(Vec3::Y * y));
+        let lone = lab.cube(Vec3::new(5.0, 0.5, 0.0));
+        // It touches nothing.
+        lab.cube(Vec3::new(10.0, 90.0, 0.0));
+        lab.run(2.0);
+        let seen = lab.world.resource::<Seen>();
+        let [stack, other] = &*seen.islands else {
+            panic!("{:?}", seen.islands);
+        };
+        assert_eq!((&*stack.0, stack.1), (&[below, above][..], 2));
+        assert_eq!((&*other.0, other.1), (&[lone][..], 1));
+        let weight = lab.mass(lone).mass() * G * lab.dt;
+        assert_near(other.2, weight, 0.02, "the impulse under a cube");
+        assert_near(stack.2, 3.0 * weight, 0.02, "those in a stack of two");
+        let problems = lab.world.resource::<IslandProblems>();
+        assert!(problems.is_empty(), "they are solved");
+    }
 }
 
 /// Lists of pairs are made shorter and longer at random.
@@ -190,10 +306,13 @@ fn shuffle_lists(
 
 /// Whoever asks about pairs asks after each step.
 fn ask(world: &mut World) {
-    let ask = |contacts: Contacts, supports: Supports, bodies: Query<Entity, With<Collider>>| {
+    let ask = |contacts: Contacts,
+               supports: Supports,
+               bodies: Query<Entity, (With<Collider>, With<RigidBody>)>| {
         for body in &bodies {
-            contacts.on(body).unwrap();
-            supports.supported_by(body).unwrap();
+            // What has just become a body is none yet.
+            let known = contacts.on(body).is_ok();
+            assert_eq!(supports.supported_by(body).is_ok(), known);
         }
     };
     use bevy_ecs::system::RunSystemOnce;
@@ -208,7 +327,7 @@ fn lists_of_a_manifold_may_have_any_length_between_any_two_stages() {
                 let [earlier, later] = *gap;
                 let mut lab = Lab::with_preset(preset);
                 lab.dt = 1.0 / 60.0;
-                lab.world.resource_mut::<SolverSettings>().substeps = substeps;
+                lab.world.resource_mut::<SolverSettings>().outer_substeps = substeps;
                 lab.world.insert_resource(Dice(fastrand::Rng::with_seed(7)));
                 scene(&mut lab);
                 lab.step();
@@ -288,6 +407,105 @@ fn contacts_put_between_two_islands_wait_for_the_next_step() {
             for body in play(*gap, from) {
                 let finite = body.iter().all(|bits| f32::from_bits(*bits).abs() < 2.0);
                 assert!(finite, "{gap:?} from step {from}");
+            }
+        }
+    }
+}
+
+/// Anything is done to anybody.
+fn fuzz(world: &mut World) {
+    let mut dice = world.resource::<Dice>().0.clone();
+    let mut pairs = world.query_filtered::<Entity, With<ContactPair>>();
+    let pairs: Vec<Entity> = pairs.iter(world).collect();
+    let mut bodies = world.query_filtered::<Entity, With<Collider>>();
+    let bodies: Vec<Entity> = bodies.iter(world).collect();
+    for _ in 0..dice.u8(0..3) {
+        let pair = dice.choice(&pairs).copied();
+        let Some(body) = dice.choice(&bodies).copied() else {
+            break;
+        };
+        let Ok(mut body) = world.get_entity_mut(body) else {
+            continue;
+        };
+        let is_dynamic = body.get() == Some(&RigidBody::Dynamic);
+        match dice.u8(0..12) {
+            0 if is_dynamic => body.despawn(),
+            1 if is_dynamic => _ = body.remove::<RigidBody>(),
+            2 if !body.contains::<RigidBody>() => _ = body.insert(RigidBody::Dynamic),
+            3 if is_dynamic => _ = body.insert(RigidBody::Kinematic),
+            4 if body.get() == Some(&RigidBody::Kinematic) => _ = body.insert(RigidBody::Dynamic),
+            5 if is_dynamic => {
+                let above = Vec3::new(2.0 * dice.f32(), 4.0, 0.0);
+                _ = body.insert(Grab::gentle(300.0, Vec3::ZERO, above));
+            }
+            6 => _ = body.remove::<Grab>(),
+            7 if is_dynamic => {
+                if let Some(mut velocity) = body.get_mut::<Velocity>() {
+                    velocity.linear.x += dice.f32() - 0.5;
+                }
+            }
+            8 => {
+                let at = Transform::from_xyz(4.0 * dice.f32(), 6.0 + 4.0 * dice.f32(), 0.0);
+                world.spawn((RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), at));
+            }
+            9 if is_dynamic => _ = body.remove::<Velocity>(),
+            _ => {
+                if let Some(pair) = pair {
+                    match dice.bool() {
+                        true => _ = world.try_despawn(pair),
+                        false => {
+                            if let Ok(mut pair) = world.get_entity_mut(pair) {
+                                pair.insert(Marked);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    world.resource_mut::<Dice>().0 = dice;
+}
+
+/// Bodies and pairs that come, go, change their kind, are held and let go between any two stages.
+#[test]
+fn whatever_is_done_between_two_stages_nobody_panics_or_is_taken_for_another() {
+    for solver in [
+        SolverSettings::default(),
+        SolverSettings::new(Nncg::default()),
+    ] {
+        for gap in PhysicsSystems::ORDER.array_windows() {
+            let [earlier, later] = *gap;
+            let mut lab = Lab::new();
+            lab.dt = 1.0 / 60.0;
+            lab.world.insert_resource(solver.clone());
+            lab.world
+                .insert_resource(Dice(fastrand::Rng::with_seed(11)));
+            scene(&mut lab);
+            between(
+                &mut lab,
+                earlier,
+                later,
+                fuzz.run_if(resource_exists::<Dice>),
+            );
+            for _ in 0..150 {
+                lab.step();
+                ask(&mut lab.world);
+            }
+            lab.world.remove_resource::<Dice>();
+            let mut held = lab.world.query_filtered::<Entity, With<Grab>>();
+            for body in held.iter(&lab.world).collect::<Vec<_>>() {
+                lab.world.entity_mut(body).remove::<Grab>();
+            }
+            lab.run(4.0);
+            assert_eq!(lab.errors(), [], "{gap:?}");
+            let table = lab.world.resource::<BodyTable>();
+            let entities: Vec<_> = table.iter().map(|(_, body)| body.entity).collect();
+            let bodies: Vec<Entity> = bodies(&mut lab);
+            assert!(bodies.len() > 20, "{gap:?}: {}", bodies.len());
+            for body in bodies {
+                assert!(entities.contains(&body), "{gap:?}: it is in the table");
+                let at = lab.position(body);
+                assert!(at.y > 0.2, "{gap:?}: {at}");
             }
         }
     }

@@ -323,7 +323,7 @@ fn settings_that_cannot_be() {
         .into();
     });
     refuse("SolverSettings", |world| {
-        world.resource_mut::<SolverSettings>().substeps = 0;
+        world.resource_mut::<SolverSettings>().outer_substeps = 0;
     });
     refuse("SolverSettings", |world| {
         world.resource_mut::<SolverSettings>().solver = Nncg {

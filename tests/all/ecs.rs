@@ -191,7 +191,7 @@ fn a_users_own_solver_solves() {
     let count = Arc::new(AtomicUsize::new(0));
     let mut settings = app.world_mut().resource_mut::<SolverSettings>();
     settings.solver = ContactSolver::Points(Arc::new(Counting(count.clone())));
-    settings.substeps = 1;
+    settings.outer_substeps = 1;
     ground(&mut app);
     let resting = cube(&mut app, Vec3::Y * 0.5);
     frames(&mut app, 11);
@@ -220,6 +220,7 @@ fn every_stage_has_its_time() {
         "friction_error",
         "normal_correction",
         "forces",
+        "warm_start",
         "solve",
         "anchors",
         "integration",
@@ -234,6 +235,15 @@ fn every_stage_has_its_time() {
     }
     let sum: Duration = profile.systems().iter().map(|(_, time)| *time).sum();
     assert!(sum <= profile.step, "{sum:?} of {:?}", profile.step);
+    let parts = profile.solve_parts();
+    for (stage, parts) in [
+        ("warm_start", [parts.refresh, parts.warm_start]),
+        ("solve", [parts.sweeps, parts.store]),
+    ] {
+        let whole = profile.system(stage).unwrap();
+        assert!(parts.iter().all(|part| *part > Duration::ZERO), "{stage}");
+        assert!(parts.iter().sum::<Duration>() <= whole, "{stage}");
+    }
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn land(
     height: f32,
 ) -> (Vec<(usize, f32)>, Vec<usize>, Vec<usize>) {
     let mut lab = Lab::new();
-    lab.world.resource_mut::<SolverSettings>().substeps = substeps;
+    lab.world.resource_mut::<SolverSettings>().outer_substeps = substeps;
     let ground = lab.ground();
     let ball = lab.body(Collider::ball(0.5), Vec3::Y * (0.5 + height));
     for body in [ground, ball] {
@@ -70,7 +70,7 @@ fn a_bounce_is_a_start_and_an_end() {
 /// A slab of 2 × 0.5 × 2 m on the ground, which weighs 20 kN.
 fn slab(substeps: usize, threshold: f32) -> (Lab, Entity, Entity) {
     let mut lab = Lab::new();
-    lab.world.resource_mut::<SolverSettings>().substeps = substeps;
+    lab.world.resource_mut::<SolverSettings>().outer_substeps = substeps;
     let ground = lab.ground();
     let slab = lab.body(Collider::cuboid(2.0, 0.5, 2.0), Vec3::Y * 0.25);
     lab.world

@@ -26,7 +26,7 @@ fn carry(
 ) -> f32 {
     let mut lab = Lab::new();
     lab.world.resource_mut::<SleepSettings>().enabled = false;
-    lab.world.resource_mut::<SolverSettings>().substeps = substeps;
+    lab.world.resource_mut::<SolverSettings>().outer_substeps = substeps;
     let platform = lab.spawn((
         RigidBody::Kinematic,
         Collider::cuboid(12.0, 1.0, 4.0),

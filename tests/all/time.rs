@@ -106,7 +106,7 @@ fn impulses_are_the_whole_steps_whatever_the_substeps() {
             let mut lab = Lab::new();
             lab.world.resource_mut::<SleepSettings>().enabled = false;
             lab.world.insert_resource(SolverSettings {
-                substeps,
+                outer_substeps: substeps,
                 ..solver.clone()
             });
             let ground = lab.ground();

@@ -87,7 +87,7 @@ enum Method {
 impl Solver {
     pub fn settings(&self) -> SolverSettings {
         SolverSettings {
-            substeps: self.substeps,
+            outer_substeps: self.substeps,
             ..SolverSettings::new(self.solver())
         }
     }

@@ -124,7 +124,7 @@ impl F32xN for F32x8 {
     }
 
     #[inline(always)]
-    fn taken_from(self, factor: Self, from: Self) -> Self {
+    fn neg_mul_add(self, factor: Self, from: Self) -> Self {
         Self(registers!(_mm256_fnmadd_ps(self.0, factor.0, from.0)))
     }
 

@@ -62,7 +62,7 @@ impl F32xN for F32x4 {
     }
 
     #[inline(always)]
-    fn taken_from(self, factor: Self, from: Self) -> Self {
+    fn neg_mul_add(self, factor: Self, from: Self) -> Self {
         from - self * factor
     }
 

@@ -71,7 +71,7 @@ pub trait F32xN:
     fn mul_sub(self, factor: Self, less: Self) -> Self;
 
     /// `from` − `self` · `factor`, likewise.
-    fn taken_from(self, factor: Self, from: Self) -> Self;
+    fn neg_mul_add(self, factor: Self, from: Self) -> Self;
 
     /// `a` where this is greater than `limit`, else `b`.
     fn select_above(self, limit: Self, a: Self, b: Self) -> Self;

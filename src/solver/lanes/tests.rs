@@ -39,7 +39,7 @@ impl<L: F32xN> Kernel for Arithmetic<L> {
         check(L::ZERO.inverse(), &|_| 0.0);
         check(a.mul_add(b, c), &|i| x(i) * y(i) + z(i));
         check(a.mul_sub(b, c), &|i| x(i) * y(i) - z(i));
-        check(a.taken_from(b, c), &|i| z(i) - x(i) * y(i));
+        check(a.neg_mul_add(b, c), &|i| z(i) - x(i) * y(i));
         check(a.select_above(c, a, b), &|i| {
             if x(i) > z(i) { x(i) } else { y(i) }
         });

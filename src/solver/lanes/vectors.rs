@@ -48,9 +48,9 @@ impl<L: F32xN> Vec3xN<L> {
             z: self.x.mul_add(o.y, addend.z),
         };
         Self {
-            x: self.z.taken_from(o.y, half.x),
-            y: self.x.taken_from(o.z, half.y),
-            z: self.y.taken_from(o.x, half.z),
+            x: self.z.neg_mul_add(o.y, half.x),
+            y: self.x.neg_mul_add(o.z, half.y),
+            z: self.y.neg_mul_add(o.x, half.z),
         }
     }
 
@@ -75,11 +75,11 @@ impl<L: F32xN> Vec3xN<L> {
 
     /// `from` − `self` · s
     #[inline(always)]
-    pub fn scale_taken_from(self, s: L, from: Self) -> Self {
+    pub fn scale_neg_add(self, s: L, from: Self) -> Self {
         Self {
-            x: self.x.taken_from(s, from.x),
-            y: self.y.taken_from(s, from.y),
-            z: self.z.taken_from(s, from.z),
+            x: self.x.neg_mul_add(s, from.x),
+            y: self.y.neg_mul_add(s, from.y),
+            z: self.z.neg_mul_add(s, from.z),
         }
     }
 }
@@ -225,7 +225,7 @@ impl<L: F32xN> Symmetric<L> {
 
     /// `from` less what it makes of `v`.
     #[inline(always)]
-    pub fn apply_taken_from(&self, v: Vec3xN<L>, from: Vec3xN<L>) -> Vec3xN<L> {
+    pub fn apply_neg_add(&self, v: Vec3xN<L>, from: Vec3xN<L>) -> Vec3xN<L> {
         let &Self {
             xx,
             yy,
@@ -235,9 +235,9 @@ impl<L: F32xN> Symmetric<L> {
             yz,
         } = self;
         Vec3xN {
-            x: xz.taken_from(v.z, xy.taken_from(v.y, xx.taken_from(v.x, from.x))),
-            y: yz.taken_from(v.z, yy.taken_from(v.y, xy.taken_from(v.x, from.y))),
-            z: zz.taken_from(v.z, yz.taken_from(v.y, xz.taken_from(v.x, from.z))),
+            x: xz.neg_mul_add(v.z, xy.neg_mul_add(v.y, xx.neg_mul_add(v.x, from.x))),
+            y: yz.neg_mul_add(v.z, yy.neg_mul_add(v.y, xy.neg_mul_add(v.x, from.y))),
+            z: zz.neg_mul_add(v.z, yz.neg_mul_add(v.y, xz.neg_mul_add(v.x, from.z))),
         }
     }
 }

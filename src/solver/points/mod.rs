@@ -47,7 +47,7 @@ use super::grip::Held;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
 use super::lanes::{F32x4, F32xN};
-use super::walls::Walls;
+use super::walls::{self, Walls};
 use super::width::Width;
 use super::{Body, Grip, Lanes, SolveReport};
 use blocks::{Cone, Disc, Square};
@@ -191,10 +191,14 @@ impl PointProblem<'_> {
         if self.grips.is_empty() {
             return Vec::new();
         }
-        let walls = Walls::of_points(self.constraints, self.bodies);
+        let points = &*self.constraints;
+        let pairs = points.iter().map(|point| point.bodies);
+        let of_bodies = walls::by_body(self.bodies.len(), pairs);
+        let contact = |point: usize| (points[point].bodies, points[point].normal);
+        let walls = Walls::new(&of_bodies, self.bodies, contact);
         let held = |grip: &Grip| {
             let held = Held::new(grip, &self.bodies[grip.body as usize], self.dt);
-            let walls = walls.among_points(grip.body, self.constraints, self.bodies, self.dt);
+            let walls = walls.among_points(grip.body, points, self.dt);
             held.in_step(self.dt, walls)
         };
         self.grips.iter().map(held).collect()

@@ -18,7 +18,7 @@ use crate::solver::{Lanes, SolveReport};
 /// After this many restarts in a row directions don't help, and plain sweeps do the rest.
 const GIVE_UP: usize = 8;
 
-/// See the module's text.
+/// The nonsmooth nonlinear conjugate gradient solver, which works on points: it converges, at the price of more sweeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nncg {
     /// Sweeps over all contacts, at most.

@@ -9,8 +9,6 @@
 //!
 //! How patches come into a block and out of it again is [`carry`](super::carry)'s.
 
-use super::kinds::Kinds;
-use super::visit::Carried;
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -106,7 +104,7 @@ impl Spring {
     }
 }
 
-/// See the module's text.
+/// Patches side by side, one a lane, and what their rows need in a visit.
 #[derive(Clone, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
@@ -340,22 +338,11 @@ impl<L: F32xN> Block<L> {
             angular: self.inverse_inertia[0].apply_add(at_a, a.angular),
         };
         let b = SpatialVec {
-            linear: force.scale_taken_from(self.inverse_mass[1], b.linear),
-            angular: self.inverse_inertia[1].apply_taken_from(at_b, b.angular),
+            linear: force.scale_neg_add(self.inverse_mass[1], b.linear),
+            angular: self.inverse_inertia[1].apply_neg_add(at_b, b.angular),
         };
         L::scatter(velocities, &self.targets[0], &a);
         L::scatter(velocities, &self.targets[1], &b);
-    }
-
-    /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.
-    #[inline(always)]
-    pub fn account<K: Kinds<L>>(&mut self, kinds: K, points: &mut [Points<L>]) {
-        for (given, now) in self.given.iter_mut().zip(self.tangential) {
-            *given = kinds.add_if_again(*given, now);
-        }
-        for point in points {
-            point.given = kinds.add_if_again(point.given, point.impulse);
-        }
     }
 
     /// What the free motion misses, J (see [`crate::solver::merit`]).
@@ -407,50 +394,6 @@ impl<L: F32xN> Block<L> {
         self.give(wrench, velocities);
     }
 
-    /// Ends a substep in which some lanes took a blow, 1 there and 0 in others: the next begins with no more than the `earlier` impulses of
-    /// its points, or what they carry at rest. What is cut off counts as given. The wrench that the next substep shall not begin with.
-    #[inline(always)]
-    pub fn forget_blow(
-        &mut self,
-        points: &mut [Points<L>],
-        earlier: &[L],
-        lanes: L,
-    ) -> SpatialVec<L> {
-        let (mut all, mut left) = (L::ZERO, L::ZERO);
-        let mut cut = SpatialVec::default();
-        for (point, &earlier) in points.iter_mut().zip(earlier) {
-            let kept = point.impulse.min(earlier.max(point.load));
-            let kept = lanes.select_above(L::ZERO, kept, point.impulse);
-            all += point.impulse;
-            left += kept;
-            point.given += point.impulse - kept;
-            point.push(kept - point.impulse, &mut cut);
-            point.impulse = kept;
-        }
-        // Friction in proportion, and a twist that the points which are left can bear.
-        let gone = (all - left) * all.inverse();
-        let most = self.most_twist(&Carried::by(points));
-        let twist = (L::ONE - gone) * self.twist;
-        let twist = lanes.select_above(L::ZERO, twist.min(most).max(-most), self.twist);
-        let friction = [
-            gone * self.tangential[0],
-            gone * self.tangential[1],
-            self.twist - twist,
-        ];
-        let rolling = [gone * self.rolling[0], gone * self.rolling[1]];
-        for i in 0..2 {
-            self.given[i] += friction[i];
-            self.tangential[i] -= friction[i];
-            self.rolling[i] -= rolling[i];
-        }
-        self.twist = twist;
-        let friction = wrench(friction, rolling);
-        SpatialVec {
-            linear: cut.linear - friction.linear,
-            angular: cut.angular - friction.angular,
-        }
-    }
-
     /// Changes velocities by a wrench in the patch's frame.
     #[inline(always)]
     pub fn give(&self, wrench: SpatialVec<L>, velocities: &[Cell<State>]) {
@@ -462,7 +405,7 @@ impl<L: F32xN> Block<L> {
 
 /// Of impulses along both tangents and about the normal, and against rolling.
 #[inline(always)]
-fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<L> {
+pub(super) fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<L> {
     SpatialVec {
         linear: Vec3xN {
             x: L::ZERO,
@@ -512,7 +455,7 @@ impl<L: F32xN> Points<L> {
     #[inline(always)]
     pub(super) fn approach(&self, normals: &Vec3xN<L>) -> L {
         let tilted = self.y.mul_add(normals.y, normals.x);
-        self.x.taken_from(normals.z, tilted)
+        self.x.neg_mul_add(normals.z, tilted)
     }
 
     /// Adds its impulse to a wrench at the centre. Rounded twice: the same impulse on both sides of the centre leaves no moment then, by

@@ -1,20 +1,15 @@
 //! One island on its way through a step: in blocks, which live as long as its contacts do.
 
-use super::Scratch;
-use super::block::{Block, Pass, Points, Spring};
-use super::blows::Blows;
-use super::halves::Part;
+use super::block::{Block, Pass, Points};
+use super::hands::Hands;
 use super::kinds::{Kinds, Rigid, Soft};
-use super::laps::Laps;
 use super::pipeline::{Pipeline, Work};
-use super::refresh::{End, Fresh, Refresh};
 use crate::solver::batches::Batches;
 use crate::solver::grip::Held;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use crate::solver::rounds::{ROUND, RoundEnds, Rounds};
-use crate::solver::walls::Walls;
-use crate::solver::{Body, Grip, Lanes, PatchConstraint, PatchProblem};
-use glam::{Mat3, Vec3, Vec4};
+use crate::solver::{Body, Lanes, PatchConstraint, PatchProblem};
+use glam::{Mat3, Vec3};
 
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
 const CROWD: f32 = 6.0;
@@ -25,26 +20,24 @@ pub fn batches(lanes: usize, problem: &PatchProblem) -> Batches {
 }
 
 /// Folded where it may be.
-pub fn laps(lanes: usize, problem: &PatchProblem) -> Batches {
+pub fn skewed(lanes: usize, problem: &PatchProblem) -> Batches {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     match stands_by_itself(problem) {
-        true => Batches::folded(lanes, patches, problem.bodies),
+        true => Batches::skewed(lanes, patches, problem.bodies),
         false => Batches::in_rounds(lanes, patches, problem.bodies),
     }
 }
 
-fn rounds(problem: &PatchProblem) -> Rounds {
+pub fn rounds(problem: &PatchProblem) -> Rounds {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     Rounds::of(patches, problem.bodies)
 }
 
-/// What contacts cannot change does not move either, and nobody holds anything, so that sweeps may be at it all at once.
+/// What contacts cannot change does not move either, so that several sweeps may be at it at once.
 pub fn stands_by_itself(problem: &PatchProblem) -> bool {
-    problem.grips.is_empty()
-        && problem.bodies.iter().all(|body| {
-            body.inverse_mass > 0.0
-                || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
-        })
+    problem.bodies.iter().all(|body| {
+        body.inverse_mass > 0.0 || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
+    })
 }
 
 /// One island on its way through a step.
@@ -58,8 +51,6 @@ pub struct Island<L: F32xN> {
     pub(super) fastest: f32,
     /// See [`stands_by_itself`].
     pub(super) alone: bool,
-    /// Its blocks are not folded and have no rounds, though they might be and have some in another step.
-    unfolded: bool,
     /// Bodies take what their rounds have changed.
     pub(super) round_ends: RoundEnds,
     /// By body, 1/(kg·m²): with which blocks were prepared.
@@ -81,52 +72,19 @@ pub struct Island<L: F32xN> {
     pub(super) missing: Vec<L>,
     /// By block: Σ W Δλ² of the last sweep, J.
     pub(super) changes: Vec<L>,
-    /// Hands, visited before the blocks: what they press against has the last word.
+    /// Hands, visited before the contacts of their bodies: what they press against has the last word.
     pub(super) grips: Vec<Held>,
+    pub(super) hands: Hands,
     /// Made when there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
-    /// Made where blocks are folded.
-    pub(super) laps: Option<Laps>,
-    pub(super) blows: Blows<L>,
-    pub(super) scratch: Scratch,
 }
 
 impl<L: F32xN> Island<L> {
-    /// That of the last step, if it may be, and which of its patches were found anew since. Its blocks are not folded and have no rounds if it
-    /// shall be `unfolded`: where a visit, or a sweep, must have ended before the next begins.
-    pub fn of(
-        kept: Option<(Box<Self>, Vec<u32>)>,
-        problem: &PatchProblem,
-        lanes: Lanes,
-        found: Option<Batches>,
-        unfolded: bool,
-    ) -> (Box<Self>, Vec<u32>) {
-        let alone = stands_by_itself(problem);
-        let may_be = |island: &Self, changed: &[u32]| match unfolded {
-            true => island.batches.laps() == 1 && !island.batches.has_rounds(),
-            // A new mass comes with new patches.
-            false => {
-                !island.unfolded
-                    && (changed.is_empty() || *island.batches.rounds() == rounds(problem))
-            }
-        };
-        let (mut island, changed) = kept
-            .filter(|(island, changed)| {
-                island.fastest == problem.max_correction_speed
-                    && island.alone == alone
-                    && may_be(island, changed)
-            })
-            .unwrap_or_else(|| {
-                let batches = match unfolded {
-                    true => batches(L::LANES, problem),
-                    false => found.unwrap_or_else(|| laps(L::LANES, problem)),
-                };
-                let mut island = Self::new(problem, batches);
-                island.unfolded = unfolded && (alone || !rounds(problem).is_empty());
-                (Box::new(island), Vec::new())
-            });
-        island.lanes = lanes;
-        (island, changed)
+    /// Finds where the hands stand among the blocks.
+    pub fn place_hands(&mut self, problem: &PatchProblem) {
+        if self.hands.place(&self.batches, problem) {
+            self.pipeline = None;
+        }
     }
 
     pub fn new(problem: &PatchProblem, batches: Batches) -> Self {
@@ -183,7 +141,6 @@ impl<L: F32xN> Island<L> {
             lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
             alone: stands_by_itself(problem),
-            unfolded: false,
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
             turned: Vec::new(),
             changed: Vec::new(),
@@ -197,10 +154,8 @@ impl<L: F32xN> Island<L> {
             missing: Vec::new(),
             changes: Vec::new(),
             grips: Vec::new(),
+            hands: Hands::default(),
             pipeline: None,
-            laps: None,
-            blows: Blows::default(),
-            scratch: Scratch::default(),
         }
     }
 
@@ -235,65 +190,10 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Brings all blocks up to date with the problem that it has begun; what the free motion misses in each is found.
-    pub fn refresh(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass, closed: f32) {
-        self.missing.resize(self.blocks.len(), L::ZERO);
-        let fresh = Fresh {
-            problem,
-            batches: &self.batches,
-            changed: &self.changed,
-            turned: self.turned.contains(&true).then_some(&*self.turned),
-            substeps: self.substeps,
-            velocities: &self.velocities,
-            spring,
-            pass,
-            closed,
-            deepest: self.deepest,
-        };
-        let all = Part {
-            first: 0,
-            blocks: &mut self.blocks,
-            points: &mut self.points,
-            found: &mut self.missing,
-        };
-        all.each(problem.threads, &|part| {
-            L::run(Refresh {
-                part,
-                fresh: &fresh,
-            });
-        });
-    }
-
-    /// Ready for the first sweep: with effective masses, a substep's forces, and the impulses that contacts start with. The merit of the
-    /// free motion, √J.
-    pub fn start(
-        &mut self,
-        problem: &PatchProblem,
-        changed: &[u32],
-        substeps: usize,
-        spring: &Spring,
-        passes: &[Pass],
-    ) -> f32 {
-        self.begin(problem, changed, substeps);
-        self.push(problem.bodies, 1.0 / substeps as f32);
-        let h = problem.dt / substeps as f32;
-        self.grips.clear();
-        if !problem.grips.is_empty() {
-            let walls = Walls::of_patches(problem);
-            let held = |grip: &Grip| {
-                let held = Held::new(grip, &problem.bodies[grip.body as usize], h);
-                held.in_step(problem.dt, walls.among_patches(grip.body, problem))
-            };
-            self.grips.extend(problem.grips.iter().map(held));
-        }
-        self.refresh(problem, spring, &passes[0], f32::INFINITY);
-        self.warm_start().sqrt()
-    }
-
     /// Lets bodies feel the impulses that contacts and hands start with, in the order of the sweep. What the free motion misses in all, J.
     pub fn warm_start(&mut self) -> f32 {
         for held in &self.grips {
-            held.start(&mut self.velocities);
+            held.start(cells(&mut self.velocities));
         }
         let mut missing = 0.0;
         for lap in 0..self.batches.laps() {
@@ -326,16 +226,12 @@ impl<L: F32xN> Island<L> {
         }));
     }
 
-    /// All sweeps: over the blocks from the first to the last each, of the bodies that came into the world first, from the ground up.
-    /// Back and forth shook stacks and pyramids. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
+    /// All sweeps, where blocks are not skewed. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
     pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
-        if self.batches.laps() > 1 {
-            return self.sweep_in_laps(problem, passes, tell);
-        }
         let pipeline = self.pipeline.take();
-        // Sweeps that meet cannot chase one another.
-        let chase = problem.threads > 1 && self.alone && !passes.iter().any(|pass| pass.down);
-        let pipeline = match chase {
+        // Sweeps that go both ways cannot follow each other.
+        let overlap = problem.threads > 1 && self.alone && !passes.iter().any(|pass| pass.down);
+        let pipeline = match overlap {
             true => pipeline.or_else(|| Some(self.find_pipeline(problem))),
             false => None,
         };
@@ -378,9 +274,9 @@ impl<L: F32xN> Island<L> {
     /// One visit to each hand. Σ W Δλ², J.
     pub fn visit_grips(&mut self) -> f32 {
         let mut change = 0.0;
+        let [velocities, motions] = [&mut self.velocities, &mut self.motions].map(|l| cells(l));
         for held in &mut self.grips {
-            held.aim_among(&self.motions, self.fastest);
-            change += held.visit(&mut self.velocities);
+            change += held.visit_among(velocities, motions, self.fastest);
         }
         change
     }
@@ -392,8 +288,13 @@ impl<L: F32xN> Island<L> {
 
     pub fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {
         let bodies = |(_, patch): (usize, u32)| problem.patches[patch as usize].bodies;
-        let blocks = self.batches.iter();
-        let blocks = blocks.map(|patches| patches.flat_map(bodies));
+        let places = &self.hands.places;
+        let blocks = self.batches.iter().enumerate();
+        let blocks = blocks.map(|(block, patches)| {
+            let groups = places.before(block).iter();
+            let held = groups.flat_map(|group| places.bodies_of(group));
+            patches.flat_map(bodies).chain(held.copied())
+        });
         let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
         let round_ends = self.round_ends.clone();
         Pipeline::new(blocks, problem.bodies.len(), moves, round_ends)
@@ -411,22 +312,9 @@ impl<L: F32xN> Island<L> {
             velocities: &mut self.velocities,
             before: &mut self.before,
             motions: &mut self.motions,
-        }
-    }
-
-    pub fn store(&self, problem: &mut PatchProblem, rate: f32) {
-        L::run(End {
-            island: self,
-            problem,
-            rate,
-        });
-        for (grip, held) in problem.grips.iter_mut().zip(&self.grips) {
-            *grip = held.found();
-        }
-        let states = self.velocities.iter().zip(&self.motions);
-        for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
-            [body.linear, body.angular] = velocity.map(Vec4::truncate);
-            body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
+            hands: &self.hands.places,
+            grips: &mut self.grips,
+            fastest: self.fastest,
         }
     }
 }

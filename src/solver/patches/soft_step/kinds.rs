@@ -5,7 +5,7 @@ use super::block::Points;
 use crate::solver::lanes::{F32xN, SpatialVec};
 use std::cell::Cell;
 
-/// See the module's text.
+/// Which lanes of a block are soft or rigid in a visit.
 pub trait Kinds<L: F32xN>: Copy {
     /// Some lane may be soft.
     const SOFT: bool;

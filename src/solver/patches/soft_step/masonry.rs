@@ -2,10 +2,10 @@
 
 use super::block::{Pass, Spring};
 use super::island::Island;
-use super::{Effort, SoftStep};
+use super::{SoftStep, SweepBudget};
 use crate::solver::batches::Batches;
 use crate::solver::lanes::F32xN;
-use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem};
+use crate::solver::{Body, Grip, Memory, PatchConstraint, PatchPoint, PatchProblem};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::PI;
 
@@ -19,6 +19,7 @@ pub struct Masonry {
     pub patches: Vec<PatchConstraint>,
     pub points: Vec<PatchPoint>,
     pub gravity: Vec3,
+    pub grips: Vec<Grip>,
 }
 
 impl Masonry {
@@ -30,6 +31,7 @@ impl Masonry {
             patches: Vec::new(),
             points: Vec::new(),
             gravity: G * (tilt.sin() * towards - tilt.cos() * Vec3::Y),
+            grips: Vec::new(),
         }
     }
 
@@ -161,13 +163,32 @@ impl Masonry {
         self
     }
 
+    /// Held by hands that are strong enough to lift some of what lies on it, and pull it elsewhere.
+    pub fn held(mut self, bodies: impl IntoIterator<Item = usize>) -> Self {
+        for body in bodies {
+            let mass = 1.0 / self.bodies[body].inverse_mass;
+            self.grips.push(Grip {
+                body: body as u32,
+                arm: Vec3::new(0.2, 0.1, 0.0),
+                error: Vec3::new(0.1, -0.2, 0.1),
+                axes: [Vec3::ONE; 2],
+                response: 0.1,
+                max_speed: 4.0,
+                max_force: 3.0 * mass * G,
+                max_torque: 0.2 * mass * G,
+                ..Default::default()
+            });
+        }
+        self
+    }
+
     /// The problem of one step.
     pub fn problem<'a>(&'a mut self, memory: &'a mut Memory) -> PatchProblem<'a> {
         PatchProblem {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
-            grips: &mut [],
+            grips: &mut self.grips,
             dt: DT,
             longest: DT,
             gravity: self.gravity,
@@ -182,13 +203,14 @@ impl Masonry {
 /// In such blocks, ready for the first sweep; and the sweeps.
 pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>, Vec<Pass>) {
     let mut island = Island::<L>::new(problem, batches);
-    let effort = Effort {
+    island.place_hands(problem);
+    let budget = SweepBudget {
         substeps: 7,
         substeps_per_rigid_sweep: 3,
         downwards: false,
         rate: 700.0,
     };
-    let passes = SoftStep::default().plan(effort, DT);
+    let passes = SoftStep::default().plan(budget, DT);
     let spring = Spring {
         omega: 300.0,
         damping_ratio: 5.0,

@@ -6,14 +6,14 @@
 //!   of position that the next substeps take back, not one of velocity that shakes the structure. How stiff they may be is set
 //!   by how often sweeps come, [`SoftStep::sweeps_per_period`], and is shared among the patches of a body, since a
 //!   brick with six neighbours is held by six springs.
-//! - **Sweeps by need** ([`effort`]): they come at a rate, so that a structure is as stiff at any step, and what is tall, carries much, or
+//! - **Sweeps by need** ([`sweep_budget`]): they come at a rate, so that a structure is as stiff at any step, and what is tall, carries much, or
 //!   has not settled yet gets more.
 //! - **Impulses carry over whole** from substep to substep. With arms frozen they do again what they did, so that forces and
 //!   warm start are an extrapolation of the velocities and cost no pass over the contacts.
 //! - **Every third substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
 //!   course in walls and pyramids of 40 courses; those get one after every second, with which, at equal sweeps, arches tremble and
 //!   small pyramids drift twice as far.
-//! - **Rigid sweeps go down** in very tall structures ([`Effort::downwards`]), from the top to the ground.
+//! - **Rigid sweeps go down** in very tall structures ([`SweepBudget::downwards`]), from the top to the ground.
 //! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry their load at rest by
 //!   themselves, and springs rest where surfaces meet and where friction took hold: integral action. The mean of a patch is followed
 //!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
@@ -26,7 +26,7 @@
 //! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
 //!   is gone is relieved of it.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose
-//!   patches share no body ([`batches`](crate::solver::batches)); where patches stand in a row, those of several sweeps ([`laps`]).
+//!   patches share no body ([`batches`](crate::solver::batches)); where patches stand in a row, those of several sweeps ([`skewed_sweeps`]).
 //!   Light bodies on one that is far heavier are relaxed in rounds ([`rounds`](crate::solver::rounds)).
 //! - Points of a patch share one friction force and one twist, held by one anchor.
 //!
@@ -36,18 +36,21 @@ mod block;
 mod blows;
 mod carry;
 mod cold_start;
-mod effort;
+mod edges;
 mod gaps;
 mod halves;
+mod hands;
 mod island;
+mod kept;
 mod kinds;
-mod laps;
+mod load_statistics;
 #[cfg(test)]
 mod masonry;
 mod parting;
 mod pipeline;
 mod refresh;
-mod survey;
+mod skewed_sweeps;
+mod sweep_budget;
 mod together;
 mod upright;
 mod visit;
@@ -61,15 +64,15 @@ use crate::solver::lanes::{F32x4, F32xN};
 use crate::solver::width::Width;
 use crate::solver::{Lanes, SolveReport};
 use block::{Pass, Spring};
-use effort::{Course, Effort};
 use gaps::Gaps;
-use island::Island;
 #[cfg(target_arch = "x86_64")]
-use island::{laps, stands_by_itself};
+use island::{skewed, stands_by_itself};
+use kept::{Kept, Scratch};
+use load_statistics::LoadStatistics;
 use std::f32::consts::TAU;
-use survey::{Footing, Survey};
+use sweep_budget::SweepBudget;
 
-/// In very tall structures ([`Effort::downwards`]) loads at rest follow so many times slower. They sway slowly, and loads that follow their
+/// In very tall structures ([`SweepBudget::downwards`]) loads at rest follow so many times slower. They sway slowly, and loads that follow their
 /// swaying push them on: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or stiffer springs, and drifts by
 /// 3 mm in a minute if they follow a tenth as fast.
 const SLOWER: f32 = 40.0;
@@ -77,7 +80,7 @@ const SLOWER: f32 = 40.0;
 /// Most sweeps that a step may be asked for.
 const SWEEPS: usize = 1_000_000;
 
-/// See the module's text.
+/// The default contact solver: many short substeps with one sweep each, over contacts that are damped springs. It works on patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftStep {
     /// Damping ratio ζ of soft rows. 5 to 20 work.
@@ -186,21 +189,22 @@ impl SoftStep {
         problem: &mut PatchProblem,
         batches: Option<Batches>,
     ) -> SolveReport {
-        let mut kept = problem.memory.take::<Island<L>>();
+        let mut kept = problem.memory.take::<Kept<L>>();
         let mut scratch = match &mut kept {
-            Some((island, _)) => std::mem::take(&mut island.scratch),
+            Some((kept, _)) => std::mem::take(&mut kept.scratch),
             None => Scratch::default(),
         };
         let span = tracing::info_span!("refresh").entered();
-        let (effort, bounces) = self.begin::<L>(problem, &mut scratch);
+        let (budget, bounces) = self.begin::<L>(problem, &mut scratch);
         let gaps = Gaps::of(problem);
         let hits = blows::expected(problem, &gaps);
-        let unfolded = hits || effort.downwards;
-        let (mut island, changed) = Island::<L>::of(kept, problem, self.lanes, batches, unfolded);
+        let straight = hits || budget.downwards;
+        let (mut kept, changed) = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
+        let island = &mut kept.island;
         island.deepest = parting::deepest(&gaps);
-        let spring = self.spring(effort, problem.dt);
-        self.plan_in(effort, problem.dt, &mut scratch.passes);
-        let free_merit = island.start(problem, &changed, effort.substeps, &spring, &scratch.passes);
+        let spring = self.spring(budget, problem.dt);
+        self.plan_in(budget, problem.dt, &mut scratch.passes);
+        let free_merit = island.start(problem, &changed, budget.substeps, &spring, &scratch.passes);
         drop(span);
         let span = tracing::info_span!("sweeps").entered();
         let mut report = SolveReport::new(free_merit, problem.record_history);
@@ -208,18 +212,18 @@ impl SoftStep {
             report.record(change.max(0.0).sqrt());
         };
         match hits {
-            true => island.sweep_through_blows(problem, &scratch.passes, tell),
-            false => island.sweep(problem, &scratch.passes, tell),
+            true => island.sweep_through_blows(&mut kept.blows, problem, &scratch.passes, tell),
+            false => kept.sweep(problem, &scratch.passes, tell),
         }
         drop(span);
         let _span = tracing::info_span!("store").entered();
         if parting::is_needed(&gaps) {
-            island.part(problem);
+            kept.island.part(problem);
         }
-        island.store(problem, self.followed(effort));
-        island.scratch = scratch;
-        problem.memory.keep(island);
-        self.end(problem, bounces, effort.substeps);
+        kept.island.store(problem, self.followed(budget));
+        kept.scratch = scratch;
+        problem.memory.keep(kept);
+        self.end(problem, bounces, budget.substeps);
         report
     }
 
@@ -228,17 +232,19 @@ impl SoftStep {
         &self,
         problem: &mut PatchProblem,
         scratch: &mut Scratch,
-    ) -> (Effort, Option<Bounces>) {
+    ) -> (SweepBudget, Option<Bounces>) {
         let Scratch {
-            footing, courses, ..
+            body_loads,
+            courses,
+            ..
         } = scratch;
-        let mut survey = Survey::of(problem, footing);
-        let bounces = survey.bounces.then(|| restitution::find(problem));
-        if cold_start::cold_start::<L>(problem, footing) {
-            survey = Survey::of(problem, footing);
+        let mut statistics = LoadStatistics::of(problem, body_loads);
+        let bounces = statistics.bounces.then(|| restitution::find(problem));
+        if cold_start::cold_start::<L>(problem, body_loads) {
+            statistics = LoadStatistics::of(problem, body_loads);
         }
-        let effort = Effort::new(self, problem, (&survey, &*footing), courses);
-        (effort, bounces)
+        let budget = SweepBudget::new(self, problem, (&statistics, &*body_loads), courses);
+        (budget, bounces)
     }
 
     /// After its sweeps.
@@ -248,36 +254,36 @@ impl SoftStep {
         }
     }
 
-    fn spring(&self, effort: Effort, dt: f32) -> Spring {
+    fn spring(&self, budget: SweepBudget, dt: f32) -> Spring {
         Spring {
-            omega: TAU * effort.rate / self.sweeps_per_period,
+            omega: TAU * budget.rate / self.sweeps_per_period,
             damping_ratio: self.damping_ratio,
-            h: dt / effort.substeps as f32,
+            h: dt / budget.substeps as f32,
         }
     }
 
     /// The share by which loads at rest follow what was found.
-    fn followed(&self, effort: Effort) -> f32 {
-        let slower = match effort.downwards {
+    fn followed(&self, budget: SweepBudget) -> f32 {
+        let slower = match budget.downwards {
             true => SLOWER,
             false => 1.0,
         };
-        (effort.sweeps() as f32 / (slower * self.preload_sweeps)).min(1.0)
+        (budget.sweeps() as f32 / (slower * self.preload_sweeps)).min(1.0)
     }
 
     /// The sweeps of a step of `dt` s, and what is done after each.
-    fn plan(&self, effort: Effort, dt: f32) -> Vec<Pass> {
+    fn plan(&self, budget: SweepBudget, dt: f32) -> Vec<Pass> {
         let mut passes = Vec::new();
-        self.plan_in(effort, dt, &mut passes);
+        self.plan_in(budget, dt, &mut passes);
         passes
     }
 
     /// The same in a list that is there.
-    fn plan_in(&self, effort: Effort, dt: f32, passes: &mut Vec<Pass>) {
-        let h = dt / effort.substeps as f32;
+    fn plan_in(&self, budget: SweepBudget, dt: f32, passes: &mut Vec<Pass>) {
+        let h = dt / budget.substeps as f32;
         passes.clear();
-        for substep in 1..=effort.substeps {
-            let last = substep == effort.substeps;
+        for substep in 1..=budget.substeps {
+            let last = substep == budget.substeps;
             let soft = Pass {
                 soft: true,
                 down: false,
@@ -288,10 +294,10 @@ impl SoftStep {
                 extrapolates: false,
             };
             passes.push(soft);
-            if substep % effort.substeps_per_rigid_sweep == 0 || last {
+            if substep % budget.substeps_per_rigid_sweep == 0 || last {
                 passes.push(Pass {
                     soft: false,
-                    down: effort.downwards,
+                    down: budget.downwards,
                     drift: None,
                     ..soft
                 });
@@ -313,24 +319,16 @@ pub(crate) fn settle(problem: &mut PatchProblem) {
 }
 
 fn settle_in<L: F32xN>(problem: &mut PatchProblem) {
-    let mut footing = Vec::new();
-    Survey::of(problem, &mut footing);
-    cold_start::cold_start::<L>(problem, &footing);
-}
-
-/// Lists that live as long as a call, and whose memory is kept.
-#[derive(Default)]
-struct Scratch {
-    footing: Vec<Footing>,
-    courses: Vec<Course>,
-    passes: Vec<Pass>,
+    let mut body_loads = Vec::new();
+    LoadStatistics::of(problem, &mut body_loads);
+    cold_start::cold_start::<L>(problem, &body_loads);
 }
 
 /// It was so in the last step, by itself, and for what is still so.
 #[cfg(target_arch = "x86_64")]
 fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
-    let kept = problem.memory.peek::<Island<L>>();
-    kept.is_some_and(|island| {
+    let kept = problem.memory.peek::<Kept<L>>();
+    kept.is_some_and(|Kept { island, .. }| {
         island.lanes == Lanes::Auto && island.alone == stands_by_itself(problem)
     })
 }
@@ -341,9 +339,9 @@ fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
     if problem.patches.len() < HALF_FULL {
         return false;
     }
-    found.insert(laps(F32x8::LANES, problem)).holds(HALF_FULL)
+    found.insert(skewed(F32x8::LANES, problem)).holds(HALF_FULL)
 }
 
-/// Patches in the mean block of eight from which on they are the faster: those of a wall of 10 × 10 hold 7, folded, those of an arch 5.
+/// Patches in the mean block of eight from which on they are the faster: those of a wall of 10 × 10 hold 7, skewed, those of an arch 5.
 #[cfg(target_arch = "x86_64")]
 const HALF_FULL: usize = 4;

@@ -1,12 +1,13 @@
-//! Sweeps that chase one another through the blocks, on several threads.
+//! Pipelined sweeps: they follow each other through the blocks, on several threads.
 //!
 //! Let *reach* of a block be the last block that holds any body which moves and is also held by this one. Sweep k + 1 may visit a block
 //! as soon as sweep k is past its reach: no block that sweep k has yet to visit shares a body with it, so the visit finds what it would
 //! find after the whole of sweep k, and changes nothing that sweep k has yet to see. What is done to a body between two sweeps is done
 //! right after the last block that holds it. So the result is that of sweeps one after the other, to the bit, on any number of threads.
-//! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind.
+//! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind. Hands are visited with the block
+//! before which they stand ([`edges`](super::edges)), and that block holds their bodies as well.
 //!
-//! Sweeps go in groups: those of one group chase each other on one thread; one sweep a thread would move every block from cache to cache
+//! Sweeps go in groups: those of one group follow each other on one thread; one sweep a thread would move every block from cache to cache
 //! in every sweep. A thread *claims* the next group from a counter. So whoever waits
 //! for the group before waits for one that somebody is at, and the first waits for nobody: whatever else threads do, none waits for ever.
 //!
@@ -19,7 +20,9 @@
 )]
 
 use super::block::{Block, Pass, Points};
+use super::edges::EdgePlaces;
 use super::kinds::{Rigid, Soft};
+use crate::solver::grip::Held;
 use crate::solver::lanes::{F32xN, Kernel, State};
 use crate::solver::rounds::RoundEnds;
 use std::cell::Cell;
@@ -69,6 +72,10 @@ pub struct Work<'a, L: F32xN> {
     pub velocities: &'a mut [State],
     pub before: &'a mut [State],
     pub motions: &'a mut [State],
+    pub hands: &'a EdgePlaces,
+    pub grips: &'a mut [Held],
+    /// Contacts correct no faster, m/s.
+    pub fastest: f32,
 }
 
 impl Pipeline {
@@ -152,6 +159,9 @@ impl Pipeline {
             velocities: Handed::new(work.velocities),
             before: Handed::new(work.before),
             motions: Handed::new(work.motions),
+            hands: work.hands,
+            grips: Handed::new(work.grips),
+            fastest: work.fastest,
             groups: &groups,
             apart: shares.apart,
         };
@@ -162,7 +172,7 @@ impl Pipeline {
                 if number >= groups.len() {
                     break;
                 }
-                L::run(Chase {
+                L::run(PipelinedSweeps {
                     shared: &shared,
                     number,
                     delay: &delay,
@@ -187,7 +197,7 @@ struct Handed<'a, T> {
     of: PhantomData<&'a mut [T]>,
 }
 
-// SAFETY: it is a slice that its owner has lent, and items of it are only touched as `Chase` says.
+// SAFETY: it is a slice that its owner has lent, and items of it are only touched as `PipelinedSweeps` says.
 unsafe impl<T: Send> Sync for Handed<'_, T> {}
 unsafe impl<T: Send> Send for Handed<'_, T> {}
 
@@ -234,15 +244,18 @@ struct Shared<'a, L: F32xN> {
     velocities: Handed<'a, State>,
     before: Handed<'a, State>,
     motions: Handed<'a, State>,
+    hands: &'a EdgePlaces,
+    grips: Handed<'a, Held>,
+    fastest: f32,
     groups: &'a [Group<'a, L>],
     apart: usize,
 }
 
 /// One group, from its first visit to its last.
 ///
-/// Its sweeps touch a block, its points and its bodies that move only where the sweep before is past the block's reach: so nobody is
+/// Its sweeps touch a block, its points, its hands and its bodies that move only where the sweep before is past the block's reach: so nobody is
 /// at any of them, and nobody will be before this sweep has passed them, which the counter tells the next.
-struct Chase<'a, 'b, L: F32xN, D: Fn()> {
+struct PipelinedSweeps<'a, 'b, L: F32xN, D: Fn()> {
     shared: &'b Shared<'a, L>,
     number: usize,
     delay: &'b D,
@@ -257,7 +270,7 @@ impl Drop for Unblock<'_> {
     }
 }
 
-impl<L: F32xN, D: Fn()> Kernel for Chase<'_, '_, L, D> {
+impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
     type Output = ();
 
     #[inline(always)]
@@ -327,7 +340,7 @@ const PATIENCE: u32 = 1000;
 /// Sweeps in a group, at most.
 const MOST: usize = 8;
 
-impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
+impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
     /// Which blocks a group may touch that comes after another; at the end of that there is no more to stay behind.
     #[inline(always)]
     fn behind(&self, before: &Group<L>, blocks: usize) -> usize {
@@ -346,17 +359,22 @@ impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
             velocities,
             before,
             motions,
+            hands,
             ..
         } = self.shared;
-        // SAFETY: see `Chase`.
+        // SAFETY: see `PipelinedSweeps`.
         let (block, velocities, motions, before) = unsafe {
             let block = &mut blocks.range(number, number + 1)[0];
             (block, velocities.cells(), motions.cells(), before.cells())
         };
+        let held = match hands.is_empty() {
+            true => 0.0,
+            false => self.visit_hands(number),
+        };
         let range = block.range();
-        // SAFETY: see `Chase`; points are their block's alone.
+        // SAFETY: see `PipelinedSweeps`; points are their block's alone.
         let points = unsafe { points.range(range.start, range.end) };
-        let change = match SOFT {
+        let mut change = match SOFT {
             true => {
                 let kinds = Soft { first: pass.first };
                 block.relax(kinds, points, velocities, motions, pass)
@@ -373,6 +391,34 @@ impl<L: F32xN, D: Fn()> Chase<'_, '_, L, D> {
             let body = pipeline.bodies[i] as usize;
             pass.end(&velocities[body], &before[body], &motions[body]);
             i += 1;
+        }
+        if held != 0.0 {
+            change[0] += held;
+        }
+        change
+    }
+
+    /// The hands that stand before a block. Σ W Δλ², J.
+    #[inline(never)]
+    fn visit_hands(&self, block: usize) -> f32 {
+        let Shared {
+            velocities,
+            motions,
+            hands,
+            grips,
+            fastest,
+            ..
+        } = self.shared;
+        // SAFETY: see `PipelinedSweeps`: the block holds all bodies that its hands read or change.
+        let (velocities, motions) = unsafe { (velocities.cells(), motions.cells()) };
+        let mut change = 0.0;
+        for group in hands.before(block) {
+            for &hand in hands.edges_of(group) {
+                let hand = hand as usize;
+                // SAFETY: see `PipelinedSweeps`; a hand is of one block alone.
+                let held = unsafe { &mut grips.range(hand, hand + 1)[0] };
+                change += held.visit_among(velocities, motions, *fastest);
+            }
         }
         change
     }

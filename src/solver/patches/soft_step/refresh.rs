@@ -6,6 +6,7 @@ use super::island::Island;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::lanes::{F32xN, Kernel, State};
+use glam::Vec4;
 
 /// What blocks are brought up to date by.
 pub struct Fresh<'a, 'p> {
@@ -90,6 +91,72 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
         for (block, patches) in island.blocks.iter().zip(island.batches.iter()) {
             let points = &island.points[block.range()];
             block.end(points, patches, problem, island.substeps, rate);
+        }
+    }
+}
+
+impl<L: F32xN> Island<L> {
+    /// Brings all blocks up to date with the problem that it has begun; what the free motion misses in each is found.
+    pub fn refresh(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass, closed: f32) {
+        self.missing.resize(self.blocks.len(), L::ZERO);
+        let fresh = Fresh {
+            problem,
+            batches: &self.batches,
+            changed: &self.changed,
+            turned: self.turned.contains(&true).then_some(&*self.turned),
+            substeps: self.substeps,
+            velocities: &self.velocities,
+            spring,
+            pass,
+            closed,
+            deepest: self.deepest,
+        };
+        let all = Part {
+            first: 0,
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            found: &mut self.missing,
+        };
+        all.each(problem.threads, &|part| {
+            L::run(Refresh {
+                part,
+                fresh: &fresh,
+            });
+        });
+    }
+
+    /// Ready for the first sweep: with effective masses, a substep's forces, and the impulses that contacts start with. The merit of the
+    /// free motion, √J.
+    pub fn start(
+        &mut self,
+        problem: &PatchProblem,
+        changed: &[u32],
+        substeps: usize,
+        spring: &Spring,
+        passes: &[Pass],
+    ) -> f32 {
+        self.begin(problem, changed, substeps);
+        self.push(problem.bodies, 1.0 / substeps as f32);
+        let h = problem.dt / substeps as f32;
+        self.hands.begin(problem, h, &mut self.grips);
+        self.refresh(problem, spring, &passes[0], f32::INFINITY);
+        self.warm_start().sqrt()
+    }
+
+    /// Gives the problem what was found; loads at rest follow by so large a share.
+    pub fn store(&self, problem: &mut PatchProblem, rate: f32) {
+        L::run(End {
+            island: self,
+            problem,
+            rate,
+        });
+        for (grip, held) in problem.grips.iter_mut().zip(&self.grips) {
+            *grip = held.found();
+        }
+        let states = self.velocities.iter().zip(&self.motions);
+        for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
+            [body.linear, body.angular] = velocity.map(Vec4::truncate);
+            body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
         }
     }
 }

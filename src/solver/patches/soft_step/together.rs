@@ -4,9 +4,9 @@
 //! where their patches lie beside each other. They share no body that moves, and each island's patches keep their order: what is found
 //! of each is what would be found of it alone, to the bit, but for the sign of zeros.
 
-use super::effort::Effort;
 use super::gaps::Gaps;
 use super::island::{Island, batches};
+use super::sweep_budget::SweepBudget;
 use super::{Bounces, PatchSolver, SoftStep, blows, parting};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
@@ -79,7 +79,7 @@ impl Joint {
 struct Begun {
     /// Which of them.
     number: usize,
-    effort: Effort,
+    budget: SweepBudget,
     bounces: Option<Bounces>,
 }
 
@@ -106,19 +106,19 @@ impl SoftStep {
             }
             // What was kept of it alone is not what it will be after this step.
             problem.memory.forget();
-            let (effort, bounces) = self.begin::<L>(problem, &mut Default::default());
+            let (budget, bounces) = self.begin::<L>(problem, &mut Default::default());
             begun.push(Begun {
                 number,
-                effort,
+                budget,
                 bounces,
             });
         }
-        begun.sort_by(|a, b| a.effort.compare(&b.effort));
-        for group in begun.chunk_by(|a, b| a.effort == b.effort) {
+        begun.sort_by(|a, b| a.budget.compare(&b.budget));
+        for group in begun.chunk_by(|a, b| a.budget == b.budget) {
             let first = &group[0];
             let mut joint = Joint::of(group.iter().map(|begun| &problems[begun.number]));
             let like = &problems[first.number];
-            let found = self.solve_joint::<L>(&mut joint, like, first.effort, group.len());
+            let found = self.solve_joint::<L>(&mut joint, like, first.budget, group.len());
             let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
             let members = group
                 .iter()
@@ -130,7 +130,7 @@ impl SoftStep {
         }
         for begun in begun {
             let problem = &mut problems[begun.number];
-            self.end(problem, begun.bounces, begun.effort.substeps);
+            self.end(problem, begun.bounces, begun.budget.substeps);
         }
         reports
     }
@@ -139,7 +139,7 @@ impl SoftStep {
         &self,
         joint: &mut Joint,
         like: &PatchProblem,
-        effort: Effort,
+        budget: SweepBudget,
         count: usize,
     ) -> Vec<SolveReport> {
         let mut memory = Memory::default();
@@ -148,14 +148,14 @@ impl SoftStep {
         let batches = batches(L::LANES, &problem);
         let mut island = Island::<L>::new(&problem, batches);
         let (spring, passes) = (
-            self.spring(effort, problem.dt),
-            self.plan(effort, problem.dt),
+            self.spring(budget, problem.dt),
+            self.plan(budget, problem.dt),
         );
-        island.start(&problem, &[], effort.substeps, &spring, &passes);
+        island.start(&problem, &[], budget.substeps, &spring, &passes);
         for pass in &passes {
             island.sweep_alone(pass);
         }
-        island.store(&mut problem, self.followed(effort));
+        island.store(&mut problem, self.followed(budget));
         let (free, last) = (
             island.by_owner(&island.missing, &owners, count),
             island.by_owner(&island.changes, &owners, count),

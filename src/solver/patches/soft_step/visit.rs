@@ -135,6 +135,17 @@ impl<L: F32xN> Block<L> {
         visit.change
     }
 
+    /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.
+    #[inline(always)]
+    pub fn account<K: Kinds<L>>(&mut self, kinds: K, points: &mut [Points<L>]) {
+        for (given, now) in self.given.iter_mut().zip(self.tangential) {
+            *given = kinds.add_if_again(*given, now);
+        }
+        for point in points {
+            point.given = kinds.add_if_again(point.given, point.impulse);
+        }
+    }
+
     /// Anchored friction is a spring about where it began to stick; any other is rigid.
     #[inline(always)]
     fn spring<K: Kinds<L>>(&self, kinds: K, moved: &SpatialVec<L>) -> Hold<L> {
@@ -202,10 +213,10 @@ impl<L: F32xN> Block<L> {
         if SOFT {
             mass = mass * hold.mass_scale;
             let given_back = hold.impulse_scale * (self.held_twist - self.twist);
-            start = mass.taken_from(hold.back_twist, given_back);
+            start = mass.neg_mul_add(hold.back_twist, given_back);
         }
         let limit = self.most_twist(carried);
-        let twist = mass.taken_from(visit.velocity.angular.x, start);
+        let twist = mass.neg_mul_add(visit.velocity.angular.x, start);
         let twist = twist.min(limit - self.twist).max(-limit - self.twist);
         let found = of::<_, _, SOFT>(kinds, self.twist + twist, self.twist);
         let twist = found - self.twist;
@@ -232,8 +243,8 @@ impl<L: F32xN> Block<L> {
         // The exact step where it stays inside the cone, else an isotropic one, projected (see `points/constraint.rs`).
         let [xx, yy, xy] = self.tangent_mass;
         let mut found = [
-            xy.taken_from(excess[1], xx.taken_from(excess[0], start[0])),
-            yy.taken_from(excess[1], xy.taken_from(excess[0], start[1])),
+            xy.neg_mul_add(excess[1], xx.neg_mul_add(excess[0], start[0])),
+            yy.neg_mul_add(excess[1], xy.neg_mul_add(excess[0], start[1])),
         ];
         let limit = self.friction * carried.all;
         if square_length(found).any_above(squared(limit)) {
@@ -335,7 +346,7 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
         let soft_mass = springs.mass_scale * point.mass;
         let held = springs
             .held
-            .taken_from(point.load, springs.impulse_scale * point.impulse);
+            .neg_mul_add(point.load, springs.impulse_scale * point.impulse);
         let held = springs.preload.mul_add(lost, held);
         let closed = soft_mass.mul_add((springs.bias_rate * s).max(springs.fastest), held);
         // The spring rests where the surfaces meet, with all of its load, and reaches as far beyond as that stretches it.
@@ -421,7 +432,7 @@ fn relax_so_many<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
     while i < N {
         let (mass, constant) = rows.row(&mut points[i]);
         approaches[i] = points[i].approach(normals);
-        wanted[i] = mass.taken_from(approaches[i], points[i].impulse - constant);
+        wanted[i] = mass.neg_mul_add(approaches[i], points[i].impulse - constant);
         masses[i] = mass;
         i += 1;
     }
@@ -434,11 +445,11 @@ fn relax_so_many<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
         while j < N {
             let seen = points[j].approach(&points[i].effect);
             wanted[j] = (masses[j] * seen).mul_add(taken, wanted[j]);
-            approaches[j] = seen.taken_from(taken, approaches[j]);
+            approaches[j] = seen.neg_mul_add(taken, approaches[j]);
             j += 1;
         }
         if ON {
-            *normals = points[i].effect.scale_taken_from(taken, *normals);
+            *normals = points[i].effect.scale_neg_add(taken, *normals);
         }
         visit.change = taken.mul_add(approaches[i], visit.change);
         points[i].push(-taken, &mut visit.wrench);
@@ -477,7 +488,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
         // The patches beside what slips must find what they would find alone.
         let cut = (angle * block.radius).select_above(play, cut, L::ZERO);
         let cut = kinds.soft(cut, L::ZERO);
-        block.slip_twist = cut.taken_from(pull_twist, block.slip_twist);
+        block.slip_twist = cut.neg_mul_add(pull_twist, block.slip_twist);
         block.dragged_twist = cut.mul_add(pull_twist, block.dragged_twist);
 
         let square = square_length(pull);
@@ -486,7 +497,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
         let cut = kinds.soft(square.select_above(squared(play), cut, L::ZERO), L::ZERO);
         let anchors = block.slip.iter_mut().zip(&mut block.dragged);
         for ((slip, dragged), pull) in anchors.zip(pull) {
-            *slip = cut.taken_from(pull, *slip);
+            *slip = cut.neg_mul_add(pull, *slip);
             *dragged = cut.mul_add(pull, *dragged);
         }
     }
@@ -508,9 +519,9 @@ impl<L: F32xN> Kernel for Slide<L> {
     fn run(self) -> [L; 2] {
         let slid = [
             self.isotropic_mass
-                .taken_from(self.excess[0], self.start[0]),
+                .neg_mul_add(self.excess[0], self.start[0]),
             self.isotropic_mass
-                .taken_from(self.excess[1], self.start[1]),
+                .neg_mul_add(self.excess[1], self.start[1]),
         ];
         let slid = shorten(slid, self.limit);
         let (square, limit) = (square_length(self.found), squared(self.limit));
@@ -713,7 +724,7 @@ impl<L: F32xN> Points<L> {
         let left = (self.impulse - step).max(L::ZERO);
         let taken = self.impulse - left;
         self.impulse = left;
-        *normals = self.effect.scale_taken_from(taken, *normals);
+        *normals = self.effect.scale_neg_add(taken, *normals);
         self.push(-taken, wrench);
         taken
     }

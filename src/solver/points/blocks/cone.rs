@@ -4,7 +4,7 @@ use crate::solver::PointConstraint;
 use crate::solver::lanes::{F32xN, Kernel, square_length, squared};
 use crate::solver::points::constraint::inverse;
 
-/// See the module's text.
+/// A shape of the friction cone: how the friction of a point is limited.
 pub trait Cone: 'static {
     /// What a step wants of the tangential block of a point.
     fn tangential(constraint: &PointConstraint) -> [f32; 4];
@@ -30,8 +30,8 @@ impl Cone for Disc {
         limit: L,
     ) -> [L; 2] {
         let exact = [
-            xy.taken_from(residual[1], xx.taken_from(residual[0], before[0])),
-            yy.taken_from(residual[1], xy.taken_from(residual[0], before[1])),
+            xy.neg_mul_add(residual[1], xx.neg_mul_add(residual[0], before[0])),
+            yy.neg_mul_add(residual[1], xy.neg_mul_add(residual[0], before[1])),
         ];
         // Many points carry nothing, and then have no friction: for them alone nobody need slide.
         let found = [
@@ -66,8 +66,8 @@ impl<L: F32xN> Kernel for Slide<L> {
     #[inline(always)]
     fn run(self) -> [L; 2] {
         let slid = [
-            self.isotropic.taken_from(self.residual[0], self.before[0]),
-            self.isotropic.taken_from(self.residual[1], self.before[1]),
+            self.isotropic.neg_mul_add(self.residual[0], self.before[0]),
+            self.isotropic.neg_mul_add(self.residual[1], self.before[1]),
         ];
         let length = square_length(slid).sqrt();
         let shorten = (self.limit * length.inverse()).min(L::ONE);
@@ -95,10 +95,10 @@ impl Cone for Square {
         residual: [L; 2],
         limit: L,
     ) -> [L; 2] {
-        let x = x_mass.taken_from(residual[0], before[0]);
+        let x = x_mass.neg_mul_add(residual[0], before[0]);
         let x = x.max(-limit).min(limit);
         let residual = coupling.mul_add(x - before[0], residual[1]);
-        let y = y_mass.taken_from(residual, before[1]);
+        let y = y_mass.neg_mul_add(residual, before[1]);
         [x, y.max(-limit).min(limit)]
     }
 }

@@ -10,7 +10,7 @@ use crate::solver::lanes::{F32xN, State, Vec3xN};
 use crate::solver::points::{Direction, PointProblem};
 use glam::Vec3;
 
-/// See the module's text.
+/// Pairs in blocks, and the direction of conjugate gradients through their impulses and velocities.
 pub struct Conjugate<L: F32xN, C> {
     blocks: Blocks<L, C>,
     /// By point.

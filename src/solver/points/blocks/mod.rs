@@ -108,7 +108,8 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
 
     fn sweep_by<R: Relax<L>>(&mut self, direction: Direction, relax: R) -> f32 {
         let grips = self.grips.iter_mut();
-        let held: f32 = grips.map(|held| held.visit(&mut self.velocities)).sum();
+        let velocities = cells(&mut self.velocities);
+        let held: f32 = grips.map(|held| held.visit(velocities)).sum();
         let swept = L::run(Sweep {
             blocks: self,
             forwards: direction == Direction::Forwards,

@@ -103,7 +103,7 @@ impl<L: F32xN> Block<L> {
             angular: a.angular + gain.angular[0],
         };
         let b = SpatialVec {
-            linear: gain.linear.scale_taken_from(self.shares[1], b.linear),
+            linear: gain.linear.scale_neg_add(self.shares[1], b.linear),
             angular: b.angular + gain.angular[1],
         };
         L::scatter(velocities, &self.targets[0], &a);
@@ -278,10 +278,10 @@ impl<L: F32xN> Points<L> {
         let [arm_a, arm_b] = &self.arms;
         let [a, b] = &mut motion.angular;
         let excess = motion.linear.x - self.target.x;
-        let at_a = a.z.taken_from(arm_a.y, a.y.mul_add(arm_a.z, excess));
+        let at_a = a.z.neg_mul_add(arm_a.y, a.y.mul_add(arm_a.z, excess));
         let at_b = b.y.mul_sub(arm_b.z, b.z * arm_b.y);
         let residual = at_a - at_b;
-        let normal = self.normal_mass.taken_from(residual, self.impulse.x);
+        let normal = self.normal_mass.neg_mul_add(residual, self.impulse.x);
         let normal = normal.max(L::ZERO);
         let step = normal - self.impulse.x;
         self.impulse.x = normal;
@@ -289,7 +289,7 @@ impl<L: F32xN> Points<L> {
         let [inertia_a, inertia_b] = masses.inverse_inertia;
         motion.linear.x = masses.inverse_mass.mul_add(step, motion.linear.x);
         *a = effect::of_normal(inertia_a, arm_a).scale_add(step, *a);
-        *b = effect::of_normal(inertia_b, arm_b).scale_taken_from(step, *b);
+        *b = effect::of_normal(inertia_b, arm_b).scale_neg_add(step, *b);
         *change = (self.diagonal.x * step).mul_add(step, *change);
     }
 
@@ -308,8 +308,8 @@ impl<L: F32xN> Points<L> {
             motion.linear.z - self.target.z,
         ];
         let at_a = [
-            a.x.taken_from(arm_a.z, a.z.mul_add(arm_a.x, excess[0])),
-            a.y.taken_from(arm_a.x, a.x.mul_add(arm_a.y, excess[1])),
+            a.x.neg_mul_add(arm_a.z, a.z.mul_add(arm_a.x, excess[0])),
+            a.y.neg_mul_add(arm_a.x, a.x.mul_add(arm_a.y, excess[1])),
         ];
         let at_b = [
             b.z.mul_sub(arm_b.x, b.x * arm_b.z),
@@ -327,8 +327,8 @@ impl<L: F32xN> Points<L> {
         motion.linear.z = masses.inverse_mass.mul_add(step[1], motion.linear.z);
         *a = effect::of_first(inertia_a, arm_a).scale_add(step[0], *a);
         *a = effect::of_second(inertia_a, arm_a).scale_add(step[1], *a);
-        *b = effect::of_first(inertia_b, arm_b).scale_taken_from(step[0], *b);
-        *b = effect::of_second(inertia_b, arm_b).scale_taken_from(step[1], *b);
+        *b = effect::of_first(inertia_b, arm_b).scale_neg_add(step[0], *b);
+        *b = effect::of_second(inertia_b, arm_b).scale_neg_add(step[1], *b);
         *change = (self.diagonal.y * step[0]).mul_add(step[0], *change);
         *change = (self.diagonal.z * step[1]).mul_add(step[1], *change);
     }

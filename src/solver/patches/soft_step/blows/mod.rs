@@ -17,6 +17,7 @@
 //! The rigid sweeps are over-relaxed. All of them visit what the one before has changed, and end when that is little. A step goes this way
 //! if its free motion [tells](expected) that bodies will hit each other.
 
+mod forget;
 mod hand_down;
 mod hot;
 
@@ -27,6 +28,7 @@ use super::kinds::{MoreRigid, MoreSoft, Soft};
 use crate::solver::body::{speed_of, trace};
 use crate::solver::lanes::{F32xN, Kernel, cells};
 use crate::solver::{Body, PatchConstraint, PatchProblem};
+use forget::Forget;
 use glam::Vec3;
 use hand_down::HandDown;
 use hot::Hot;
@@ -176,11 +178,11 @@ impl<L: F32xN> Island<L> {
     /// All sweeps, one after the other, and more of them where there are blows. Tells Σ Wᵢᵢ Δλᵢ² of each but those, J.
     pub fn sweep_through_blows(
         &mut self,
+        blows: &mut Blows<L>,
         problem: &PatchProblem,
         passes: &[Pass],
         mut tell: impl FnMut(f32),
     ) {
-        let mut blows = std::mem::take(&mut self.blows);
         blows.begin(problem, self);
         let mut takes_blow = false;
         for (number, pass) in passes.iter().enumerate() {
@@ -193,9 +195,9 @@ impl<L: F32xN> Island<L> {
                 tell(held_change + self.sweep_as(soft, pass));
                 takes_blow = blows.find(problem, self);
                 if takes_blow {
-                    let Blows { hot, hand_down, .. } = &mut blows;
+                    let Blows { hot, hand_down, .. } = &mut *blows;
                     hand_down.run(problem, self, hot, pass.rate);
-                    self.sweep_more(problem, &mut blows, pass, SOFT_SWEEPS);
+                    self.sweep_more(problem, blows, pass, SOFT_SWEEPS);
                 }
                 self.drift(pass);
                 if takes_blow {
@@ -203,7 +205,7 @@ impl<L: F32xN> Island<L> {
                         soft: false,
                         ..*pass
                     };
-                    self.sweep_more(problem, &mut blows, &rigid, RIGID_SWEEPS);
+                    self.sweep_more(problem, blows, &rigid, RIGID_SWEEPS);
                 }
             } else {
                 tell(self.visit_grips() + self.sweep_rigidly(pass));
@@ -214,12 +216,11 @@ impl<L: F32xN> Island<L> {
                 blows.hot.visit_all();
                 L::run(Forget {
                     island: self,
-                    blows: &blows,
+                    blows,
                     pushes: !is_last,
                 });
             }
         }
-        self.blows = blows;
     }
 
     /// Sweeps over patches of hot bodies until none changes much.
@@ -315,38 +316,6 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
             let square = change * block.normals.xx;
             if square.any_above(limit) {
                 self.hot.changes.push((visit.block, square));
-            }
-        }
-    }
-}
-
-/// Lets the next substep, or step, begin without the blow.
-struct Forget<'a, L: F32xN> {
-    island: &'a mut Island<L>,
-    blows: &'a Blows<L>,
-    /// Velocities are those with which a substep begins.
-    pushes: bool,
-}
-
-impl<L: F32xN> Kernel for Forget<'_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Island {
-            blocks,
-            points,
-            velocities,
-            ..
-        } = self.island;
-        let velocities = cells(velocities);
-        for visit in &self.blows.hot.visits {
-            let block = &mut blocks[visit.block as usize];
-            let range = block.range();
-            let earlier = &self.blows.earlier[range.clone()];
-            let cut = block.forget_blow(&mut points[range], earlier, visit.lanes);
-            if self.pushes {
-                block.give(cut, velocities);
             }
         }
     }

@@ -11,7 +11,7 @@ mod grow;
 mod hand_down;
 mod statics;
 
-use super::survey::Footing;
+use super::load_statistics::BodyLoad;
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, PatchProblem};
 use grow::Grown;
@@ -40,7 +40,7 @@ struct New {
 
 impl New {
     /// None in most steps, which one pass over the points finds.
-    fn find(problem: &PatchProblem, closed: f32, footing: &[Footing]) -> Option<Self> {
+    fn find(problem: &PatchProblem, closed: f32, body_loads: &[BodyLoad]) -> Option<Self> {
         let fall = problem.gravity.length() * problem.dt;
         let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
         let moves = |body: &&Body| body.inverse_mass > 0.0;
@@ -48,21 +48,23 @@ impl New {
             problem
                 .bodies
                 .iter()
-                .zip(footing)
+                .zip(body_loads)
                 .filter(|(body, _)| moves(body))
         };
-        let unloaded = |(body, footing): &(&Body, &Footing)| footing.is_unloaded(body, problem);
-        if pairs().all(|(_, footing)| footing.carries) && !pairs().any(|pair| unloaded(&pair)) {
+        let unloaded =
+            |(body, body_loads): &(&Body, &BodyLoad)| body_loads.is_unloaded(body, problem);
+        if pairs().all(|(_, body_loads)| body_loads.carries) && !pairs().any(|pair| unloaded(&pair))
+        {
             return None;
         }
         let stands = hand_down::standing(problem, closed);
-        let bodies = problem.bodies.iter().zip(footing).zip(stands);
+        let bodies = problem.bodies.iter().zip(body_loads).zip(stands);
         let bodies: Vec<[bool; 2]> = bodies
-            .map(|((body, footing), stands)| {
+            .map(|((body, body_loads), stands)| {
                 let still = moves(&body) && stands && slower(body, PUT);
                 [
-                    still && !footing.carries,
-                    slower(body, RESTS) && still && unloaded(&(body, footing)),
+                    still && !body_loads.carries,
+                    slower(body, RESTS) && still && unloaded(&(body, body_loads)),
                 ]
             })
             .collect();
@@ -78,11 +80,11 @@ impl New {
 }
 
 /// Gives contacts that carry nothing yet the load they will carry, as impulses and as what they carry at rest. True where there were any.
-pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, footing: &[Footing]) -> bool {
+pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> bool {
     // What falls from rest gets so far in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     let closed = fallen.max(PLACED);
-    let Some(new) = New::find(problem, closed, footing) else {
+    let Some(new) = New::find(problem, closed, body_loads) else {
         return false;
     };
     let courses = hand_down::hand_down(problem, closed, &new.bodies);

@@ -1,17 +1,17 @@
 use super::*;
 use crate::solver::Memory;
 use crate::solver::lanes::F32x4;
+use crate::solver::patches::soft_step::load_statistics::LoadStatistics;
 use crate::solver::patches::soft_step::masonry::{DT, G, Masonry};
-use crate::solver::patches::soft_step::survey::Survey;
 use glam::Vec3;
 
 impl Masonry {
     fn start(&mut self) {
         let mut memory = Memory::default();
         let mut problem = self.problem(&mut memory);
-        let mut footing = Vec::new();
-        Survey::of(&problem, &mut footing);
-        cold_start::<F32x4>(&mut problem, &footing);
+        let mut body_loads = Vec::new();
+        LoadStatistics::of(&problem, &mut body_loads);
+        cold_start::<F32x4>(&mut problem, &body_loads);
     }
 
     /// The greatest acceleration that is left, as a share of gravity; turns on an arm of a metre.

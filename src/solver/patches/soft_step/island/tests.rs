@@ -1,4 +1,4 @@
-use super::{batches, laps};
+use super::{batches, skewed};
 use crate::solver::Memory;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
@@ -12,7 +12,7 @@ fn almost_equal<L: F32xN>() {
     let problem = plate.problem(&mut memory);
     let count = problem.bodies.len();
     let (mut one_by_one, passes) = started::<L>(&problem, batches(L::LANES, &problem));
-    let (mut in_rounds, _) = started::<L>(&problem, laps(L::LANES, &problem));
+    let (mut in_rounds, _) = started::<L>(&problem, skewed(L::LANES, &problem));
     assert!(in_rounds.batches.has_rounds());
     let patches = problem.patches.len();
     assert!(one_by_one.blocks.len() == patches && in_rounds.blocks.len() < patches / 2);

@@ -1,23 +1,23 @@
-//! Sweeps through blocks that are folded, several at once in the lanes of one visit.
+//! Sweeps through blocks that are skewed, several at once in the lanes of one visit.
 //!
 //! Where contacts stand in a row, as in a stack, no two of them may be relaxed side by side in one sweep. Yet the next sweep may follow
-//! this one up the row, in the lanes beside it: the sequence of blocks is cut into *laps* ([`Batches::folded`]), each of which is a sweep
+//! this one up the row, in the lanes beside it: the sequence of blocks is cut into *laps* ([`Batches::skewed`]), each of which is a sweep
 //! behind the one before it. In a *turn* all blocks are visited once, and each lap does its part of the sweep that it is in: contacts that
 //! share a body come in the same order as in sweeps one after the other, those of one lap because they do so in the turn, those of two
 //! because a lap is no shorter than a body's first and last contact are apart. What is done to a body between two sweeps is done right
-//! after the last block that holds it. So the result is that of sweeps one after the other, to the bit.
+//! after the last block that holds it. Hands stand before a block, in one of its laps ([`edges`](super::edges)). So the result
+//! is that of sweeps one after the other, to the bit.
 
 use super::block::Pass;
 use super::island::Island;
 use super::kinds::{Kinds, Mixed, Rigid, Soft};
 use crate::solver::PatchProblem;
-use crate::solver::batches::Batches;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use std::cell::Cell;
 
 /// After which visits bodies are done with a sweep, found once for the blocks of an island.
 #[derive(Default)]
-pub struct Laps {
+pub struct SkewedSweeps {
     /// Bodies that move, in the order of the last block of their last lap.
     bodies: Vec<Last>,
     /// By block: where its bodies end in `bodies`.
@@ -39,8 +39,9 @@ struct Last {
     lap: u32,
 }
 
-impl Laps {
-    fn new(batches: &Batches, problem: &PatchProblem) -> Self {
+impl SkewedSweeps {
+    pub fn new<L: F32xN>(island: &Island<L>, problem: &PatchProblem) -> Self {
+        let batches = &island.batches;
         // A body without contacts is done with at once.
         let mut last = vec![(0, 0); problem.bodies.len()];
         for (block, lanes) in (0..).zip(batches.iter()) {
@@ -89,40 +90,42 @@ fn sweep_of(lap: usize, turn: usize, passes: &[Pass]) -> Option<usize> {
 
 impl<L: F32xN> Island<L> {
     /// All sweeps. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
-    pub fn sweep_in_laps(
+    pub fn sweep_skewed(
         &mut self,
-        problem: &PatchProblem,
+        skewed: &mut SkewedSweeps,
         passes: &[Pass],
         tell: impl FnMut(f32),
     ) {
-        let laps = self.laps.take();
-        let mut laps = laps.unwrap_or_else(|| Laps::new(&self.batches, problem));
-        laps.changes.clear();
-        laps.changes.resize(passes.len(), 0.0);
+        skewed.changes.clear();
+        skewed.changes.resize(passes.len(), 0.0);
         for turn in 0..passes.len() + self.batches.laps() - 1 {
             let mut at_work = [None; MOST];
             for (lap, pass) in at_work.iter_mut().take(self.batches.laps()).enumerate() {
                 *pass = sweep_of(lap, turn, passes).map(|sweep| &passes[sweep]);
             }
-            let change = self.turn(&laps, &at_work);
+            let (change, held) = self.visit_all(skewed, &at_work);
             for lane in 0..L::LANES {
                 if let Some(sweep) = sweep_of(self.batches.lap_of(lane), turn, passes) {
-                    laps.changes[sweep] += change[lane];
+                    skewed.changes[sweep] += change[lane];
+                }
+            }
+            for (lap, held) in held.into_iter().enumerate() {
+                if let Some(sweep) = sweep_of(lap, turn, passes) {
+                    skewed.changes[sweep] += held;
                 }
             }
         }
-        laps.changes.iter().copied().for_each(tell);
-        self.laps = Some(laps);
+        skewed.changes.iter().copied().for_each(tell);
     }
 
-    /// One visit to each block. Σ Wᵢᵢ Δλᵢ², J.
-    fn turn(&mut self, laps: &Laps, passes: &AtWork) -> L {
+    /// One visit to each block. Σ Wᵢᵢ Δλᵢ², J, by lane, and that of hands by lap.
+    fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MOST]) {
         let mine = &passes[..self.batches.laps()];
         let all = |is: fn(&Pass) -> bool| mine.iter().all(|pass| pass.is_some_and(is));
         if all(|pass| !pass.soft) {
-            self.turn_as(laps, passes, Rigid)
+            self.visit_all_as(skewed, passes, Rigid)
         } else if all(|pass| pass.soft && !pass.first) {
-            self.turn_as(laps, passes, Soft { first: false })
+            self.visit_all_as(skewed, passes, Soft { first: false })
         } else {
             let lanes = |is: fn(&Pass) -> bool| self.lanes_of(|lap| passes[lap].is_some_and(is));
             let kinds = Mixed {
@@ -130,59 +133,80 @@ impl<L: F32xN> Island<L> {
                 rigid: lanes(|pass| !pass.soft),
                 soft_again: lanes(|pass| pass.soft && !pass.first),
             };
-            self.turn_as(laps, passes, kinds)
+            self.visit_all_as(skewed, passes, kinds)
         }
     }
 
-    fn turn_as<K: Kinds<L>>(&mut self, laps: &Laps, passes: &AtWork, kinds: K) -> L {
-        L::run(Turn {
+    fn visit_all_as<K: Kinds<L>>(
+        &mut self,
+        skewed: &SkewedSweeps,
+        passes: &AtWork,
+        kinds: K,
+    ) -> (L, [f32; MOST]) {
+        L::run(Visits {
             island: self,
-            laps,
+            skewed,
             passes,
             kinds,
         })
     }
 }
 
-/// One visit to each block. Σ Wᵢᵢ Δλᵢ², J.
-struct Turn<'a, L: F32xN, K> {
+/// One visit to each block. Σ Wᵢᵢ Δλᵢ², J, by lane, and that of hands by lap.
+struct Visits<'a, L: F32xN, K> {
     island: &'a mut Island<L>,
-    laps: &'a Laps,
+    skewed: &'a SkewedSweeps,
     passes: &'a AtWork<'a>,
     kinds: K,
 }
 
-impl<L: F32xN, K: Kinds<L>> Kernel for Turn<'_, L, K> {
-    type Output = L;
+impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
+    type Output = (L, [f32; MOST]);
 
     #[inline(always)]
-    fn run(self) -> L {
+    fn run(self) -> (L, [f32; MOST]) {
         let Island {
             blocks,
             points,
             velocities,
             before,
             motions,
+            hands,
+            grips,
+            fastest,
             ..
         } = self.island;
         let states: [&[Cell<State>]; 3] = [cells(velocities), cells(before), cells(motions)];
         let [velocities, before, motions] = states;
         // What differs between passes is said by kinds of lanes, and after visits.
         let Some(any) = self.passes.iter().flatten().next() else {
-            return L::ZERO;
+            return (L::ZERO, [0.0; MOST]);
         };
         let mut change = L::ZERO;
+        let mut held = [0.0; MOST];
+        let groups = hands.places.groups();
+        let mut group = 0;
         for (number, block) in blocks.iter_mut().enumerate() {
+            while group < groups.len() && groups[group].block as usize == number {
+                let lap = groups[group].lap as usize;
+                if self.passes[lap].is_some() {
+                    held[lap] +=
+                        hands
+                            .places
+                            .visit(&groups[group], grips, velocities, motions, *fastest);
+                }
+                group += 1;
+            }
             let points = &mut points[block.range()];
             change += block.relax(self.kinds, points, velocities, motions, any);
-            for &Last { body, lap } in self.laps.done(number) {
+            for &Last { body, lap } in self.skewed.done(number) {
                 if let Some(pass) = self.passes[lap as usize] {
                     let body = body as usize;
                     pass.end(&velocities[body], &before[body], &motions[body]);
                 }
             }
         }
-        change
+        (change, held)
     }
 }
 

@@ -6,9 +6,9 @@ use crate::solver::{Body, PatchProblem};
 /// What bears so many times what a body is pressed down with still bears what is gone.
 const UNLOADED: f32 = 2.0;
 
-/// See the module's text.
+/// What the contacts of a problem carry, as a whole.
 #[derive(Clone, Copy, Debug)]
-pub struct Survey {
+pub struct LoadStatistics {
     /// The share of what contacts carry that they have not carried for long, 0..1.
     pub unsettled: f32,
     /// The most that something has carried for long by its mass and size, 1/s².
@@ -19,7 +19,7 @@ pub struct Survey {
 
 /// What holds a body.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Footing {
+pub struct BodyLoad {
     /// Something has pushed on it before.
     pub carries: bool,
     /// Something stands on it: a body of a higher level of support.
@@ -31,12 +31,12 @@ pub struct Footing {
     pub yielding: f32,
 }
 
-impl Survey {
+impl LoadStatistics {
     /// Of a problem, and of each of its bodies.
-    pub fn of(problem: &PatchProblem, footing: &mut Vec<Footing>) -> Self {
+    pub fn of(problem: &PatchProblem, body_loads: &mut Vec<BodyLoad>) -> Self {
         let up = -problem.gravity.normalize_or_zero();
-        footing.clear();
-        footing.extend(problem.bodies.iter().map(Footing::of));
+        body_loads.clear();
+        body_loads.extend(problem.bodies.iter().map(BodyLoad::of));
         let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
         let mut bounces = false;
         for patch in problem.patches.iter() {
@@ -51,17 +51,17 @@ impl Survey {
             let carries = load > 0.0 || impulse > 0.0;
             let levels = patch.bodies.map(|body| problem.bodies[body as usize].level);
             let lower = patch.bodies[usize::from(levels[1] < levels[0])];
-            footing[lower as usize].bears |= levels[0] != levels[1];
+            body_loads[lower as usize].bears |= levels[0] != levels[1];
             let along = up.dot(patch.normal);
             let long = along * load + up.dot(patch.load_tangential);
             let now = along * impulse + up.dot(patch.warm_tangential);
             for (body, sign) in patch.bodies.into_iter().zip([1.0, -1.0]) {
                 let (long, now) = (sign * long, sign * now);
-                let footing = &mut footing[body as usize];
-                footing.carries |= carries;
-                footing.up += larger(long, 0.0);
-                footing.down += larger(larger(-long, -now), 0.0);
-                pressed = larger(load * footing.yielding, pressed);
+                let body_loads = &mut body_loads[body as usize];
+                body_loads.carries |= carries;
+                body_loads.up += larger(long, 0.0);
+                body_loads.down += larger(larger(-long, -now), 0.0);
+                pressed = larger(load * body_loads.yielding, pressed);
             }
         }
         Self {
@@ -78,7 +78,7 @@ fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-impl Footing {
+impl BodyLoad {
     fn of(body: &Body) -> Self {
         let trace = trace(&body.inverse_inertia);
         Self {

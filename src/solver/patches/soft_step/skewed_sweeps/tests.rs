@@ -1,9 +1,10 @@
+use super::SkewedSweeps;
 use crate::solver::Memory;
 use crate::solver::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::solver::lanes::F32x8;
 use crate::solver::lanes::F32xN;
-use crate::solver::patches::soft_step::island::{Island, batches, laps};
+use crate::solver::patches::soft_step::island::{Island, batches, skewed};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
 use glam::Vec3;
 
@@ -42,11 +43,13 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
 
     let (mut alone, passes) = started::<L>(&problem, batches(L::LANES, &problem));
     let one_by_one: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
-    let (mut folded, passes) = started::<L>(&problem, laps(L::LANES, &problem));
-    assert!(folded.batches.laps() > 1, "{name} in {} lanes", L::LANES);
-    assert!(folded.blocks.len() < alone.blocks.len());
+    let (mut skewed, passes) = started::<L>(&problem, skewed(L::LANES, &problem));
+    assert!(skewed.batches.laps() > 1, "{name} in {} lanes", L::LANES);
+    assert!(skewed.hands.fit_laps(), "{name} in {} lanes", L::LANES);
+    assert!(skewed.blocks.len() < alone.blocks.len());
     let mut at_once = Vec::new();
-    folded.sweep(&problem, &passes, |change| at_once.push(change));
+    let mut found_once = SkewedSweeps::new(&skewed, &problem);
+    skewed.sweep_skewed(&mut found_once, &passes, |change| at_once.push(change));
 
     // Lanes are added up in another order.
     for (sweep, (a, b)) in one_by_one.iter().zip(&at_once).enumerate() {
@@ -56,8 +59,12 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
         );
     }
     assert_eq!(one_by_one.len(), at_once.len());
+    for (one, other) in alone.grips.iter().zip(&skewed.grips) {
+        assert_eq!(one.impulse, other.impulse, "{name}");
+        assert!(one.impulse[0].length() > 0.0);
+    }
     assert!(
-        found(&folded, shaken()) == found(&alone, shaken()),
+        found(&skewed, shaken()) == found(&alone, shaken()),
         "{name} in {} lanes",
         L::LANES
     );
@@ -65,11 +72,17 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
 
 #[test]
 fn sweeps_in_laps_are_sweeps_one_by_one() {
-    let rows: [(&str, fn() -> Masonry); 4] = [
+    let rows: [(&str, fn() -> Masonry); 6] = [
         ("a stack of 5", || Masonry::stack(5, 0.1)),
         ("a stack of 23", || Masonry::stack(23, 0.0)),
         ("an arch", || Masonry::arch(15, 0.05)),
         ("a low wall", || Masonry::wall(9, 3, 0.1)),
+        ("a stack that is held", || {
+            Masonry::stack(60, 0.1).held([5, 31, 32, 60])
+        }),
+        ("an arch that is held", || {
+            Masonry::arch(41, 0.05).held([20])
+        }),
     ];
     for (name, masonry) in rows {
         equal::<F32x4>(name, masonry);
@@ -86,7 +99,7 @@ fn what_fills_its_lanes_is_not_folded() {
     let mut memory = Memory::default();
     let problem = wall.problem(&mut memory);
     for lanes in [4, 8] {
-        assert_eq!(laps(lanes, &problem).laps(), 1);
+        assert_eq!(skewed(lanes, &problem).laps(), 1);
     }
 }
 
@@ -95,5 +108,5 @@ fn nothing_is_folded_beside_what_moves_by_itself() {
     let mut stack = Masonry::stack(20, 0.0);
     stack.bodies[0].start[0] = Vec3::X;
     let mut memory = Memory::default();
-    assert_eq!(laps(4, &stack.problem(&mut memory)).laps(), 1);
+    assert_eq!(skewed(4, &stack.problem(&mut memory)).laps(), 1);
 }

@@ -6,7 +6,7 @@
 //! carried for long; one that followed impulses of the moment would excite what they shake.
 
 use super::SoftStep;
-use super::survey::{Footing, Survey};
+use super::load_statistics::{BodyLoad, LoadStatistics};
 use crate::solver::PatchProblem;
 
 /// Substeps to one rigid sweep: most, and where so many courses stand on each other. Soft sweeps let disturbances grow from course
@@ -20,7 +20,7 @@ const SUBSTEPS_PER_RIGID_SWEEP_IF_TALL: usize = 2;
 /// A sweep up hands what it finds on to all that stands above, and to one course below. With velocities extrapolated from substep to
 /// substep, what goes down so grows from course to course where bodies stand on several others: in a linear model (walls of 60 and 120
 /// courses) by e¹¹ and e²⁶ before it leaves, so that rounding lets a tower of planks of 60 layers tremble by 11 mm/s. A sweep down before
-/// the next substep takes it back: e¹ and e¹·⁵. Walls of 50 courses are steady without, and sweeps that all go up may chase one another on
+/// the next substep takes it back: e¹ and e¹·⁵. Walls of 50 courses are steady without, and sweeps that all go up may follow each other on
 /// several threads.
 const VERY_TALL: usize = 52;
 
@@ -49,7 +49,7 @@ const A_LITTLE: f32 = 0.1;
 
 /// A step's sweeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
+pub struct SweepBudget {
     /// One soft sweep each.
     pub substeps: usize,
     /// A rigid sweep follows so many.
@@ -60,16 +60,16 @@ pub struct Effort {
     pub rate: f32,
 }
 
-impl Effort {
+impl SweepBudget {
     /// An order in which those that are the same stand together.
     pub fn compare(&self, other: &Self) -> std::cmp::Ordering {
-        let whole = |effort: &Self| {
+        let whole = |budget: &Self| {
             let &Self {
                 substeps,
                 substeps_per_rigid_sweep,
                 downwards,
                 ..
-            } = effort;
+            } = budget;
             (substeps, substeps_per_rigid_sweep, downwards)
         };
         whole(self)
@@ -81,10 +81,10 @@ impl Effort {
     pub fn new(
         settings: &SoftStep,
         problem: &PatchProblem,
-        (survey, footing): (&Survey, &[Footing]),
+        (statistics, body_loads): (&LoadStatistics, &[BodyLoad]),
         courses: &mut Vec<Course>,
     ) -> Self {
-        find_courses(problem, footing, courses);
+        find_courses(problem, body_loads, courses);
         let courses = &*courses;
         let bodies: usize = courses.iter().map(|course| course.bodies).sum();
         let downwards =
@@ -96,9 +96,9 @@ impl Effort {
         let round = soft + 1;
         let usual = round as f32 / (soft as f32 * settings.max_substep);
         let most = MOST * usual;
-        let &Survey {
+        let &LoadStatistics {
             unsettled, pressed, ..
-        } = survey;
+        } = statistics;
         let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
         let rate =
             (settings.sweeps_per_period * stable(problem, courses, pressed)).clamp(usual, most);
@@ -131,7 +131,7 @@ fn substeps(sweeps: usize, per_rigid_sweep: usize) -> usize {
     (sweeps / round * per_rigid_sweep + rest.saturating_sub(1)).max(1)
 }
 
-/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`Survey::pressed`]).
+/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`LoadStatistics::pressed`]).
 fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
     let mut above = 0.0;
     let mut most = pressed;
@@ -155,10 +155,10 @@ pub struct Course {
 }
 
 /// From the ground up.
-fn find_courses(problem: &PatchProblem, footing: &[Footing], courses: &mut Vec<Course>) {
+fn find_courses(problem: &PatchProblem, body_loads: &[BodyLoad], courses: &mut Vec<Course>) {
     courses.clear();
-    let bodies = problem.bodies.iter().zip(footing);
-    for (body, footing) in bodies.filter(|(body, _)| body.inverse_mass > 0.0) {
+    let bodies = problem.bodies.iter().zip(body_loads);
+    for (body, body_loads) in bodies.filter(|(body, _)| body.inverse_mass > 0.0) {
         let Some(course) = (body.level as usize).checked_sub(1) else {
             continue;
         };
@@ -168,8 +168,8 @@ fn find_courses(problem: &PatchProblem, footing: &[Footing], courses: &mut Vec<C
         let course = &mut courses[course];
         course.bodies += 1;
         course.mass += 1.0 / body.inverse_mass;
-        if footing.bears {
-            course.yielding = course.yielding.max(footing.yielding);
+        if body_loads.bears {
+            course.yielding = course.yielding.max(body_loads.yielding);
         }
     }
 }

@@ -1,0 +1,57 @@
+//! What is said of a step's solves.
+
+use super::SolveRows;
+use crate::diagnosis::{BodyProblem, Suspects, Told};
+use crate::solver::SolveReport;
+use crate::warm_start::{Island, ProblemSet};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+
+/// How the last step's solves went, one entry for each island that had contacts.
+#[derive(Resource, Default, Clone, Debug)]
+pub struct SolveReports(pub Vec<IslandReport>);
+
+/// One island's solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IslandReport {
+    /// Its bodies, copies of static ones included.
+    pub bodies: usize,
+    /// Its contact points.
+    pub contacts: usize,
+    /// What the solver said.
+    pub report: SolveReport,
+}
+
+/// Writes the reports of a step.
+#[derive(SystemParam)]
+pub struct ReportWriter<'w> {
+    reports: ResMut<'w, SolveReports>,
+    suspects: ResMut<'w, Suspects>,
+    told: ResMut<'w, Told>,
+}
+
+impl ReportWriter<'_> {
+    /// Names the first body of an island that goes wrong, when it begins to.
+    pub(super) fn report<R: SolveRows>(&mut self, problems: &ProblemSet<R>) {
+        let ProblemSet { islands, order, .. } = problems;
+        let touching = islands.iter().filter(|island| island.points() > 0);
+        self.reports.0.clear();
+        self.reports.0.extend(touching.map(report));
+        let wrong = islands.iter().filter(|island| island.diverged);
+        let wrong = wrong.filter_map(|island| order.bodies[island.members()].first());
+        let wrong: Vec<Entity> = wrong.map(|member| member.entity).collect();
+        let new = wrong.iter().filter(|entity| !self.told.diverged.contains(entity));
+        self.suspects
+            .0
+            .extend(new.map(|&entity| (entity, BodyProblem::Diverged)));
+        self.told.diverged = wrong;
+    }
+}
+
+fn report<R: SolveRows>(island: &Island<R>) -> IslandReport {
+    IslandReport {
+        bodies: island.bodies.len(),
+        contacts: island.points(),
+        report: island.report.clone(),
+    }
+}

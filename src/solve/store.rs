@@ -1,0 +1,115 @@
+//! What was found goes back to components, found by their entities.
+
+use super::{Bodies, Hands, Solve, SolveRows};
+use crate::body::{Motion, Velocity, limits};
+use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
+use crate::grab::HandForce;
+use crate::solver::Grip;
+use crate::warm_start::{Island, LARGE, Pairs, ProblemSet, Stored};
+use bevy_ecs::change_detection::DetectChangesMut;
+use glam::Vec3;
+
+impl Solve<'_> {
+    pub(super) fn store<R: SolveRows>(
+        &self,
+        problems: &mut ProblemSet<R>,
+        pairs: &mut Pairs,
+        bodies: &mut Bodies,
+        hands: &mut Hands,
+    ) {
+        self.store_impulses(problems, pairs);
+        self.store_bodies(problems, bodies);
+        store_hands(problems, hands);
+        let diverged = problems.islands.iter_mut();
+        for island in diverged.filter(|island| island.diverged) {
+            island.rows.clear();
+        }
+    }
+
+    fn store_impulses<R: SolveRows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs) {
+        let dt = self.context.time.dt;
+        let ProblemSet { order, islands, .. } = problems;
+        let points: usize = islands.iter().map(Island::points).sum();
+        let threads = &*self.context.threads;
+        let threads = threads.share(points / LARGE).then_some(threads);
+        order.store_each(pairs, threads, |stored: Stored| {
+            let Stored {
+                place,
+                island,
+                renewed,
+                manifold,
+                impulses,
+            } = stored;
+            let island = &islands[island as usize];
+            let contact = (place - island.first_contact) as usize;
+            impulses.fit(manifold);
+            if island.diverged || renewed || !island.rows.store(contact, manifold, impulses, dt) {
+                impulses.forget();
+            }
+        });
+    }
+
+    /// Velocities and motions of what is awake.
+    fn store_bodies<R: SolveRows>(&self, problems: &ProblemSet<R>, bodies: &mut Bodies) {
+        let fall = self.context.gravity.0.length() * self.context.time.dt;
+        for (entity, index, mut velocity, mut motion) in bodies {
+            let Some(body) = self.table.get(index.0).filter(|body| body.entity == entity) else {
+                continue;
+            };
+            // Bodies that sleep are in no problem.
+            let Some(&local) = problems.order.local.get(index.0 as usize) else {
+                continue;
+            };
+            let island = self.islands.of(index.0);
+            let island = island.and_then(|island| problems.islands.get(island));
+            let Some(solved) = island.and_then(|island| island.bodies.get(local as usize)) else {
+                continue;
+            };
+            let mut end = clean([solved.linear, solved.angular]);
+            self.context.speeds.cap(&mut end);
+            *velocity.bypass_change_detection() = end;
+            *motion.bypass_change_detection() = match solved.motion {
+                Some(mean) => Motion::Mean {
+                    mean: clean(mean),
+                    end,
+                },
+                None if R::SUBSTEPS => {
+                    let gained = end.linear - body.velocity.linear;
+                    Motion::Flight {
+                        gained: gained.clamp_length_max(fall),
+                    }
+                }
+                None => Motion::Steady,
+            };
+        }
+    }
+}
+
+/// What hands did.
+fn store_hands<R: SolveRows>(problems: &ProblemSet<R>, hands: &mut Hands) {
+    for held in &problems.held {
+        let mut grips = problems.islands[held.island].grips.iter();
+        if let Some(grip) = grips.find(|grip| grip.body == held.local)
+            && let Ok(mut hand) = hands.get_mut(held.entity)
+        {
+            let &Grip { force, torque, .. } = grip;
+            hand.set_if_neq(HandForce { force, torque });
+        }
+    }
+}
+
+/// What a solver has found, without what is next to nothing.
+#[inline]
+fn clean(velocity: [Vec3; 2]) -> Velocity {
+    let [linear, angular] = velocity.map(|v| limits::flush_to_zero(v.extend(0.0)).truncate());
+    Velocity { linear, angular }
+}
+
+impl ContactImpulses {
+    /// As if nothing had ever pushed.
+    fn forget(&mut self) {
+        self.points.fill(Impulse::default());
+        self.friction.fill(PointFriction::default());
+        self.patches.fill(PatchImpulse::default());
+    }
+}

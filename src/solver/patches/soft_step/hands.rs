@@ -1,0 +1,93 @@
+//! The hands on the bodies of an island, and their places among its blocks.
+
+use super::edges::{EdgePlaces, Group, Visits};
+use crate::solver::batches::Batches;
+use crate::solver::by_body::ByBody;
+use crate::solver::grip::Held;
+use crate::solver::lanes::State;
+use crate::solver::walls::{self, Walls};
+use crate::solver::{Grip, PatchProblem};
+use std::cell::Cell;
+
+/// Found when bodies are taken hold of, and kept as long as the same ones are held and blocks live.
+#[derive(Default)]
+pub struct Hands {
+    /// The bodies that are held.
+    held: Vec<u32>,
+    /// By body: its patches.
+    patches: ByBody<u32>,
+    pub places: EdgePlaces,
+}
+
+impl Hands {
+    /// Finds the places of hands where others are held than in the last step; true where it has. What a hand reads are its body and what
+    /// that touches: it may [lean](walls) against it.
+    pub fn place(&mut self, batches: &Batches, problem: &PatchProblem) -> bool {
+        let held = problem.grips.iter().map(|grip| grip.body);
+        if self.held.iter().copied().eq(held.clone()) {
+            return false;
+        }
+        if self.held.is_empty() {
+            let pairs = problem.patches.iter().map(|patch| patch.bodies);
+            self.patches = walls::by_body(problem.bodies.len(), pairs);
+        }
+        self.held.clear();
+        self.held.extend(held);
+        let moves = |body: &u32| problem.bodies[*body as usize].inverse_mass > 0.0;
+        let edges = self.held.iter().map(|&body| {
+            let patches = self.patches.of(body).iter();
+            let touched = patches.flat_map(|&patch| problem.patches[patch as usize].bodies);
+            let mut bodies: Vec<u32> = touched.chain([body]).filter(moves).collect();
+            bodies.sort_unstable();
+            bodies.dedup();
+            bodies
+        });
+        let edges: Vec<Vec<u32>> = edges.collect();
+        self.places = match edges.is_empty() {
+            true => EdgePlaces::default(),
+            false => EdgePlaces::new(&edges, &Visits::new(batches, problem)),
+        };
+        true
+    }
+
+    /// Sweeps may be in laps.
+    pub fn fit_laps(&self) -> bool {
+        self.places.is_empty() || self.places.fits_laps
+    }
+
+    /// Ready for the first of the substeps, of `h` s.
+    pub fn begin(&self, problem: &PatchProblem, h: f32, grips: &mut Vec<Held>) {
+        grips.clear();
+        if problem.grips.is_empty() {
+            return;
+        }
+        let contact = |patch: usize| {
+            let patch = &problem.patches[patch];
+            (patch.bodies, patch.normal)
+        };
+        let walls = Walls::new(&self.patches, problem.bodies, contact);
+        grips.extend(problem.grips.iter().map(|grip: &Grip| {
+            let held = Held::new(grip, &problem.bodies[grip.body as usize], h);
+            held.in_step(problem.dt, walls.among_patches(grip.body, problem))
+        }));
+    }
+}
+
+impl EdgePlaces {
+    /// Visits the hands of a group. Σ W Δλ², J.
+    #[inline(never)]
+    pub fn visit(
+        &self,
+        group: &Group,
+        grips: &mut [Held],
+        velocities: &[Cell<State>],
+        motions: &[Cell<State>],
+        fastest: f32,
+    ) -> f32 {
+        let mut change = 0.0;
+        for &edge in self.edges_of(group) {
+            change += grips[edge as usize].visit_among(velocities, motions, fastest);
+        }
+        change
+    }
+}

@@ -1,0 +1,114 @@
+//! What Soft Step keeps of an island from step to step.
+
+use super::block::Pass;
+use super::blows::Blows;
+use super::island::{Island, batches, rounds, skewed, stands_by_itself};
+use super::load_statistics::BodyLoad;
+use super::skewed_sweeps::SkewedSweeps;
+use super::sweep_budget::Course;
+use crate::solver::batches::Batches;
+use crate::solver::lanes::F32xN;
+use crate::solver::{Lanes, PatchProblem};
+
+/// An island in blocks, and what is found once for them.
+pub struct Kept<L: F32xN> {
+    pub island: Island<L>,
+    /// Its blocks are not skewed and have no rounds, though they might be and have some in another step.
+    straight: bool,
+    /// They are not, because of hands on these bodies.
+    straight_for: Vec<u32>,
+    /// Made where blocks are skewed.
+    skewed: Option<SkewedSweeps>,
+    pub blows: Blows<L>,
+    pub scratch: Scratch,
+}
+
+/// Lists that live as long as a call, and whose memory is kept.
+#[derive(Default)]
+pub struct Scratch {
+    pub body_loads: Vec<BodyLoad>,
+    pub courses: Vec<Course>,
+    pub passes: Vec<Pass>,
+}
+
+impl<L: F32xN> Kept<L> {
+    /// That of the last step, if it may be, and which of its patches were found anew since. Its blocks are not skewed and have no rounds if it
+    /// shall be `straight`: where a visit, or a sweep, must have ended before the next begins.
+    pub fn of(
+        kept: Option<(Box<Self>, Vec<u32>)>,
+        problem: &PatchProblem,
+        lanes: Lanes,
+        found: Option<Batches>,
+        straight: bool,
+    ) -> (Box<Self>, Vec<u32>) {
+        let alone = stands_by_itself(problem);
+        let held = || problem.grips.iter().map(|grip| grip.body);
+        let may_be = |kept: &Self, changed: &[u32]| {
+            let batches = &kept.island.batches;
+            match straight {
+                true => batches.laps() == 1 && !batches.has_rounds(),
+                // A new mass comes with new patches.
+                false => {
+                    let for_hands = || kept.straight_for.iter().copied();
+                    (!kept.straight || !kept.straight_for.is_empty() && for_hands().eq(held()))
+                        && (changed.is_empty() || *batches.rounds() == rounds(problem))
+                }
+            }
+        };
+        let (mut kept, mut changed) = kept
+            .filter(|(kept, changed)| {
+                kept.island.fastest == problem.max_correction_speed
+                    && kept.island.alone == alone
+                    && may_be(kept, changed)
+            })
+            .unwrap_or_else(|| {
+                let batches = match straight {
+                    true => batches(L::LANES, problem),
+                    false => found.unwrap_or_else(|| skewed(L::LANES, problem)),
+                };
+                let mut kept = Self::new(Island::new(problem, batches));
+                kept.straight = straight && (alone || !rounds(problem).is_empty());
+                (Box::new(kept), Vec::new())
+            });
+        kept.island.place_hands(problem);
+        if kept.island.batches.laps() > 1 && !kept.island.hands.fit_laps() {
+            let batches = batches(L::LANES, problem);
+            *kept = Self::new(Island::new(problem, batches));
+            kept.straight = true;
+            kept.straight_for = held().collect();
+            kept.island.place_hands(problem);
+            changed.clear();
+        }
+        kept.island.lanes = lanes;
+        (kept, changed)
+    }
+
+    pub fn new(island: Island<L>) -> Self {
+        Self {
+            island,
+            straight: false,
+            straight_for: Vec::new(),
+            skewed: None,
+            blows: Blows::default(),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// All sweeps: over the blocks from the first to the last each, of the bodies that came into the world first, from the ground up.
+    /// Back and forth shook stacks and pyramids. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
+    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: impl FnMut(f32)) {
+        match self.island.batches.laps() {
+            1 => self.island.sweep(problem, passes, tell),
+            _ => {
+                let island = &self.island;
+                let skewed = self
+                    .skewed
+                    .get_or_insert_with(|| SkewedSweeps::new(island, problem));
+                self.island.sweep_skewed(skewed, passes, tell);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,50 @@
+use super::Kept;
+use crate::solver::lanes::F32x4;
+use crate::solver::patches::soft_step::masonry::Masonry;
+use crate::solver::{Lanes, Memory, PatchProblem};
+
+/// What a hand holds touches bodies that a sweep comes to long before or after it.
+#[test]
+fn what_is_held_where_a_lap_is_short_is_not_folded() {
+    let mut stack = Masonry::stack(9, 0.0);
+    let mut memory = Memory::default();
+    let problem = stack.problem(&mut memory);
+    let of = |problem: &PatchProblem| Kept::<F32x4>::of(None, problem, Lanes::Four, None, false);
+    assert!(of(&problem).0.island.batches.laps() > 1);
+    let mut held = Masonry::stack(9, 0.0).held([4]);
+    let problem = held.problem(&mut memory);
+    let (kept, _) = of(&problem);
+    assert_eq!(kept.island.batches.laps(), 1);
+    let first = kept.island.blocks.as_ptr();
+    let kept = Kept::of(Some((kept, vec![])), &problem, Lanes::Four, None, false).0;
+    assert_eq!(
+        kept.island.blocks.as_ptr(),
+        first,
+        "it is kept from step to step"
+    );
+    let mut free = Masonry::stack(9, 0.0);
+    let problem = free.problem(&mut memory);
+    let freed = Kept::of(Some((kept, vec![])), &problem, Lanes::Four, None, false).0;
+    assert!(freed.island.batches.laps() > 1, "the hand has let go");
+}
+
+#[test]
+fn a_hand_that_takes_hold_or_lets_go_leaves_the_blocks_as_they_are() {
+    for masonry in [|| Masonry::wall(40, 12, 0.0), || Masonry::stack(60, 0.0)] {
+        let mut memory = Memory::default();
+        let mut free = masonry();
+        let problem = free.problem(&mut memory);
+        let (mut kept, _) = Kept::<F32x4>::of(None, &problem, Lanes::Four, None, false);
+        let first = kept.island.blocks.as_ptr();
+        for held in [vec![30], vec![30, 31], vec![]] {
+            let mut masonry = masonry().held(held);
+            let problem = masonry.problem(&mut memory);
+            kept = Kept::of(Some((kept, vec![])), &problem, Lanes::Four, None, false).0;
+            assert_eq!(kept.island.blocks.as_ptr(), first);
+            assert_eq!(
+                kept.island.hands.places.is_empty(),
+                problem.grips.is_empty()
+            );
+        }
+    }
+}

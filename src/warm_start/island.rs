@@ -1,0 +1,168 @@
+//! The problem of one island: bodies, and what acts between them.
+
+use super::{SolveContext, SolverContact};
+use crate::body::{BodyState, BodyTable, Velocity};
+use crate::solver::{Body, Grip, SolveReport};
+use bevy_platform::collections::HashMap;
+use std::ops::Range;
+
+/// The contacts of an island as a kind of solver works on them: points or patches.
+pub(crate) trait Rows: Default + Send + Sync {
+    fn clear(&mut self);
+
+    /// Contact points.
+    fn points(&self) -> usize;
+
+    /// Takes the contacts of an island, between bodies at `ends`; impulses are forces, N, yet. Where it still has those of the last step, which
+    /// were of the same pairs between the same bodies, it may keep what has not changed.
+    fn refresh(
+        &mut self,
+        contacts: &[SolverContact],
+        ends: &[[u32; 2]],
+        bodies: &[Body],
+        context: &SolveContext,
+    );
+
+    /// Gives contacts the impulses to start from.
+    fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext);
+
+    /// The sum of the normal impulses that a contact starts from, N·s.
+    fn start_impulse(&self, contact: usize) -> f32;
+}
+
+/// What islands are gathered from.
+pub(crate) struct GatherContext<'a> {
+    pub table: &'a BodyTable,
+    /// By slot: its place in its island.
+    pub local: &'a [u32],
+    pub context: &'a SolveContext<'a>,
+}
+
+/// One island's problem.
+#[derive(Default)]
+pub(crate) struct Island<R> {
+    /// The dynamic bodies that are awake; behind them copies of the static and kinematic ones that they touch.
+    pub bodies: Vec<Body>,
+    /// Where the bodies of each contact stand.
+    ends: Vec<[u32; 2]>,
+    /// The slots of the static and kinematic bodies. No impulse can change them.
+    copies: Vec<u32>,
+    /// Hands that hold some of the bodies.
+    pub grips: Vec<Grip>,
+    pub rows: R,
+    pub report: SolveReport,
+    /// The solve went wrong, and was taken back.
+    pub diverged: bool,
+    /// Its dynamic bodies among those of the [`Order`](super::Order).
+    members: Range<u32>,
+    /// The first of its contacts among those of the order.
+    pub first_contact: u32,
+}
+
+impl<R: Rows> Island<R> {
+    pub fn points(&self) -> usize {
+        self.rows.points()
+    }
+
+    pub fn contacts(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Some of its bodies touch something or are held.
+    pub fn is_solved(&self) -> bool {
+        !self.ends.is_empty() || !self.grips.is_empty()
+    }
+
+    pub fn members(&self) -> Range<usize> {
+        self.members.start as usize..self.members.end as usize
+    }
+
+    /// The sum of the normal impulses that a contact starts from, N·s.
+    pub fn start_impulse(&self, contact: usize) -> f32 {
+        self.rows.start_impulse(contact)
+    }
+
+    /// Empties it, but for what is kept from the last step where who touches whom is as it was.
+    pub fn begin(&mut self, kept: bool) {
+        self.bodies.clear();
+        self.grips.clear();
+        self.diverged = false;
+        self.members = 0..0;
+        if !kept {
+            self.ends.clear();
+            self.copies.clear();
+            self.rows.clear();
+        }
+    }
+
+    /// Adds a dynamic body, which is the `number`-th of all.
+    pub fn add(&mut self, number: u32, body: &BodyState, velocity: &Velocity, level: u32) {
+        if self.bodies.is_empty() {
+            self.members.start = number;
+        }
+        self.members.end = number + 1;
+        self.bodies.push(Body {
+            linear: velocity.linear,
+            inverse_mass: body.mass.inverse_mass,
+            angular: velocity.angular,
+            inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
+            start: [body.velocity.linear, body.velocity.angular],
+            motion: None,
+            level,
+        });
+    }
+
+    /// Takes its contacts, and copies of what they are with.
+    pub fn gather(&mut self, contacts: &[SolverContact], from: &GatherContext) {
+        if self.ends.is_empty() {
+            self.find_ends(contacts, from.local);
+        }
+        self.add_copies(from.table);
+        self.rows
+            .refresh(contacts, &self.ends, &self.bodies, from.context);
+    }
+
+    /// Gives its contacts the impulses to start from.
+    pub fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext) {
+        self.rows.warm_start(contacts, context);
+    }
+
+    /// The static and kinematic bodies, by slot.
+    pub fn copies(&mut self) -> impl Iterator<Item = (u32, &mut Body)> {
+        let dynamic = self.members().len();
+        let copies = self.copies.iter().copied();
+        copies.zip(self.bodies.iter_mut().skip(dynamic))
+    }
+
+    fn find_ends(&mut self, contacts: &[SolverContact], local: &[u32]) {
+        let mut known: HashMap<u32, u32> = HashMap::default();
+        let dynamic = self.bodies.len() as u32;
+        let copies = &mut self.copies;
+        let mut end = |slot: u32| match local[slot as usize] {
+            u32::MAX => *known.entry(slot).or_insert_with(|| {
+                copies.push(slot);
+                dynamic + copies.len() as u32 - 1
+            }),
+            local => local,
+        };
+        let ends = contacts
+            .iter()
+            .map(|contact| contact.pair.slots.map(&mut end));
+        self.ends.extend(ends);
+    }
+
+    fn add_copies(&mut self, table: &BodyTable) {
+        let copies = self.copies.iter().map(|&slot| {
+            // What rests stands still.
+            let body = table.get(slot).filter(|_| !table.rests(slot));
+            let Velocity { linear, angular } = body.map(|body| body.velocity).unwrap_or_default();
+            Body {
+                linear,
+                angular,
+                start: [linear, angular],
+                ..Default::default()
+            }
+        });
+        self.bodies.extend(copies);
+    }
+}

@@ -1,0 +1,222 @@
+//! A problem of patches, from manifolds, slips and last step's impulses.
+
+use super::contact::start_impulse;
+use super::{Rows, SolveContext, SolverContact};
+use crate::contact::{ContactPoint, ManifoldPatch};
+use crate::settings::StepTime;
+use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, Slip};
+use glam::Vec3;
+use std::ops::Range;
+
+#[derive(Default)]
+pub(crate) struct PatchRows {
+    pub patches: Vec<PatchConstraint>,
+    pub points: Vec<PatchPoint>,
+    /// By contact: the first of its patches.
+    firsts: Vec<u32>,
+    /// By patch: a curved surface touches there.
+    curved: Vec<bool>,
+    /// Length of the step in which they were solved, s.
+    dt: f32,
+    pub memory: Memory,
+}
+
+impl Rows for PatchRows {
+    fn clear(&mut self) {
+        self.patches.clear();
+        self.points.clear();
+        self.firsts.clear();
+        self.curved.clear();
+        self.memory.forget();
+    }
+
+    fn points(&self) -> usize {
+        self.points.len()
+    }
+
+    fn refresh(
+        &mut self,
+        contacts: &[SolverContact],
+        ends: &[[u32; 2]],
+        _: &[Body],
+        context: &SolveContext,
+    ) {
+        let ideal = context.stabilization.rest_distance();
+        if !self.refresh_kept(contacts, ideal) {
+            self.clear();
+            self.rebuild(contacts, ends, ideal);
+        }
+    }
+
+    fn warm_start(&mut self, _: &[SolverContact], context: &SolveContext) {
+        let time = &*context.time;
+        self.dt = time.dt;
+        for (patch, &curved) in self.patches.iter_mut().zip(&self.curved) {
+            warm_start(patch, &mut self.points[patch.range()], curved, time);
+        }
+    }
+
+    fn start_impulse(&self, contact: usize) -> f32 {
+        let patches = &self.patches[self.patches_of(contact)];
+        let points = patches.iter().flat_map(|patch| &self.points[patch.range()]);
+        points.map(|point| point.warm_normal).sum()
+    }
+}
+
+impl PatchRows {
+    /// The patches of a contact.
+    pub fn patches_of(&self, contact: usize) -> Range<usize> {
+        let end = self.firsts.get(contact + 1).copied();
+        let end = end.map_or(self.patches.len(), |end| end as usize);
+        self.firsts[contact] as usize..end
+    }
+
+    fn rebuild(&mut self, contacts: &[SolverContact], ends: &[[u32; 2]], ideal: f32) {
+        for (contact, ends) in contacts.iter().zip(ends) {
+            self.firsts.push(self.patches.len() as u32);
+            for (i, patch, range) in contact.manifold.patches_with_points() {
+                let (constraint, points) = contact.patch(i, patch, range, ideal);
+                let first = self.points.len() as u32;
+                self.points.extend(points);
+                self.curved.push(patch.curved);
+                self.patches.push(PatchConstraint {
+                    bodies: *ends,
+                    first,
+                    ..constraint
+                });
+            }
+        }
+    }
+
+    /// Brings what is kept from the last step up to date: distances and slips, and all of what was detected anew. False where there is
+    /// nothing, or other patches than there were.
+    fn refresh_kept(&mut self, contacts: &[SolverContact], ideal: f32) -> bool {
+        self.memory.expect_same();
+        let rate = 1.0 / self.dt;
+        let mut at = 0;
+        for contact in contacts {
+            for (i, patch, range) in contact.manifold.patches_with_points() {
+                let Some(kept) = self.patches.get_mut(at) else {
+                    return false;
+                };
+                let number = at;
+                at += 1;
+                if range.len() != kept.count as usize {
+                    return false;
+                }
+                let points = &mut self.points[kept.range()];
+                if contact.changed {
+                    let (constraint, found) = contact.patch(i, patch, range, ideal);
+                    *kept = PatchConstraint {
+                        bodies: kept.bodies,
+                        first: kept.first,
+                        ..constraint
+                    };
+                    for (to, point) in points.iter_mut().zip(found) {
+                        *to = point;
+                    }
+                    self.curved[number] = patch.curved;
+                    self.memory.push_changed(number as u32);
+                } else {
+                    kept.slip = contact.slip(i);
+                    refresh(&contact.manifold.points[range], kept, points, rate, ideal);
+                }
+            }
+        }
+        at == self.patches.len() && contacts.len() == self.firsts.len()
+    }
+}
+
+/// A patch with its points that was solved in the last step, of 1/`rate` s. To the bit what [`SolverContact::patch`] would make of it.
+fn refresh(
+    found: &[ContactPoint],
+    kept: &mut PatchConstraint,
+    points: &mut [PatchPoint],
+    rate: f32,
+    ideal: f32,
+) {
+    kept.warm_tangential *= rate;
+    kept.warm_twist *= rate;
+    kept.warm_rolling *= rate;
+    kept.load_tangential *= rate;
+    kept.load_twist *= rate;
+    kept.dragged = Default::default();
+    kept.tangential = Vec3::ZERO;
+    for (kept, point) in points.iter_mut().zip(found) {
+        kept.separation = point.distance - ideal;
+        kept.warm_normal *= rate;
+        kept.normal = 0.0;
+        kept.load *= rate;
+    }
+}
+
+/// Makes the impulses to start from of the forces, N, that stand in their places.
+fn warm_start(
+    patch: &mut PatchConstraint,
+    points: &mut [PatchPoint],
+    curved: bool,
+    time: &StepTime,
+) {
+    // What friction holds on to is given up with its anchor.
+    let held = if patch.slip.is_some() { time.dt } else { 0.0 };
+    let carried = time.carried();
+    patch.warm_tangential *= carried;
+    patch.warm_twist *= carried;
+    patch.warm_rolling *= carried;
+    patch.load_tangential *= held;
+    patch.load_twist *= held;
+    // What is round carries its load elsewhere in the next moment, and would be pushed on by the mean of where it was.
+    let held = if curved { 0.0 } else { time.dt };
+    for point in points {
+        point.warm_normal = start_impulse(point.warm_normal, point.load, time);
+        point.load *= held;
+    }
+}
+
+impl SolverContact<'_> {
+    /// How far a patch has slipped, where friction holds it.
+    fn slip(&self, i: usize) -> Option<Slip> {
+        self.targets.patches.get(i).copied().flatten()
+    }
+
+    /// One of the pair's patches, and its points. Impulses are forces, N.
+    fn patch(
+        &self,
+        i: usize,
+        patch: &ManifoldPatch,
+        range: Range<usize>,
+        ideal: f32,
+    ) -> (PatchConstraint, impl Iterator<Item = PatchPoint>) {
+        let points = &self.manifold.points[range.clone()];
+        let impulse = self.impulses.patches[i];
+        let constraint = PatchConstraint {
+            normal: patch.normal,
+            arms: [patch.center, patch.center + self.manifold.between],
+            friction: self.pair.friction,
+            restitution: self.pair.restitution,
+            slip: self.slip(i),
+            count: points.len() as u32,
+            warm_tangential: impulse.warm_tangential,
+            warm_twist: impulse.warm_twist,
+            rolling_friction: match patch.curved {
+                true => self.pair.rolling_friction,
+                false => 0.0,
+            },
+            rolling_radius: self.pair.rolling_radius,
+            warm_rolling: impulse.warm_rolling,
+            load_tangential: impulse.load_tangential,
+            load_twist: impulse.load_twist,
+            ..Default::default()
+        };
+        let solved = &self.impulses.points[range];
+        let points = points.iter().zip(solved);
+        let points = points.map(move |(point, impulse)| PatchPoint {
+            offset: point.arm - patch.center,
+            separation: point.distance - ideal,
+            warm_normal: impulse.warm_normal,
+            normal: 0.0,
+            load: impulse.load,
+        });
+        (constraint, points)
+    }
+}

@@ -1,0 +1,115 @@
+//! A problem of points, from manifolds, targets and last step's impulses.
+
+use super::{Rows, SolveContext, SolverContact};
+use crate::solver::{Body, PatchFrame, PointConstraint, PointInput};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Contacts that one thread gathers at a time.
+const SHARE: usize = 64;
+
+#[derive(Default)]
+pub(crate) struct PointRows {
+    pub constraints: Vec<PointConstraint>,
+    /// By contact: the first of its points.
+    firsts: Vec<u32>,
+}
+
+impl Rows for PointRows {
+    fn clear(&mut self) {
+        self.constraints.clear();
+        self.firsts.clear();
+    }
+
+    fn points(&self) -> usize {
+        self.constraints.len()
+    }
+
+    fn refresh(
+        &mut self,
+        contacts: &[SolverContact],
+        ends: &[[u32; 2]],
+        bodies: &[Body],
+        context: &SolveContext,
+    ) {
+        self.clear();
+        let mut first = 0;
+        self.firsts.extend(contacts.iter().map(|contact| {
+            let patches = contact.manifold.patches_with_points();
+            let count: usize = patches.map(|(.., range)| range.len()).sum();
+            first += count as u32;
+            first - count as u32
+        }));
+        let gather =
+            |contacts: &[SolverContact], ends: &[[u32; 2]], to: &mut Vec<PointConstraint>| {
+                for (contact, &ends) in contacts.iter().zip(ends) {
+                    contact.points(ends, bodies, to);
+                }
+            };
+        let threads = &*context.threads;
+        if threads.share(contacts.len()) {
+            let shares = contacts.par_chunks(SHARE).zip(ends.par_chunks(SHARE));
+            let constraints = shares.flat_map_iter(|(contacts, ends)| {
+                let mut constraints = Vec::new();
+                gather(contacts, ends, &mut constraints);
+                constraints
+            });
+            threads.run(ends.len(), || self.constraints.par_extend(constraints));
+        } else {
+            gather(contacts, ends, &mut self.constraints);
+        }
+    }
+
+    fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext) {
+        let time = &*context.time;
+        let mut constraints = self.constraints.iter_mut();
+        for contact in contacts {
+            let patches = contact.manifold.patches_with_points();
+            let points = patches.flat_map(|(.., range)| range);
+            for (i, constraint) in points.zip(&mut constraints) {
+                let impulse = &contact.impulses.points[i];
+                let friction = contact.impulses.friction.get(i).copied();
+                let friction = friction.unwrap_or_default().warm_tangential * time.carried();
+                let [t1, t2] = constraint.tangents;
+                let normal = impulse.start_normal(time);
+                constraint.impulse = Vec3::new(normal, t1.dot(friction), t2.dot(friction));
+            }
+        }
+    }
+
+    fn start_impulse(&self, contact: usize) -> f32 {
+        let points = &self.constraints[self.points_of(contact)];
+        points.iter().map(|point| point.impulse.x).sum()
+    }
+}
+
+impl PointRows {
+    /// The points of a contact.
+    pub fn points_of(&self, contact: usize) -> Range<usize> {
+        let end = self.firsts.get(contact + 1).copied();
+        let end = end.map_or(self.constraints.len(), |end| end as usize);
+        self.firsts[contact] as usize..end
+    }
+}
+
+impl SolverContact<'_> {
+    /// Adds the pair's contact points, between the bodies at `ends` of a problem. They have no impulse yet.
+    fn points(&self, ends: [u32; 2], bodies: &[Body], to: &mut Vec<PointConstraint>) {
+        for (_, patch, range) in self.manifold.patches_with_points() {
+            let frame = PatchFrame::new(ends, patch.normal, bodies);
+            for i in range {
+                let target = self.targets.points.get(i).copied().unwrap_or_default();
+                to.push(frame.prepare(&PointInput {
+                    bodies: ends,
+                    normal: patch.normal,
+                    arms: self.manifold.arms(i),
+                    friction: self.pair.friction,
+                    target_normal: target.normal,
+                    target_tangential: target.tangential,
+                    ..Default::default()
+                }));
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The problems of the awake islands, as a resource.
+
+use super::{Island, Member, Order, PatchRows, PointRows, Rows};
+use crate::body::Velocity;
+use crate::settings::ContactSolver;
+use bevy_ecs::prelude::*;
+
+/// The problems of the awake islands, between the stages *warm start* and *solve*. At any other time it is empty to whoever looks.
+///
+/// An island has a problem if some of its bodies touch something or are held.
+#[derive(Resource, Default)]
+pub struct IslandProblems {
+    pub(crate) by_points: ProblemSet<PointRows>,
+    pub(crate) by_patches: ProblemSet<PatchRows>,
+    /// By which they are to be solved; `None` where there is nothing to solve.
+    pub(crate) prepared: Option<ContactSolver>,
+}
+
+/// The problems for one kind of solver. They are kept from step to step: their memory, and what has not changed.
+#[derive(Default)]
+pub(crate) struct ProblemSet<R> {
+    pub order: Order,
+    pub islands: Vec<Island<R>>,
+    /// Scratch of *solve*, by slot: the velocity of a body that is in no problem.
+    pub velocities: Vec<Option<Velocity>>,
+    /// The bodies that are held, in the order of islands and of their grips.
+    pub held: Vec<Held>,
+}
+
+/// A body that a hand holds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held {
+    pub island: usize,
+    /// Its place in the island.
+    pub local: u32,
+    pub entity: Entity,
+}
+
+impl IslandProblems {
+    /// How many islands have a problem.
+    pub fn len(&self) -> usize {
+        self.iter().count()
+    }
+
+    /// True where no island has a problem.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The problem of each island, in the order of [`Islands`](crate::graph::Islands).
+    pub fn iter(&self) -> impl Iterator<Item = IslandProblem<'_>> {
+        let solver = self.prepared.as_ref();
+        let points = solver.is_some_and(ContactSolver::is_point_solver);
+        let patches = solver.is_some() && !points;
+        let by_points = self.by_points.iter().filter(move |_| points);
+        by_points.chain(self.by_patches.iter().filter(move |_| patches))
+    }
+}
+
+impl<R: Rows> ProblemSet<R> {
+    fn iter(&self) -> impl Iterator<Item = IslandProblem<'_>> {
+        let of_contacts = |island: &&Island<R>| island.is_solved();
+        self.islands.iter().filter(of_contacts).map(|island| {
+            let contacts = island.contacts();
+            let pairs = self.order.pairs(island.first_contact, contacts);
+            let impulses = (0..contacts).map(|contact| island.start_impulse(contact));
+            IslandProblem {
+                bodies: &self.order.bodies[island.members()],
+                contacts: pairs.zip(impulses).collect(),
+                points: island.points(),
+                hands: island.grips.len(),
+            }
+        })
+    }
+}
+
+/// The problem of one island, as [`IslandProblems`] shows it.
+#[derive(Debug)]
+pub struct IslandProblem<'a> {
+    bodies: &'a [Member],
+    contacts: Vec<(Entity, f32)>,
+    points: usize,
+    hands: usize,
+}
+
+impl IslandProblem<'_> {
+    /// Its dynamic bodies, in the order in which they are solved: from the ground up, and then by age.
+    pub fn bodies(&self) -> impl Iterator<Item = Entity> {
+        self.bodies.iter().map(|member| member.entity)
+    }
+
+    /// The pairs that touch, in the order in which they are solved, each with the sum of the normal impulses that it starts from, N·s.
+    /// A solver takes as much of it as it does [warm start](crate::solver::PointSolver::warm_start).
+    pub fn contacts(&self) -> impl Iterator<Item = (Entity, f32)> {
+        self.contacts.iter().copied()
+    }
+
+    /// How many contact points it has.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// How many of its bodies are held by a hand.
+    pub fn hands(&self) -> usize {
+        self.hands
+    }
+}

@@ -136,17 +136,11 @@ impl Levels {
                 queue.extend(graph.neighbours(slot).map(|n| Reverse((1, n))));
             }
         }
-        for &slot in &*lost {
+        // A link may have ended again since it began, so both look at the links there are.
+        for &slot in lost.iter().chain(linked.as_flattened()) {
             let below = graph.neighbours(slot).map(|n| levels[n as usize]);
             let below = below.min().filter(|&below| below != Self::NONE);
             queue.extend(below.map(|below| Reverse((below + 1, slot))));
-        }
-        for &[a, b] in linked {
-            for (below, above) in [(a, b), (b, a)] {
-                if levels[below as usize] != Self::NONE {
-                    queue.push(Reverse((levels[below as usize] + 1, above)));
-                }
-            }
         }
         while let Some(Reverse((level, slot))) = queue.pop() {
             if levels[slot as usize] <= level || kind(slot) != Kind::Dynamic {

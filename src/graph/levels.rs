@@ -6,7 +6,7 @@
 //! McKee 1969 number the unknowns of a sparse matrix so for the same reason).
 //!
 //! Invariant, after every update: a body that stands still has level 0; any other is one above the lowest that it is linked to, or has
-//! none where no way leads to what stands still. That is what a search breadth first from all that stands still finds ([`recompute`], the
+//! none where no way leads to what stands still. That is what a search breadth first from all that stands still finds (`recompute`, the
 //! oracle of the tests). An update visits only bodies whose level changes, and their neighbours:
 //! 1. *What has lost its support.* From the lowest up, a body near a link that is gone keeps its level if one of its neighbours is one below
 //!    it. Otherwise it has none for now, and those one above it are looked at in turn.

@@ -6,7 +6,7 @@
 //!
 //! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow make the other lists as long as
 //! those of the manifold; a point that no patch names has no effect. Points that are put between bodies that did not touch when
-//! [`islands`](crate::graph::islands) were found are solved from the next step on.
+//! [`islands`](crate::graph::islands()) were found are solved from the next step on.
 
 pub(crate) mod cache;
 mod events;

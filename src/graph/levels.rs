@@ -6,7 +6,7 @@
 //! McKee 1969 number the unknowns of a sparse matrix so for the same reason).
 //!
 //! Invariant, after every update: a body that stands still has level 0; any other is one above the lowest that it is linked to, or has
-//! none where no way leads to what stands still. That is what a search breadth first from all that stands still finds ([`recompute`], the
+//! none where no way leads to what stands still. That is what a search breadth first from all that stands still finds (`recompute`, the
 //! oracle of the tests). An update visits only bodies whose level changes, and their neighbours:
 //! 1. *What has lost its support.* From the lowest up, a body near a link that is gone keeps its level if one of its neighbours is one below
 //!    it. Otherwise it has none for now, and those one above it are looked at in turn.
@@ -136,17 +136,11 @@ impl Levels {
                 queue.extend(graph.neighbours(slot).map(|n| Reverse((1, n))));
             }
         }
-        for &slot in &*lost {
+        // A link may have ended again since it began, so both look at the links there are.
+        for &slot in lost.iter().chain(linked.as_flattened()) {
             let below = graph.neighbours(slot).map(|n| levels[n as usize]);
             let below = below.min().filter(|&below| below != Self::NONE);
             queue.extend(below.map(|below| Reverse((below + 1, slot))));
-        }
-        for &[a, b] in linked {
-            for (below, above) in [(a, b), (b, a)] {
-                if levels[below as usize] != Self::NONE {
-                    queue.push(Reverse((levels[below as usize] + 1, above)));
-                }
-            }
         }
         while let Some(Reverse((level, slot))) = queue.pop() {
             if levels[slot as usize] <= level || kind(slot) != Kind::Dynamic {

@@ -14,9 +14,9 @@
 //! # In a step
 //! 1. *Broadphase*, second half ([`pair_changes`]): edges begin and end.
 //! 2. *Narrowphase* reports the edges whose contact has begun or ceased to have points.
-//! 3. *Islands* ([`islands`]): links begin and end, islands merge and split, levels follow, islands wake. Then ([`activation`]) bodies and pairs go
+//! 3. *Islands* ([`islands`](islands())): links begin and end, islands merge and split, levels follow, islands wake. Then ([`activation`](activation())) bodies and pairs go
 //!    to rest, or are roused.
-//! 4. *Sleeping* ([`sleeping`]): islands fall asleep.
+//! 4. *Sleeping* ([`sleeping`](sleeping())): islands fall asleep.
 //!
 //! The graph lies above the broadphase and the components of contacts, and below everything that asks who is connected with whom.
 

@@ -18,6 +18,8 @@ struct Site {
     edges: BTreeMap<[u32; 2], (u32, Entity, bool)>,
     /// The bodies that are there.
     bodies: BTreeMap<u32, Entity>,
+    /// Those that have come or changed since the last update. Only what was active in one goes to rest.
+    fresh: BTreeSet<u32>,
     entities: u32,
 }
 
@@ -34,6 +36,7 @@ impl Site {
         body.age = Age(u64::from(self.entities));
         let BodyIndex(slot) = self.table.insert(body);
         self.bodies.insert(slot, entity);
+        self.fresh.insert(slot);
         slot
     }
 
@@ -69,6 +72,7 @@ impl Site {
 
     fn update(&mut self) {
         self.islands.update(&mut self.graph, &self.table);
+        self.fresh.clear();
     }
 
     /// Something is done to the site.
@@ -94,9 +98,10 @@ impl Site {
                 };
                 // It would have been stirred.
                 self.table.set_resting(slot, false);
+                self.fresh.insert(slot);
             }
             9..15 => {
-                let rests = rng.bool();
+                let rests = rng.bool() && !self.fresh.contains(&slot);
                 self.table.set_resting(slot, rests);
             }
             15..18 => {

@@ -109,6 +109,12 @@ pub struct Contacts<'w, 's> {
     pairs: Query<'w, 's, Pair>,
 }
 
+impl fmt::Debug for Contacts<'_, '_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Contacts").finish_non_exhaustive()
+    }
+}
+
 /// Asks a world for contact forces outside of a system: calls `ask` with [`Contacts`] and returns its result.
 ///
 /// ```

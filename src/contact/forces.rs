@@ -99,7 +99,11 @@ type Pair = (
     Has<Resting>,
 );
 
-/// System parameter for contact forces; see the [module](self). Outside of a system use [`contacts`].
+/// System parameter for the contact forces between bodies. Outside of a system use [`contacts`].
+///
+/// The forces are those of the last step, at the points where contacts were detected. For bodies at [rest](crate::body::Resting) they are
+/// the forces at which the bodies came to rest. Bodies that were despawned, disabled or lost their [`RigidBody`] since the last step give
+/// no force.
 #[derive(SystemParam)]
 pub struct Contacts<'w, 's> {
     pub(super) table: Res<'w, BodyTable>,

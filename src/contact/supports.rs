@@ -71,7 +71,10 @@ pub struct Bearing {
     pub share: f32,
 }
 
-/// System parameter that tells which bodies support which; see the [module](self). Outside of a system use [`supports`].
+/// System parameter that tells which bodies support which. Outside of a system use [`supports`].
+///
+/// A body supports another if it pushes it against gravity, over all their faces together, by more than a thousandth of the other's
+/// weight. Nothing is simulated: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) to find out.
 #[derive(SystemParam)]
 pub struct Supports<'w, 's> {
     contacts: Contacts<'w, 's>,

@@ -506,6 +506,22 @@ mod tests {
         }
     }
 
+    /// A game may replace a stage, or do without it.
+    #[test]
+    fn any_plugin_but_the_step_plugin_may_be_left_out() {
+        for (left_out, _) in OTHERS {
+            let mut app = App::new();
+            step_plugin(&mut app);
+            let others = OTHERS.iter().filter(|(name, _)| *name != left_out);
+            others.for_each(|(_, add)| add(&mut app));
+            let poses = play(&mut app);
+            assert!(poses.iter().all(Pose::is_finite), "without {left_out}");
+            let comes_down = poses[2].position.y < 1.45;
+            let nothing_moves = ["BodyPlugin", "IntegrationPlugin"].contains(&left_out);
+            assert!(comes_down || nothing_moves, "without {left_out}: {poses:?}");
+        }
+    }
+
     #[test]
     fn a_plugin_without_the_step_plugin_says_so() {
         for (name, add) in OTHERS {

@@ -99,7 +99,11 @@ type Pair = (
     Has<Resting>,
 );
 
-/// System parameter for contact forces; see the [module](self). Outside of a system use [`contacts`].
+/// System parameter for the contact forces between bodies. Outside of a system use [`contacts`].
+///
+/// The forces are those of the last step, at the points where contacts were detected. For bodies at [rest](crate::body::Resting) they are
+/// the forces at which the bodies came to rest. Bodies that were despawned, disabled or lost their [`RigidBody`] since the last step give
+/// no force.
 #[derive(SystemParam)]
 pub struct Contacts<'w, 's> {
     pub(super) table: Res<'w, BodyTable>,
@@ -107,6 +111,12 @@ pub struct Contacts<'w, 's> {
     time: Res<'w, StepTime>,
     bodies: Query<'w, 's, &'static BodyIndex, With<RigidBody>>,
     pairs: Query<'w, 's, Pair>,
+}
+
+impl fmt::Debug for Contacts<'_, '_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Contacts").finish_non_exhaustive()
+    }
 }
 
 /// Asks a world for contact forces outside of a system: calls `ask` with [`Contacts`] and returns its result.

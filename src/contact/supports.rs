@@ -46,6 +46,7 @@ use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use std::collections::VecDeque;
+use std::fmt;
 use std::ops::Range;
 
 /// Smallest supporting force, as a share of the body's weight; less is noise.
@@ -70,7 +71,10 @@ pub struct Bearing {
     pub share: f32,
 }
 
-/// System parameter that tells which bodies support which; see the [module](self). Outside of a system use [`supports`].
+/// System parameter that tells which bodies support which. Outside of a system use [`supports`].
+///
+/// A body supports another if it pushes it against gravity, over all their faces together, by more than a thousandth of the other's
+/// weight. Nothing is simulated: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) to find out.
 #[derive(SystemParam)]
 pub struct Supports<'w, 's> {
     contacts: Contacts<'w, 's>,
@@ -78,7 +82,13 @@ pub struct Supports<'w, 's> {
     gravity: Res<'w, Gravity>,
 }
 
-/// Asks a world what supports what outside of a system: calls `ask` with [`Supports`] and returns its result.
+impl fmt::Debug for Supports<'_, '_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Supports").finish_non_exhaustive()
+    }
+}
+
+/// Asks a world which bodies support which, outside of a system: calls `ask` with [`Supports`] and returns its result.
 ///
 /// ```
 /// # use drystone::prelude::*;

@@ -14,6 +14,7 @@ use bevy_ecs::world::DeferredWorld;
 use glam::{BVec3, Quat, Vec3};
 
 /// Lets every [`Hand`] hold what it points at. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins); add it after them.
+#[derive(Debug)]
 pub struct HandPlugin;
 
 impl Plugin for HandPlugin {

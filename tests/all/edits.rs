@@ -649,5 +649,5 @@ fn copies_in_a_preview_do_not_collide_either() {
     assert_eq!(pairs(&mut lab).len(), 2);
     let shadow = Shadow::around(&lab.world, &[inner, outer]).unwrap();
     let preview = shadow.run(&PreviewSettings::default()).unwrap();
-    assert!(preview.rests && preview.moved.is_empty(), "{preview:?}");
+    assert!(preview.at_rest && preview.moved.is_empty(), "{preview:?}");
 }

@@ -398,7 +398,7 @@ fn the_solvers_of_points_in_steps_of_a_tenth() {
 #[test]
 fn steps_in_parts() {
     let mut run = Run::scene("wall:4x4");
-    run.world.resource_mut::<SolverSettings>().substeps = 3;
+    run.world.resource_mut::<SolverSettings>().outer_substeps = 3;
     let run = run.steps(20, NOTHING);
     run.goes_on_in_a_copy("substeps", &|world, _, step| {
         // Other settings than the last step had wake what sleeps.
@@ -449,7 +449,7 @@ fn a_collapse_that_is_watched() {
         };
         run.world.entity_mut(body).insert((Watch::default(), asks));
     }
-    run.world.resource_mut::<CollapseSettings>().longest = 1.5;
+    run.world.resource_mut::<CollapseSettings>().max_time = 1.5;
     let mut run = run.steps(60, NOTHING);
     for _ in 0..2 {
         let corner = run.bodies.remove(0);

@@ -11,7 +11,7 @@
 //! - What it writes to a pair counts from the next step, and what it writes to `ContactImpulses` is overwritten: the problem has its
 //!   copy. Where it changes how many patches and points a pair has, the impulses found do not fit any more. The pair then has none, and
 //!   starts from nothing in the next step.
-//! - A [`Grab`](crate::grab::Grab) that it inserts or removes counts from the next step.
+//! - A [`Grab`] that it inserts or removes counts from the next step.
 //! - Bodies and pairs that it despawns are solved with, and nothing is stored for them.
 
 mod contact;

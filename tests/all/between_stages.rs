@@ -485,7 +485,7 @@ fn whatever_is_done_between_two_stages_nobody_panics_or_is_taken_for_another() {
                 &mut lab,
                 earlier,
                 later,
-                fuzz.run_if(resource_exists::<Dice>),
+                fuzz.run_if(resource_exists::<Dice>).ambiguous_with_all(),
             );
             for _ in 0..150 {
                 lab.step();

@@ -14,12 +14,13 @@ use glam::{Mat3, Vec3};
 /// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
 const CROWD: f32 = 6.0;
 
+/// The blocks of a problem, neither skewed nor with rounds.
 pub fn batches(lanes: usize, problem: &PatchProblem) -> Batches {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     Batches::of(lanes, patches, problem.bodies)
 }
 
-/// Folded where it may be.
+/// The blocks of a problem, skewed if several sweeps may be at it at once and that is worth it.
 pub fn skewed(lanes: usize, problem: &PatchProblem) -> Batches {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     match stands_by_itself(problem) {

@@ -1,8 +1,8 @@
-//! Sweeps through blocks that are skewed, several at once in the lanes of one visit.
+//! Skewed sweeps: several sweeps at once, side by side in the lanes of one block.
 //!
 //! Where contacts stand in a row, as in a stack, no two of them may be relaxed side by side in one sweep. Yet the next sweep may follow
 //! this one up the row, in the lanes beside it: the sequence of blocks is cut into *laps* ([`Batches::skewed`]), each of which is a sweep
-//! behind the one before it. In a *turn* all blocks are visited once, and each lap does its part of the sweep that it is in: contacts that
+//! behind the one before it. In a *turn* every block is visited once, and each lap does its part of the sweep that it is in: contacts that
 //! share a body come in the same order as in sweeps one after the other, those of one lap because they do so in the turn, those of two
 //! because a lap is no shorter than a body's first and last contact are apart. What is done to a body between two sweeps is done right
 //! after the last block that holds it. Hands stand before a block, in one of its laps ([`edges`](super::edges)). So the result

@@ -336,7 +336,7 @@ impl BodyState {
             velocity,
             mass: MassProperties::default(),
             size: 0.0,
-            comes_by: 0.0,
+            swept_margin: 0.0,
             curved: false,
             collider: None,
             properties: BodyProperties::default(),

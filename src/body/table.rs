@@ -76,7 +76,7 @@ pub struct BodyState {
     pub(crate) size: f32,
     /// Bound on how far a point of its surface moves in the step in addition to velocity and gravity, m: by rotation, at most to the other
     /// side, and by forces.
-    pub(crate) comes_by: f32,
+    pub(crate) swept_margin: f32,
     /// Whether contacts move it.
     pub kind: RigidBody,
     /// It sleeps, and its pairs keep their contacts.
@@ -187,7 +187,7 @@ impl BodyState {
             0.0 => 0.0,
             speed => (speed * dt).min(2.0) * self.radius,
         };
-        self.comes_by = turns + gains * dt;
+        self.swept_margin = turns + gains * dt;
     }
 
     /// True for a body that contacts move in this step.

@@ -5,10 +5,10 @@
 //! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
 //! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
 
-mod outrun;
+mod escaped_aabb;
 mod pairs;
 
-pub use outrun::outrun;
+pub use escaped_aabb::escaped_aabb;
 pub(crate) use pairs::Pairs;
 
 use crate::body::{BodyState, BodyTable};
@@ -59,8 +59,8 @@ pub struct Broadphase {
     untidy: usize,
     /// Slots to give back once no pair names them.
     removed: Vec<u32>,
-    /// Slots of bodies that have [left their box](outrun()) in the last step, in order.
-    outrun: Vec<u32>,
+    /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
+    escaped_aabb: Vec<u32>,
 }
 
 impl MapEntities for Broadphase {
@@ -91,7 +91,7 @@ impl Broadphase {
 
     /// Slots of bodies that are not in their box in the tree, or have none.
     pub(crate) fn outside(&self) -> impl Iterator<Item = u32> {
-        self.unbounded.iter().chain(&self.outrun).copied()
+        self.unbounded.iter().chain(&self.escaped_aabb).copied()
     }
 
     fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
@@ -143,7 +143,7 @@ pub fn broadphase(
         stirred,
         untidy,
         removed,
-        outrun: _,
+        escaped_aabb: _,
         lost: _,
     } = &mut *broadphase;
     fat.resize(table.slots(), None);
@@ -262,19 +262,19 @@ fn tight_box(
     gravity: Vec3,
     dt: f32,
 ) -> Aabb {
-    let reach = settings.outer_distance().max(0.0) + meant_way(body, gravity, dt);
+    let reach = settings.outer_distance().max(0.0) + expected_travel(body, gravity, dt);
     let shape = collider.shape();
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
 }
 
 /// How far a point of a body comes in the step if nothing but gravity and what pushes it changes its velocity, m.
-fn meant_way(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
+fn expected_travel(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
     let fall = if body.is_dynamic() {
         (gravity * body.gravity_scale).length() * dt
     } else {
         0.0
     };
-    (body.velocity.linear.length() + fall) * dt + body.comes_by
+    (body.velocity.linear.length() + fall) * dt + body.swept_margin
 }
 
 /// A pair's entity is gone, or is a pair no more: by [`pair_changes`], or by a user. The hook of [`ContactPair`].

@@ -174,7 +174,7 @@ fn look(
         } else {
             // The cast knows of no turns, by which alone the end of a rod may come.
             let turns = match a.is_slender() || b.is_slender() {
-                true => a.comes_by + b.comes_by,
+                true => a.swept_margin + b.swept_margin,
                 false => 0.0,
             };
             let near = outer + fall * time.dt + turns;
@@ -238,5 +238,5 @@ const ROUNDING: f32 = 1e-5;
 
 /// Bound on how far two surfaces can come nearer within the step, m, from the velocities before forces.
 fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
-    (a.velocity.linear - b.velocity.linear).length() * dt + a.comes_by + b.comes_by
+    (a.velocity.linear - b.velocity.linear).length() * dt + a.swept_margin + b.swept_margin
 }

@@ -235,7 +235,7 @@ impl Plugin for CollisionPlugin {
         );
         app.add_systems(
             PhysicsSchedule,
-            timed(&profile, "broadphase", broadphase::outrun)
+            timed(&profile, "broadphase", broadphase::escaped_aabb)
                 .after(PhysicsSystems::Integration)
                 .before(PhysicsSystems::Sleeping),
         );

@@ -1,14 +1,14 @@
-//! Who came first.
+//! The order in which bodies were spawned.
 
 use super::{BodyProperty, BodyTable};
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_reflect::Reflect;
 
-/// When a body came into the world, counted over all bodies. Bodies on one level of support stand in this order, so two worlds in
-/// which it is the same come out the same to the bit, whatever their `Entity`s.
+/// The number of a body in the order of spawning. Bodies on one level of support are solved in this order. So two worlds with the same
+/// numbers give the same result to the bit, whatever their `Entity`s are.
 ///
-/// Stamped when a [`RigidBody`](super::RigidBody) is spawned. Give it by hand, and to all bodies, where worlds must agree that do not spawn in
-/// the same order: on a server and its clients.
+/// A [`RigidBody`](super::RigidBody) gets its number when it is spawned. Set it by hand on all bodies where worlds must agree that do not
+/// spawn in the same order, such as a server and its clients.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_add = stamp, clone_behavior = Ignore, summary_tick)]
@@ -27,8 +27,8 @@ impl Default for Age {
 
 impl BodyProperty for Age {}
 
-/// As soon as the body is spawned: by the next step nobody would know the order any more. Where the plugins come after the body,
-/// *prepare* makes up for it.
+/// Numbers a body as soon as it is spawned, since the next step could not tell the order any more. Bodies that are spawned before the plugins
+/// are added get their numbers in *prepare*.
 fn stamp(mut world: DeferredWorld, context: HookContext) {
     let next = world
         .get_resource_mut::<BodyTable>()

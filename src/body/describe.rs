@@ -1,11 +1,11 @@
-//! Takes over what changes seldom about a body: kind, shape, mass, surface, layers.
+//! Copies what seldom changes about a body into the table: kind, shape, mass, surface, layers.
 
 use super::{BodyState, DescribedItem, MassProperties, RigidBody, limits};
 use crate::collider::Collider;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
 
-/// Takes over what was written. Values that are the same as before change nothing.
+/// Copies what was written into the table. Values that are the same as before change nothing.
 ///
 /// # Errors
 /// What is wrong with it; the body is then as before.

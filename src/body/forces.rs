@@ -1,4 +1,4 @@
-//! What pushes a body besides contact, and the stage that turns it into velocity: v += Δt M⁻¹ f.
+//! Forces other than those of contacts, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
 use super::{
     BodyIndex, BodyProperty, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting,
@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
-/// A force and torque that act in every step until changed, in N and N·m, world axes, at the centre of mass.
+/// Force and torque that act in every step until they are changed, in N and N·m, world axes, at the centre of mass; zero by default.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
@@ -29,7 +29,7 @@ impl ExternalForce {
     }
 }
 
-/// An impulse for the next step, in N·s and N·m·s, world axes; cleared once it has acted.
+/// An impulse that acts in the next step, in N·s and N·m·s, world axes, at the centre of mass. The step sets it to zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]

@@ -1,5 +1,5 @@
-//! What the numbers of a body may be. Input beyond is an error ([`BodyProblem`](crate::diagnosis::BodyProblem)) and quarantines the body: single
-//! precision cannot compute with it, and what touched it would be lost as well.
+//! Limits of the numbers of a body. Input beyond them is an error ([`BodyProblem`](crate::diagnosis::BodyProblem)) and quarantines the body:
+//! single precision cannot compute with such numbers, and they would spread to other bodies.
 //!
 //! These are bounds of what can be simulated, not of what is sensible: how fast a body may become is a setting,
 //! [`SpeedLimits`](crate::settings::SpeedLimits).

@@ -1,8 +1,8 @@
-//! Bodies: what moves, how heavy it is, and what pushes it.
+//! Bodies: the components that say what moves, how heavy it is and what pushes it.
 //!
-//! A body is an entity with a [`RigidBody`], and a [`Collider`](crate::collider::Collider) if it is to touch anything. Everything
-//! else is added with a sensible default. The components here are the truth; the [`BodyTable`] is a dense copy of them
-//! that the pair stages read at random, written once a step by [`prepare`].
+//! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it is to touch anything. All other
+//! components are added with their defaults. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
+//! [`prepare`] writes it once a step.
 
 mod age;
 mod complete;
@@ -51,7 +51,7 @@ use listed::{Changes, Described, DescribedItem, Incomplete, Written, essentials}
 use properties::body_properties;
 
 body_properties! {
-    /// How a body answers to contact. May be changed at any time.
+    /// Whether contacts move a body. It may be changed at any time.
     #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
     #[reflect(Component, Debug, Default)]
     #[component(summary_tick)]
@@ -59,11 +59,11 @@ body_properties! {
         /// Moved by forces and contacts.
         #[default]
         Dynamic,
-        /// Never moves; infinitely heavy. Moved by its `Transform` it is elsewhere at once and carries nothing along; a
-        /// [`Velocity`] is that of its surface, a conveyor belt's.
+        /// Infinitely heavy, and never moved by the simulation. A change of its `Transform` puts it elsewhere at once and carries nothing
+        /// along. Its [`Velocity`] is that of its surface, as on a conveyor belt.
         Static,
-        /// Moved by the user alone, infinitely heavy to whatever it touches: by its [`Velocity`], or by its `Transform`, and then its
-        /// velocity is for that step what takes it there, so that it carries what stands on it. See [`Teleport`].
+        /// Moved by the user alone, and infinitely heavy to what it touches. It moves with its [`Velocity`], or to where its `Transform` is put:
+        /// for that step it has the velocity that takes it there, and carries what stands on it. See [`Teleport`].
         Kinematic,
     }
 
@@ -109,10 +109,10 @@ body_properties! {
     }
 }
 
-/// Where a body is in the world: its origin in metres, and its orientation.
+/// Position and orientation of a body in the world.
 ///
-/// Drystone owns this; it is read from [`Transform`] where the user changed that, and written back to it at the end of
-/// every step. Use it rather than `Transform` inside the physics schedule.
+/// Drystone owns it: a step takes it from [`Transform`] where the user changed that, and writes it back at its end. Inside the physics
+/// schedule use it rather than `Transform`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]
@@ -133,13 +133,13 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// A world point from a point in the body's frame.
+    /// Transforms a point from the body's frame to the world, m.
     #[inline]
     pub fn transform_point(&self, local: Vec3) -> Vec3 {
         self.position + self.rotation * local
     }
 
-    /// A point in the body's frame from a world point.
+    /// Transforms a point from the world to the body's frame, m.
     #[inline]
     pub fn inverse_transform_point(&self, world: Vec3) -> Vec3 {
         self.rotation.inverse() * (world - self.position)
@@ -173,7 +173,7 @@ impl Pose {
     }
 }
 
-/// How a body moves.
+/// Linear and angular velocity of a body.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]
@@ -185,7 +185,7 @@ pub struct Velocity {
 }
 
 impl Velocity {
-    /// A velocity without spin, m/s.
+    /// A velocity without rotation, m/s.
     pub fn linear(linear: Vec3) -> Self {
         Self {
             linear,

@@ -1,12 +1,12 @@
-//! How far a body moves in a step, where that is not its velocity at the end times Δt.
+//! How a body moves over a step, where that is not Δt times its velocity at the end.
 
 use super::Velocity;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// How a body moves over the step at hand: written by the stage *solve*, read by *integration*. A [`Velocity`] that is changed between
-/// the two counts all the same.
+/// How a body moves over the current step. The stage *solve* writes it and *integration* reads it. A [`Velocity`] that is changed between
+/// the two is added.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
@@ -14,12 +14,12 @@ pub enum Motion {
     /// With its velocity.
     #[default]
     Steady,
-    /// It flies: on a parabola, so that it comes down with the energy with which it went up.
+    /// On a parabola, in free flight: the body comes down with the energy with which it went up.
     Flight {
         /// What gravity has added to its velocity in this step, m/s.
         gained: Vec3,
     },
-    /// Its solver took substeps, and corrections move bodies that have no velocity of their own.
+    /// With a mean velocity, since its solver takes substeps, and corrections move bodies without giving them a velocity.
     Mean {
         /// Over the step.
         mean: Velocity,

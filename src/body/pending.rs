@@ -1,9 +1,9 @@
-//! Bodies that were spawned, moved or changed since the last step, for those who ask about them before the next one.
+//! Bodies that were spawned, moved or changed since the last step, for queries before the next one.
 //!
-//! The [`BodyTable`] holds bodies as they were at the start of the last step, and the simulation depends on that. So edits that were made
-//! since are not written there: [`Pending`] holds these bodies as the next step will find them, with a tree of their own, and
-//! [`SpatialQuery`](crate::query::SpatialQuery) prefers them to those of the table. The stage *prepare* makes all of it obsolete, and
-//! nothing of it reaches the simulation.
+//! The [`BodyTable`] holds bodies as they were at the start of the last step, and the simulation depends on that. So later edits are not
+//! written there: [`Pending`] holds the edited bodies as the next step will find them, with a tree of their own, and
+//! [`SpatialQuery`](crate::query::SpatialQuery) prefers them to those of the table. The next *prepare* makes them obsolete. The simulation
+//! does not read them.
 
 use super::describe::describe;
 use super::placement::{Placed, user_pose};
@@ -26,7 +26,7 @@ const TIDY: usize = 16;
 pub struct Pending {
     /// The visit of *prepare* after which they differ.
     visit: u64,
-    /// None where one is as the table has it again.
+    /// `None` for a body that is again as the table has it.
     bodies: Vec<Option<BodyState>>,
     places: EntityHashMap<u32>,
     /// By place.
@@ -38,7 +38,7 @@ pub struct Pending {
 }
 
 impl Pending {
-    /// False where nobody has been refreshed since the last step, or nobody differs.
+    /// True where bodies differ from the table, and were found since the last step.
     pub(crate) fn is_of(&self, table: &BodyTable) -> bool {
         !self.places.is_empty() && self.visit == table.visits()
     }
@@ -82,7 +82,7 @@ impl Pending {
         self.unbounded.clear();
     }
 
-    /// A body differs from that of the table.
+    /// Adds a body that differs from the table.
     fn insert(&mut self, body: BodyState) {
         let entity = body.entity;
         let last = self.bodies.len() as u32;
@@ -103,7 +103,7 @@ impl Pending {
         self.bodies[place as usize] = Some(body);
     }
 
-    /// A body is as the table has it.
+    /// Removes a body that is as the table has it.
     fn remove(&mut self, body: Entity) {
         if let Some(place) = self.places.remove(&body) {
             self.forget_shape(place);

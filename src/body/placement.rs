@@ -1,4 +1,4 @@
-//! `Transform` in and out: where a user put a body, what its frame is, and how fast a kinematic body goes that is moved by it.
+//! From `Transform` to pose and back: where a user put a body, its frame, and the velocity of a kinematic body that is moved by it.
 
 use super::{BodyState, Pose, Velocity};
 use crate::settings::{SpeedLimits, StepTime};
@@ -7,10 +7,10 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::Vec3;
 
-/// The `Transform` set along with this takes a kinematic body elsewhere at once: it was not on the way, has no velocity from it, and
-/// carries nothing along. The next step takes it off.
+/// Makes a change of `Transform` put a kinematic body elsewhere at once: it gets no velocity from it and carries nothing along. The next
+/// step removes this component.
 ///
-/// Other bodies are always put where their `Transform` says, and so is a kinematic one that would be faster than
+/// Other bodies are always put where their `Transform` says at once. So is a kinematic body that would be faster than
 /// [`SpeedLimits`](crate::settings::SpeedLimits) allows.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]

@@ -30,7 +30,7 @@ type Moving<'w> = (
     Pushed<'w>,
 );
 
-/// What pushes a body. All of it may be taken off.
+/// What pushes a body. A body may lack any of it.
 pub(super) type Pushed<'w> = (
     Option<&'w ExternalForce>,
     Option<&'w ExternalImpulse>,
@@ -39,7 +39,7 @@ pub(super) type Pushed<'w> = (
     Option<&'w Grab>,
 );
 
-/// See the module's text.
+/// Reads what users changed, checks it, and fills the [`BodyTable`].
 pub fn prepare(
     mut commands: Commands,
     (mut table, mut suspects): (ResMut<BodyTable>, ResMut<Suspects>),
@@ -136,7 +136,7 @@ pub fn prepare(
     }
 }
 
-/// What a body is visited by.
+/// The settings of a visit.
 #[derive(SystemParam)]
 pub struct Rules<'w> {
     time: Res<'w, StepTime>,
@@ -145,7 +145,7 @@ pub struct Rules<'w> {
     ticks: SystemChangeTick,
 }
 
-/// Goes from body to body.
+/// Visits body after body.
 struct Visitor<'a, 'w, 's> {
     commands: &'a mut Commands<'w, 's>,
     table: &'a mut BodyTable,
@@ -157,7 +157,7 @@ struct Visitor<'a, 'w, 's> {
 }
 
 impl Visitor<'_, '_, '_> {
-    /// Takes over how a body is now, unless it is to join the others first: then its age and entity.
+    /// Brings the table's state of a body up to date. Of a body that is not in the table yet it returns age and entity.
     fn visit(
         &mut self,
         (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
@@ -241,8 +241,8 @@ impl Visitor<'_, '_, '_> {
     }
 }
 
-/// Who is not there any more, despawned, disabled or robbed of what makes a body, leaves the table. Those that rest are looked for only
-/// where some may be missing.
+/// Removes bodies from the table that are not there any more: despawned, disabled, or without a component that every body has. Resting
+/// bodies are looked through only if some may be missing.
 fn leave(
     table: &mut BodyTable,
     commands: &mut Commands,
@@ -271,7 +271,7 @@ fn is_stirred(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bo
     *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
 }
 
-/// The speed that a hand gives the surface of a body by turning it, at most, m/s. Never beyond the other side in one step.
+/// Greatest speed that a hand gives the surface of a body by turning it, m/s. In one step it turns to the other side at most.
 fn turned(body: &BodyState, grab: &Grab, dt: f32) -> f32 {
     let inertia = body.mass.inverse_inertia;
     let spin = match grab.rotation {
@@ -284,7 +284,7 @@ fn turned(body: &BodyState, grab: &Grab, dt: f32) -> f32 {
     }
 }
 
-/// By how much a body becomes faster in the step by what pushes it and by a hand that turns it, at most, m/s at its surface.
+/// Greatest gain of speed in the step by forces and by a hand, m/s at the surface.
 fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &Rules) -> f32 {
     if !body.is_dynamic() {
         return 0.0;
@@ -336,7 +336,7 @@ impl BodyState {
             velocity,
             mass: MassProperties::default(),
             size: 0.0,
-            comes_by: 0.0,
+            swept_margin: 0.0,
             curved: false,
             collider: None,
             properties: BodyProperties::default(),

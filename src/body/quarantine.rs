@@ -1,8 +1,8 @@
-//! The stage **quarantine**: takes bodies with bad input out of the simulation and says so.
+//! The stage **quarantine**: takes bodies with invalid input out of the simulation and reports them.
 //!
-//! A body with bad input gets a [`Quarantined`] marker, a [`BodyError`] message and a log line with its name, and stands
-//! outside the simulation until the input is mended. Nothing of it is lost, and what touched it loses a neighbour and nothing
-//! else. It runs before contacts are looked for and once more after forces, before anything is solved with them.
+//! A body with invalid input gets the marker [`Quarantined`], is reported by a [`BodyError`] message and in the log, and takes no part in
+//! the simulation until the input is corrected. Its components stay as they are, and other bodies are not affected, except that they lose
+//! its contacts. The stage runs before the broadphase and again after *forces*, before anything is solved.
 
 use super::describe::describe;
 use super::placement::{Placed, user_pose};
@@ -18,11 +18,10 @@ use bevy_ecs::{name::Name, prelude::*};
 use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 
-/// The body is outside the simulation because of bad input. Mend the input, and the next step takes this component off and the body is back; it
-/// may be taken off by hand as well.
+/// Marks a body that takes no part in the simulation because of invalid input. Once the input is corrected the next step removes the marker, and
+/// the body takes part again. The marker may also be removed by hand.
 ///
-/// After [`BodyProblem::NonFiniteForce`] it is taken off when something that the speed follows from is another than it was: force, impulse,
-/// velocity, damping, gravity scale, or mass.
+/// After [`BodyProblem::NonFiniteForce`] it is removed when force, impulse, velocity, damping, gravity scale or mass has changed.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore, map_entities)]
@@ -70,7 +69,7 @@ type Stopped<'w> = (
     Pushed<'w>,
 );
 
-/// Part of the stage *prepare*: brings bodies back whose input has been mended.
+/// Part of the stage *prepare*: brings bodies back whose input has been corrected.
 pub fn lift(
     mut commands: Commands,
     stopped: Query<Stopped, With<RigidBody>>,
@@ -103,7 +102,7 @@ pub fn lift(
     }
 }
 
-/// Takes bodies with bad input out of the simulation, and says so.
+/// Takes bodies with invalid input out of the simulation and reports them.
 pub fn quarantine(world: &mut World) {
     let suspects = std::mem::take(&mut world.resource_mut::<Suspects>().0);
     for (entity, problem) in suspects {

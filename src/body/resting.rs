@@ -1,9 +1,9 @@
-//! What rests: bodies that stand still or sleep, and pairs of two such. The stages of a step go through all but those
-//! (`Without<Resting>`), so what rests costs nothing but a look at whether somebody wrote to it.
+//! Resting bodies: those that sleep or stand still. Pairs of two resting bodies rest, too. The queries of the stages leave them out
+//! (`Without<Resting>`), so they cost no more than the search for components that somebody wrote.
 //!
-//! What a user writes to a resting body is found by change ticks: by those of whole columns, and row by row only in columns that have
-//! changed (Bevy's summary ticks). That one was despawned is told by a hook; that one has left by whatever other way, disabled for
-//! instance, is found by a census: as many must be there as have been marked.
+//! Change ticks tell what a user wrote to a resting body: first those of whole columns (Bevy's summary ticks), then, in columns that have
+//! changed, those of rows. A hook reports resting bodies that were despawned. Those that left in another way, such as disabled ones, are
+//! found by counting: there must be as many as have been marked.
 
 use super::placement::{Placed, user_pose};
 use super::{BodyIndex, BodyProperty, BodyTable, Pose, Quarantined, Written};
@@ -12,7 +12,7 @@ use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 
-/// See the module's text. A pair rests only where both of its bodies do.
+/// Marks a body or a pair that no stage goes through, since nothing about it changes. A pair rests only if both of its bodies do.
 #[derive(Component, Clone, Copy, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct Resting(());
@@ -26,15 +26,15 @@ impl Resting {
 /// A body that rests.
 pub(super) type Rests = (With<Resting>, Without<Quarantined>);
 
-/// Those that rest, and what may have become of them.
+/// The resting bodies, with the components that users may write.
 pub(super) type RestingBodies<'w, 's> = Query<'w, 's, Written, Rests>;
 
-/// Those whose `Transform` means something in the frame of another.
+/// The resting bodies whose `Transform` is in the frame of a parent.
 pub(super) type RestingChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), Rests>;
 
-/// Those that somebody has written to since the system at hand ran last, and after `since` where that is later, and not only what the
-/// table knows of them; once for each component.
+/// Finds resting bodies to which somebody wrote since the system ran last, and after `since` if that is later, once for each component.
+/// Values that the table has already do not count.
 pub(super) fn find_written(
     table: &BodyTable,
     bodies: RestingBodies,
@@ -140,7 +140,7 @@ fn look_moved(
     found.extend(moved.map(|((&entity, _), _)| entity));
 }
 
-/// Those that a parent has moved, or that have another.
+/// Finds resting bodies whose parent was moved or replaced.
 pub(super) fn find_carried(children: RestingChildren, placed: Placed) -> Vec<Entity> {
     let moved = children.iter().filter(|(_, pose, transform, parent)| {
         user_pose((transform, Some(parent)), **pose, false, placed).is_some()

@@ -1,24 +1,24 @@
-//! Whether a body sleeps. *Sleeping* puts islands to sleep, and *islands* wakes them.
+//! Whether a body sleeps. The stage *sleeping* puts islands to sleep, and *islands* wakes them.
 
 use super::{BodyProperty, BodyState};
 use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Whether a body sleeps, and may. A body may be spawned asleep, or put to sleep. A copy of it is awake.
+/// Whether a body sleeps and whether it may. A body can be spawned asleep or put to sleep. Its clone is awake.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Custom(copy_awake), summary_tick)]
 pub struct Sleeping {
-    /// Now asleep.
+    /// It sleeps.
     pub asleep: bool,
-    /// How long it has been still, s.
+    /// Time for which it has been still, s.
     pub still_for: f32,
-    /// False keeps it, and every island it is in, awake.
+    /// False keeps the body and its island awake; true by default.
     pub allowed: bool,
 }
 
-/// It lies where the original lies, and must get out of its way.
+/// A clone lies where the original lies, and must get out of its way.
 fn copy_awake(source: &SourceComponent, context: &mut ComponentCloneCtx) {
     if let Some(&original) = source.read::<Sleeping>() {
         let mut copy = original;

@@ -1,7 +1,7 @@
-//! The dense mirror of the bodies.
+//! The dense table of the bodies.
 //!
-//! Pair stages need their two bodies at random, which costs 5–30 ns through a query and 2 through a slice. So each body
-//! has a slot for life ([`BodyIndex`]), and the stage *prepare* copies what those stages read into it once a step.
+//! Stages that go through pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
+//! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies what those stages read into it once a step.
 
 use super::{
     Age, BodyProperties, BodyProperty, ExternalForce, MassProperties, Pose, RigidBody, Velocity,
@@ -34,15 +34,15 @@ impl Default for BodyIndex {
 
 impl BodyProperty for BodyIndex {}
 
-/// What describes a body has been taken off: *prepare* shall look at it anew, as when it is changed. By a hook, since the list of
-/// removed components is cleared with every frame, and a step may come after several.
+/// The hook of components that describe a body: when one is removed, *prepare* looks at the body again, as when one is changed. A hook, since
+/// the list of removed components is cleared in every frame, and a step may come after several.
 pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut index) = world.get_mut::<BodyIndex>(context.entity) {
         index.set_changed();
     }
 }
 
-/// A body is despawned, or robbed of its slot.
+/// The hook of [`BodyIndex`]: a body was despawned, or its slot was taken off.
 fn leave(mut world: DeferredWorld, context: HookContext) {
     let index = world.get::<BodyIndex>(context.entity).copied();
     if let (Some(index), Some(mut table)) = (index, world.get_resource_mut::<BodyTable>()) {
@@ -50,7 +50,7 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// A body has no parent any more, so that its `Transform` means another pose.
+/// A body lost its parent, so that its `Transform` means another pose.
 pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut bodies: Query<&mut BodyIndex>) {
     if let Ok(mut index) = bodies.get_mut(lost.entity) {
         index.set_changed();
@@ -74,12 +74,12 @@ pub struct BodyState {
     pub velocity: Velocity,
     /// What is small against the body, m: its bounding radius, or less where it is thin.
     pub(crate) size: f32,
-    /// Bound on how far a point of its surface comes in the step besides by its velocity and by gravity, m: by turning, never beyond
-    /// the other side, and by what pushes it.
-    pub(crate) comes_by: f32,
-    /// How it answers to contact.
+    /// Bound on how far a point of its surface moves in the step in addition to velocity and gravity, m: by rotation, at most to the other
+    /// side, and by forces.
+    pub(crate) swept_margin: f32,
+    /// Whether contacts move it.
     pub kind: RigidBody,
-    /// Asleep: its pairs keep what they have.
+    /// It sleeps, and its pairs keep their contacts.
     pub asleep: bool,
     /// Its pose is not that of the last step.
     pub moved: bool,
@@ -87,17 +87,18 @@ pub struct BodyState {
     pub renewed: bool,
     /// It was not in the table in the last step.
     pub arrived: bool,
-    /// The user did something to it that wakes it.
+    /// The user changed something that wakes it.
     pub(crate) roused: bool,
     /// Its surface is curved.
     pub(crate) curved: bool,
-    /// Triggers contact events for observers.
+    /// Contact events are triggered on it for observers.
     pub events: bool,
     /// Whose slot this is.
     pub entity: Entity,
-    /// When it came; what pairs and contacts are sorted by, since `Entity` order differs between a server and its clients.
+    /// Its number in the order of spawning. Pairs and contacts are sorted by it, since the order of `Entity`s differs between a server and its
+    /// clients.
     pub age: Age,
-    /// Where it was, if the user has put it elsewhere.
+    /// Its pose before the user put it elsewhere, if the user did.
     pub(crate) put_from: Option<Pose>,
     /// The material's inertia.
     pub mass: MassProperties,
@@ -129,7 +130,7 @@ impl BodyState {
         self.velocity.at(point - self.center)
     }
 
-    /// Takes over its shape, and what follows from it and its kind, which it must have.
+    /// Sets its shape, and what follows from the shape and the kind, which must be set before.
     pub(super) fn set_shape(&mut self, collider: Option<&Collider>, radius: f32) {
         self.collider = collider.cloned();
         self.curved = collider.is_some_and(Collider::is_curved);
@@ -178,7 +179,7 @@ impl BodyState {
         self.curved
     }
 
-    /// Takes over its velocity at the start of a step of `dt` s, in which it will be made faster by up to `gains` (m/s).
+    /// Sets its velocity at the start of a step of `dt` s, in which forces make it faster by `gains` m/s at most.
     pub(super) fn set_velocity(&mut self, velocity: Velocity, gains: f32, dt: f32) {
         self.velocity = velocity;
         let turns = match velocity.angular.length() {
@@ -186,7 +187,7 @@ impl BodyState {
             0.0 => 0.0,
             speed => (speed * dt).min(2.0) * self.radius,
         };
-        self.comes_by = turns + gains * dt;
+        self.swept_margin = turns + gains * dt;
     }
 
     /// True for a body that contacts move in this step.
@@ -258,7 +259,7 @@ impl BodyTable {
         self.slots.len()
     }
 
-    /// Another whenever a body has come or gone.
+    /// A number that changes when a body is added or removed.
     pub(crate) fn version(&self) -> u64 {
         self.version
     }
@@ -300,24 +301,24 @@ impl BodyTable {
             .filter_map(|(slot, body)| Some((slot as u32, body.as_ref()?)))
     }
 
-    /// Those that do not rest, with their slots, from the first. What all stages of a step go through.
+    /// The bodies that do not rest, with their slots, in the order of slots. The stages of a step go through these.
     pub(crate) fn active(&self) -> impl Iterator<Item = (u32, &BodyState)> {
         let slots = self.active.ones();
         slots.filter_map(|slot| Some((slot as u32, self.slots[slot].as_ref()?)))
     }
 
-    /// Nobody has touched the body in this slot, and it is in no list that a stage goes through.
+    /// True where the body in this slot rests: no list that a stage goes through has it.
     #[inline]
     pub(crate) fn rests(&self, slot: u32) -> bool {
         !self.active.contains(slot as usize)
     }
 
-    /// How many rest.
+    /// Number of resting bodies.
     pub(crate) fn resting(&self) -> usize {
         self.resting
     }
 
-    /// Says that a body rests, or that it does no more; false where that is known.
+    /// Marks a body as resting or as active. False where it is so already.
     pub(crate) fn set_resting(&mut self, slot: u32, rests: bool) -> bool {
         let known = self.rests(slot) == rests;
         if !known {
@@ -330,7 +331,7 @@ impl BodyTable {
         !known
     }
 
-    /// Something was done to a body: if it rests, it is to be roused.
+    /// Remembers a resting body to which something was done, until it is roused.
     pub(crate) fn stir(&mut self, slot: u32) {
         if self.rests(slot) {
             self.stirred.push(slot);
@@ -386,7 +387,7 @@ impl BodyTable {
         BodyIndex(slot)
     }
 
-    /// Empties a body's slot. It is given to another body only after the broadphase has forgotten its pairs.
+    /// Empties a body's slot. Another body gets the slot only after the broadphase has removed the pairs that name it.
     pub(crate) fn remove(&mut self, entity: Entity, index: BodyIndex) {
         if self.holds(entity, index) {
             self.set_resting(index.0, false);

@@ -5,9 +5,9 @@
 //! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
 //! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
 
-mod outrun;
+mod escaped_aabb;
 
-pub use outrun::outrun;
+pub use escaped_aabb::escaped_aabb;
 
 use crate::body::{BodyState, BodyTable};
 use crate::collider::Collider;
@@ -39,8 +39,8 @@ pub struct Broadphase {
     pub(crate) found: Found,
     /// How many boxes were changed since the tree was last put in order.
     untidy: usize,
-    /// Slots of bodies that have [left their box](outrun()) in the last step, in order.
-    outrun: Vec<u32>,
+    /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
+    escaped_aabb: Vec<u32>,
 }
 
 /// What has changed in the tree.
@@ -75,7 +75,7 @@ impl Broadphase {
 
     /// Slots of bodies that are not in their box in the tree, or have none.
     pub(crate) fn outside(&self) -> impl Iterator<Item = u32> {
-        self.unbounded.iter().chain(&self.outrun).copied()
+        self.unbounded.iter().chain(&self.escaped_aabb).copied()
     }
 
     /// The boxes of two bodies that may collide overlap.
@@ -129,7 +129,7 @@ pub fn broadphase(
         unbounded,
         found,
         untidy,
-        outrun: _,
+        escaped_aabb: _,
     } = &mut *broadphase;
     let Found {
         stirred,
@@ -251,17 +251,17 @@ fn tight_box(
     gravity: Vec3,
     dt: f32,
 ) -> Aabb {
-    let reach = settings.outer_distance().max(0.0) + meant_way(body, gravity, dt);
+    let reach = settings.outer_distance().max(0.0) + expected_travel(body, gravity, dt);
     let shape = collider.shape();
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
 }
 
 /// How far a point of a body comes in the step if nothing but gravity and what pushes it changes its velocity, m.
-fn meant_way(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
+fn expected_travel(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
     let fall = if body.is_dynamic() {
         (gravity * body.gravity_scale).length() * dt
     } else {
         0.0
     };
-    (body.velocity.linear.length() + fall) * dt + body.comes_by
+    (body.velocity.linear.length() + fall) * dt + body.swept_margin
 }

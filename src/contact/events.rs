@@ -86,7 +86,7 @@ impl MapEntities for Untriggered {
     }
 }
 
-/// See the module's text. With several substeps it speaks of the whole step, at its end.
+/// Sends [`ContactStarted`] and [`ContactEnded`]. With several substeps it does so once, for the whole step.
 pub fn contact_events(
     mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses), Without<Resting>>,
     (table, time): (Res<BodyTable>, Res<StepTime>),

@@ -1,8 +1,8 @@
-//! The contact pair as an entity: which bodies, where they touch, what acts there, and where it is held.
+//! The components of a contact pair, which is an entity: its bodies, contact points, impulses and anchors.
 //!
-//! A pair lives as long as the fat boxes of its two bodies overlap, touching or not, so that pairs seldom come and go. All its
-//! lists run in parallel over the points of its [`Manifold`]. The broadphase makes pairs and ends them; what somebody else despawns,
-//! disables or takes a component off is made anew in the next step.
+//! A pair lives as long as the fat boxes of its two bodies overlap, whether they touch or not, so that pairs seldom come and go. All its
+//! lists run in parallel with the points or patches of its [`Manifold`]. The broadphase spawns and despawns pairs. A pair that somebody else
+//! despawns, disables or takes a component off is made anew in the next step.
 //!
 //! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow make the other lists as long as
 //! those of the manifold; a point that no patch names has no effect. Points that are put between bodies that did not touch when

@@ -106,7 +106,7 @@ impl Given {
     }
 }
 
-/// See the module's text.
+/// After the last substep adds the impulses of the earlier ones to those of the last.
 pub fn whole_step(
     time: Res<StepTime>,
     mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Resting>>,

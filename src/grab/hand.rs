@@ -1,4 +1,4 @@
-//! A hand at the end of a ray.
+//! Hands that hold what a ray points at.
 
 use super::{Grab, HeldBy};
 use crate::body::RigidBody;
@@ -38,13 +38,14 @@ fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {
     hands.any(|(hand, grasp)| hand.closed && *grasp == Grasp::Open && hand.ray.is_some())
 }
 
-/// A hand that points along a ray: on a camera, a player, a pointer. Closed it takes hold of the first dynamic body that the ray hits, where it hits it,
-/// and holds that point on the ray, as far away as it was; open it lets go.
+/// A hand that points along a ray, of a camera, a player or a pointer. When it is closed it takes hold of the first dynamic body that the ray
+/// hits, and holds the point that was hit on the ray, at the same distance. When it is opened it lets go.
 ///
-/// One hand holds a body at a time: a hand that closes on a body with a [`Grab`] holds nothing. It loses what it holds when that is disabled, or when
-/// somebody takes the `Grab` off.
+/// A body is held by one hand at a time: a hand that closes on a body with a [`Grab`] holds nothing. It loses a body that is disabled, or whose
+/// `Grab` is removed.
 ///
-/// Numbers that are not finite, out of bounds or negative are an error in the log and move nothing: the hand holds on as before, or closes on nothing.
+/// Numbers that are not finite, out of bounds or negative are logged as an error and have no effect: the hand holds on as before, or takes hold of
+/// nothing.
 ///
 /// ```
 /// # use bevy_transform::components::Transform;
@@ -63,23 +64,23 @@ fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {
 #[derive(Component, Clone, Copy, Debug)]
 #[require(Grasp)]
 pub struct Hand {
-    /// Where it points; nowhere, and what it holds stays where it is held.
+    /// Where it points. With `None` it holds the body where it was held.
     pub ray: Option<Ray3d>,
-    /// It holds what it pointed at when it was closed.
+    /// Whether it is closed: it holds what it pointed at when it was closed.
     pub closed: bool,
-    /// How far it reaches, m.
+    /// Greatest distance at which it takes hold, m; 100 by default.
     pub reach: f32,
-    /// How strong it is, N.
+    /// Greatest force, N.
     pub max_force: f32,
-    /// N·m
+    /// Greatest torque, N·m.
     pub max_torque: f32,
     /// The world axes along which it pulls; all by default. See [`Grab::axes`].
     pub axes: BVec3,
     /// The world axes about which it turns; all by default. See [`Grab::turn_axes`].
     pub turn_axes: BVec3,
-    /// How it would have turned what it holds; where there is none it keeps that from spinning.
+    /// The orientation to which it turns the body, world. With `None` it only stops the rotation.
     pub rotation: Option<Quat>,
-    /// How far along the ray it holds, m: found when it takes hold, and may be changed then.
+    /// Distance along the ray at which it holds, m: set when it takes hold, and may be changed from then on.
     pub distance: f32,
 }
 
@@ -90,9 +91,9 @@ pub enum Grasp {
     /// It is open.
     #[default]
     Open,
-    /// It closed on nothing, or lost what it held, and must be opened before it takes hold again.
+    /// It is closed and holds nothing, and must be opened before it takes hold again.
     Empty,
-    /// A body, at a point of it, in its frame, m.
+    /// It holds a body at a point in the body's frame, m.
     Holds(Entity, Vec3),
 }
 
@@ -131,7 +132,7 @@ impl Grasp {
     }
 }
 
-/// The hand is gone.
+/// A hand that is removed lets go.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
     let hand = context.entity;
     let held = world.get::<Grasp>(hand).and_then(Grasp::held);
@@ -231,7 +232,7 @@ pub fn hands(
     }
 }
 
-/// What is wrong with a hand.
+/// Why a hand has no effect.
 const INVALID: &str =
     "its ray, distance, rotation, force or torque is not finite, out of bounds or negative";
 

@@ -1,4 +1,5 @@
-//! Hands: [`Grab`] holds a body, with the force and torque of a hand, and is solved with the contacts; [`Hand`] turns a pointer's ray into one.
+//! Hands: a [`Grab`] holds a body with limited force and torque and is solved together with the contacts; a [`Hand`] takes hold of what a ray
+//! points at.
 
 mod hand;
 
@@ -13,15 +14,15 @@ use bevy_ecs::world::DeferredWorld;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{BVec3, Quat, Vec3};
 
-/// Holds a point of a dynamic body where the hand is, and the body awake. Take the component off to let go.
+/// Holds a point of a dynamic body at a target, and keeps the body awake. Remove the component to let go.
 ///
-/// The hand asks for a velocity, and gives the force that it takes, no more than it has. So it lifts a load without sagging, at any step;
-/// what is too heavy for it, or stuck, stays; and what it presses against something is held by that. However strong it is, it pulls nothing
-/// through a static body: an infinite limit means as much force as contacts can bear. It takes back an error in no less than one step, even
-/// with a `response` of 0.
+/// The hand applies the force that gives the point the velocity towards the target, up to its limits. So it lifts a load without sagging, with
+/// steps of any length. A body that is too heavy or stuck stays where it is, and contacts hold a body that is pressed against something. However
+/// strong the hand is, it pulls nothing through a static body: an infinite limit means as much force as contacts can bear. It corrects an error
+/// in one step at the earliest, even with a `response` of 0.
 ///
-/// A body that is [disabled](Disabled) is let go: the component is taken off, so that it does not hang in the air when it is enabled again. The
-/// clone of a held body is not held.
+/// A hand lets go of a body that is [disabled](Disabled): the component is removed, so that the body does not hang in the air when it is enabled
+/// again. The clone of a held body is not held.
 ///
 /// ```
 /// use bevy_transform::components::Transform;
@@ -47,41 +48,41 @@ use glam::{BVec3, Quat, Vec3};
 #[component(on_remove = let_go, clone_behavior = Ignore)]
 #[require(HandForce)]
 pub struct Grab {
-    /// Where the hand is, world, m.
+    /// Where the held point is pulled to, world, m.
     pub target: Vec3,
-    /// The point of the body that it holds, in the body's frame, m.
+    /// The held point, in the body's frame, m.
     pub local_point: Vec3,
-    /// The world axes along which it pulls; all by default. Along the others the held point is free: a finger that pulls along x and z only bears no
-    /// weight.
+    /// The world axes along which it pulls; all in [`Grab::gentle`]. Along the others the held point is free: a hand that pulls along x and z only
+    /// bears no weight.
     pub axes: BVec3,
-    /// The world axes about which it turns, or keeps from spinning; all by default.
+    /// The world axes about which it turns the body or stops its rotation; all in [`Grab::gentle`].
     pub turn_axes: BVec3,
-    /// How it would have the body turned, world, of any length but zero; where there is none, it shall only not spin.
+    /// The orientation to which it turns the body, world, of any length but zero. With `None` it only stops the rotation.
     pub rotation: Option<Quat>,
-    /// The time in which the body comes most of the way (1 − 1/e), s.
+    /// The time in which the body comes most of the way (1 − 1/e), s; 0.1 in [`Grab::gentle`].
     pub response: f32,
-    /// It pulls no faster than this, m/s.
+    /// Greatest speed at which it pulls, m/s; 4 in [`Grab::gentle`].
     pub max_speed: f32,
-    /// The hand is no stronger than this, N.
+    /// Greatest force, N.
     pub max_force: f32,
-    /// It turns no harder than this, N·m: fingers, not a thread. With none the body swings freely about the point.
+    /// Greatest torque, N·m. With 0 the body swings freely about the held point.
     pub max_torque: f32,
 }
 
 impl BodyProperty for Grab {}
 
-/// What the hand that holds a body did in the last step; nothing where none does.
+/// Force and torque of the hand on a body in the last step; zero where no hand holds it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct HandForce {
     /// At the held point, N, world.
     pub force: Vec3,
-    /// Besides, N·m, world.
+    /// Torque in addition to that of the force, N·m, world.
     pub torque: Vec3,
 }
 
-/// The [`Hand`] that holds a body by its [`Grab`]; none where a game has grabbed it by itself.
+/// Names the [`Hand`] that holds a body by its [`Grab`]. A body that a game has grabbed by itself lacks it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(clone_behavior = Ignore)]
 pub struct HeldBy(#[entities] pub(crate) Entity);
@@ -93,7 +94,7 @@ impl HeldBy {
     }
 }
 
-/// Nothing is left of its force for the next who holds the body.
+/// The next hand that holds the body begins without force.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut force) = world.get_mut::<HandForce>(context.entity) {
         *force = HandForce::default();
@@ -114,8 +115,7 @@ pub(crate) fn let_go_of_disabled(
 }
 
 impl Grab {
-    /// A hand that carries a mass of `mass` kg steadily: five times as strong as the weight, with a quarter of it at a metre to keep it from
-    /// spinning.
+    /// A hand that carries `mass` kg steadily: its force is five times the weight, its torque a quarter of the weight at a metre.
     pub fn gentle(mass: f32, local_point: Vec3, target: Vec3) -> Self {
         let weight = mass * 9.81;
         Self {

@@ -183,7 +183,7 @@ fn look(
         } else {
             // The cast ignores rotation, which alone may bring the end of a rod near.
             let turns = match a.is_slender() || b.is_slender() {
-                true => a.comes_by + b.comes_by,
+                true => a.swept_margin + b.swept_margin,
                 false => 0.0,
             };
             let near = outer + fall * time.dt + turns;
@@ -249,5 +249,5 @@ const ROUNDING: f32 = 1e-5;
 
 /// Upper bound of how much nearer two surfaces can come within the step, m, from the velocities before forces.
 fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
-    (a.velocity.linear - b.velocity.linear).length() * dt + a.comes_by + b.comes_by
+    (a.velocity.linear - b.velocity.linear).length() * dt + a.swept_margin + b.swept_margin
 }

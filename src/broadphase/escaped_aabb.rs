@@ -1,14 +1,14 @@
 //! Which bodies have gone farther in a step than they were meant to, and left their box in the tree: one that was hit, say. The next step finds
 //! out by itself; who asks the world until then ([`query`](crate::query)) has to look at them beside the tree.
 
-use super::{Broadphase, meant_way};
+use super::{Broadphase, expected_travel};
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, Quarantined, Resting};
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use parry3d::bounding_volume::BoundingVolume;
 
 /// After the stage *integration*. See the module's text.
-pub fn outrun(
+pub fn escaped_aabb(
     mut broadphase: ResMut<Broadphase>,
     table: Res<BodyTable>,
     time: Res<StepTime>,
@@ -18,19 +18,19 @@ pub fn outrun(
         (Changed<Pose>, Without<Quarantined>, Without<Resting>),
     >,
 ) {
-    broadphase.outrun.clear();
+    broadphase.escaped_aabb.clear();
     for (entity, index, pose) in &bodies {
         let body = table.get(index.0).filter(|body| body.entity == entity);
         if let Some(body) = body
-            && way(body, pose) > meant_way(body, gravity.0, time.dt)
+            && way(body, pose) > expected_travel(body, gravity.0, time.dt)
             && let Some(shape) = body.shape()
             && let Some(fat) = &broadphase.fat[index.0 as usize]
             && !fat.contains(&shape.compute_aabb(&pose.to_parry()))
         {
-            broadphase.outrun.push(index.0);
+            broadphase.escaped_aabb.push(index.0);
         }
     }
-    broadphase.outrun.sort_unstable();
+    broadphase.escaped_aabb.sort_unstable();
 }
 
 /// Bound on how far a point of a body has come since the start of the step, m.

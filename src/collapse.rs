@@ -30,7 +30,8 @@
 //! ```
 
 use crate::body::{
-    Age, BodyIndex, BodyTable, ExternalForce, Pose, Quarantined, Resting, RigidBody, Velocity,
+    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, Quarantined, RigidBody, SpawnOrder,
+    Velocity,
 };
 use crate::contact::Contacts;
 use crate::grab::Grab;
@@ -230,13 +231,13 @@ type Watched<'w, 's> = Query<
         (
             Option<&'static Grab>,
             Option<&'static ExternalForce>,
-            Has<Resting>,
+            Has<Inactive>,
         ),
     ),
     (
         Without<Quarantined>,
         // Of a body at rest only what is asked of it can change. What comes to rest stands.
-        Or<(Without<Resting>, Added<Resting>, Changed<Watch>)>,
+        Or<(Without<Inactive>, Added<Inactive>, Changed<Watch>)>,
     ),
 >;
 
@@ -248,7 +249,7 @@ type AllWatched<'w, 's> = Query<
         &'static BodyIndex,
         &'static Pose,
         &'static mut Stands,
-        Has<Resting>,
+        Has<Inactive>,
     ),
     With<RigidBody>,
 >;
@@ -285,7 +286,7 @@ pub(crate) fn collapses(
     structures.now += f64::from(time.whole());
     let down = gravity.0.normalize_or_zero();
     // By structure: who has gone farthest beyond what counts, of those that do so in this step, and where all of those stood.
-    let mut gone: HashMap<u64, (f32, Age, Entity, FailureMode)> = HashMap::default();
+    let mut gone: HashMap<u64, (f32, SpawnOrder, Entity, FailureMode)> = HashMap::default();
     let mut left: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
     let mut settled: Vec<(u32, Entity, u32, Pose)> = Vec::new();
     let mut known: HashMap<u32, u64> = HashMap::default();
@@ -349,9 +350,9 @@ pub(crate) fn collapses(
             let far = (went.length() + turned) / body.radius;
             let before = gone
                 .entry(structure)
-                .or_insert((far, body.age, entity, how));
-            if far > before.0 || far == before.0 && body.age < before.1 {
-                *before = (far, body.age, entity, how);
+                .or_insert((far, body.spawn_order, entity, how));
+            if far > before.0 || far == before.0 && body.spawn_order < before.1 {
+                *before = (far, body.spawn_order, entity, how);
             }
         }
     }
@@ -461,7 +462,7 @@ impl Structures {
             let moved = falling.bodies.iter().filter_map(|&(entity, place)| {
                 let (_, index, pose, ..) = all.get(entity).ok()?;
                 let body = table.get(index.0).filter(|body| body.entity == entity)?;
-                has_left(place, *pose, body.radius, settings).then_some((body.age, entity))
+                has_left(place, *pose, body.radius, settings).then_some((body.spawn_order, entity))
             });
             let mut moved: Vec<_> = moved.collect();
             moved.sort_unstable();

@@ -13,8 +13,8 @@
 //! angular momentum. That keeps momentum and energy at any speed, but not the way in which the body tumbles.
 
 use crate::body::{
-    BodyIndex, BodyState, BodyTable, MassProperties, Motion, Pose, Quarantined, Resting, RigidBody,
-    Velocity, limits, local_pose,
+    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, Quarantined,
+    RigidBody, Velocity, limits, local_pose,
 };
 use crate::settings::StepTime;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -37,7 +37,7 @@ pub fn integration(
             &mut Transform,
             Has<ChildOf>,
         ),
-        (Without<Quarantined>, Without<Resting>),
+        (Without<Quarantined>, Without<Inactive>),
     >,
 ) {
     let dt = time.dt;

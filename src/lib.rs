@@ -40,7 +40,7 @@
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
-//! | islands | [`graph`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Resting`](body::Resting) |
+//! | islands | [`graph`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Inactive`](body::Inactive) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
@@ -139,8 +139,9 @@ pub use schedule::{advance, refresh, step};
 /// The types and functions that most users need.
 pub mod prelude {
     pub use crate::body::{
-        Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-        GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
+        AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
+        GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, SpawnOrder, Teleport,
+        Velocity,
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{

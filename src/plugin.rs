@@ -187,7 +187,7 @@ impl Plugin for BodyPlugin {
                 timed(&profile, "prepare", body::prepare),
                 timed(&profile, "prepare", body::strays),
                 timed(&profile, "prepare", body::quarantine),
-                timed(&profile, "prepare", graph::rouse),
+                timed(&profile, "prepare", graph::activate),
             )
                 .chain()
                 .in_set(PhysicsSystems::Prepare),

@@ -8,7 +8,7 @@
 //!
 //! The list is read with a [`Visitor`].
 
-use crate::body::{self, BodyTable, Pending, Quarantined, Resting, Teleport};
+use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, Teleport};
 use crate::broadphase::Broadphase;
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
@@ -51,7 +51,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     }
     // Of bodies, as users and stages write them.
     body::visit(visitor);
-    list!(component: Resting, Quarantined, Teleport, HandForce, HeldBy);
+    list!(component: Inactive, Quarantined, Teleport, HandForce, HeldBy);
     list!(component: ContactForceEvents, Load, Watch, Stands);
     // Of hands.
     list!(component: Grasp, Hand);

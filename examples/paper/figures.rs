@@ -159,7 +159,7 @@ fn caption(moment: &Moment) -> String {
             let blocks = moment.poses.len();
             format!("{time}, building: block {} of {blocks}", i + 1)
         }
-        Some(Phase::Resting) => format!("{time}, all placed, hands off"),
+        Some(Phase::Inactive) => format!("{time}, all placed, hands off"),
         Some(Phase::Pressing) => format!("{time}, pressing, drift {drift:.4} m"),
         Some(Phase::Watching) => format!("{time}, hands off, drift {drift:.4} m"),
         None => format!(

@@ -51,9 +51,7 @@ pub(super) fn describe(
     body.events = events.is_some();
     // It may have been taken off, and put back as nothing.
     properties.set_if_neq(computed);
-    let same = same_shape
-        && (body.kind, body.mass) == (kind, computed)
-        && body.properties == kept;
+    let same = same_shape && (body.kind, body.mass) == (kind, computed) && body.properties == kept;
     if same && !body.arrived {
         return Ok(());
     }

@@ -1,7 +1,7 @@
 //! Forces other than those of contacts, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
 use super::{
-    BodyIndex, BodyProperty, BodyState, BodyTable, MassProperties, Pose, Quarantined, Resting,
+    BodyIndex, BodyProperty, BodyState, BodyTable, Inactive, MassProperties, Pose, Quarantined,
     Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
@@ -114,7 +114,7 @@ pub fn forces(
             Option<&GravityScale>,
             &mut Velocity,
         ),
-        (Without<Quarantined>, Without<Resting>),
+        (Without<Quarantined>, Without<Inactive>),
     >,
 ) {
     let dt = time.dt;

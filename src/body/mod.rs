@@ -4,10 +4,10 @@
 //! components are added with their defaults. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
 //! [`prepare`] writes it once a step.
 
-mod age;
 mod complete;
 mod describe;
 mod forces;
+mod inactive;
 pub mod limits;
 mod mass;
 mod motion;
@@ -16,13 +16,13 @@ mod placement;
 mod prepare;
 mod properties;
 mod quarantine;
-mod resting;
 mod sleeping;
+mod spawn_order;
 mod table;
 
-pub use age::Age;
 pub use complete::complete;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
+pub use inactive::Inactive;
 pub(crate) use listed::{copy_description, properties_of, visit};
 pub(crate) use mass::weigh;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
@@ -33,8 +33,8 @@ pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
 pub(crate) use properties::{BodyProperty, KeptProperty};
 pub use quarantine::{Quarantined, lift, quarantine};
-pub use resting::Resting;
 pub use sleeping::Sleeping;
+pub use spawn_order::SpawnOrder;
 pub use table::{BodyIndex, BodyState, BodyTable};
 pub(crate) use table::{is_body, lost_description, lost_parent};
 
@@ -71,7 +71,7 @@ body_properties! {
         pose: Pose,
         velocity: Velocity,
         sleeping: Sleeping,
-        age: Age,
+        spawn_order: SpawnOrder,
         index: BodyIndex,
     }
     computed {

@@ -6,11 +6,11 @@
 //! does not read them.
 
 use super::describe::describe;
+use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_written};
 use super::placement::{Placed, user_pose};
-use super::resting::{RestingBodies, RestingChildren, find_carried, find_written};
 use super::{
-    Age, BodyIndex, BodyState, BodyTable, Changes, Described, Pose, Quarantined, Resting,
-    RigidBody, Velocity, limits,
+    BodyIndex, BodyState, BodyTable, Changes, Described, Inactive, Pose, Quarantined, RigidBody,
+    SpawnOrder, Velocity, limits,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -126,13 +126,19 @@ impl Pending {
 }
 
 type Placing<'w> = (
-    (Entity, &'w Age, &'w BodyIndex, &'w Pose, &'w Velocity),
+    (
+        Entity,
+        &'w SpawnOrder,
+        &'w BodyIndex,
+        &'w Pose,
+        &'w Velocity,
+    ),
     (&'w Transform, Option<&'w ChildOf>),
 );
 
 type Sound = (With<RigidBody>, Without<Quarantined>);
 
-type Active = (Sound, Without<Resting>);
+type Active = (Sound, Without<Inactive>);
 
 /// The refresh: finds the bodies that differ from those of the table, and brings their
 /// [`MassProperties`](super::MassProperties) up to date.
@@ -140,7 +146,7 @@ pub fn refresh(
     mut pending: ResMut<Pending>,
     table: Res<BodyTable>,
     written: Query<Entity, (Active, Changes)>,
-    (resting, children): (RestingBodies, RestingChildren),
+    (resting, children): (InactiveBodies, InactiveChildren),
     (active, all): (Query<Placing, Active>, Query<Placing, Sound>),
     mut described: Query<Described, Without<Quarantined>>,
     placed: Placed,
@@ -151,17 +157,19 @@ pub fn refresh(
     }
     let mut written: EntityHashSet = written.iter().collect();
     written.extend(find_written(&table, resting, table.visited_at()));
-    let mut found: Vec<(Age, Entity)> = Vec::new();
+    let mut found: Vec<(SpawnOrder, Entity)> = Vec::new();
     for (of, placement) in &active {
-        let (entity, &age, index, &pose, _) = of;
-        let held = table.body(entity, *index).filter(|body| body.age == age);
+        let (entity, &spawn_order, index, &pose, _) = of;
+        let held = table
+            .body(entity, *index)
+            .filter(|body| body.spawn_order == spawn_order);
         let to = moved_to(held, pose, placement, placed);
         let differs = match pending.place_of(entity).and_then(|at| pending.get(at)) {
             Some(known) => known.pose != to.unwrap_or(pose).normalized(),
             None => held.is_none() || to.is_some(),
         };
         if differs || written.contains(&entity) {
-            found.push((age, entity));
+            found.push((spawn_order, entity));
         }
     }
     // One that rests and was carried off by its parent may have been carried back since.
@@ -170,10 +178,14 @@ pub fn refresh(
     let resting = written.iter().copied();
     let resting = resting.filter(|body| !active.contains(*body)).chain(known);
     let resting: EntityHashSet = resting.chain(find_carried(children, placed)).collect();
-    found.extend(resting.into_iter().map(|body| (Age::NONE, body)));
+    found.extend(resting.into_iter().map(|body| (SpawnOrder::NONE, body)));
     // The order in which *prepare* takes them.
-    found.sort_unstable_by_key(|(age, entity)| {
-        (*age, entity.index_u32(), entity.generation().to_bits())
+    found.sort_unstable_by_key(|(spawn_order, entity)| {
+        (
+            *spawn_order,
+            entity.index_u32(),
+            entity.generation().to_bits(),
+        )
     });
     for (_, entity) in found {
         let (Ok((of, placement)), Ok(description)) = (all.get(entity), described.get_mut(entity))
@@ -181,14 +193,16 @@ pub fn refresh(
             pending.remove(entity);
             continue;
         };
-        let (_, &age, index, &pose, &velocity) = of;
-        let held = table.body(entity, *index).filter(|body| body.age == age);
+        let (_, &spawn_order, index, &pose, &velocity) = of;
+        let held = table
+            .body(entity, *index)
+            .filter(|body| body.spawn_order == spawn_order);
         let to = moved_to(held, pose, placement, placed);
         let mut body = match held {
             Some(body) => body.clone(),
             None => BodyState::new(entity, pose, velocity),
         };
-        body.age = age;
+        body.spawn_order = spawn_order;
         body.renewed = false;
         body.pose = to.unwrap_or(pose).normalized();
         let is_sound =

@@ -1,12 +1,12 @@
 //! The stage **prepare**: reads what the user changed, checks it, and fills the [`BodyTable`].
 
 use super::describe::describe;
+use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
 use super::placement::{Placed, user_pose};
-use super::resting::{RestingBodies, RestingChildren, Rests, find_carried, find_written};
 use super::{
-    Age, BodyIndex, BodyProperties, BodyState, BodyTable, Changes, Damping, Described,
-    ExternalForce, ExternalImpulse, GravityScale, MassProperties, Pose, Quarantined, Resting,
-    RigidBody, Sleeping, Teleport, Velocity, limits,
+    BodyIndex, BodyProperties, BodyState, BodyTable, Changes, Damping, Described, ExternalForce,
+    ExternalImpulse, GravityScale, Inactive, MassProperties, Pose, Quarantined, RigidBody,
+    Sleeping, SpawnOrder, Teleport, Velocity, limits,
 };
 use crate::collider::Collider;
 use crate::diagnosis::{BodyProblem, Suspects, Told};
@@ -22,7 +22,7 @@ use glam::Vec3;
 type Item<'w, 's, D> = <D as QueryData>::Item<'w, 's>;
 
 type Moving<'w> = (
-    (Entity, &'w RigidBody, &'w Age, &'w Sleeping),
+    (Entity, &'w RigidBody, &'w SpawnOrder, &'w Sleeping),
     &'w mut BodyIndex,
     &'w mut Pose,
     &'w mut Velocity,
@@ -50,23 +50,23 @@ pub fn prepare(
             (
                 With<BodyIndex>,
                 Without<Quarantined>,
-                Without<Resting>,
+                Without<Inactive>,
                 Changes,
             ),
         >,
-        RestingBodies,
-        RestingChildren,
-        Query<Moving, (Without<Quarantined>, Without<Resting>)>,
+        InactiveBodies,
+        InactiveChildren,
+        Query<Moving, (Without<Quarantined>, Without<Inactive>)>,
         Query<Moving, Without<Quarantined>>,
     )>,
-    teleported: Query<Entity, (With<Teleport>, Rests)>,
+    teleported: Query<Entity, (With<Teleport>, IsInactive)>,
     mut described: Query<Described, Without<Quarantined>>,
     placed: Placed,
 ) {
     let changed: EntityHashSet = bodies.p0().iter().collect();
     let visit = table.begin_visit(rules.ticks.this_run());
     table.take_left();
-    let mut joining: Vec<(Age, Entity)> = Vec::new();
+    let mut joining: Vec<(SpawnOrder, Entity)> = Vec::new();
     let mut visitor = Visitor {
         commands: &mut commands,
         table: &mut table,
@@ -78,22 +78,22 @@ pub fn prepare(
     for body in &mut bodies.p3() {
         joining.extend(visitor.visit(body, &mut described, placed));
     }
-    let mut stirred = match rules.in_force.changed {
+    let mut dirty = match rules.in_force.changed {
         true => bodies.p1().iter().map(|of| of.entity).collect(),
         false => find_written(visitor.table, bodies.p1(), None),
     };
-    stirred.extend(find_carried(bodies.p2(), placed));
-    stirred.extend(&teleported);
-    stirred.sort_unstable();
-    stirred.dedup();
+    dirty.extend(find_carried(bodies.p2(), placed));
+    dirty.extend(&teleported);
+    dirty.sort_unstable();
+    dirty.dedup();
     let known = joining.len();
-    for entity in stirred {
+    for entity in dirty {
         if let Ok(body) = bodies.p4().get_mut(entity) {
             joining.extend(visitor.visit(body, &mut described, placed));
         }
     }
     // One that rested and is to join again is counted still, and would stand for another that has left.
-    let recount = joining.len() > known || bodies.p1().count() != table.resting();
+    let recount = joining.len() > known || bodies.p1().count() != table.inactive_count();
     leave(
         &mut table,
         &mut commands,
@@ -102,11 +102,15 @@ pub fn prepare(
     );
     // Those that came before there was anybody to stamp them, in the order in which they were spawned. By index, since `Entity`'s
     // own order runs backwards.
-    joining.sort_unstable_by_key(|(age, entity)| {
-        (*age, entity.index_u32(), entity.generation().to_bits())
+    joining.sort_unstable_by_key(|(spawn_order, entity)| {
+        (
+            *spawn_order,
+            entity.index_u32(),
+            entity.generation().to_bits(),
+        )
     });
     let mut moving = bodies.p4();
-    for (age, entity) in joining {
+    for (spawn_order, entity) in joining {
         let Ok((of, mut index, pose, velocity, _, pushed)) = moving.get_mut(entity) else {
             continue;
         };
@@ -115,10 +119,10 @@ pub fn prepare(
         };
         let mut body = BodyState::new(entity, *pose, *velocity);
         body.visited = visit;
-        body.age = age;
-        if age == Age::NONE {
-            body.age = table.next_age();
-            commands.entity(entity).insert(body.age);
+        body.spawn_order = spawn_order;
+        if spawn_order == SpawnOrder::NONE {
+            body.spawn_order = table.next_spawn_order();
+            commands.entity(entity).insert(body.spawn_order);
         }
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
         body.force = pushed.0.copied().unwrap_or_default();
@@ -128,7 +132,7 @@ pub fn prepare(
                 body.set_velocity(*velocity, gains, rules.time.dt);
                 // Spawned asleep it sleeps on; what comes back after it was disabled does not.
                 body.asleep = of.3.asleep && body.is_dynamic();
-                body.roused = is_stirred(&velocity, pushed) || *index != BodyIndex::NONE;
+                body.disturbed = is_disturbed(&velocity, pushed) || *index != BodyIndex::NONE;
                 *index.bypass_change_detection() = table.insert(body);
             }
             Err(problem) => suspects.0.push((entity, problem)),
@@ -157,21 +161,21 @@ struct Visitor<'a, 'w, 's> {
 }
 
 impl Visitor<'_, '_, '_> {
-    /// Brings the table's state of a body up to date. Of a body that is not in the table yet it returns age and entity.
+    /// Brings the table's state of a body up to date. Of a body that is not in the table yet it returns spawn order and entity.
     fn visit(
         &mut self,
         (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
         described: &mut Query<Described, Without<Quarantined>>,
         placed: Placed,
-    ) -> Option<(Age, Entity)> {
-        let (entity, kind, age, sleeping) = of;
+    ) -> Option<(SpawnOrder, Entity)> {
+        let (entity, kind, spawn_order, sleeping) = of;
         let (transform, parent, teleported) = placement;
         let (time, speeds) = (&self.rules.time, &self.rules.speeds);
         if teleported {
             self.commands.entity(entity).remove::<Teleport>();
         }
         let pose = pose.bypass_change_detection();
-        let written = self.changed.contains(&entity) || self.table.rests(index.0);
+        let written = self.changed.contains(&entity) || self.table.is_inactive(index.0);
         let body = self.table.body_mut(entity, *index);
         let moved_to = user_pose((transform, parent), *pose, body.is_none(), placed);
         let goes_to = moved_to.unwrap_or(*pose);
@@ -180,12 +184,12 @@ impl Visitor<'_, '_, '_> {
             return None;
         }
         let goes_to = goes_to.normalized();
-        let Some(body) = body.filter(|body| body.age == *age) else {
+        let Some(body) = body.filter(|body| body.spawn_order == *spawn_order) else {
             *pose = goes_to;
-            self.commands.entity(entity).try_remove::<Resting>();
+            self.commands.entity(entity).try_remove::<Inactive>();
             // It may be another's by now, and is another's as soon as it is older or younger than it was.
             self.table.remove(entity, *index);
-            return Some((*age, entity));
+            return Some((*spawn_order, entity));
         };
         body.visited = self.visit;
         body.put_from = None;
@@ -221,11 +225,11 @@ impl Visitor<'_, '_, '_> {
         }
         // Of a radius that may be new.
         body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
-        body.roused = self.rules.in_force.changed
+        body.disturbed = self.rules.in_force.changed
             || body.put_from.is_some()
             || body.renewed
             || (force, gravity_scale) != (body.force, body.gravity_scale)
-            || is_stirred(&velocity, pushed);
+            || is_disturbed(&velocity, pushed);
         body.force = force;
         body.gravity_scale = gravity_scale;
         if transform.scale != Vec3::ONE && body.collider.is_some() && !body.scale_told {
@@ -233,21 +237,21 @@ impl Visitor<'_, '_, '_> {
             self.suspects.0.push((entity, BodyProblem::ScaleIgnored));
         }
         // What was written is what was there already: one that rests stays at rest.
-        let changed = body.roused || body.moved || woken || body.target.is_some();
+        let changed = body.disturbed || body.moved || woken || body.target.is_some();
         if changed {
-            self.table.stir(index.0);
+            self.table.mark_dirty(index.0);
         }
         None
     }
 }
 
-/// Removes bodies from the table that are not there any more: despawned, disabled, or without a component that every body has. Resting
+/// Removes bodies from the table that are not there any more: despawned, disabled, or without a component that every body has. Inactive
 /// bodies are looked through only if some may be missing.
 fn leave(
     table: &mut BodyTable,
     commands: &mut Commands,
     visit: u64,
-    resting: Option<RestingBodies>,
+    resting: Option<InactiveBodies>,
 ) {
     if let Some(resting) = resting {
         for of in &resting {
@@ -258,7 +262,7 @@ fn leave(
         for body in table.take_unvisited(visit, true) {
             // It would come back as one that rests.
             if let Ok(mut body) = commands.get_entity(body) {
-                body.try_remove::<Resting>();
+                body.try_remove::<Inactive>();
             }
         }
     }
@@ -266,7 +270,7 @@ fn leave(
 }
 
 /// True where a body cannot sleep as it is.
-fn is_stirred(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bool {
+fn is_disturbed(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bool {
     let impulse = impulse.copied().unwrap_or_default();
     *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
 }
@@ -328,7 +332,7 @@ impl BodyState {
     pub(crate) fn new(entity: Entity, pose: Pose, velocity: Velocity) -> Self {
         Self {
             entity,
-            age: Age::NONE,
+            spawn_order: SpawnOrder::NONE,
             kind: RigidBody::Static,
             asleep: false,
             pose,
@@ -347,7 +351,7 @@ impl BodyState {
             moved: true,
             renewed: true,
             arrived: true,
-            roused: false,
+            disturbed: false,
             put_from: None,
             target: None,
             force: ExternalForce::default(),

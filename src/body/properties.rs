@@ -70,7 +70,7 @@ macro_rules! body_properties {
         /// What is made from the list.
         mod listed {
             use super::*;
-            use super::resting::Rows;
+            use super::inactive::Rows;
             use crate::diagnosis::BodyProblem;
             use bevy_ecs::{hierarchy::ChildOf, query::QueryData};
 

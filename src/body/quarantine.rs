@@ -9,7 +9,7 @@ use super::placement::{Placed, user_pose};
 use super::prepare::{Pushed, check};
 use super::{
     BodyIndex, BodyState, BodyTable, Damping, Described, ExternalForce, ExternalImpulse,
-    GravityScale, MassProperties, Pose, Resting, RigidBody, Sleeping, Velocity,
+    GravityScale, Inactive, MassProperties, Pose, RigidBody, Sleeping, Velocity,
 };
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -127,7 +127,7 @@ pub fn quarantine(world: &mut World) {
                 },
                 BodyIndex::NONE,
             ));
-            body.remove::<Resting>();
+            body.remove::<Inactive>();
             if let Some(index) = index {
                 world.resource_mut::<BodyTable>().remove(entity, index);
             }

@@ -4,7 +4,8 @@
 //! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies what those stages read into it once a step.
 
 use super::{
-    Age, BodyProperties, BodyProperty, ExternalForce, MassProperties, Pose, RigidBody, Velocity,
+    BodyProperties, BodyProperty, ExternalForce, MassProperties, Pose, RigidBody, SpawnOrder,
+    Velocity,
 };
 use crate::collider::Collider;
 use crate::state::next_version;
@@ -88,7 +89,7 @@ pub struct BodyState {
     /// It was not in the table in the last step.
     pub arrived: bool,
     /// The user changed something that wakes it.
-    pub(crate) roused: bool,
+    pub(crate) disturbed: bool,
     /// Its surface is curved.
     pub(crate) curved: bool,
     /// Contact events are triggered on it for observers.
@@ -97,7 +98,7 @@ pub struct BodyState {
     pub entity: Entity,
     /// Its number in the order of spawning. Pairs and contacts are sorted by it, since the order of `Entity`s differs between a server and its
     /// clients.
-    pub age: Age,
+    pub spawn_order: SpawnOrder,
     /// Its pose before the user put it elsewhere, if the user did.
     pub(crate) put_from: Option<Pose>,
     /// The material's inertia.
@@ -214,18 +215,18 @@ const SLENDER: f32 = 6.0;
 #[component(map_entities)]
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,
-    /// Slots of bodies that are not [`Resting`](super::Resting).
+    /// Slots of bodies that are not [`Inactive`](super::Inactive).
     active: FixedBitSet,
     count: usize,
     resting: usize,
-    /// Slots of resting bodies that something was done to, until they are [roused](crate::graph::rouse).
-    pub(crate) stirred: Vec<u32>,
+    /// Slots of resting bodies that something was done to, until they are [active again](crate::graph::activate).
+    pub(crate) dirty: Vec<u32>,
     /// Bodies that were despawned since *prepare* last looked.
     left: Vec<(Entity, BodyIndex)>,
     free: Vec<u32>,
     /// Slots whose body went since the broadphase last looked.
     pub(crate) removed: Vec<u32>,
-    ages: u64,
+    spawn_orders: u64,
     visits: u64,
     /// A tick of the world it is in.
     visited_at: Option<Tick>,
@@ -309,18 +310,18 @@ impl BodyTable {
 
     /// True where the body in this slot rests: no list that a stage goes through has it.
     #[inline]
-    pub(crate) fn rests(&self, slot: u32) -> bool {
+    pub(crate) fn is_inactive(&self, slot: u32) -> bool {
         !self.active.contains(slot as usize)
     }
 
     /// Number of resting bodies.
-    pub(crate) fn resting(&self) -> usize {
+    pub(crate) fn inactive_count(&self) -> usize {
         self.resting
     }
 
     /// Marks a body as resting or as active. False where it is so already.
-    pub(crate) fn set_resting(&mut self, slot: u32, rests: bool) -> bool {
-        let known = self.rests(slot) == rests;
+    pub(crate) fn set_inactive(&mut self, slot: u32, rests: bool) -> bool {
+        let known = self.is_inactive(slot) == rests;
         if !known {
             self.active.set(slot as usize, !rests);
             self.resting = match rests {
@@ -331,10 +332,10 @@ impl BodyTable {
         !known
     }
 
-    /// Remembers a resting body to which something was done, until it is roused.
-    pub(crate) fn stir(&mut self, slot: u32) {
-        if self.rests(slot) {
-            self.stirred.push(slot);
+    /// Remembers a resting body to which something was done, until it is active again.
+    pub(crate) fn mark_dirty(&mut self, slot: u32) {
+        if self.is_inactive(slot) {
+            self.dirty.push(slot);
         }
     }
 
@@ -353,9 +354,9 @@ impl BodyTable {
         self.get_mut(index.0).filter(|body| body.entity == entity)
     }
 
-    pub(crate) fn next_age(&mut self) -> Age {
-        self.ages += 1;
-        Age(self.ages - 1)
+    pub(crate) fn next_spawn_order(&mut self) -> SpawnOrder {
+        self.spawn_orders += 1;
+        SpawnOrder(self.spawn_orders - 1)
     }
 
     /// How often *prepare* has visited the bodies.
@@ -390,7 +391,7 @@ impl BodyTable {
     /// Empties a body's slot. Another body gets the slot only after the broadphase has removed the pairs that name it.
     pub(crate) fn remove(&mut self, entity: Entity, index: BodyIndex) {
         if self.holds(entity, index) {
-            self.set_resting(index.0, false);
+            self.set_inactive(index.0, false);
             self.active.remove(index.0 as usize);
             self.slots[index.0 as usize] = None;
             self.count -= 1;
@@ -402,7 +403,7 @@ impl BodyTable {
     /// Takes out the resting bodies that were despawned.
     pub(super) fn take_left(&mut self) {
         for (entity, index) in std::mem::take(&mut self.left) {
-            if self.rests(index.0) {
+            if self.is_inactive(index.0) {
                 self.remove(entity, index);
             }
         }
@@ -414,7 +415,7 @@ impl BodyTable {
         let gone: Vec<_> = match rest {
             false => self.active().filter(missed).map(whose).collect(),
             true => {
-                let resting = self.iter().filter(|&(slot, _)| self.rests(slot));
+                let resting = self.iter().filter(|&(slot, _)| self.is_inactive(slot));
                 resting.filter(missed).map(whose).collect()
             }
         };

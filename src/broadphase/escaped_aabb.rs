@@ -2,7 +2,7 @@
 //! out by itself; who asks the world until then ([`query`](crate::query)) has to look at them beside the tree.
 
 use super::{Broadphase, expected_travel};
-use crate::body::{BodyIndex, BodyState, BodyTable, Pose, Quarantined, Resting};
+use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined};
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use parry3d::bounding_volume::BoundingVolume;
@@ -15,7 +15,7 @@ pub fn escaped_aabb(
     gravity: Res<Gravity>,
     bodies: Query<
         (Entity, &BodyIndex, &Pose),
-        (Changed<Pose>, Without<Quarantined>, Without<Resting>),
+        (Changed<Pose>, Without<Quarantined>, Without<Inactive>),
     >,
 ) {
     broadphase.escaped_aabb.clear();

@@ -47,8 +47,8 @@ pub struct Broadphase {
 #[derive(Clone, Default)]
 pub(crate) struct Found {
     /// Slots of what left its box or went, so that pairs may have ended.
-    pub stirred: Vec<u32>,
-    /// Slots of bodies that overlap, the elder first: of those that left their box all, new or not, some of them twice.
+    pub disturbed: Vec<u32>,
+    /// Slots of bodies that overlap, the one spawned first in front: of those that left their box all, new or not, some of them twice.
     pub overlaps: Vec<[u32; 2]>,
     /// Slots to give back once no pair names them.
     pub removed: Vec<u32>,
@@ -57,7 +57,7 @@ pub(crate) struct Found {
 impl Found {
     /// Nobody has left a box or gone.
     pub fn is_empty(&self) -> bool {
-        self.stirred.is_empty()
+        self.disturbed.is_empty()
     }
 }
 
@@ -97,7 +97,8 @@ impl Broadphase {
 
 /// The two may exert forces on each other.
 fn may_collide(a: &BodyState, b: &BodyState) -> bool {
-    let excepts = |one: &BodyState, other: &BodyState| one.properties.exceptions.0.contains(&other.entity);
+    let excepts =
+        |one: &BodyState, other: &BodyState| one.properties.exceptions.0.contains(&other.entity);
     (a.is_dynamic() || b.is_dynamic())
         && a.properties.layers.collides_with(b.properties.layers)
         && !excepts(a, b)
@@ -132,7 +133,7 @@ pub fn broadphase(
         escaped_aabb: _,
     } = &mut *broadphase;
     let Found {
-        stirred,
+        disturbed,
         overlaps,
         removed,
     } = found;
@@ -142,7 +143,7 @@ pub fn broadphase(
         fat[slot as usize] = None;
         unbounded.retain(|u| *u != slot);
         removed.push(slot);
-        stirred.push(slot);
+        disturbed.push(slot);
     }
 
     let mut moved = Vec::new();
@@ -157,7 +158,7 @@ pub fn broadphase(
                 unbounded.retain(|u| *u != slot);
                 fat[slot as usize] = None;
                 tree.remove(slot);
-                stirred.push(slot);
+                disturbed.push(slot);
             }
             continue;
         };
@@ -189,7 +190,7 @@ pub fn broadphase(
     if moved.is_empty() {
         return;
     }
-    stirred.extend(&moved);
+    disturbed.extend(&moved);
     *untidy += moved.len();
     if *untidy * TIDY >= tree.leaf_count() as usize {
         *untidy = 0;
@@ -198,7 +199,7 @@ pub fn broadphase(
     }
 
     let mut consider = |a: u32, b: u32| {
-        let rank = |slot: u32| (table.get(slot).map(|body| body.age), slot);
+        let rank = |slot: u32| (table.get(slot).map(|body| body.spawn_order), slot);
         let key = match rank(a) <= rank(b) {
             true => [a, b],
             false => [b, a],

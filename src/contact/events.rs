@@ -2,7 +2,7 @@
 //! observers of entities that ask for them with [`ContactEvents`].
 
 use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair};
-use crate::body::{Age, BodyProperty, BodyTable, Resting};
+use crate::body::{BodyProperty, BodyTable, Inactive, SpawnOrder};
 use crate::settings::StepTime;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -46,7 +46,7 @@ pub struct ContactEnded {
 #[derive(Resource, Clone, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
-pub struct EndedPairs(pub(crate) Vec<([Age; 2], [Entity; 2])>);
+pub struct EndedPairs(pub(crate) Vec<([SpawnOrder; 2], [Entity; 2])>);
 
 /// Events for observers, triggered once the step is over.
 #[derive(Resource, Clone, Default)]
@@ -88,7 +88,7 @@ impl MapEntities for Untriggered {
 
 /// Sends [`ContactStarted`] and [`ContactEnded`]. With several substeps it does so once, for the whole step.
 pub fn contact_events(
-    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses), Without<Resting>>,
+    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses), Without<Inactive>>,
     (table, time): (Res<BodyTable>, Res<StepTime>),
     mut removed: ResMut<EndedPairs>,
     mut started: MessageWriter<ContactStarted>,
@@ -107,14 +107,14 @@ pub fn contact_events(
             pair.announced = touches;
             if touches {
                 let impulse = impulses.normal();
-                begins.push((pair.ages, pair.bodies, pair.slots, entity, impulse));
+                begins.push((pair.spawn_orders, pair.bodies, pair.slots, entity, impulse));
             } else {
-                ends.push((pair.ages, pair.bodies));
+                ends.push((pair.spawn_orders, pair.bodies));
             }
         }
     }
-    begins.sort_unstable_by_key(|&(ages, ..)| ages);
-    ends.sort_unstable_by_key(|&(ages, ..)| ages);
+    begins.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
+    ends.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
     for (_, [a, b], slots, pair, impulse) in begins {
         let event = |body, other| ContactStarted {
             body,

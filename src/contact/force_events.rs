@@ -35,7 +35,7 @@
 
 use super::events::Untriggered;
 use super::{ContactImpulses, ContactPair, Manifold};
-use crate::body::{BodyIndex, BodyTable, Resting};
+use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -60,7 +60,7 @@ impl Default for ContactForceEvents {
 }
 
 /// Two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them: sent in each such step. Where both
-/// ask, each is told of the other. Pairs at [rest](crate::body::Resting) are not told of: nothing about them changes.
+/// ask, each is told of the other. Pairs at [rest](crate::body::Inactive) are not told of: nothing about them changes.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
     /// The body that asked.
@@ -80,11 +80,11 @@ pub struct ContactForce {
     pub point: Vec3,
 }
 
-/// Part of the stage *contact events*: sends every [`ContactForce`], the eldest asker first. With several substeps it speaks of the whole
+/// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it speaks of the whole
 /// step.
 pub fn contact_forces(
-    askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Resting>>,
-    pairs: Query<(&ContactPair, &Manifold, &ContactImpulses), Without<Resting>>,
+    askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Inactive>>,
+    pairs: Query<(&ContactPair, &Manifold, &ContactImpulses), Without<Inactive>>,
     (table, graph, time): (Res<BodyTable>, Res<ConstraintGraph>, Res<StepTime>),
     mut messages: MessageWriter<ContactForce>,
     mut untriggered: ResMut<Untriggered>,
@@ -138,11 +138,11 @@ pub fn contact_forces(
                 impulse,
                 point: a.center + moment * share,
             };
-            let other_age = ends.ages[usize::from(of_a)];
-            found.push(((body.age, other_age), event));
+            let other_age = ends.spawn_orders[usize::from(of_a)];
+            found.push(((body.spawn_order, other_age), event));
         }
     }
-    found.sort_unstable_by_key(|&(ages, _)| ages);
+    found.sort_unstable_by_key(|&(spawn_orders, _)| spawn_orders);
     for (_, event) in found {
         messages.write(event);
         untriggered.forces.push(event);

@@ -1,7 +1,7 @@
 //! Contact forces: [`Contacts`], a system parameter that gives the forces between bodies, and [`Load`], a component that keeps their sum.
 //!
 //! The forces are those of the last step: its impulses divided by its length, at the points where contacts were detected. For bodies at
-//! [rest](crate::body::Resting) they are the forces at which the bodies came to rest, whatever the length of later steps. Bodies that
+//! [rest](crate::body::Inactive) they are the forces at which the bodies came to rest, whatever the length of later steps. Bodies that
 //! were despawned, disabled or lost their [`RigidBody`] since then give no force.
 //!
 //! Bodies that are spawned asleep get the forces that hold them up, by statics, in the step in which they are spawned.
@@ -36,7 +36,7 @@
 //! ```
 
 use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold};
-use crate::body::{BodyIndex, BodyTable, Resting, RigidBody};
+use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
 use crate::graph::ConstraintGraph;
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
@@ -96,12 +96,12 @@ type Pair = (
     &'static Manifold,
     &'static ContactImpulses,
     &'static ContactAnchors,
-    Has<Resting>,
+    Has<Inactive>,
 );
 
 /// System parameter for the contact forces between bodies. Outside of a system use [`contacts`].
 ///
-/// The forces are those of the last step, at the points where contacts were detected. For bodies at [rest](crate::body::Resting) they are
+/// The forces are those of the last step, at the points where contacts were detected. For bodies at [rest](crate::body::Inactive) they are
 /// the forces at which the bodies came to rest. Bodies that were despawned, disabled or lost their [`RigidBody`] since the last step give
 /// no force.
 #[derive(SystemParam)]
@@ -170,16 +170,17 @@ impl Contacts<'_, '_> {
         Ok(faces)
     }
 
-    /// The pairs of the body in a slot, by age: in the graph they stand as they came and went.
+    /// The pairs of the body in a slot, in spawn order. The order of the graph depends on how pairs came and went.
     fn pairs_of(&self, slot: u32) -> SmallVec<[Entity; 16]> {
         let pairs = self.graph.edges_of(slot);
-        let pairs = pairs.filter_map(|pair| Some((self.pairs.get(pair).ok()?.0.ages, pair)));
+        let pairs =
+            pairs.filter_map(|pair| Some((self.pairs.get(pair).ok()?.0.spawn_orders, pair)));
         let mut pairs: SmallVec<[_; 16]> = pairs.collect();
-        pairs.sort_unstable_by_key(|&(ages, _)| ages);
+        pairs.sort_unstable_by_key(|&(spawn_orders, _)| spawn_orders);
         pairs.into_iter().map(|(_, pair)| pair).collect()
     }
 
-    /// Who presses on the body in a slot, the eldest first, and with what force over all their faces, N, world.
+    /// The bodies that press on the body in a slot, in spawn order, with the force over all their faces, N, world axes.
     pub(super) fn neighbours(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 8]> {
         let mut found = SmallVec::<[_; 8]>::new();
         for pair in self.graph.edges_of(slot) {
@@ -189,12 +190,12 @@ impl Contacts<'_, '_> {
                 let of_a = pair.slots[0] == slot;
                 let by = pair.bodies[usize::from(of_a)];
                 if self.slot(by).is_ok() {
-                    found.push((pair.ages, by, if of_a { force } else { -force }));
+                    found.push((pair.spawn_orders, by, if of_a { force } else { -force }));
                 }
             }
         }
         // Pairs stand as they came and went.
-        found.sort_unstable_by_key(|&(ages, ..)| ages);
+        found.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
         found
             .into_iter()
             .map(|(_, by, force)| (by, force))
@@ -347,7 +348,7 @@ pub fn loads(
     contacts: Contacts,
     gravity: Res<Gravity>,
     time: Res<StepTime>,
-    mut bodies: Query<(Entity, &mut Load), Or<(Without<Resting>, Added<Load>)>>,
+    mut bodies: Query<(Entity, &mut Load), Or<(Without<Inactive>, Added<Load>)>>,
 ) {
     if !time.is_last() {
         return;

@@ -102,8 +102,8 @@ impl<A: Array<Item: Clone + Default>> List<A::Item> for SmallVec<A> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{ContactPoint, Impulse, ManifoldPatch, Target};
     use crate::contact::FeatureId;
+    use crate::contact::{ContactPoint, Impulse, ManifoldPatch, Target};
     use glam::Vec3;
 
     fn manifold(points: usize, patches: usize) -> Manifold {

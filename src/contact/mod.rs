@@ -33,10 +33,10 @@ pub use supports::{Bearing, Supports, supports};
 pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 
-use crate::body::{Age, BodyState};
+use crate::body::{BodyState, SpawnOrder};
 use crate::solver::Slip;
-use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
@@ -61,7 +61,7 @@ pub struct ContactPair {
     /// The number of its edge in the [constraint graph](crate::graph).
     pub(crate) edge: u32,
     /// When they came into the world.
-    pub ages: [Age; 2],
+    pub spawn_orders: [SpawnOrder; 2],
     /// Combined coefficient of friction μ.
     pub friction: f32,
     /// Combined coefficient of restitution e.
@@ -93,7 +93,7 @@ impl ContactPair {
             bodies: [a.entity, b.entity],
             slots,
             edge,
-            ages: [a.age, b.age],
+            spawn_orders: [a.spawn_order, b.spawn_order],
             friction: 0.0,
             restitution: 0.0,
             rolling_friction: 0.0,
@@ -124,12 +124,12 @@ impl ContactPair {
         self.bodies = other.bodies;
         self.slots = other.slots;
         self.edge = other.edge;
-        self.ages = other.ages;
+        self.spawn_orders = other.spawn_orders;
     }
 
     /// True where A (0) or B (1) is this body, and not another in the same slot.
     pub(crate) fn is_of(&self, i: usize, body: &BodyState) -> bool {
-        (body.entity, body.age) == (self.bodies[i], self.ages[i])
+        (body.entity, body.spawn_order) == (self.bodies[i], self.spawn_orders[i])
     }
 }
 

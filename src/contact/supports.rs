@@ -236,7 +236,7 @@ impl Supports<'_, '_> {
     }
 
     /// All that holds together with a body by touching: the dynamic bodies of its [island](crate::graph). What cannot move is in none.
-    /// The eldest first.
+    /// In spawn order.
     ///
     /// # Errors
     /// Where it is no body.
@@ -249,18 +249,20 @@ impl Supports<'_, '_> {
         let members = self.islands.members(slot).iter();
         let members = members.filter_map(|&slot| table.get(slot));
         let members = members.filter(|body| self.contacts.slot(body.entity).is_ok());
-        let mut members: Vec<_> = members.map(|body| (body.age, body.entity)).collect();
-        members.sort_unstable_by_key(|&(age, _)| age);
+        let mut members: Vec<_> = members
+            .map(|body| (body.spawn_order, body.entity))
+            .collect();
+        members.sort_unstable_by_key(|&(spawn_order, _)| spawn_order);
         Ok(members.into_iter().map(|(_, body)| body).collect())
     }
 
     fn by_age(&self, bodies: impl Iterator<Item = Entity>) -> Vec<Entity> {
         let mut bodies: Vec<Entity> = bodies.collect();
-        let age = |&body: &Entity| {
+        let spawn_order = |&body: &Entity| {
             let slot = self.contacts.slot(body).ok()?;
-            Some(self.contacts.table.get(slot)?.age)
+            Some(self.contacts.table.get(slot)?.spawn_order)
         };
-        bodies.sort_by_cached_key(age);
+        bodies.sort_by_cached_key(spawn_order);
         bodies
     }
 }

@@ -4,7 +4,7 @@
 //! it gave waits in a list beside.
 
 use super::{ContactImpulses, Given, Manifold, Origins, inherit};
-use crate::body::Resting;
+use crate::body::Inactive;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -109,7 +109,7 @@ impl Given {
 /// After the last substep adds the impulses of the earlier ones to those of the last.
 pub fn whole_step(
     time: Res<StepTime>,
-    mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Resting>>,
+    mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Inactive>>,
 ) {
     if time.substeps == 1 || !time.is_last() {
         return;

@@ -6,10 +6,10 @@
 //! comparing the active ones with those of the last step.
 
 use super::ConstraintGraph;
-use super::activation::{Tired, lay_down, rouse};
+use super::activation::{Deactivation, activate, deactivate};
 use super::levels::{Kind, Levels};
 use super::partition::Partition;
-use crate::body::{Age, BodyState, BodyTable, Resting, Sleeping};
+use crate::body::{BodyState, BodyTable, Inactive, Sleeping, SpawnOrder};
 use crate::contact::{ContactPair, LostPairs, Manifold};
 use crate::settings::StepTime;
 use crate::state::next_version;
@@ -30,7 +30,7 @@ pub struct Islands {
     active: Vec<Member>,
     version: u64,
     pub(super) woke: bool,
-    pub(super) tired: Tired,
+    pub(super) deactivation: Deactivation,
     /// Who touched in the last step, and does no more.
     pub(super) parted: Vec<[u32; 2]>,
     /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
@@ -44,10 +44,10 @@ impl MapEntities for Islands {
         for body in known.chain(active) {
             body.entity.map_entities(mapper);
         }
-        for (_, body) in &mut self.tired.bodies {
+        for (_, body) in &mut self.deactivation.bodies {
             body.map_entities(mapper);
         }
-        for (pair, _) in &mut self.tired.pairs {
+        for (pair, _) in &mut self.deactivation.pairs {
             pair.map_entities(mapper);
         }
         self.version = next_version();
@@ -58,7 +58,7 @@ impl MapEntities for Islands {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Known {
     entity: Entity,
-    age: Age,
+    spawn_order: SpawnOrder,
     dynamic: bool,
 }
 
@@ -75,7 +75,7 @@ impl Known {
     fn of(body: &BodyState) -> Self {
         Self {
             entity: body.entity,
-            age: body.age,
+            spawn_order: body.spawn_order,
             dynamic: body.is_dynamic(),
         }
     }
@@ -102,12 +102,12 @@ struct Update {
     /// Bodies that have lost a link.
     ends: Vec<u32>,
     /// Bodies that have fallen asleep, gone to rest, or the reverse.
-    roused: Vec<u32>,
+    activity_changed: Vec<u32>,
 }
 
 /// The pairs that do not rest.
 pub(super) type Pairs<'w, 's> =
-    Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>), Without<Resting>>;
+    Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>), Without<Inactive>>;
 
 impl Islands {
     /// The island of a dynamic body, by its slot: a number below [`Self::count`]. None where the island is at rest.
@@ -116,7 +116,7 @@ impl Islands {
         self.partition.number(self.partition.id(slot)?)
     }
 
-    /// How many there are, but for those that [rest](Resting).
+    /// How many there are, but for those that [rest](Inactive).
     pub fn count(&self) -> usize {
         self.partition.count()
     }
@@ -165,8 +165,8 @@ impl Islands {
     }
 
     /// What bodies and contacts are solved in the order of.
-    pub(crate) fn rank(&self, slot: u32, body: &BodyState) -> (u32, Age) {
-        (self.levels.of(slot), body.age)
+    pub(crate) fn rank(&self, slot: u32, body: &BodyState) -> (u32, SpawnOrder) {
+        (self.levels.of(slot), body.spawn_order)
     }
 }
 
@@ -185,28 +185,28 @@ pub fn islands(
     islands.parted.clear();
     islands.look(graph, &pairs);
     islands.update(graph, &table);
-    islands.tired.pairs = graph.take_idle(&table, &pairs, &time);
+    islands.deactivation.pairs = graph.take_idle(&table, &pairs, &time);
     islands.woke = false;
     islands.arriving.clear();
     let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
-    if table.resting() > 0 || table.active().any(rests) {
+    if table.inactive_count() > 0 || table.active().any(rests) {
         let awake = islands.find_awake(graph, &table);
         islands.wake(&mut table, &awake, &mut sleepers);
         islands.find_arriving(&table);
         islands.activate_arriving(&mut table);
-        islands.tire(&table, &awake);
+        islands.find_deactivation(&table, &awake);
         islands.update(graph, &table);
     }
 }
 
-/// Second part of the stage *islands*: bodies and pairs go to rest, or are roused; islands follow.
+/// Second part of the stage *islands*: bodies and pairs go to rest or become active; islands follow.
 pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
-    let tired = std::mem::take(&mut world.resource_mut::<Islands>().tired);
-    if tired.is_empty() && world.resource::<BodyTable>().stirred.is_empty() {
+    let deactivation = std::mem::take(&mut world.resource_mut::<Islands>().deactivation);
+    if deactivation.is_empty() && world.resource::<BodyTable>().dirty.is_empty() {
         return;
     }
-    rouse(world);
-    lay_down(world, tired);
+    activate(world);
+    deactivate(world, deactivation);
     world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
         world.resource_scope(|world, mut islands: Mut<Islands>| {
             let pairs = pairs.get(world).expect("pairs can always be read");
@@ -278,7 +278,7 @@ impl Islands {
             unlinked,
             renewed,
             mut ends,
-            roused,
+            activity_changed,
         } = update;
         let known = &self.known;
         let kind = |slot: u32| match known.get(slot as usize).copied().flatten() {
@@ -295,7 +295,7 @@ impl Islands {
         self.partition.split(graph, &ends);
         self.partition.renumber();
         let slots = linked.as_flattened().iter().chain(&ends);
-        for &slot in slots.chain(&renewed).chain(&roused) {
+        for &slot in slots.chain(&renewed).chain(&activity_changed) {
             self.partition.mark(slot, self.version);
         }
     }
@@ -304,11 +304,14 @@ impl Islands {
     fn follow_bodies(&mut self, graph: &ConstraintGraph, table: &BodyTable, update: &mut Update) {
         let before = std::mem::take(&mut self.active);
         self.active.extend(table.active().map(Member::of));
-        for member in before.iter().filter(|member| table.rests(member.slot)) {
+        for member in before
+            .iter()
+            .filter(|member| table.is_inactive(member.slot))
+        {
             match table.get(member.slot).map(Known::of) {
                 Some(body) if body == member.body => {
                     self.partition.set_active(member.slot, false);
-                    update.roused.push(member.slot);
+                    update.activity_changed.push(member.slot);
                 }
                 _ => self.leave(graph, member.slot, update),
             }
@@ -324,7 +327,7 @@ impl Islands {
             match self.known.get(now.slot as usize).copied().flatten() {
                 Some(body) if body == now.body => {
                     self.partition.set_active(now.slot, true);
-                    update.roused.push(now.slot);
+                    update.activity_changed.push(now.slot);
                 }
                 Some(_) => {
                     self.leave(graph, now.slot, update);
@@ -379,7 +382,7 @@ impl ConstraintGraph {
             let Some((_, pair, _)) = pair else {
                 return false;
             };
-            if !pair.slots.iter().all(|&slot| table.rests(slot)) {
+            if !pair.slots.iter().all(|&slot| table.is_inactive(slot)) {
                 return false;
             }
             // What touches has been told by the end of the step.

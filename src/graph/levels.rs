@@ -1,7 +1,7 @@
 //! What stands on what: how many contacts a body is away from what stands still, its level of support.
 //!
 //! Loads travel from body to body with a sweep, and a sweep from the ground up carries them through a whole structure; from the top
-//! down everything falls. So contacts are swept by the level of support of their bodies, and within a level by age. That follows from
+//! down everything falls. So contacts are swept by the level of support of their bodies, and within a level in spawn order. That follows from
 //! how things stand, not from how they were spawned, and it keeps bodies that touch near each other in the order (Cuthill and
 //! McKee 1969 number the unknowns of a sparse matrix so for the same reason).
 //!

@@ -4,7 +4,7 @@
 //! cease to, where one of the bodies has gone, or where the two may no longer collide. Pairs that somebody took away or apart are made anew.
 
 use super::ConstraintGraph;
-use super::activation::rouse;
+use super::activation::activate;
 use super::edges::EdgeKind;
 use crate::body::{BodyState, BodyTable};
 use crate::broadphase::Broadphase;
@@ -63,10 +63,10 @@ pub fn pair_changes(
     let goes_on = |pair: &ContactPair| {
         lives(pair, 0) && lives(pair, 1) && broadphase.overlap(table, pair.slots)
     };
-    let stirred = found.stirred.iter();
-    let stirred = stirred.flat_map(|&slot| graph.edges_of(slot));
-    let stirred = pairs.query(world).iter_many_inner(stirred).flatten();
-    let ended = stirred.filter(|(_, pair)| !goes_on(pair));
+    let disturbed = found.disturbed.iter();
+    let disturbed = disturbed.flat_map(|&slot| graph.edges_of(slot));
+    let disturbed = pairs.query(world).iter_many_inner(disturbed).flatten();
+    let ended = disturbed.filter(|(_, pair)| !goes_on(pair));
     ending.extend(ended.map(|(entity, _)| entity));
     for pair in ending.drain(..) {
         world.try_despawn(pair).ok();
@@ -87,9 +87,9 @@ pub fn pair_changes(
         begin(world, &mut graph, overlaps.collect());
     });
     let told = lost.0.iter().filter(|(_, pair)| pair.announced);
-    let told = told.map(|(_, pair)| (pair.ages, pair.bodies));
+    let told = told.map(|(_, pair)| (pair.spawn_orders, pair.bodies));
     world.resource_mut::<EndedPairs>().0.extend(told);
-    rouse(world);
+    activate(world);
 }
 
 /// Rouses what touched in pairs that are gone: the slots of those that are to be made anew.
@@ -100,11 +100,11 @@ fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> 
             let slot = pair.slots[i];
             let body = table.get_mut(slot).filter(|body| pair.is_of(i, body));
             let dynamic = body.map(|body| {
-                body.roused |= pair.touching;
+                body.disturbed |= pair.touching;
                 body.is_dynamic()
             });
             if pair.touching && dynamic == Some(true) {
-                table.stir(slot);
+                table.mark_dirty(slot);
             }
             dynamic.is_some()
         });
@@ -123,7 +123,9 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, mut overlaps: Vec<[u32;
     }
     let table = world.resource::<BodyTable>();
     // The tree's shape depends on its history; the order of pairs must not.
-    overlaps.sort_unstable_by_key(|slots| slots.map(|slot| table.get(slot).map(|body| body.age)));
+    overlaps.sort_unstable_by_key(|slots| {
+        slots.map(|slot| table.get(slot).map(|body| body.spawn_order))
+    });
     let mut warnings = Vec::new();
     let mut new: Vec<ContactPair> = Vec::new();
     for slots in overlaps {
@@ -144,7 +146,7 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, mut overlaps: Vec<[u32;
     let table = world.resource::<BodyTable>();
     for ((edge, slots), pair) in edges.into_iter().zip(spawned) {
         graph.name(edge, pair);
-        if slots.into_iter().all(|slot| table.rests(slot)) {
+        if slots.into_iter().all(|slot| table.is_inactive(slot)) {
             graph.settling.push((edge, pair));
         }
     }

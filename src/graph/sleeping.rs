@@ -1,11 +1,11 @@
 //! The stage **sleeping**: islands whose bodies have all been still for a while stop costing time.
 //!
 //! A sleeping body keeps its contacts, impulses and anchors as they are, so that it wakes exactly where it lay, and goes to
-//! [rest](crate::body::Resting) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change, when
+//! [rest](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change, when
 //! something awake comes into its island, and when a body that it touched goes: in [`islands`](super::islands()).
 
 use super::Islands;
-use crate::body::{BodyIndex, BodyState, BodyTable, Quarantined, Resting, Sleeping, Velocity};
+use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Quarantined, Sleeping, Velocity};
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::prelude::*;
 
@@ -16,7 +16,7 @@ pub fn sleeping(
     (table, islands): (Res<BodyTable>, Res<Islands>),
     mut bodies: Query<
         (Entity, &BodyIndex, &mut Velocity, &mut Sleeping),
-        (Without<Quarantined>, Without<Resting>),
+        (Without<Quarantined>, Without<Inactive>),
     >,
     mut restless: Local<Vec<bool>>,
 ) {

@@ -4,7 +4,7 @@ use super::ConstraintGraph;
 use super::edges::EdgeKind;
 use super::islands::Islands;
 use super::levels::{self, Kind, Levels};
-use crate::body::{Age, BodyIndex, BodyState, BodyTable, Pose, RigidBody, Velocity};
+use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, SpawnOrder, Velocity};
 use bevy_ecs::prelude::*;
 use fastrand::Rng;
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,7 +33,7 @@ impl Site {
         let entity = self.entity();
         let mut body = BodyState::new(entity, Pose::default(), Velocity::default());
         body.kind = kind;
-        body.age = Age(u64::from(self.entities));
+        body.spawn_order = SpawnOrder(u64::from(self.entities));
         let BodyIndex(slot) = self.table.insert(body);
         self.bodies.insert(slot, entity);
         self.fresh.insert(slot);
@@ -96,13 +96,13 @@ impl Site {
                     RigidBody::Dynamic => RigidBody::Static,
                     _ => RigidBody::Dynamic,
                 };
-                // It would have been stirred.
-                self.table.set_resting(slot, false);
+                // It would have been marked.
+                self.table.set_inactive(slot, false);
                 self.fresh.insert(slot);
             }
             9..15 => {
                 let rests = rng.bool() && !self.fresh.contains(&slot);
-                self.table.set_resting(slot, rests);
+                self.table.set_inactive(slot, rests);
             }
             15..18 => {
                 let body = self.table.get_mut(slot).unwrap();
@@ -171,7 +171,7 @@ impl Site {
         // Numbers go by the first that is active.
         let active = |members: &Vec<u32>| {
             let mut active = members.iter().copied();
-            active.find(|&slot| !self.table.rests(slot))
+            active.find(|&slot| !self.table.is_inactive(slot))
         };
         let mut firsts: Vec<(u32, &Vec<u32>)> = wanted
             .iter()

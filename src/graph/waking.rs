@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
 impl Islands {
-    /// Islands sleep and wake as a whole. What is awake, was roused by the user, or is carried by something that moves wakes the rest;
+    /// Islands sleep and wake as a whole. What is awake, was disturbed by the user, or is carried by something that moves wakes the rest;
     /// and so does what has parted: what a body lay on, or what held it down, has gone away.
     pub(super) fn find_awake(&self, graph: &ConstraintGraph, table: &BodyTable) -> FixedBitSet {
         let mut awake = FixedBitSet::with_capacity(self.partition.ids());
@@ -18,7 +18,7 @@ impl Islands {
         };
         for (slot, body) in table.active() {
             if body.is_dynamic() {
-                if !body.asleep || body.roused {
+                if !body.asleep || body.disturbed {
                     wake(slot);
                 }
                 continue;
@@ -40,7 +40,7 @@ impl Islands {
         awake
     }
 
-    /// Wakes all bodies of islands that are awake; those that rest are roused next.
+    /// Wakes all bodies of islands that are awake; those at rest become active next.
     pub(super) fn wake(
         &mut self,
         table: &mut BodyTable,
@@ -56,7 +56,7 @@ impl Islands {
         let mut rising: Vec<u32> = asleep.filter(|&slot| is_awake(slot)).collect();
         for island in awake.ones() {
             for slot in self.resting_members(table, island as u32) {
-                table.stir(slot);
+                table.mark_dirty(slot);
                 rising.push(slot);
             }
         }
@@ -76,7 +76,7 @@ impl Islands {
             return Vec::new();
         }
         let members = self.partition.members(island).iter().copied();
-        members.filter(|&slot| table.rests(slot)).collect()
+        members.filter(|&slot| table.is_inactive(slot)).collect()
     }
 
     /// Finds islands that sleep and of which bodies have come in this step.
@@ -104,27 +104,27 @@ impl Islands {
         for (number, &island) in self.partition.numbered().iter().enumerate() {
             if self.arrives(number) {
                 for slot in self.resting_members(table, island) {
-                    table.stir(slot);
+                    table.mark_dirty(slot);
                 }
             }
         }
     }
 
     /// Finds who may go to rest: islands that sleep, and what stands still.
-    pub(super) fn tire(&mut self, table: &BodyTable, awake: &FixedBitSet) {
+    pub(super) fn find_deactivation(&mut self, table: &BodyTable, awake: &FixedBitSet) {
         let mut restless = awake.clone();
         for (slot, body) in table.active() {
             let may_rest = body.may_rest();
             match self.partition.id(slot) {
                 Some(island) if !may_rest => restless.insert(island as usize),
-                None if may_rest => self.tired.bodies.push((slot, body.entity)),
+                None if may_rest => self.deactivation.bodies.push((slot, body.entity)),
                 _ => (),
             }
         }
         for (slot, body) in table.active() {
             let island = self.partition.id(slot);
             if island.is_some_and(|island| !restless.contains(island as usize)) {
-                self.tired.bodies.push((slot, body.entity));
+                self.deactivation.bodies.push((slot, body.entity));
             }
         }
     }
@@ -134,7 +134,7 @@ impl BodyState {
     /// It sleeps or stands still, did so in the step before, and nothing was done to it.
     pub(super) fn may_rest(&self) -> bool {
         let still = match self.is_dynamic() {
-            true => self.asleep && !self.roused,
+            true => self.asleep && !self.disturbed,
             false => self.velocity == Velocity::default() && self.target.is_none(),
         };
         let put = self.moved || self.put_from.is_some();

@@ -7,7 +7,7 @@
 //! Only overlaps deeper than those in any structure count, so that bodies on a large floor or in a bowl are not a crowd.
 
 use super::{PairColumns, is_idle};
-use crate::body::{BodyTable, Resting};
+use crate::body::{BodyTable, Inactive};
 use crate::contact::{ContactPair, Manifold, Origins, reorder};
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
@@ -33,7 +33,7 @@ struct DeepPair {
 /// Removes the contacts of pairs that are not among the deepest of either body; a part of the stage *narrowphase*.
 pub fn crowd(
     (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
-    mut pairs: Query<(Entity, PairColumns), Without<Resting>>,
+    mut pairs: Query<(Entity, PairColumns), Without<Inactive>>,
     (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
 ) {
     let is_crowded = |slot: u32| graph.edges_of(slot).len() > MOST;
@@ -55,11 +55,13 @@ pub fn crowd(
             })
         })
         .collect();
-    let age = |slot: u32| table.get(slot).map(|body| body.age);
+    let spawn_order = |slot: u32| table.get(slot).map(|body| body.spawn_order);
     // Which entity a pair is must not count.
     deep.sort_unstable_by(|a, b| {
-        let ages = |pair: &DeepPair| pair.slots.map(age);
-        b.depth.total_cmp(&a.depth).then(ages(a).cmp(&ages(b)))
+        let spawn_orders = |pair: &DeepPair| pair.slots.map(spawn_order);
+        b.depth
+            .total_cmp(&a.depth)
+            .then(spawn_orders(a).cmp(&spawn_orders(b)))
     });
     let mut counts = vec![0usize; table.slots()];
     deep.retain(|pair| {
@@ -92,7 +94,7 @@ pub fn crowd(
         reorder(&none, &none, impulses, anchors, targets);
         cache.bypass_change_detection().stand.forget();
         pair.revision = pair.revision.wrapping_add(1);
-        pair.waits = (WAITS / 2 + (pair.ages[0].0 + pair.ages[1].0) % WAITS) as u8;
+        pair.waits = (WAITS / 2 + (pair.spawn_orders[0].0 + pair.spawn_orders[1].0) % WAITS) as u8;
         pair.touching = false;
         pair.empty = time.substep == 0;
         graph.report([(pair.edge, pair.announced)]);

@@ -17,7 +17,7 @@ const COINCIDENT: f32 = 1e-6;
 
 /// The direction that separates bodies in the same place. Each body has its own, or many would be pushed out along one line.
 fn part(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
-    let normal = (scattered(a.age.0) - scattered(b.age.0)).normalize_or(Vec3::Y);
+    let normal = (scattered(a.spawn_order.0) - scattered(b.spawn_order.0)).normalize_or(Vec3::Y);
     let distance = -a.radius.min(b.radius);
     let middle = Candidate {
         position: a.center,

@@ -19,7 +19,7 @@ mod reduction;
 mod rolling;
 mod round;
 
-use crate::body::{BodyState, BodyTable, Pose, Resting};
+use crate::body::{BodyState, BodyTable, Inactive, Pose};
 #[doc(hidden)]
 pub use crowd::crowd;
 
@@ -54,7 +54,7 @@ pub fn narrowphase(
     (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
     mut graph: ResMut<ConstraintGraph>,
-    mut pairs: Query<PairColumns, Without<Resting>>,
+    mut pairs: Query<PairColumns, Without<Inactive>>,
 ) {
     let table = &*table;
     // Edges whose contact has begun or ended.

@@ -81,7 +81,7 @@ fn take_over(
                 (body.arrived, body.renewed, body.moved) = (false, false, *moved);
             }
             // What an edit has put elsewhere is as new as what it has brought.
-            _ => body.roused |= poses.remove(&body.entity).is_some(),
+            _ => body.disturbed |= poses.remove(&body.entity).is_some(),
         }
     }
     for (mut pair, mut manifold, mut impulses, mut anchors, mut targets, mut cache) in &mut pairs {
@@ -98,7 +98,7 @@ fn take_over(
     let parted: EntityHashSet = parted.flat_map(|(ends, _)| *ends).collect();
     for slot in 0..table.slots() as u32 {
         if let Some(body) = table.get_mut(slot) {
-            body.roused |= parted.contains(&body.entity);
+            body.disturbed |= parted.contains(&body.entity);
         }
     }
     commands.remove_resource::<Taken>();

@@ -14,7 +14,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 pub(super) struct Region<'w> {
     pub table: &'w BodyTable,
     graph: &'w ConstraintGraph,
-    /// In the order of their age.
+    /// In spawn order.
     pub slots: Vec<u32>,
     /// Those of the structures.
     pub structure: HashSet<u32>,
@@ -74,7 +74,7 @@ impl<'w> Region<'w> {
             region.pending.extend(pending);
             region
                 .pending
-                .sort_unstable_by_key(|body| (body.age, body.entity));
+                .sort_unstable_by_key(|body| (body.spawn_order, body.entity));
         }
         region.slots.extend(&region.structure);
         region.slots.extend(broadphase.outside());
@@ -92,8 +92,8 @@ impl<'w> Region<'w> {
         let slots = region.slots.iter().copied();
         let bereft = slots.filter(|&slot| region.graph.edges_of(slot).any(has_lost));
         region.bereft.extend(bereft);
-        let age = |&slot: &u32| (table.get(slot).map(|body| body.age), slot);
-        region.slots.sort_unstable_by_key(age);
+        let spawn_order = |&slot: &u32| (table.get(slot).map(|body| body.spawn_order), slot);
+        region.slots.sort_unstable_by_key(spawn_order);
         region.slots.dedup();
         Ok(region)
     }

@@ -30,7 +30,7 @@ const FADES: f32 = 0.9;
 #[derive(Debug)]
 pub struct Shadow {
     world: World,
-    /// The eldest first.
+    /// In spawn order.
     bodies: Vec<Copied>,
     /// The copy of what was moved or placed.
     edited: Option<Entity>,

@@ -115,7 +115,9 @@ impl<'a> QueryFilter<'a> {
     #[inline]
     pub(super) fn admits(&self, body: &BodyState) -> bool {
         (!self.dynamic_only || body.is_dynamic())
-            && self.layers.is_none_or(|l| l.collides_with(body.properties.layers))
+            && self
+                .layers
+                .is_none_or(|l| l.collides_with(body.properties.layers))
             && !self.excluded.contains(&body.entity)
             && self.predicate.is_none_or(|holds| holds(body.entity))
     }

@@ -186,7 +186,9 @@ impl SpatialQuery<'_, '_> {
         let view = self.view();
         numbers.extend(view.outside());
         // One that has left its box may be in both. The order of a tree is that of its history.
-        numbers.sort_unstable_by_key(|&number| (view.get(number).map(|body| body.age), number));
+        numbers.sort_unstable_by_key(|&number| {
+            (view.get(number).map(|body| body.spawn_order), number)
+        });
         numbers.dedup();
         let hits = numbers.into_iter();
         hits.filter_map(|number| Some((view.get(number)?, hit(number)?)))

@@ -3,7 +3,7 @@
 //!
 //! The problems are those that the stage [warm start](crate::warm_start) has prepared, of points or of patches as the solver
 //! wants. Bodies take the velocities that they have when this stage begins. Bodies and contacts stand in the order of their level of
-//! support and their age ([`Islands`]), so the result does not depend on threads or on where the ECS keeps things.
+//! support and their spawn order ([`Islands`]), so the result does not depend on threads or on where the ECS keeps things.
 //!
 //! What is found goes back to the components (`store.rs`). A pair or a body is known by its entity: if a system of a user's has
 //! taken it away since it was gathered, nothing is stored for it.
@@ -19,7 +19,7 @@ mod points;
 mod reports;
 mod store;
 
-use crate::body::{BodyIndex, BodyTable, Motion, Quarantined, Resting, Velocity, limits};
+use crate::body::{BodyIndex, BodyTable, Inactive, Motion, Quarantined, Velocity, limits};
 use crate::contact::{ContactImpulses, Manifold};
 use crate::grab::HandForce;
 use crate::graph::{ConstraintGraph, Islands};
@@ -45,11 +45,11 @@ type Bodies<'w, 's> = Query<
         &'static mut Velocity,
         &'static mut Motion,
     ),
-    (Without<Quarantined>, Without<Resting>),
+    (Without<Quarantined>, Without<Inactive>),
 >;
 
 type Hands<'w, 's> =
-    Query<'w, 's, &'static mut HandForce, (Without<Quarantined>, Without<Resting>)>;
+    Query<'w, 's, &'static mut HandForce, (Without<Quarantined>, Without<Inactive>)>;
 
 /// The contacts of an island as its kind of solver solves them.
 trait SolveRows: Rows {

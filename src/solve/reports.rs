@@ -40,7 +40,9 @@ impl ReportWriter<'_> {
         let wrong = islands.iter().filter(|island| island.diverged);
         let wrong = wrong.filter_map(|island| order.bodies[island.members()].first());
         let wrong: Vec<Entity> = wrong.map(|member| member.entity).collect();
-        let new = wrong.iter().filter(|entity| !self.told.diverged.contains(entity));
+        let new = wrong
+            .iter()
+            .filter(|entity| !self.told.diverged.contains(entity));
         self.suspects
             .0
             .extend(new.map(|&entity| (entity, BodyProblem::Diverged)));

@@ -1,8 +1,8 @@
 //! A structure as input of the cone program: bodies with the forces on them, and the faces in which they touch.
 
 use crate::body::{BodyState, BodyTable, ExternalForce};
-use crate::graph::ConstraintGraph;
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
+use crate::graph::ConstraintGraph;
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;

@@ -2,7 +2,7 @@
 //! equation (11), at the poses where the contact was detected.
 
 use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
-use crate::body::{BodyState, BodyTable, Resting};
+use crate::body::{BodyState, BodyTable, Inactive};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, Lists, Manifold, ManifoldPatch,
     PatchAnchor, fit, is_edited,
@@ -67,7 +67,7 @@ pub fn anchors(
             &mut ContactImpulses,
             &mut ContactAnchors,
         ),
-        Without<Resting>,
+        Without<Inactive>,
     >,
 ) {
     let friction = settings.friction;

@@ -3,7 +3,7 @@
 //! A point that stuck in the last step should not have moved. Its error e is the distance between the positions to which the two bodies
 //! have carried its anchor. The solver is given a tangential velocity that corrects this error.
 
-use crate::body::{BodyState, BodyTable, Resting};
+use crate::body::{BodyState, BodyTable, Inactive};
 use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Lists, Manifold,
     ManifoldPatch, PatchAnchor, Target, fit, is_edited,
@@ -241,7 +241,7 @@ pub fn friction_error(
             &mut ContactAnchors,
             &mut ContactTargets,
         ),
-        Without<Resting>,
+        Without<Inactive>,
     >,
 ) {
     let (table, settings, last) = (&*table, &*settings, time.previous_dt);
@@ -252,7 +252,7 @@ pub fn friction_error(
         .expect("pair components are stored in tables")
     {
         let edited = in_force.changed || is_edited!(manifolds) || is_edited!(anchors);
-        let rouse = edited || islands.woke();
+        let activate = edited || islands.woke();
         let always = edited || by_points || !by_pose;
         let columns = (
             pairs,
@@ -261,7 +261,7 @@ pub fn friction_error(
             targets.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, anchors, targets)| {
-            if pair.idle && !rouse || pair.empty && !always {
+            if pair.idle && !activate || pair.empty && !always {
                 return;
             }
             let Some([a, b]) = table.both(pair.slots) else {

@@ -4,7 +4,7 @@
 //! λ_n > 0 only where the bound is reached. With [`NormalStabilization::Envelope`], c_n pushes points below the ideal plane out, and
 //! *lets points come down* that are above it but inside the envelope. Every contact settles on the ideal plane, and none flickers.
 
-use crate::body::{BodyTable, Resting};
+use crate::body::{BodyTable, Inactive};
 use crate::contact::{ContactPair, ContactTargets, Lists, Manifold, fit};
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
@@ -90,7 +90,7 @@ pub fn normal_correction(
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets), Without<Resting>>,
+    mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets), Without<Inactive>>,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
     let (rest, share) = (settings.rest_distance(), dt / time.max_recent_dt);

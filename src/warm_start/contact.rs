@@ -17,11 +17,11 @@ pub(crate) struct SolverContact<'a> {
 
 /// What a contact is sorted by: its island, then the body higher up, then the other, so that all supports of a brick are visited
 /// together. Bodies stand in their problem in the order of their ranks; what is not in it stands still, comes before them, and goes
-/// by age.
+/// in spawn order.
 pub(super) fn sort_key(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u128 {
     const MOVES: u64 = 1 << 63;
     let rank = |i: usize| match local[i] {
-        u32::MAX => bodies[i].age.0 & !MOVES,
+        u32::MAX => bodies[i].spawn_order.0 & !MOVES,
         local => MOVES | local as u64,
     };
     let (one, other) = (rank(0), rank(1));

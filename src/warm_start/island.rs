@@ -154,7 +154,7 @@ impl<R: Rows> Island<R> {
     fn add_copies(&mut self, table: &BodyTable) {
         let copies = self.copies.iter().map(|&slot| {
             // What rests stands still.
-            let body = table.get(slot).filter(|_| !table.rests(slot));
+            let body = table.get(slot).filter(|_| !table.is_inactive(slot));
             let Velocity { linear, angular } = body.map(|body| body.velocity).unwrap_or_default();
             Body {
                 linear,

@@ -21,7 +21,7 @@ mod patches;
 mod points;
 mod problems;
 
-use crate::body::{BodyIndex, BodyTable, Quarantined, Resting};
+use crate::body::{BodyIndex, BodyTable, Inactive, Quarantined};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::grab::{Grab, HandForce};
 use crate::graph::{ConstraintGraph, Islands};
@@ -67,7 +67,7 @@ pub(crate) type Pairs<'w, 's> = Query<
         &'static ContactTargets,
         &'static mut ContactImpulses,
     ),
-    Without<Resting>,
+    Without<Inactive>,
 >;
 
 type Hands<'w, 's> = Query<
@@ -79,7 +79,7 @@ type Hands<'w, 's> = Query<
         &'static Grab,
         &'static HandForce,
     ),
-    (Without<Quarantined>, Without<Resting>),
+    (Without<Quarantined>, Without<Inactive>),
 >;
 
 /// The system of the stage.
@@ -125,9 +125,7 @@ struct WarmStart<'a> {
 impl WarmStart<'_> {
     fn run<R: Rows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs, hands: &Hands) {
         let start = Instant::now();
-        let kept = problems
-            .order
-            .keep(self.table, self.graph, self.islands);
+        let kept = problems.order.keep(self.table, self.graph, self.islands);
         let (contacts, complete) = problems.order.contacts(pairs);
         self.gather_bodies(problems, kept && complete);
         self.gather_hands(problems, hands);

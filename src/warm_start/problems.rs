@@ -84,7 +84,7 @@ pub struct IslandProblem<'a> {
 }
 
 impl IslandProblem<'_> {
-    /// Its dynamic bodies, in the order in which they are solved: from the ground up, and then by age.
+    /// Its dynamic bodies, in the order in which they are solved: from the ground up, and then in spawn order.
     pub fn bodies(&self) -> impl Iterator<Item = Entity> {
         self.bodies.iter().map(|member| member.entity)
     }

@@ -119,7 +119,11 @@ fn a_marker_changes_no_bit_whenever_it_is_put_there() {
 /// The pairs of the first stack, between islands and solve.
 fn despawn_pairs(mut commands: Commands, pairs: Query<(Entity, &ContactPair)>) {
     for (entity, pair) in &pairs {
-        if pair.ages.iter().all(|age| age.0 <= 5) {
+        if pair
+            .spawn_orders
+            .iter()
+            .all(|spawn_order| spawn_order.0 <= 5)
+        {
             commands.entity(entity).despawn();
         }
     }

@@ -4,7 +4,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Pose, Resting, RigidBody, Sleeping};
+use drystone::body::{Inactive, Pose, RigidBody, Sleeping};
 use drystone::collider::{Collider, Friction};
 use drystone::masonry::{Bond, Wall};
 use drystone::preview::{Edit, PreviewSettings, Shadow};
@@ -126,7 +126,7 @@ fn sleepers(count: usize) -> (Lab, Vec<Entity>) {
     let cubes: Vec<_> = cubes.collect();
     let cubes: Vec<Entity> = lab.world.spawn_batch(cubes).collect();
     lab.run(0.1);
-    let rests = |&cube: &Entity| lab.world.get::<Resting>(cube).is_some();
+    let rests = |&cube: &Entity| lab.world.get::<Inactive>(cube).is_some();
     assert!(cubes.iter().all(rests));
     (lab, cubes)
 }

@@ -118,7 +118,10 @@ fn bodies_stand_in_the_order_in_which_they_were_spawned() {
     lab.world.entity_mut(bodies[3]).insert(Red);
     lab.step();
     let table = lab.world.resource::<BodyTable>();
-    let mut order: Vec<_> = table.iter().map(|(_, b)| (b.age, b.entity)).collect();
+    let mut order: Vec<_> = table
+        .iter()
+        .map(|(_, b)| (b.spawn_order, b.entity))
+        .collect();
     order.sort_unstable();
     let order: Vec<_> = order.into_iter().map(|(_, body)| body).collect();
     assert_eq!(order, bodies);

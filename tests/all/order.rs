@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Age, BodyIndex, Pose, RigidBody};
+use drystone::body::{BodyIndex, Pose, RigidBody, SpawnOrder};
 use drystone::collider::Collider;
 use drystone::graph::Islands;
 use drystone::settings::SleepSettings;
@@ -186,10 +186,10 @@ fn the_same_bits_in_any_order_of_spawning_with_ages_by_hand() {
     let run = |permute: fn(&mut Vec<u64>)| {
         let mut lab = Lab::new();
         lab.world.resource_mut::<SleepSettings>().enabled = false;
-        let mut ages: Vec<u64> = (0..40).collect();
-        permute(&mut ages);
-        for age in ages {
-            let body = match age {
+        let mut spawn_orders: Vec<u64> = (0..40).collect();
+        permute(&mut spawn_orders);
+        for spawn_order in spawn_orders {
+            let body = match spawn_order {
                 0 => lab.ground(),
                 // A slab, so that something stands on two bodies that stand still.
                 1 => lab.spawn((
@@ -198,19 +198,24 @@ fn the_same_bits_in_any_order_of_spawning_with_ages_by_hand() {
                     Transform::from_xyz(0.5, 0.05, 0.5),
                 )),
                 _ => {
-                    let (x, y) = ((age % 3) as f32, (age / 3) as f32);
+                    let (x, y) = ((spawn_order % 3) as f32, (spawn_order / 3) as f32);
                     lab.cube(Vec3::new(0.3 * x + 0.1 * y, 0.6 + 1.1 * y, 0.4 * x))
                 }
             };
             // Of any size: a server may well count in time.
-            lab.world.entity_mut(body).insert(Age(age << 40));
+            lab.world
+                .entity_mut(body)
+                .insert(SpawnOrder(spawn_order << 40));
         }
         lab.run(2.0);
         lab.bits()
     };
     let plain = run(|_| ());
-    assert_eq!(plain, run(|ages| ages.reverse()));
-    assert_eq!(plain, run(|ages| fastrand::Rng::with_seed(7).shuffle(ages)));
+    assert_eq!(plain, run(|spawn_orders| spawn_orders.reverse()));
+    assert_eq!(
+        plain,
+        run(|spawn_orders| fastrand::Rng::with_seed(7).shuffle(spawn_orders))
+    );
 }
 
 #[test]

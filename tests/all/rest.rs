@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::Sleeping;
 use drystone::body::{
-    BodyIndex, Damping, ExternalForce, ExternalImpulse, GravityScale, Mass, Pose, Resting,
+    BodyIndex, Damping, ExternalForce, ExternalImpulse, GravityScale, Inactive, Mass, Pose,
     RigidBody, Velocity,
 };
 use drystone::collider::{Collider, CollisionLayers, Friction};
@@ -63,9 +63,9 @@ impl Yard {
     /// Bodies and pairs that do not rest.
     fn active(&mut self) -> (Vec<Entity>, usize) {
         let world = &mut self.lab.world;
-        let mut bodies = world.query_filtered::<Entity, (With<RigidBody>, Without<Resting>)>();
+        let mut bodies = world.query_filtered::<Entity, (With<RigidBody>, Without<Inactive>)>();
         let bodies = bodies.iter(world).collect();
-        let mut pairs = world.query_filtered::<(), (With<ContactPair>, Without<Resting>)>();
+        let mut pairs = world.query_filtered::<(), (With<ContactPair>, Without<Inactive>)>();
         (bodies, pairs.iter(world).count())
     }
 
@@ -82,7 +82,7 @@ impl Yard {
 fn what_sleeps_is_in_no_list_and_one_island_wakes_alone() {
     let mut yard = Yard::new();
     assert_eq!(yard.active(), (vec![], 0));
-    // By age: first the slabs, then the stacks.
+    // In spawn order: first the slabs, then the stacks.
     let others = |yard: &Yard| {
         let mut bits = yard.lab.bits();
         bits.drain(3..6);
@@ -240,7 +240,7 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
             y.lab.world.entity_mut(y.child).remove::<ChildOf>();
         }),
         ("the marker is taken off", false, |y| {
-            y.lab.world.entity_mut(y.stacks[0][1]).remove::<Resting>();
+            y.lab.world.entity_mut(y.stacks[0][1]).remove::<Inactive>();
         }),
         ("the pairs are taken away", true, |y| {
             let mut pairs = y.lab.world.query_filtered::<Entity, With<ContactPair>>();
@@ -280,7 +280,7 @@ fn who_was_disabled_at_rest_comes_back_and_takes_part() {
     let cube = yard.stacks[1][2];
     yard.lab.world.entity_mut(cube).insert(Disabled);
     yard.lab.run(1.0);
-    assert!(!yard.lab.world.entity(cube).contains::<Resting>());
+    assert!(!yard.lab.world.entity(cube).contains::<Inactive>());
     yard.lab.world.entity_mut(cube).remove::<Disabled>();
     yard.lab
         .world

@@ -7,7 +7,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{BodyTable, Resting};
+use drystone::body::{BodyTable, Inactive};
 use drystone::collapse::CollapseSettings;
 use drystone::contact::ContactImpulses;
 use drystone::prelude::*;
@@ -149,7 +149,7 @@ fn motion(world: &World, body: Entity) -> Option<(Vec<u32>, bool, bool)> {
     Some((
         bits.collect(),
         sleeping.asleep,
-        world.get::<Resting>(body).is_some(),
+        world.get::<Inactive>(body).is_some(),
     ))
 }
 
@@ -161,7 +161,7 @@ fn bodies(world: &World) -> (usize, usize) {
 }
 
 /// What the contacts of pairs give, in the order in which their bodies were spawned.
-fn impulses(world: &mut World) -> Vec<([Age; 2], Vec<u32>)> {
+fn impulses(world: &mut World) -> Vec<([SpawnOrder; 2], Vec<u32>)> {
     let mut pairs = world.query::<(&ContactPair, &ContactImpulses)>();
     let mut found: Vec<_> = pairs
         .iter(world)
@@ -170,7 +170,7 @@ fn impulses(world: &mut World) -> Vec<([Age; 2], Vec<u32>)> {
                 .points
                 .iter()
                 .flat_map(|p| [p.normal, p.warm_normal, p.load]);
-            (pair.ages, normal.map(f32::to_bits).collect())
+            (pair.spawn_orders, normal.map(f32::to_bits).collect())
         })
         .collect();
     found.sort();
@@ -239,7 +239,7 @@ fn tell(world: &mut World, name: &dyn Fn(Entity) -> Option<Entity>) -> Vec<Strin
 
 /// All that sleeps is at rest, and some does.
 fn assert_rests(run: &Run) {
-    let rests = |&&body: &&Entity| run.world.get::<Resting>(body).is_some();
+    let rests = |&&body: &&Entity| run.world.get::<Inactive>(body).is_some();
     assert!(run.bodies.iter().filter(rests).count() > 3);
 }
 

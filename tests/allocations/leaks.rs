@@ -3,7 +3,7 @@
 use crate::MEMORY;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Resting, RigidBody, Sleeping, Velocity};
+use drystone::body::{Inactive, RigidBody, Sleeping, Velocity};
 use drystone::collider::Collider;
 use drystone::settings::PhysicsThreads;
 use glam::Vec3;
@@ -14,7 +14,7 @@ use support::*;
 const CUBES: usize = 500;
 
 fn rests(lab: &Lab, body: Entity) -> bool {
-    lab.world.get::<Resting>(body).is_some()
+    lab.world.get::<Inactive>(body).is_some()
 }
 
 fn spawn(lab: &mut Lab, cube: &Collider) -> Vec<Entity> {

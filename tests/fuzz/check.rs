@@ -5,13 +5,13 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use drystone::body::{BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity};
-use drystone::graph::ConstraintGraph;
 use drystone::collider::Collider;
 use drystone::contact::{
     ContactAnchors, ContactEnded, ContactImpulses, ContactPair, ContactStarted, ContactTargets,
     Manifold,
 };
 use drystone::diagnosis::{BodyError, BodyProblem, StepError};
+use drystone::graph::ConstraintGraph;
 use std::collections::{HashMap, HashSet};
 
 /// What was found wrong: its kind, which stays the same while operations are cut away, and the rest.

@@ -7,8 +7,8 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::world::EntityWorldMut;
 use drystone::body::Sleeping;
 use drystone::body::{
-    Age, AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-    GravityScale, Mass, RigidBody, Teleport, Velocity,
+    AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse, GravityScale,
+    Mass, RigidBody, SpawnOrder, Teleport, Velocity,
 };
 use drystone::collider::{
     Collider, CollisionLayers, CombineRule, Friction, Restitution, RollingFriction,
@@ -67,7 +67,7 @@ parts!(
     Sleeping(Sleeping => Sleeping),
     Grab(Grab => Grab),
     Disabled(Disabled => Disabled),
-    Age(Age => Age),
+    SpawnOrder(SpawnOrder => SpawnOrder),
     Teleport(Teleport => Teleport),
 );
 
@@ -146,7 +146,7 @@ impl Part {
                 axes: BVec3::from_array([(); 3].map(|()| dice.chance(0.9))),
                 turn_axes: BVec3::from_array([(); 3].map(|()| dice.chance(0.9))),
             }),
-            17 => Self::Age(Age(dice.pick(&[0, 1, 2, 1000, u64::MAX]))),
+            17 => Self::SpawnOrder(SpawnOrder(dice.pick(&[0, 1, 2, 1000, u64::MAX]))),
             18 => Self::Teleport(Teleport),
             19 => Self::Rolling(RollingFriction {
                 coefficient: dice.number(0.0, 0.1),

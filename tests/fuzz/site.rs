@@ -371,7 +371,7 @@ impl Site {
         let mut pairs: Vec<_> = pairs
             .iter(world)
             .filter(|(_, pair)| !pair.bodies.iter().any(|body| innocent.contains(body)))
-            .map(|(entity, pair)| (pair.ages, entity))
+            .map(|(entity, pair)| (pair.spawn_orders, entity))
             .collect();
         pairs.sort_unstable();
         pairs.into_iter().map(|(_, entity)| entity).collect()

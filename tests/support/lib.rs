@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
-use drystone::body::{Age, BodyIndex, BodyTable, MassProperties, Pose, RigidBody, Velocity};
+use drystone::body::{BodyIndex, BodyTable, MassProperties, Pose, RigidBody, SpawnOrder, Velocity};
 use drystone::collider::{Collider, Friction};
 use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::diagnosis::BodyError;
@@ -183,9 +183,12 @@ impl Lab {
     /// Poses and velocities of all bodies in the order in which they came, to the bit.
     pub fn bits(&self) -> Vec<[u32; 13]> {
         let table = self.world.resource::<BodyTable>();
-        let mut bodies: Vec<_> = table.iter().map(|(_, b)| (b.age, b.entity)).collect();
+        let mut bodies: Vec<_> = table
+            .iter()
+            .map(|(_, b)| (b.spawn_order, b.entity))
+            .collect();
         bodies.sort_unstable();
-        let of = |&(_, body): &(Age, Entity)| {
+        let of = |&(_, body): &(SpawnOrder, Entity)| {
             let (p, v) = (self.pose(body), self.velocity(body));
             let (x, q, l, a) = (p.position, p.rotation, v.linear, v.angular);
             [

@@ -29,7 +29,7 @@ pub enum Phase {
     /// Placing block number i.
     Building(usize),
     /// All placed, hands off; displacements count from the end of this.
-    Resting,
+    Inactive,
     /// Pressing on the edge of the top.
     Pressing,
     /// Hands off again.
@@ -51,7 +51,7 @@ impl Hand {
         let built = (self.blocks.len() - 1) as f32 * each;
         match time {
             t if t < built => Phase::Building(1 + (t / each) as usize),
-            t if t < built + REST => Phase::Resting,
+            t if t < built + REST => Phase::Inactive,
             t if t < built + REST + PRESS => Phase::Pressing,
             _ => Phase::Watching,
         }
@@ -109,7 +109,7 @@ impl Hand {
                 };
                 hold(self.blocks[i], held.then_some(grab));
             }
-            Phase::Resting | Phase::Watching => {
+            Phase::Inactive | Phase::Watching => {
                 for &block in &self.blocks {
                     hold(block, None);
                 }

@@ -5,8 +5,8 @@
 //! that coincide therefore keep all their corners. Each corner of the result knows its features, because each edge knows to which face it
 //! belongs.
 
-use crate::contact::FeatureId;
 use super::solid::{Side, Solid};
+use crate::contact::FeatureId;
 use glam::DVec3;
 use smallvec::SmallVec;
 

@@ -1,5 +1,5 @@
-//! Resting bodies: those that sleep or stand still. Pairs of two resting bodies rest, too. The queries of the stages leave them out
-//! (`Without<Resting>`), so they cost no more than the search for components that somebody wrote.
+//! Inactive bodies: those that sleep or stand still. Pairs of two resting bodies rest, too. The queries of the stages leave them out
+//! (`Without<Inactive>`), so they cost no more than the search for components that somebody wrote.
 //!
 //! Change ticks tell what a user wrote to a resting body: first those of whole columns (Bevy's summary ticks), then, in columns that have
 //! changed, those of rows. A hook reports resting bodies that were despawned. Those that left in another way, such as disabled ones, are
@@ -15,29 +15,29 @@ use bevy_transform::components::Transform;
 /// Marks a body or a pair that no stage goes through, since nothing about it changes. A pair rests only if both of its bodies do.
 #[derive(Component, Clone, Copy, Debug)]
 #[component(clone_behavior = Ignore)]
-pub struct Resting(());
+pub struct Inactive(());
 
-impl Resting {
+impl Inactive {
     pub(crate) fn new() -> Self {
         Self(())
     }
 }
 
 /// A body that rests.
-pub(super) type Rests = (With<Resting>, Without<Quarantined>);
+pub(super) type IsInactive = (With<Inactive>, Without<Quarantined>);
 
 /// The resting bodies, with the components that users may write.
-pub(super) type RestingBodies<'w, 's> = Query<'w, 's, Written, Rests>;
+pub(super) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;
 
 /// The resting bodies whose `Transform` is in the frame of a parent.
-pub(super) type RestingChildren<'w, 's> =
-    Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), Rests>;
+pub(super) type InactiveChildren<'w, 's> =
+    Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), IsInactive>;
 
 /// Finds resting bodies to which somebody wrote since the system ran last, and after `since` if that is later, once for each component.
 /// Values that the table has already do not count.
 pub(super) fn find_written(
     table: &BodyTable,
-    bodies: RestingBodies,
+    bodies: InactiveBodies,
     since: Option<Tick>,
 ) -> Vec<Entity> {
     let mut found = Vec::new();
@@ -141,7 +141,7 @@ fn look_moved(
 }
 
 /// Finds resting bodies whose parent was moved or replaced.
-pub(super) fn find_carried(children: RestingChildren, placed: Placed) -> Vec<Entity> {
+pub(super) fn find_carried(children: InactiveChildren, placed: Placed) -> Vec<Entity> {
     let moved = children.iter().filter(|(_, pose, transform, parent)| {
         user_pose((transform, Some(parent)), **pose, false, placed).is_some()
     });

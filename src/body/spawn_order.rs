@@ -12,30 +12,30 @@ use bevy_reflect::Reflect;
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_add = stamp, clone_behavior = Ignore, summary_tick)]
-pub struct Age(pub u64);
+pub struct SpawnOrder(pub u64);
 
-impl Age {
+impl SpawnOrder {
     /// Not stamped yet.
     pub(crate) const NONE: Self = Self(u64::MAX);
 }
 
-impl Default for Age {
+impl Default for SpawnOrder {
     fn default() -> Self {
         Self::NONE
     }
 }
 
-impl BodyProperty for Age {}
+impl BodyProperty for SpawnOrder {}
 
 /// Numbers a body as soon as it is spawned, since the next step could not tell the order any more. Bodies that are spawned before the plugins
 /// are added get their numbers in *prepare*.
 fn stamp(mut world: DeferredWorld, context: HookContext) {
     let next = world
         .get_resource_mut::<BodyTable>()
-        .map(|mut table| table.next_age());
-    if let (Some(mut age), Some(next)) = (world.get_mut::<Age>(context.entity), next)
-        && *age == Age::NONE
+        .map(|mut table| table.next_spawn_order());
+    if let (Some(mut spawn_order), Some(next)) = (world.get_mut::<SpawnOrder>(context.entity), next)
+        && *spawn_order == SpawnOrder::NONE
     {
-        *age = next;
+        *spawn_order = next;
     }
 }

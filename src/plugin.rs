@@ -439,7 +439,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 11] = [
+    const OTHERS: [(&str, Add); 12] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)
@@ -449,6 +449,9 @@ mod tests {
         }),
         ("NormalStabilizationPlugin", |app| {
             _ = app.add_plugins(NormalStabilizationPlugin)
+        }),
+        ("WarmStartPlugin", |app| {
+            _ = app.add_plugins(WarmStartPlugin)
         }),
         ("SolverPlugin", |app| _ = app.add_plugins(SolverPlugin)),
         ("IntegrationPlugin", |app| {

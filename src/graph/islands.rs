@@ -17,6 +17,7 @@ use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
+use fixedbitset::FixedBitSet;
 
 /// Which island each body is in, and what stands on what: views of the [`ConstraintGraph`].
 #[derive(Resource, Clone, Debug, Default)]
@@ -35,6 +36,9 @@ pub struct Islands {
     pub(super) parted: Vec<[u32; 2]>,
     /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
     pub(super) arriving: Vec<bool>,
+    /// Scratch: islands that are awake, by their id, and those of which not all may go to rest.
+    pub(super) awake: FixedBitSet,
+    pub(super) restless: FixedBitSet,
 }
 
 impl MapEntities for Islands {
@@ -195,6 +199,7 @@ pub fn islands(
         islands.find_arriving(&table);
         islands.activate_arriving(&mut table);
         islands.find_deactivation(&table, &awake);
+        islands.awake = awake;
         islands.update(graph, &table);
     }
 }

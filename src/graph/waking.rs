@@ -9,8 +9,10 @@ use fixedbitset::FixedBitSet;
 impl Islands {
     /// Islands sleep and wake as a whole. What is awake, was disturbed by the user, or is carried by something that moves wakes the rest;
     /// and so does what has parted: what a body lay on, or what held it down, has gone away.
-    pub(super) fn find_awake(&self, graph: &ConstraintGraph, table: &BodyTable) -> FixedBitSet {
-        let mut awake = FixedBitSet::with_capacity(self.partition.ids());
+    pub(super) fn find_awake(&mut self, graph: &ConstraintGraph, table: &BodyTable) -> FixedBitSet {
+        let mut awake = std::mem::take(&mut self.awake);
+        awake.clear();
+        awake.grow(self.partition.ids());
         let mut wake = |slot: u32| {
             if let Some(island) = self.partition.id(slot) {
                 awake.insert(island as usize);
@@ -112,7 +114,9 @@ impl Islands {
 
     /// Finds who may go to rest: islands that sleep, and what stands still.
     pub(super) fn find_deactivation(&mut self, table: &BodyTable, awake: &FixedBitSet) {
-        let mut restless = awake.clone();
+        let mut restless = std::mem::take(&mut self.restless);
+        restless.clear();
+        restless.union_with(awake);
         for (slot, body) in table.active() {
             let may_rest = body.may_rest();
             match self.partition.id(slot) {
@@ -127,6 +131,7 @@ impl Islands {
                 self.deactivation.bodies.push((slot, body.entity));
             }
         }
+        self.restless = restless;
     }
 }
 

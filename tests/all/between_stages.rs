@@ -58,12 +58,14 @@ struct Stranger;
 #[derive(Resource)]
 struct Dice(fastrand::Rng);
 
+type BodyOrPair = Or<(With<ContactPair>, With<RigidBody>)>;
+
 /// A marker goes on some pairs and bodies and off others once in a while, which takes them into other tables; and what is no body comes and
 /// goes. (In steps between, all that is kept from step to step is kept.)
 fn mark(
     mut commands: Commands,
     mut dice: ResMut<Dice>,
-    all: Query<(Entity, Has<Marked>), Or<(With<ContactPair>, With<RigidBody>)>>,
+    all: Query<(Entity, Has<Marked>), BodyOrPair>,
     strangers: Query<Entity, With<Stranger>>,
 ) {
     if dice.0.u8(0..6) > 0 {

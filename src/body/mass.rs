@@ -8,7 +8,8 @@ use bevy_ecs::world::DeferredWorld;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Mat3, Quat, Vec3};
 
-/// Density of a body's material, kg/m³. Default: 1000. A dynamic body whose density is not finite and positive is quarantined.
+/// Density of a body's material, kg/m³. Default: 1000. A dynamic body whose density is not finite and positive is
+/// [quarantined](super::Quarantined).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
@@ -19,7 +20,8 @@ impl Density {
     pub const DEFAULT: f32 = 1000.0;
 }
 
-/// Sets the mass of a body by hand, kg. Its inertia is scaled in proportion unless [`AngularInertia`] is set too.
+/// Sets the mass of a body by hand, kg. Its inertia is scaled in proportion unless [`AngularInertia`] is set too. A dynamic body whose mass is
+/// not within [`limits`] is [quarantined](super::Quarantined).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]

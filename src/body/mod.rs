@@ -3,6 +3,9 @@
 //! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it can touch other bodies. All other
 //! components are added with their defaults. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
 //! [`prepare`] fills it once a step.
+//!
+//! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part in
+//! the simulation until the value is corrected.
 
 mod complete;
 mod describe;
@@ -109,7 +112,7 @@ body_properties! {
     }
 }
 
-/// Position and orientation of a body in the world.
+/// Position and orientation of a body in the world. Default: the origin, without rotation.
 ///
 /// Drystone owns this component. A step reads the [`Transform`] if the user changed it, and writes the new pose back to it at the end. Inside
 /// the physics schedule use `Pose` rather than `Transform`.
@@ -173,7 +176,7 @@ impl Pose {
     }
 }
 
-/// Linear and angular velocity of a body.
+/// Linear and angular velocity of a body. Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]

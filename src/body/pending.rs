@@ -18,7 +18,7 @@ use bevy_transform::components::Transform;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhWorkspace};
 
-/// The tree is rebuilt after one in this many of its boxes was changed.
+/// The tree is refitted and optimized after one in this many of its boxes was changed.
 const TIDY: usize = 16;
 
 /// The bodies that differ from those of the [`BodyTable`]: spawned, moved or changed since the last step.

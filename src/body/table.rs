@@ -144,8 +144,8 @@ impl BodyState {
         };
     }
 
-    /// Characteristic size of the face towards a direction (world axes), m. Like [`Self::size`], but the thickness of the body behind that
-    /// face does not count.
+    /// Characteristic size of the face towards a direction (world axes), m. It is like that of the body, but the thickness of the body behind
+    /// that face does not count.
     #[inline]
     pub fn face_size(&self, direction: Vec3) -> f32 {
         let towards = (self.pose.rotation.inverse() * direction).abs();

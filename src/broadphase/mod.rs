@@ -23,7 +23,7 @@ const FAT: f32 = 0.05;
 /// Number of steps of a body's motion that its box in the tree contains.
 const AHEAD: f32 = 2.0;
 
-/// The tree is rebalanced after one in this many of its boxes was changed. The cost of rebalancing is proportional to the number of boxes.
+/// The tree is refitted and optimized after one in this many of its boxes was changed. The cost is proportional to the number of boxes.
 const TIDY: usize = 16;
 
 /// The tree, and the overlaps that were found in it.
@@ -37,7 +37,7 @@ pub struct Broadphase {
     unbounded: Vec<u32>,
     /// The changes of this step, until the pairs are updated.
     pub(crate) found: Found,
-    /// Number of boxes that were changed since the tree was last rebalanced.
+    /// Number of boxes that were changed since the tree was last refitted.
     untidy: usize,
     /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
     escaped_aabb: Vec<u32>,

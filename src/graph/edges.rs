@@ -288,7 +288,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     #[test]
-    fn lists_are_those_of_the_edges_there_and_links_come_first() {
+    fn lists_match_the_edges_and_links_come_first() {
         let mut rng = fastrand::Rng::with_seed(3);
         let mut graph = ConstraintGraph::default();
         let mut expected: BTreeMap<[u32; 2], (u32, Entity, bool)> = BTreeMap::new();
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn changes_are_written_down_once() {
+    fn changes_are_recorded_once() {
         let mut graph = ConstraintGraph::default();
         let edge = graph.insert(EdgeKind::Contact, [0, 1]).unwrap();
         let entity = Entity::from_raw_u32(7).unwrap();

@@ -386,7 +386,7 @@ impl ConstraintGraph {
             if !pair.slots.iter().all(|&slot| table.is_inactive(slot)) {
                 return false;
             }
-            // All contact events of a step are sent only by its end.
+            // Contact events are sent at the end of a whole step, so a pair may become inactive only in the first substep of the next.
             let settled = pair.idle && time.substep == 0;
             if settled {
                 idle.push((entity, pair.slots));

@@ -2,7 +2,7 @@
 //!
 //! A sweep of the solver passes loads from body to body. A sweep from the ground up carries them through a whole structure; a sweep from the
 //! top down lets everything fall. So contacts are swept by the level of support of their bodies, and within a level in spawn order. This order
-//! depends on how the bodies are stacked, not on how they were spawned, and it keeps bodies that touch near each other in memory (Cuthill and
+//! depends on how the bodies are stacked, not on how they were spawned, and it keeps bodies that touch near each other in the order (Cuthill and
 //! McKee 1969 number the unknowns of a sparse matrix by levels for the same reason).
 //!
 //! Invariant, after every update: a static or kinematic body has level 0. The level of a dynamic body is one more than the lowest level among

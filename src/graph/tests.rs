@@ -201,7 +201,7 @@ impl Site {
 }
 
 #[test]
-fn islands_and_levels_are_what_a_search_through_the_whole_graph_finds() {
+fn islands_and_levels_match_a_search_through_the_whole_graph() {
     for seed in 0..60 {
         let mut rng = Rng::with_seed(seed);
         let mut site = Site::default();

@@ -24,7 +24,8 @@ const STILL: f32 = 0.25;
 const HARDLY: f32 = 0.4;
 
 /// Before the time [`STILL`] has passed, the full share [`HARDLY`] holds for a body whose speed is below this multiple of that in the step
-/// before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies away with some mm/s, and a quarter less in each step.
+/// before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies away with
+/// some mm/s, and a quarter less in each step.
 const FADES: f32 = 0.9;
 
 /// A copy of part of a world, which can be stepped on its own and sent to another thread.
@@ -70,7 +71,8 @@ struct Copied {
 }
 
 impl Shadow {
-    /// Copies the structures that an edit affects and the bodies within their size of them, and applies the edit to the copy.
+    /// Copies the structures that an edit affects, and the bodies near them, and applies the edit to the copy. A body is near if it is not
+    /// farther away than the structures are large.
     ///
     /// # Errors
     /// As [`preview`](super::preview()).
@@ -109,7 +111,8 @@ impl Shadow {
         }
     }
 
-    /// Copies the structures that some bodies belong to, and the bodies within their size of them.
+    /// Copies the structures that some bodies belong to, and the bodies near them. A body is near if it is not farther away than the
+    /// structures are large.
     ///
     /// # Errors
     /// [`PreviewError::NotABody`] if one of them is not a body.
@@ -128,15 +131,15 @@ impl Shadow {
         &mut self.world
     }
 
-    /// The world of the copies, to step it yourself.
+    /// The world of the copies, for your own steps.
     pub fn into_world(self) -> World {
         self.world
     }
 
-    /// Takes steps until everything is at rest or [`PreviewSettings::max_time`] is over.
+    /// Takes steps until all bodies are at rest or [`PreviewSettings::max_time`] is over.
     ///
-    /// If nothing has begun to move after a few steps, the world counts as at rest: a falling body reaches in one step a speed that a
-    /// resting one may have after a quarter of a second.
+    /// If no body has begun to move after a few steps, the world counts as at rest: in one step a falling body reaches a speed that a body at
+    /// rest may have after a quarter of a second.
     ///
     /// # Errors
     /// [`PreviewError::InvalidSettings`] if the settings are invalid.
@@ -159,7 +162,7 @@ impl Shadow {
                 if *kind != RigidBody::Dynamic || sleeping.asleep {
                     continue;
                 }
-                // Bodies that were awake before the edit may have been still for long already.
+                // Bodies that were awake before the edit may have been still for a long time already.
                 let lies = passed >= STILL && sleeping.still_for >= STILL;
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {

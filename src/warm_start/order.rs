@@ -359,7 +359,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn items_come_to_their_places() {
+    fn items_move_to_their_places() {
         let mut places = [3, 0, 2, 4, 1];
         let mut items = places;
         put_in_place(&mut items, &mut places);

@@ -1,8 +1,8 @@
-//! The time of every system, always recorded: a pair of clock readings costs 50 ns. For Tracy, Perfetto and the like every system is a
-//! span of `tracing` besides, named `stage`.
+//! The time that every system takes. It is always recorded, since a pair of clock readings costs 50 ns. For Tracy, Perfetto and similar tools
+//! every system is also a span of `tracing` with the name `stage`.
 //!
-//! [`timed`] wraps a system; drystone's own are all wrapped by its [plugins](crate::DrystonePlugins), under the names of their stages, and a
-//! user's system is shown beside them when it is wrapped too. With several substeps a step's time is their sum.
+//! [`timed`] wraps a system. The [plugins](crate::DrystonePlugins) wrap all of drystone's own systems, under the names of their stages. Wrap
+//! your own systems to list them, too. With several substeps the time of a step is their sum.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{Adapt, IntoAdapterSystem, RunSystemError, System, SystemIn};
@@ -11,12 +11,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// How long each system took in the last step, in the order in which they were added.
+/// The time that each system took in the last step, in the order in which the systems were added.
 #[derive(Resource, Clone, Default)]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
     parts: Arc<PartClocks>,
-    /// The whole of the last step.
+    /// Time of the whole last step.
     pub step: Duration,
 }
 
@@ -56,16 +56,16 @@ pub(crate) enum SolvePart {
     Store,
 }
 
-/// How long the parts of the stages *warm start* and *solve* took in the last step.
+/// The times of the parts of the stages *warm start* and *solve* in the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolveParts {
-    /// In *warm start*: bringing the problems of islands up to date, or making them anew.
+    /// In *warm start*: updating the problems of islands, or building them anew.
     pub refresh: Duration,
-    /// In *warm start*: giving them the impulses to start from.
+    /// In *warm start*: setting the impulses to start from.
     pub warm_start: Duration,
-    /// In *solve*: in the solver. Soft Step has spans of `tracing` for what it does there: `refresh`, `sweeps` and `store`.
+    /// In *solve*: the solver. Soft Step has spans of `tracing` for its parts: `refresh`, `sweeps` and `store`.
     pub sweeps: Duration,
-    /// In *solve*: giving impulses and velocities back to components.
+    /// In *solve*: writing impulses and velocities to components.
     pub store: Duration,
 }
 
@@ -98,7 +98,7 @@ impl Profile {
         }
     }
 
-    /// So much time more was spent on a part.
+    /// Adds to the time of a part.
     pub(crate) fn add_part(&self, part: SolvePart, spent: Duration) {
         self.parts.0[part as usize].add(spent);
     }
@@ -127,7 +127,7 @@ impl Profile {
     }
 }
 
-/// Times the system it wraps. See [`Profile::clock`].
+/// A wrapper that times a system. See [`Profile::clock`].
 #[derive(Clone)]
 pub struct Timed(Arc<Clock>);
 

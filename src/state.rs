@@ -1,10 +1,10 @@
-//! The state of a world: the components and resources that decide how the simulation goes on, on one list.
+//! The state of a world: the list of components and resources that determine how the simulation continues.
 //!
-//! Whoever copies all of them into another world, with entities mapped, can go on there to the same bits. The table in `docs/data-flow.md`
-//! says what each is and who writes it. Everything else is derived from these or has no effect on the simulation: scratch memory, times,
-//! reports, and messages that wait to be read.
+//! If all of them are copied into another world, with entities mapped, the simulation there continues with bitwise equal results. The table in
+//! `docs/data-flow.md` says what each is and which stage writes it. All other data is derived from these or has no effect on the simulation:
+//! scratch memory, times, reports, and unread messages.
 //!
-//! Where a component or resource names entities, [`Component::map_entities`] maps them.
+//! Components and resources that refer to entities map them with [`Component::map_entities`].
 //!
 //! The list is read with a [`Visitor`].
 
@@ -30,32 +30,33 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Is shown each type on the list.
+/// A visitor of the types on the list.
 pub trait Visitor {
     /// A component that is part of the state.
     fn component<T: Component + Clone>(&mut self);
 
-    /// A resource that is part of the state. Those of plugins that were not added are missing in the world.
+    /// A resource that is part of the state. It is missing in the world if its plugin was not added.
     fn resource<T: Resource + Clone>(&mut self);
 
-    /// A resource that is derived from the state, and must not outlive it: whoever replaces the state puts the default in its place.
+    /// A resource that is derived from the state. Code that replaces the state must reset it to its default.
     fn derived<T: Resource + Default>(&mut self);
 }
 
-/// Shows a visitor the list. Components come before resources: some components count, as they are inserted, what a resource says.
+/// Passes every type on the list to a visitor. Components come before resources, because inserting some components changes counters in
+/// resources.
 pub fn visit(visitor: &mut impl Visitor) {
     macro_rules! list {
         ($method:ident: $($type:ty),+ $(,)?) => {
             $(visitor.$method::<$type>();)+
         };
     }
-    // Of bodies, as users and stages write them.
+    // Of bodies, written by users and stages.
     body::visit(visitor);
     list!(component: Inactive, Quarantined, Teleport, HandForce, HeldBy);
     list!(component: ContactForceEvents, Load, Watch, Stands);
     // Of hands.
     list!(component: Grasp, Hand);
-    // Of anything: Bevy's, as far as drystone reads them.
+    // Of any entity: components of Bevy that drystone reads.
     list!(component: Transform, ChildOf, Name, Disabled);
     // Of pairs.
     list!(component: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
@@ -69,8 +70,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(derived: Pending, IslandProblems);
 }
 
-/// A number that no version of anything has had. What is derived from a version of something is not taken for that of another one, not even
-/// where one world's state was copied over another's.
+/// A version number that has not been used before in this process. So data that is derived from one version is never taken for data of
+/// another, not even after the state of one world was copied over that of another.
 pub(crate) fn next_version() -> u64 {
     static LAST: AtomicU64 = AtomicU64::new(0);
     LAST.fetch_add(1, Ordering::Relaxed) + 1

@@ -1,10 +1,10 @@
-//! Part of the stage *prepare*: puts components back that every body must have and that somebody took off.
+//! Part of the stage *prepare*: restores components that every body must have if the user removed them.
 
 use super::{Incomplete, Pose, essentials, local_pose};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 
-/// Puts back what bodies lack. A body that lost its `Transform` gets that of its pose.
+/// Restores missing components with their defaults. A body without `Transform` gets that of its pose.
 pub fn complete(
     mut commands: Commands,
     incomplete: Query<(Entity, Option<&Pose>, Option<&ChildOf>), Incomplete>,

@@ -1,14 +1,14 @@
-//! Copies what seldom changes about a body into the table: kind, shape, mass, surface, layers.
+//! Copies the rarely changed properties of a body into the table: kind, shape, mass, surface, layers.
 
 use super::{BodyState, DescribedItem, MassProperties, RigidBody, limits};
 use crate::collider::Collider;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
 
-/// Copies what was written into the table. Values that are the same as before change nothing.
+/// Copies the description of a body into its table entry. Values that are the same as before change nothing.
 ///
 /// # Errors
-/// What is wrong with it; the body is then as before.
+/// If the description is invalid. The table entry is then unchanged.
 pub(super) fn describe(
     body: &mut BodyState,
     mut described: DescribedItem,
@@ -49,7 +49,7 @@ pub(super) fn describe(
         _ => false,
     };
     body.events = events.is_some();
-    // It may have been taken off, and put back as nothing.
+    // The component may have been removed, and restored with zeros.
     properties.set_if_neq(computed);
     let same = same_shape && (body.kind, body.mass) == (kind, computed) && body.properties == kept;
     if same && !body.arrived {

@@ -1,4 +1,4 @@
-//! Forces other than those of contacts, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
+//! External forces, gravity scale and damping of a body, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
 use super::{
     BodyIndex, BodyProperty, BodyState, BodyTable, Inactive, MassProperties, Pose, Quarantined,
@@ -10,57 +10,58 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
-/// Force and torque that act in every step until they are changed, in N and N·m, world axes, at the centre of mass; zero by default.
+/// A constant force (N) and torque (N·m) at the centre of mass, in world axes. They act in every step until they are changed. Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct ExternalForce {
-    /// N
+    /// Force, N.
     pub force: Vec3,
-    /// N·m
+    /// Torque, N·m.
     pub torque: Vec3,
 }
 
 impl ExternalForce {
-    /// Adds a force that acts at `arm` from the centre of mass (world axes, m).
+    /// Adds a force (N) that acts at `arm` from the centre of mass (m, world axes).
     pub fn add_at(&mut self, force: Vec3, arm: Vec3) {
         self.force += force;
         self.torque += arm.cross(force);
     }
 }
 
-/// An impulse that acts in the next step, in N·s and N·m·s, world axes, at the centre of mass. The step sets it to zero.
+/// An impulse (N·s) and angular impulse (N·m·s) at the centre of mass, in world axes. They act in the next step, which sets them to zero.
+/// Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]
 pub struct ExternalImpulse {
-    /// N·s
+    /// Impulse, N·s.
     pub linear: Vec3,
-    /// N·m·s
+    /// Angular impulse, N·m·s.
     pub angular: Vec3,
 }
 
 impl ExternalImpulse {
-    /// Adds an impulse that acts at `arm` from the centre of mass (world axes, m).
+    /// Adds an impulse (N·s) that acts at `arm` from the centre of mass (m, world axes).
     pub fn add_at(&mut self, impulse: Vec3, arm: Vec3) {
         self.linear += impulse;
         self.angular += arm.cross(impulse);
     }
 }
 
-/// Viscous damping, 1/s: a body left alone loses this fraction of its speed a second (applied implicitly, so it is
-/// stable for any value). None by default.
+/// Viscous damping, 1/s: the share of its speed that a free body loses in a second. It is applied implicitly, v / (1 + c Δt), and is stable
+/// for any value. Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]
 pub struct Damping {
-    /// Of the linear velocity, 1/s.
+    /// Damping of the linear velocity, 1/s.
     pub linear: f32,
-    /// Of the angular velocity, 1/s.
+    /// Damping of the angular velocity, 1/s.
     pub angular: f32,
 }
 
-/// Multiplies [`Gravity`] for one body; 1 by default.
+/// Factor on [`Gravity`] for one body, without unit. Default: 1.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
@@ -89,7 +90,7 @@ impl BodyProperty for GravityScale {
 }
 
 impl Damping {
-    /// True where both are what they may be.
+    /// Returns true if both values are finite, not negative, and not above [`limits::DAMPING`].
     pub fn is_valid(&self) -> bool {
         [self.linear, self.angular]
             .into_iter()
@@ -97,10 +98,10 @@ impl Damping {
     }
 }
 
-/// The stage **forces**: gravity, external forces and impulses, damping.
+/// The stage **forces**: applies gravity, external forces and impulses, and damping.
 ///
-/// It comes after the normal correction, which must see the velocities before it ([`crate::stabilization::normal`]). A body that
-/// forces make faster than anything may be is left as it was, and quarantined before anything is solved.
+/// It runs after the normal correction, which needs the velocities before forces ([`crate::stabilization::normal`]). A body that forces would
+/// make faster than [`limits::SPEED`] or [`limits::SPIN`] keeps its velocity, and is quarantined before the solve.
 pub fn forces(
     (time, gravity, speeds): (Res<StepTime>, Res<Gravity>, Res<SpeedLimits>),
     table: Res<BodyTable>,
@@ -151,7 +152,7 @@ pub fn forces(
 }
 
 impl Velocity {
-    /// What gravity (m/s²) and a steady force make of it in `dt` s.
+    /// Adds the effect of gravity (m/s²) and of a constant force over `dt` s.
     #[inline]
     pub(crate) fn push(
         &mut self,
@@ -169,7 +170,7 @@ impl Velocity {
     }
 }
 
-/// The angular velocity that a moment gives, world axes.
+/// The change of angular velocity by an angular impulse, world axes.
 fn turned(mass: &MassProperties, rotation: Quat, moment: Vec3) -> Vec3 {
     match moment {
         Vec3::ZERO => Vec3::ZERO,

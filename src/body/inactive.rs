@@ -1,9 +1,9 @@
-//! Inactive bodies: those that sleep or stand still. Pairs of two resting bodies rest, too. The queries of the stages leave them out
-//! (`Without<Inactive>`), so they cost no more than the search for components that somebody wrote.
+//! Inactive bodies: sleeping bodies, and static and kinematic bodies that stand still. A pair of two inactive bodies is inactive too. The
+//! queries of the stages skip them (`Without<Inactive>`), so their only cost is the search for components that the user wrote.
 //!
-//! Change ticks tell what a user wrote to a resting body: first those of whole columns (Bevy's summary ticks), then, in columns that have
-//! changed, those of rows. A hook reports resting bodies that were despawned. Those that left in another way, such as disabled ones, are
-//! found by counting: there must be as many as have been marked.
+//! Change ticks tell what a user wrote to an inactive body: first those of whole columns (Bevy's summary ticks), then, in columns that have
+//! changed, those of rows. A hook reports inactive bodies that were despawned. Bodies that left in another way, such as disabled ones, are
+//! found by comparing the number of inactive bodies with the number that has been marked.
 
 use super::placement::{Placed, user_pose};
 use super::{BodyIndex, BodyProperty, BodyTable, Pose, Quarantined, Written};
@@ -12,7 +12,7 @@ use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 
-/// Marks a body or a pair that no stage goes through, since nothing about it changes. A pair rests only if both of its bodies do.
+/// Marks a body or a pair that the stages skip because nothing about it changes. A pair is inactive only if both of its bodies are.
 #[derive(Component, Clone, Copy, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct Inactive(());
@@ -23,18 +23,18 @@ impl Inactive {
     }
 }
 
-/// A body that rests.
+/// Filter for inactive bodies.
 pub(super) type IsInactive = (With<Inactive>, Without<Quarantined>);
 
-/// The resting bodies, with the components that users may write.
+/// The inactive bodies, with the components that users may write.
 pub(super) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;
 
-/// The resting bodies whose `Transform` is in the frame of a parent.
+/// The inactive bodies whose `Transform` is in the frame of a parent.
 pub(super) type InactiveChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), IsInactive>;
 
-/// Finds resting bodies to which somebody wrote since the system ran last, and after `since` if that is later, once for each component.
-/// Values that the table has already do not count.
+/// Finds inactive bodies that were written since the system ran last, and after `since` if that is later; once for each component. Values that
+/// equal the table do not count.
 pub(super) fn find_written(
     table: &BodyTable,
     bodies: InactiveBodies,
@@ -49,7 +49,7 @@ pub(super) fn find_written(
             slots: columns.slot,
             since,
         };
-        // Of a child's frame `find_carried` knows.
+        // `find_carried` handles bodies in the frame of a parent.
         if columns.parent.is_none() {
             look_moved(
                 columns.entity,
@@ -63,7 +63,7 @@ pub(super) fn find_written(
     found
 }
 
-/// The bodies of a table of Bevy's.
+/// The bodies of one table of the ECS.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     table: &'a BodyTable,
@@ -73,7 +73,7 @@ pub(super) struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Finds the bodies whose row of a column was written with a value that the table does not know.
+    /// Finds the bodies whose row of a column was written with a value that differs from the table.
     pub(super) fn compare<T: BodyProperty>(
         self,
         column: ContiguousRef<T>,
@@ -95,9 +95,9 @@ impl Rows<'_> {
     }
 }
 
-/// Calls `written` with each row of a column that has been written, and what is there now.
+/// Calls `written` with the index and the value of each row of a column that has been written.
 fn look<T>(column: ContiguousRef<T>, since: Option<Tick>, mut written: impl FnMut(usize, &T)) {
-    /// Compared at once, by vector instructions where nothing was written.
+    /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
     const CHUNK: usize = 64;
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
     let last = since
@@ -120,8 +120,8 @@ fn look<T>(column: ContiguousRef<T>, since: Option<Tick>, mut written: impl FnMu
     }
 }
 
-/// Whose `Transform` has been written and is not where the body is. What interpolates writes all of them in every frame, and puts those that lie
-/// where they lie.
+/// Finds bodies whose `Transform` was written and differs from their pose. Interpolation writes the transforms of all bodies in every frame,
+/// but those of inactive bodies keep their value.
 fn look_moved(
     entities: &[Entity],
     poses: &[Pose],
@@ -140,7 +140,7 @@ fn look_moved(
     found.extend(moved.map(|((&entity, _), _)| entity));
 }
 
-/// Finds resting bodies whose parent was moved or replaced.
+/// Finds inactive bodies whose parent was moved or replaced.
 pub(super) fn find_carried(children: InactiveChildren, placed: Placed) -> Vec<Entity> {
     let moved = children.iter().filter(|(_, pose, transform, parent)| {
         user_pose((transform, Some(parent)), **pose, false, placed).is_some()

@@ -1,4 +1,4 @@
-//! Mass, inertia and centre of mass: from shape and density, or set by hand.
+//! Mass, inertia and centre of mass: computed from shape and density, or set by hand.
 
 use super::{BodyProperty, RigidBody, limits, table};
 use crate::collider::Collider;
@@ -8,35 +8,37 @@ use bevy_ecs::world::DeferredWorld;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Mat3, Quat, Vec3};
 
-/// Density of a body's material, kg/m³; 1000 by default.
+/// Density of a body's material, kg/m³. Default: 1000. A dynamic body whose density is not finite and positive is
+/// [quarantined](super::Quarantined).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct Density(pub f32);
 
 impl Density {
-    /// kg/m³, of bodies without a [`Density`] of their own.
+    /// Density of bodies without this component, kg/m³.
     pub const DEFAULT: f32 = 1000.0;
 }
 
-/// Sets a body's mass by hand, kg. Inertia follows it in proportion unless [`AngularInertia`] is set too.
+/// Sets the mass of a body by hand, kg. Its inertia is scaled in proportion unless [`AngularInertia`] is set too. A dynamic body whose mass is
+/// not within [`limits`] is [quarantined](super::Quarantined).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct Mass(pub f32);
 
-/// Sets a body's principal moments of inertia by hand, kg·m², about its centre of mass.
+/// Sets the principal moments of inertia of a body by hand, kg·m², about its centre of mass.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct AngularInertia {
-    /// About the three principal axes, kg·m².
+    /// Moments about the three principal axes, kg·m².
     pub principal: Vec3,
-    /// The rotation from the body's axes to the principal ones.
+    /// Rotation from the body's axes to the principal axes.
     pub local_frame: Quat,
 }
 
-/// Sets a body's centre of mass by hand, m, in the body's frame.
+/// Sets the centre of mass of a body by hand, m, in the body's frame.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
@@ -50,29 +52,29 @@ impl BodyProperty for AngularInertia {}
 
 impl BodyProperty for CenterOfMass {}
 
-/// What the solver needs to know of a body's inertia. Computed; set [`Density`], [`Mass`], [`AngularInertia`] or
-/// [`CenterOfMass`] to change it.
+/// Mass, centre of mass and inertia of a body, as the solver uses them. This component is computed: set [`Density`], [`Mass`],
+/// [`AngularInertia`] or [`CenterOfMass`] to change it.
 ///
-/// It is known as soon as a body, its shape or one of these is inserted. What is written in place or taken off counts from the next
-/// step or [`refresh`](crate::refresh()) on.
+/// It is up to date as soon as a body, its shape, or one of these components is inserted. Components that are changed in place or removed take
+/// effect in the next step or [`refresh`](crate::refresh()).
 ///
-/// As computed it is that of the *material*. Static and kinematic bodies keep theirs (so that they can become
-/// dynamic again) and enter the solver with zeros.
+/// The values are those of the *material*. Static and kinematic bodies keep theirs, so that they can become dynamic again, but the solver
+/// treats them as infinitely heavy.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_add = weigh, on_remove = table::lost_description)]
 pub struct MassProperties {
-    /// 1/kg
+    /// Inverse mass, 1/kg.
     pub inverse_mass: f32,
     /// Centre of mass in the body's frame, m.
     pub local_center: Vec3,
-    /// About the principal axes, 1/(kg·m²).
+    /// Inverse moments about the principal axes, 1/(kg·m²).
     pub inverse_inertia: Vec3,
-    /// The rotation from the body's axes to the principal ones.
+    /// Rotation from the body's axes to the principal axes.
     pub local_frame: Quat,
 }
 
-/// Whatever a body's inertia follows from is inserted: the hook of these components. Invalid input is left to the stage *prepare*.
+/// Hook of the components that mass properties depend on: recomputes them on insertion. The stage *prepare* validates the input.
 pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
     let body = world.entity(context.entity);
     let collider = body.get::<Collider>();
@@ -99,8 +101,8 @@ pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
 }
 
 impl MassProperties {
-    /// From a shape, and what was set by hand. Not finite or not positive where the input is bad: the stage
-    /// *prepare* checks. A body without a shape is a ball of 1 kg and 1 m across, for want of anything better.
+    /// Computes mass properties from a shape and the components set by hand. The result is not finite or not positive if the input is invalid;
+    /// the stage *prepare* checks that. A body without a shape counts as a ball of 1 kg and 1 m diameter.
     pub(crate) fn new(
         collider: Option<&Collider>,
         density: Option<&Density>,
@@ -110,7 +112,7 @@ impl MassProperties {
     ) -> Self {
         let density = density.map_or(Density::DEFAULT, |d| d.0);
         let unit = match collider {
-            // Unit density first: parry would hide a bad density behind its own guards against division by zero.
+            // With unit density first, because parry's guards against division by zero would hide an invalid density.
             Some(collider) => collider.mass_properties(),
             None => parry3d::mass_properties::MassProperties::new(
                 Vec3::ZERO,
@@ -140,12 +142,12 @@ impl MassProperties {
         }
     }
 
-    /// kg; infinite for a body that has none.
+    /// Mass, kg; infinite if the inverse mass is 0.
     pub fn mass(&self) -> f32 {
         self.inverse_mass.recip()
     }
 
-    /// True where a dynamic body with this bounding radius (m) can have it: every number finite, mass and moments positive and
+    /// Returns true if these are valid for a dynamic body with this bounding radius (m): every number finite, mass and moments positive and
     /// within [`limits`].
     pub fn is_valid(&self, radius: f32) -> bool {
         let masses = limits::HEAVIEST.recip()..=limits::LIGHTEST.recip();
@@ -158,10 +160,10 @@ impl MassProperties {
             && self.local_frame.is_normalized()
     }
 
-    /// The inverse inertia in world axes for a body with this orientation, 1/(kg·m²).
+    /// The inverse inertia in world axes of a body with this orientation, 1/(kg·m²).
     ///
-    /// Rounded to 2⁻²² of its greatest moment, half a bit more than it is known to anyway. What rests turns to and fro by a billionth of a
-    /// degree; so its inertia stays the same number, and nothing that was made of it must be made anew.
+    /// It is rounded to 2⁻²² of the largest inverse moment, half a bit more than its accuracy. Bodies at rest rotate to and fro by a billionth
+    /// of a degree; with the rounding their inertia stays bitwise equal, so values derived from it need not be computed anew.
     #[inline]
     pub fn world_inverse_inertia(&self, rotation: Quat) -> Mat3 {
         let i = self.inverse_inertia;

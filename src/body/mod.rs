@@ -1,8 +1,11 @@
-//! Bodies: the components that say what moves, how heavy it is and what pushes it.
+//! Bodies: the components that define kind, pose, velocity, mass, surface and applied forces of a body, and the table of all bodies.
 //!
-//! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it is to touch anything. All other
+//! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it can touch other bodies. All other
 //! components are added with their defaults. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
-//! [`prepare`] writes it once a step.
+//! [`prepare`] fills it once a step.
+//!
+//! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part in
+//! the simulation until the value is corrected.
 
 mod complete;
 mod describe;
@@ -51,19 +54,19 @@ use listed::{Changes, Described, DescribedItem, Incomplete, Written, essentials}
 use properties::body_properties;
 
 body_properties! {
-    /// Whether contacts move a body. It may be changed at any time.
+    /// The kind of a body: whether forces and contacts move it. It may be changed at any time.
     #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
     #[reflect(Component, Debug, Default)]
     #[component(summary_tick)]
     pub enum RigidBody {
-        /// Moved by forces and contacts.
+        /// Moved by forces and contacts. The default.
         #[default]
         Dynamic,
-        /// Infinitely heavy, and never moved by the simulation. A change of its `Transform` puts it elsewhere at once and carries nothing
+        /// Infinitely heavy, and never moved by the simulation. A change of its `Transform` moves it at once and does not carry other bodies
         /// along. Its [`Velocity`] is that of its surface, as on a conveyor belt.
         Static,
-        /// Moved by the user alone, and infinitely heavy to what it touches. It moves with its [`Velocity`], or to where its `Transform` is put:
-        /// for that step it has the velocity that takes it there, and carries what stands on it. See [`Teleport`].
+        /// Infinitely heavy, and moved only by the user: by its [`Velocity`], or by a change of its `Transform`. In the step after that change
+        /// it has the velocity that takes it to the new pose, and carries the bodies that stand on it. See [`Teleport`].
         Kinematic,
     }
 
@@ -96,23 +99,23 @@ body_properties! {
         events: ContactEvents,
     }
     kept {
-        /// Its surface.
+        /// Coefficient of friction of the surface.
         friction: Friction,
-        /// Its bounce.
+        /// Coefficient of restitution.
         restitution: Restitution,
-        /// What resists its rolling.
+        /// Rolling resistance.
         rolling: RollingFriction,
-        /// What it collides with.
+        /// Layers that the body is in, and layers that it collides with.
         layers: CollisionLayers,
         /// Bodies that it does not collide with.
         exceptions: CollisionExceptions,
     }
 }
 
-/// Position and orientation of a body in the world.
+/// Position and orientation of a body in the world. Default: the origin, without rotation.
 ///
-/// Drystone owns it: a step takes it from [`Transform`] where the user changed that, and writes it back at its end. Inside the physics
-/// schedule use it rather than `Transform`.
+/// Drystone owns this component. A step reads the [`Transform`] if the user changed it, and writes the new pose back to it at the end. Inside
+/// the physics schedule use `Pose` rather than `Transform`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]
@@ -145,7 +148,7 @@ impl Pose {
         self.rotation.inverse() * (world - self.position)
     }
 
-    /// True where every number is finite.
+    /// Returns true if every number is finite.
     #[inline]
     pub fn is_finite(&self) -> bool {
         self.position.is_finite() && self.rotation.is_finite()
@@ -160,7 +163,7 @@ impl Pose {
         self
     }
 
-    /// This pose in another's frame.
+    /// This pose in the frame of another.
     pub(crate) fn within(&self, frame: &Self) -> Self {
         Self {
             position: frame.inverse_transform_point(self.position),
@@ -173,7 +176,7 @@ impl Pose {
     }
 }
 
-/// Linear and angular velocity of a body.
+/// Linear and angular velocity of a body. Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(summary_tick)]
@@ -199,12 +202,12 @@ impl Velocity {
         self.linear + self.angular.cross(arm)
     }
 
-    /// True where every number is finite.
+    /// Returns true if every number is finite.
     pub fn is_finite(&self) -> bool {
         self.linear.is_finite() && self.angular.is_finite()
     }
 
-    /// True where every number is within [`limits`].
+    /// Returns true if every number is within [`limits`].
     #[inline]
     pub fn is_within_limits(&self) -> bool {
         limits::within(self.linear, limits::SPEED) && limits::within(self.angular, limits::SPIN)
@@ -220,7 +223,7 @@ impl BodyProperty for RigidBody {
 impl BodyProperty for Pose {}
 
 impl BodyProperty for Velocity {
-    /// A resting body stands still.
+    /// Inactive bodies have velocity zero.
     fn is_known(&self, _: &BodyState) -> bool {
         *self == Self::default()
     }

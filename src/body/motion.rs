@@ -1,35 +1,35 @@
-//! How a body moves over a step, where that is not Δt times its velocity at the end.
+//! The motion of a body over a step, if it is not Δt times the velocity at the end of the step.
 
 use super::Velocity;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// How a body moves over the current step. The stage *solve* writes it and *integration* reads it. A [`Velocity`] that is changed between
-/// the two is added.
+/// How a body moves over the current step. The stage *solve* writes it and *integration* reads it. A change of the [`Velocity`] between the
+/// two is added.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub enum Motion {
-    /// With its velocity.
+    /// The body moves with its velocity. The default.
     #[default]
     Steady,
-    /// On a parabola, in free flight: the body comes down with the energy with which it went up.
+    /// Free flight on a parabola, which conserves energy.
     Flight {
-        /// What gravity has added to its velocity in this step, m/s.
+        /// The velocity that gravity has added in this step, m/s.
         gained: Vec3,
     },
-    /// With a mean velocity, since its solver takes substeps, and corrections move bodies without giving them a velocity.
+    /// The body moves with a mean velocity, because its solver takes substeps and corrects positions without changing velocities.
     Mean {
-        /// Over the step.
+        /// The mean velocity over the step.
         mean: Velocity,
-        /// At its end, as the solver found it.
+        /// The velocity at the end of the step, as the solver computed it.
         end: Velocity,
     },
 }
 
 impl Motion {
-    /// The mean velocity over the step of a body that now has this one, if that is another.
+    /// The mean velocity over the step of a body whose velocity is now `velocity`. `None` if it is `velocity` itself, up to [`Self::lag`].
     #[inline]
     pub(crate) fn mean(&self, velocity: &Velocity) -> Option<Velocity> {
         match *self {
@@ -42,7 +42,7 @@ impl Motion {
         }
     }
 
-    /// How much slower than its velocity it moves on the whole, m/s.
+    /// The difference between the velocity at the end of the step and the mean velocity in free flight, m/s.
     #[inline]
     pub(crate) fn lag(&self) -> Vec3 {
         match *self {

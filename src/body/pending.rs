@@ -18,58 +18,58 @@ use bevy_transform::components::Transform;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhWorkspace};
 
-/// The tree is put in order when one in so many of its boxes was changed.
+/// The tree is refitted and optimized after one in this many of its boxes was changed.
 const TIDY: usize = 16;
 
 /// The bodies that differ from those of the [`BodyTable`]: spawned, moved or changed since the last step.
 #[derive(Resource, Default)]
 pub struct Pending {
-    /// The visit of *prepare* after which they differ.
+    /// The visit of *prepare* that they differ from.
     visit: u64,
-    /// `None` for a body that is again as the table has it.
+    /// `None` for a body that equals the table again.
     bodies: Vec<Option<BodyState>>,
     places: EntityHashMap<u32>,
-    /// By place.
+    /// The boxes, by index in `bodies`.
     tree: Bvh,
     workspace: BvhWorkspace,
     untidy: usize,
-    /// Places of half-spaces.
+    /// Indices of half-spaces.
     unbounded: Vec<u32>,
 }
 
 impl Pending {
-    /// True where bodies differ from the table, and were found since the last step.
+    /// Returns true if some bodies differ from the table, and were found since the last step.
     pub(crate) fn is_of(&self, table: &BodyTable) -> bool {
         !self.places.is_empty() && self.visit == table.visits()
     }
 
-    /// A body by its place.
+    /// A body by its index.
     pub(crate) fn get(&self, place: u32) -> Option<&BodyState> {
         self.bodies.get(place as usize)?.as_ref()
     }
 
-    /// The place of a body.
+    /// The index of a body.
     pub(crate) fn place_of(&self, body: Entity) -> Option<u32> {
         self.places.get(&body).copied()
     }
 
-    /// A body as the next step will find it, if it differs from that of the table.
+    /// The body as the next step will find it, or `None` if it equals that of the table.
     pub(crate) fn body(&self, body: Entity) -> Option<&BodyState> {
         self.get(self.place_of(body)?)
     }
 
-    /// Bodies whose boxes meet another.
+    /// Bodies whose boxes intersect a box.
     pub(crate) fn near(&self, aabb: &Aabb) -> Vec<&BodyState> {
         let places = self.tree.intersect_aabb(aabb);
         places.filter_map(|place| self.get(place)).collect()
     }
 
-    /// The boxes of the bodies that have one, by place.
+    /// The boxes of the bodies that have one, by index.
     pub(crate) fn tree(&self) -> &Bvh {
         &self.tree
     }
 
-    /// Places of bodies that have a shape without end.
+    /// Indices of bodies with unbounded shapes.
     pub(crate) fn unbounded(&self) -> &[u32] {
         &self.unbounded
     }
@@ -103,7 +103,7 @@ impl Pending {
         self.bodies[place as usize] = Some(body);
     }
 
-    /// Removes a body that is as the table has it.
+    /// Removes a body that equals the table again.
     fn remove(&mut self, body: Entity) {
         if let Some(place) = self.places.remove(&body) {
             self.forget_shape(place);
@@ -140,8 +140,7 @@ type Sound = (With<RigidBody>, Without<Quarantined>);
 
 type Active = (Sound, Without<Inactive>);
 
-/// The refresh: finds the bodies that differ from those of the table, and brings their
-/// [`MassProperties`](super::MassProperties) up to date.
+/// Finds the bodies that differ from those of the table, and updates their [`MassProperties`](super::MassProperties).
 pub fn refresh(
     mut pending: ResMut<Pending>,
     table: Res<BodyTable>,
@@ -172,14 +171,14 @@ pub fn refresh(
             found.push((spawn_order, entity));
         }
     }
-    // One that rests and was carried off by its parent may have been carried back since.
+    // An inactive body that its parent moved may have been moved back since.
     let known = pending.places.keys().copied();
     let known: Vec<Entity> = known.filter(|body| !active.contains(*body)).collect();
     let resting = written.iter().copied();
     let resting = resting.filter(|body| !active.contains(*body)).chain(known);
     let resting: EntityHashSet = resting.chain(find_carried(children, placed)).collect();
     found.extend(resting.into_iter().map(|body| (SpawnOrder::NONE, body)));
-    // The order in which *prepare* takes them.
+    // The order in which *prepare* visits them.
     found.sort_unstable_by_key(|(spawn_order, entity)| {
         (
             *spawn_order,
@@ -208,7 +207,7 @@ pub fn refresh(
         let is_sound =
             body.pose.is_finite() && limits::within(body.pose.position, limits::POSITION);
         if !is_sound || describe(&mut body, description).is_err() {
-            // The next step will quarantine it.
+            // The next step will quarantine the body.
             body.collider = None;
             body.renewed = true;
         }
@@ -221,7 +220,7 @@ pub fn refresh(
     pending.tidy();
 }
 
-/// Where a user has put a body since the last step.
+/// The pose that a user gave a body since the last step, if it was moved.
 fn moved_to(
     held: Option<&BodyState>,
     pose: Pose,
@@ -235,9 +234,9 @@ fn moved_to(
     }
 }
 
-/// Interpolation draws a body between its last two poses, which does not move it.
+/// Returns true if a transform lies between the last two poses of a body. Interpolation writes such transforms; they do not move the body.
 fn is_between(drawn: &Pose, before: &Pose, now: &Pose) -> bool {
-    /// As a share of the way, and of coordinates.
+    /// Relative rounding error of distances and coordinates.
     const ROUNDING: f32 = 1e-6;
     let detour = |way: f32, there: f32, on: f32, rounding: f32| there + on <= way + rounding;
     let position = |a: &Pose, b: &Pose| a.position.distance(b.position);

@@ -1,4 +1,5 @@
-//! From `Transform` to pose and back: where a user put a body, its frame, and the velocity of a kinematic body that is moved by it.
+//! Conversion between `Transform` and pose: the pose that a user set, its frame, and the velocity of a kinematic body that is moved by its
+//! `Transform`.
 
 use super::{BodyState, Pose, Velocity};
 use crate::settings::{SpeedLimits, StepTime};
@@ -7,20 +8,20 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::Vec3;
 
-/// Makes a change of `Transform` put a kinematic body elsewhere at once: it gets no velocity from it and carries nothing along. The next
-/// step removes this component.
+/// Marks a kinematic body whose change of `Transform` moves it at once: it gets no velocity from the change and does not carry other bodies
+/// along. The next step removes this component.
 ///
-/// Other bodies are always put where their `Transform` says at once. So is a kinematic body that would be faster than
+/// Bodies of other kinds are always moved at once. So is a kinematic body that would be faster than
 /// [`SpeedLimits`](crate::settings::SpeedLimits) allows.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(storage = "SparseSet")]
 pub struct Teleport;
 
-/// The transforms of bodies and of what stands above them.
+/// The transforms of bodies and of their ancestors.
 pub(super) type Placed<'w, 's> = Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>;
 
-/// The pose a user gave the body through `Transform` (or, for a new body, through `Pose`), if it was moved. What moves a
+/// The pose that the user gave the body through `Transform` (or, for a new body, through `Pose`), if the body was moved. A change of a
 /// parent's `Transform` between two steps moves the body too.
 pub(super) fn user_pose(
     (transform, parent): (&Transform, Option<&ChildOf>),
@@ -29,11 +30,11 @@ pub(super) fn user_pose(
     placed: Query<(&Transform, Option<&ChildOf>)>,
 ) -> Option<Pose> {
     let stays = if new {
-        // A pose set by hand counts where the transform was left alone.
+        // A `Pose` set by hand counts if the transform still has its default.
         *transform == Transform::IDENTITY && pose != Pose::default() && pose.is_finite()
     } else {
-        // To the bit: the same sum as at the end of the last step, from the same numbers where nobody touched them. How far
-        // its own or a parent's frame is from the origin does not matter then.
+        // The comparison is exact: an unchanged transform gives the same sum of the same numbers as at the end of the last step. Rounding far
+        // from the origin therefore does not matter.
         let local = local_pose(pose, parent, placed);
         (local.position, local.rotation) == (transform.translation, transform.rotation)
     };
@@ -53,7 +54,7 @@ pub(super) fn user_pose(
     })
 }
 
-/// A pose in its parent's frame, or as it is where there is none.
+/// A pose in the frame of its parent, or unchanged if there is no parent.
 pub(crate) fn local_pose(
     pose: Pose,
     parent: Option<&ChildOf>,
@@ -71,8 +72,8 @@ pub(crate) fn local_pose(
 }
 
 impl BodyState {
-    /// Sends a kinematic body to where its `Transform` is: it has the velocity that takes it there by the end of the step. False where
-    /// it would be too fast, or stands nowhere.
+    /// Sends a kinematic body to the pose of its `Transform`: gives it the velocity that takes it there by the end of the step. Returns false
+    /// if it would be too fast, or if its pose is invalid.
     pub(super) fn send(
         &mut self,
         from: Pose,
@@ -82,7 +83,7 @@ impl BodyState {
         speeds: &SpeedLimits,
     ) -> bool {
         let way = velocity_between(&from, &to, self.mass.local_center, time.whole());
-        // Nobody goes anywhere from a `Pose` that somebody wrote and that is none.
+        // The user may have written an invalid `Pose`.
         let goes = from.is_finite() && from.rotation.is_normalized() && speeds.allow(&way);
         if goes {
             self.target = Some(to);
@@ -92,10 +93,10 @@ impl BodyState {
     }
 }
 
-/// The velocity that takes a body from one pose to another in `dt` s; `center` is its centre of mass in its frame.
+/// The velocity that takes a body from one pose to another in `dt` s. `center` is its centre of mass in its frame, m.
 fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
     let turn = to.rotation * from.rotation.inverse();
-    // The shorter way round.
+    // Of the two rotations to the same orientation, the shorter one.
     let turn = if turn.w < 0.0 { -turn } else { turn };
     Velocity {
         linear: (to.transform_point(center) - from.transform_point(center)) / dt,

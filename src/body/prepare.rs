@@ -1,4 +1,4 @@
-//! The stage **prepare**: reads what the user changed, checks it, and fills the [`BodyTable`].
+//! The stage **prepare**: reads the user's changes, validates them, and fills the [`BodyTable`].
 
 use super::describe::describe;
 use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
@@ -18,7 +18,7 @@ use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 use glam::Vec3;
 
-/// What a query finds.
+/// The item of a query.
 type Item<'w, 's, D> = <D as QueryData>::Item<'w, 's>;
 
 type Moving<'w> = (
@@ -30,7 +30,7 @@ type Moving<'w> = (
     Pushed<'w>,
 );
 
-/// What pushes a body. A body may lack any of it.
+/// The components that accelerate a body. Each of them is optional.
 pub(super) type Pushed<'w> = (
     Option<&'w ExternalForce>,
     Option<&'w ExternalImpulse>,
@@ -39,7 +39,7 @@ pub(super) type Pushed<'w> = (
     Option<&'w Grab>,
 );
 
-/// Reads what users changed, checks it, and fills the [`BodyTable`].
+/// Reads the user's changes, validates them, and fills the [`BodyTable`].
 pub fn prepare(
     mut commands: Commands,
     (mut table, mut suspects): (ResMut<BodyTable>, ResMut<Suspects>),
@@ -92,7 +92,7 @@ pub fn prepare(
             joining.extend(visitor.visit(body, &mut described, placed));
         }
     }
-    // One that rested and is to join again is counted still, and would stand for another that has left.
+    // An inactive body that is about to join again is still counted, and would hide that another one has left.
     let recount = joining.len() > known || bodies.p1().count() != table.inactive_count();
     leave(
         &mut table,
@@ -100,8 +100,8 @@ pub fn prepare(
         visit,
         recount.then(|| bodies.p1()),
     );
-    // Those that came before there was anybody to stamp them, in the order in which they were spawned. By index, since `Entity`'s
-    // own order runs backwards.
+    // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is the
+    // reverse of the order of spawning.
     joining.sort_unstable_by_key(|(spawn_order, entity)| {
         (
             *spawn_order,
@@ -130,7 +130,7 @@ pub fn prepare(
             Ok(()) => {
                 let gains = gains(&body, pushed, &rules);
                 body.set_velocity(*velocity, gains, rules.time.dt);
-                // Spawned asleep it sleeps on; what comes back after it was disabled does not.
+                // A body that is spawned asleep stays asleep; a body that was disabled and enabled again wakes.
                 body.asleep = of.3.asleep && body.is_dynamic();
                 body.disturbed = is_disturbed(&velocity, pushed) || *index != BodyIndex::NONE;
                 *index.bypass_change_detection() = table.insert(body);
@@ -140,7 +140,7 @@ pub fn prepare(
     }
 }
 
-/// The settings of a visit.
+/// The settings that a visit reads.
 #[derive(SystemParam)]
 pub struct Rules<'w> {
     time: Res<'w, StepTime>,
@@ -149,19 +149,19 @@ pub struct Rules<'w> {
     ticks: SystemChangeTick,
 }
 
-/// Visits body after body.
+/// Visits the bodies one by one.
 struct Visitor<'a, 'w, 's> {
     commands: &'a mut Commands<'w, 's>,
     table: &'a mut BodyTable,
     suspects: &'a mut Suspects,
     rules: &'a Rules<'a>,
     visit: u64,
-    /// Whose description has been written, of those that do not rest.
+    /// Active bodies whose description was written.
     changed: &'a EntityHashSet,
 }
 
 impl Visitor<'_, '_, '_> {
-    /// Brings the table's state of a body up to date. Of a body that is not in the table yet it returns spawn order and entity.
+    /// Updates the state of a body in the table. Returns spawn order and entity of a body that is not in the table yet.
     fn visit(
         &mut self,
         (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
@@ -187,13 +187,13 @@ impl Visitor<'_, '_, '_> {
         let Some(body) = body.filter(|body| body.spawn_order == *spawn_order) else {
             *pose = goes_to;
             self.commands.entity(entity).try_remove::<Inactive>();
-            // It may be another's by now, and is another's as soon as it is older or younger than it was.
+            // The slot may belong to another body by now. If only the spawn order changed, the body gets a new slot.
             self.table.remove(entity, *index);
             return Some((*spawn_order, entity));
         };
         body.visited = self.visit;
         body.put_from = None;
-        // Until the end of the step; then the velocity of its way was only for that.
+        // The target holds until the end of the whole step. The velocity towards it ends with it.
         let was_sent = time.substep == 0 && body.target.take().is_some();
         let is_sent = moved_to.is_some()
             && !teleported
@@ -223,7 +223,7 @@ impl Visitor<'_, '_, '_> {
         {
             self.suspects.0.push((entity, problem));
         }
-        // Of a radius that may be new.
+        // This comes after `describe`, because the radius may be new.
         body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
         body.disturbed = self.rules.in_force.changed
             || body.put_from.is_some()
@@ -236,7 +236,7 @@ impl Visitor<'_, '_, '_> {
             body.scale_told = true;
             self.suspects.0.push((entity, BodyProblem::ScaleIgnored));
         }
-        // What was written is what was there already: one that rests stays at rest.
+        // An inactive body stays inactive if the written values are those that it had already.
         let changed = body.disturbed || body.moved || woken || body.target.is_some();
         if changed {
             self.table.mark_dirty(index.0);
@@ -245,8 +245,8 @@ impl Visitor<'_, '_, '_> {
     }
 }
 
-/// Removes bodies from the table that are not there any more: despawned, disabled, or without a component that every body has. Inactive
-/// bodies are looked through only if some may be missing.
+/// Removes bodies from the table that no longer exist: despawned, disabled, or without a component that every body has. Inactive bodies are
+/// searched only if some may be missing.
 fn leave(
     table: &mut BodyTable,
     commands: &mut Commands,
@@ -260,7 +260,7 @@ fn leave(
             }
         }
         for body in table.take_unvisited(visit, true) {
-            // It would come back as one that rests.
+            // Otherwise it would be inactive when it comes back.
             if let Ok(mut body) = commands.get_entity(body) {
                 body.try_remove::<Inactive>();
             }
@@ -269,13 +269,13 @@ fn leave(
     table.take_unvisited(visit, false);
 }
 
-/// True where a body cannot sleep as it is.
+/// Returns true if the body cannot stay asleep: it has a velocity, an impulse, or a hand that holds it.
 fn is_disturbed(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bool {
     let impulse = impulse.copied().unwrap_or_default();
     *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
 }
 
-/// Greatest speed that a hand gives the surface of a body by turning it, m/s. In one step it turns to the other side at most.
+/// Maximum speed that a hand gives the surface of a body by turning it, m/s. In one step the hand turns the body by half a turn at most.
 fn turned(body: &BodyState, grab: &Grab, dt: f32) -> f32 {
     let inertia = body.mass.inverse_inertia;
     let spin = match grab.rotation {
@@ -288,7 +288,7 @@ fn turned(body: &BodyState, grab: &Grab, dt: f32) -> f32 {
     }
 }
 
-/// Greatest gain of speed in the step by forces and by a hand, m/s at the surface.
+/// Maximum gain of speed in the step by forces and by a hand, m/s at the surface.
 fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &Rules) -> f32 {
     if !body.is_dynamic() {
         return 0.0;
@@ -361,7 +361,7 @@ impl BodyState {
     }
 }
 
-/// Part of the stage *prepare*: reports shapes that belong to no body, each once.
+/// Part of the stage *prepare*: reports colliders that do not belong to a body, each once.
 pub fn strays(
     (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
     new: Query<Entity, (Added<Collider>, Without<RigidBody>)>,

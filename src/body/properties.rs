@@ -1,13 +1,13 @@
-//! What a body is made of, declared in one list: the macro that the list in `mod.rs` goes through, and what a component on it implements.
+//! The list of the properties of a body: the macro that expands the list in `mod.rs`, and the traits of the components on it.
 //!
-//! A property is a component that a user may write. It has a line on the list, and its behaviour next to its definition
-//! ([`BodyProperty`], [`KeptProperty`]). From the list come
-//! - what a [`RigidBody`](super::RigidBody) requires, and what is put back where it was taken off,
-//! - the change detection of active bodies (`Changes`) and of resting ones (`Written`),
-//! - what the [`BodyTable`](super::BodyTable) keeps a copy of ([`BodyProperties`](super::BodyProperties)),
-//! - what a preview copies, and what belongs to the [state](crate::state) of a world.
+//! A property is a component that a user may write. It has a line in the list, and its behaviour is defined next to it ([`BodyProperty`],
+//! [`KeptProperty`]). The macro generates from the list
+//! - the required components of a [`RigidBody`](super::RigidBody), and the components that are restored when they are removed,
+//! - the change detection of active bodies (`Changes`) and of inactive ones (`Written`),
+//! - the properties that the [`BodyTable`](super::BodyTable) copies ([`BodyProperties`](super::BodyProperties)),
+//! - the components that a preview copies and those that belong to the [state](crate::state) of a world.
 //!
-//! Where it matters that a property is taken off, its component has the hook [`lost_description`](super::lost_description).
+//! A component whose removal must be noticed has the hook [`lost_description`](super::lost_description).
 
 use super::BodyState;
 use crate::diagnosis::BodyProblem;
@@ -15,26 +15,28 @@ use bevy_ecs::prelude::*;
 
 /// A component that describes a body and that a user may write.
 pub(crate) trait BodyProperty: Component + Clone {
-    /// True where the table has this value already. A resting body stays at rest where the value that it has is written again.
+    /// Returns true if the table has this value already. Writing an equal value does not activate an inactive body.
     fn is_known(&self, _: &BodyState) -> bool {
         false
     }
 }
 
-/// A property that the table keeps a copy of, which has its default value where a body lacks the component.
+/// A property that the table copies. A body without the component has the default value.
 pub(crate) trait KeptProperty: BodyProperty + Default + PartialEq {
+    /// Validates the value.
+    ///
     /// # Errors
-    /// What is wrong with the value. The body is then disabled.
+    /// If the value is invalid. The body is then quarantined.
     fn check(&self) -> Result<(), BodyProblem> {
         Ok(())
     }
 }
 
-/// Declares `RigidBody` and all that is made from the list of its properties.
+/// Declares `RigidBody` and all items that are generated from the list of its properties.
 ///
-/// | group | required | put back where taken off | looked for when written |
+/// | group | required | restored when removed | checked when written |
 /// |---|---|---|---|
-/// | `essential` | yes | yes | on resting bodies; the stages read it of active ones in every step |
+/// | `essential` | yes | yes | on inactive bodies; the stages read it of active ones in every step |
 /// | `computed` | yes | yes | no: stages write it |
 /// | `pushing` | yes | no | like `essential` |
 /// | `optional` | no | no | like `essential` |
@@ -55,7 +57,7 @@ macro_rules! body_properties {
         #[require($($Essential,)* $($Computed,)* $($Pushing,)* Transform)]
         pub enum RigidBody { $($variants)* }
 
-        /// The table's copies of properties. Where a body lacks a component, its value is the default.
+        /// The table's copies of properties. A body without a component has its default value.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct BodyProperties {
             $($(#[$doc])* pub $kept: $Kept,)*
@@ -67,25 +69,25 @@ macro_rules! body_properties {
             }
         })*
 
-        /// What is made from the list.
+        /// Items generated from the list.
         mod listed {
             use super::*;
             use super::inactive::Rows;
             use crate::diagnosis::BodyProblem;
             use bevy_ecs::{hierarchy::ChildOf, query::QueryData};
 
-            /// A body that lacks what every body has.
+            /// Filter for bodies that lack a component that every body must have.
             pub type Incomplete = (
                 With<RigidBody>,
                 Or<($(Without<$Essential>,)* $(Without<$Computed>,)* Without<Transform>)>,
             );
 
-            /// What every body has, but for its `Transform`.
+            /// The components that every body must have, except `Transform`.
             pub fn essentials() -> impl Bundle {
                 ($(<$Essential>::default(),)* $(<$Computed>::default(),)*)
             }
 
-            /// Something of the description was written, or taken off ([`lost_description`](super::lost_description)).
+            /// Filter for bodies whose description was written or removed ([`lost_description`](super::lost_description)).
             pub type Changes = Or<(
                 Changed<RigidBody>,
                 Changed<BodyIndex>,
@@ -93,7 +95,7 @@ macro_rules! body_properties {
                 Or<($(Changed<$Kept>,)*)>,
             )>;
 
-            /// What a body is described by.
+            /// The components that describe a body.
             #[derive(QueryData)]
             #[query_data(mutable)]
             pub struct Described {
@@ -104,10 +106,10 @@ macro_rules! body_properties {
             }
 
             impl DescribedItem<'_, '_> {
-                /// The properties that the table keeps.
+                /// The properties that the table copies.
                 ///
                 /// # Errors
-                /// What is wrong with one of them.
+                /// If one of them is invalid.
                 pub fn kept(&self) -> Result<BodyProperties, BodyProblem> {
                     let kept = BodyProperties {
                         $($kept: self.$kept.cloned().unwrap_or_default(),)*
@@ -117,7 +119,7 @@ macro_rules! body_properties {
                 }
             }
 
-            /// All that a user may write to a resting body.
+            /// All components that a user may write to an inactive body.
             #[derive(QueryData)]
             #[query_data(contiguous(all))]
             pub struct Written {
@@ -135,7 +137,7 @@ macro_rules! body_properties {
             }
 
             impl WrittenContiguousItem<'_, '_> {
-                /// Finds the bodies whose properties were written with values that the table does not know; once for each property.
+                /// Finds the bodies whose properties were written with values that differ from the table; once for each property.
                 pub(super) fn find(self, rows: Rows, found: &mut Vec<Entity>) {
                     rows.compare(self.kind, found);
                     $(rows.compare(self.$essential, found);)*
@@ -153,8 +155,8 @@ macro_rules! body_properties {
                 }
             }
 
-            /// What a body has besides its place, motion and sleep, to spawn a copy with: in one bundle what most bodies have, or what
-            /// its absence means.
+            /// The components of a body besides pose, motion and sleep, for spawning a copy. This bundle has the components of most bodies,
+            /// and those whose absence has a meaning.
             pub fn properties_of(body: EntityRef) -> impl Bundle + use<> {
                 (
                     ($(body.get::<$Pushing>().cloned().unwrap_or_default(),)*),
@@ -162,7 +164,7 @@ macro_rules! body_properties {
                 )
             }
 
-            /// Gives a copy what only some bodies have.
+            /// Inserts the components that only some bodies have into a copy.
             pub fn copy_description(body: EntityRef, copy: &mut EntityWorldMut) {
                 $(if let Some(property) = body.get::<$Described>()
                     && !copy.contains::<$Described>()
@@ -171,7 +173,7 @@ macro_rules! body_properties {
                 })*
             }
 
-            /// Shows a visitor every component on the list.
+            /// Passes every component of the list to a visitor.
             pub fn visit(visitor: &mut impl crate::state::Visitor) {
                 visitor.component::<RigidBody>();
                 $(visitor.component::<$Essential>();)*
@@ -187,9 +189,9 @@ macro_rules! body_properties {
                 use super::*;
                 use crate::DrystonePlugins;
 
-                /// A property that is taken off counts as one that is written.
+                /// Removing a property counts as writing it.
                 #[test]
-                fn whatever_describes_a_body_is_missed_when_it_is_taken_off() {
+                fn removing_a_property_marks_the_body_as_changed() {
                     let mut app = bevy_app::App::new();
                     app.add_plugins(DrystonePlugins::default());
                     let world = app.world_mut();

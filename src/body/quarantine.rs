@@ -1,8 +1,8 @@
 //! The stage **quarantine**: takes bodies with invalid input out of the simulation and reports them.
 //!
-//! A body with invalid input gets the marker [`Quarantined`], is reported by a [`BodyError`] message and in the log, and takes no part in
+//! A body with invalid input gets the marker [`Quarantined`] and is reported by a [`BodyError`] message and in the log. It takes no part in
 //! the simulation until the input is corrected. Its components stay as they are, and other bodies are not affected, except that they lose
-//! its contacts. The stage runs before the broadphase and again after *forces*, before anything is solved.
+//! their contacts with it. The stage runs before the broadphase and again after *forces*, before the solve.
 
 use super::describe::describe;
 use super::placement::{Placed, user_pose};
@@ -18,15 +18,15 @@ use bevy_ecs::{name::Name, prelude::*};
 use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 
-/// Marks a body that takes no part in the simulation because of invalid input. Once the input is corrected the next step removes the marker, and
-/// the body takes part again. The marker may also be removed by hand.
+/// Marks a body that takes no part in the simulation because of invalid input. Once the input is corrected the next step removes the marker,
+/// and the body takes part again. The marker may also be removed by hand.
 ///
-/// After [`BodyProblem::NonFiniteForce`] it is removed when force, impulse, velocity, damping, gravity scale or mass has changed.
+/// After [`BodyProblem::NonFiniteForce`] the marker is removed when force, impulse, velocity, damping, gravity scale or mass has changed.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore, map_entities)]
 pub struct Quarantined {
-    /// What was wrong.
+    /// The reason of the quarantine.
     pub problem: BodyProblem,
     #[reflect(ignore)]
     pushed: PushedBody,
@@ -38,7 +38,7 @@ impl MapEntities for Quarantined {
     }
 }
 
-/// What the speed of a body follows from.
+/// The input that determines the speed of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct PushedBody {
     mass: MassProperties,
@@ -69,7 +69,7 @@ type Stopped<'w> = (
     Pushed<'w>,
 );
 
-/// Part of the stage *prepare*: brings bodies back whose input has been corrected.
+/// Part of the stage *prepare*: releases bodies whose input has been corrected.
 pub fn lift(
     mut commands: Commands,
     stopped: Query<Stopped, With<RigidBody>>,
@@ -85,7 +85,7 @@ pub fn lift(
         if check(&to, velocity, pushed).is_some() || describe(&mut body, description).is_err() {
             continue;
         }
-        // Whether a force is too strong is known only in a step: the same would be so again.
+        // Only a step shows whether a force is too strong, so the body stays in quarantine until some of this input changes.
         let now = PushedBody {
             mass: body.mass,
             velocity: *velocity,
@@ -109,7 +109,7 @@ pub fn quarantine(world: &mut World) {
         let Ok(mut body) = world.get_entity_mut(entity) else {
             continue;
         };
-        // One message a body, whatever else is wrong with it.
+        // Report each body only once, for its first problem.
         if problem.is_fatal() && body.contains::<Quarantined>() {
             continue;
         }

@@ -1,24 +1,24 @@
-//! Whether a body sleeps. The stage *sleeping* puts islands to sleep, and *islands* wakes them.
+//! The component that says whether a body sleeps. The stage *sleeping* puts islands to sleep, and the stage *islands* wakes them.
 
 use super::{BodyProperty, BodyState};
 use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Whether a body sleeps and whether it may. A body can be spawned asleep or put to sleep. Its clone is awake.
+/// Whether a body sleeps, and whether it may. A body can be spawned asleep or put to sleep. The clone of a sleeping body is awake.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Custom(copy_awake), summary_tick)]
 pub struct Sleeping {
-    /// It sleeps.
+    /// Whether the body sleeps. Default: false.
     pub asleep: bool,
-    /// Time for which it has been still, s.
+    /// Time for which the body has been still, s. Default: 0.
     pub still_for: f32,
-    /// False keeps the body and its island awake; true by default.
+    /// Whether the body may sleep. False keeps the body and its island awake. Default: true.
     pub allowed: bool,
 }
 
-/// A clone lies where the original lies, and must get out of its way.
+/// A clone overlaps its original, so it must be awake for the two to be pushed apart.
 fn copy_awake(source: &SourceComponent, context: &mut ComponentCloneCtx) {
     if let Some(&original) = source.read::<Sleeping>() {
         let mut copy = original;

@@ -4,18 +4,18 @@ use super::{BodyProperty, BodyTable};
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_reflect::Reflect;
 
-/// The number of a body in the order of spawning. Bodies on one level of support are solved in this order. So two worlds with the same
-/// numbers give the same result to the bit, whatever their `Entity`s are.
+/// The number of a body in the order of spawning. Bodies on one level of support are solved in this order. So two worlds with the same numbers
+/// give bitwise equal results, whatever their `Entity`s are.
 ///
-/// A [`RigidBody`](super::RigidBody) gets its number when it is spawned. Set it by hand on all bodies where worlds must agree that do not
-/// spawn in the same order, such as a server and its clients.
+/// A [`RigidBody`](super::RigidBody) gets its number when it is spawned. Set it by hand on all bodies if two worlds must agree that do not
+/// spawn them in the same order, such as a server and its clients.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_add = stamp, clone_behavior = Ignore, summary_tick)]
 pub struct SpawnOrder(pub u64);
 
 impl SpawnOrder {
-    /// Not stamped yet.
+    /// The default: no number yet.
     pub(crate) const NONE: Self = Self(u64::MAX);
 }
 
@@ -27,7 +27,7 @@ impl Default for SpawnOrder {
 
 impl BodyProperty for SpawnOrder {}
 
-/// Numbers a body as soon as it is spawned, since the next step could not tell the order any more. Bodies that are spawned before the plugins
+/// Numbers a body when it is spawned, because the next step cannot recover the order of spawning. Bodies that are spawned before the plugins
 /// are added get their numbers in *prepare*.
 fn stamp(mut world: DeferredWorld, context: HookContext) {
     let next = world

@@ -1,7 +1,7 @@
-//! The dense table of the bodies.
+//! The dense table of all bodies.
 //!
-//! Stages that go through pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
-//! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies what those stages read into it once a step.
+//! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
+//! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a step.
 
 use super::{
     BodyProperties, BodyProperty, ExternalForce, MassProperties, Pose, RigidBody, SpawnOrder,
@@ -17,13 +17,13 @@ use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::shape::Shape;
 
-/// A body's slot in the [`BodyTable`]. Internal.
+/// The slot of a body in the [`BodyTable`]. Internal.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(on_remove = leave, clone_behavior = Ignore, summary_tick)]
 pub struct BodyIndex(pub u32);
 
 impl BodyIndex {
-    /// Not in the table: new, or quarantined.
+    /// The body is not in the table: it is new or quarantined.
     pub const NONE: Self = Self(u32::MAX);
 }
 
@@ -35,15 +35,15 @@ impl Default for BodyIndex {
 
 impl BodyProperty for BodyIndex {}
 
-/// The hook of components that describe a body: when one is removed, *prepare* looks at the body again, as when one is changed. A hook, since
-/// the list of removed components is cleared in every frame, and a step may come after several.
+/// Hook of components that describe a body: after a removal *prepare* reads the body again, as after a change. A hook is needed because Bevy
+/// clears the list of removed components in every frame, and a step may come after several frames.
 pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut index) = world.get_mut::<BodyIndex>(context.entity) {
         index.set_changed();
     }
 }
 
-/// The hook of [`BodyIndex`]: a body was despawned, or its slot was taken off.
+/// Hook of [`BodyIndex`]: records that a body was despawned or lost its slot.
 fn leave(mut world: DeferredWorld, context: HookContext) {
     let index = world.get::<BodyIndex>(context.entity).copied();
     if let (Some(index), Some(mut table)) = (index, world.get_resource_mut::<BodyTable>()) {
@@ -51,17 +51,16 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// A body lost its parent, so that its `Transform` means another pose.
+/// Marks a body that lost its parent as changed, because its `Transform` now means another pose.
 pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut bodies: Query<&mut BodyIndex>) {
     if let Ok(mut index) = bodies.get_mut(lost.entity) {
         index.set_changed();
     }
 }
 
-/// One body as it was at the start of the step: the poses at which contacts are detected, and the velocities before
-/// forces.
+/// One body as it was at the start of the step: the pose at which contacts are detected, and the velocity before forces.
 ///
-/// What stages read of both bodies of every pair stands in front.
+/// The fields that stages read of both bodies of every pair come first.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct BodyState {
@@ -69,59 +68,59 @@ pub struct BodyState {
     pub pose: Pose,
     /// Centre of mass in the world, m.
     pub center: Vec3,
-    /// Radius of the sphere about the centre of mass that holds the shape, m.
+    /// Radius of the sphere about the centre of mass that contains the shape, m.
     pub radius: f32,
     /// Velocity before this step's forces.
     pub velocity: Velocity,
-    /// What is small against the body, m: its bounding radius, or less where it is thin.
+    /// Characteristic size for tolerances, m: the bounding radius, or less if the body is thin.
     pub(crate) size: f32,
-    /// Bound on how far a point of its surface moves in the step in addition to velocity and gravity, m: by rotation, at most to the other
-    /// side, and by forces.
+    /// Upper bound, m, of the motion of a surface point in the step beyond velocity and gravity: by rotation, at most half a turn, and by
+    /// forces.
     pub(crate) swept_margin: f32,
-    /// Whether contacts move it.
+    /// The kind of the body: whether contacts move it.
     pub kind: RigidBody,
-    /// It sleeps, and its pairs keep their contacts.
+    /// Whether the body sleeps. Its pairs then keep their contacts.
     pub asleep: bool,
-    /// Its pose is not that of the last step.
+    /// Whether its pose differs from that of the last step.
     pub moved: bool,
-    /// Its shape, mass, surface or layers were set anew before this step.
+    /// Whether its shape, mass, surface or layers were changed before this step.
     pub renewed: bool,
-    /// It was not in the table in the last step.
+    /// Whether it was added to the table in this step.
     pub arrived: bool,
-    /// The user changed something that wakes it.
+    /// Whether the user changed something that wakes it.
     pub(crate) disturbed: bool,
-    /// Its surface is curved.
+    /// Whether its surface is curved.
     pub(crate) curved: bool,
-    /// Contact events are triggered on it for observers.
+    /// Whether contact events are triggered on it for observers.
     pub events: bool,
-    /// Whose slot this is.
+    /// The entity of the body.
     pub entity: Entity,
-    /// Its number in the order of spawning. Pairs and contacts are sorted by it, since the order of `Entity`s differs between a server and its
-    /// clients.
+    /// Its number in the order of spawning. Pairs and contacts are sorted by it, because the order of `Entity`s differs between a server and
+    /// its clients.
     pub spawn_order: SpawnOrder,
-    /// Its pose before the user put it elsewhere, if the user did.
+    /// Its pose before the user moved it, if the user did.
     pub(crate) put_from: Option<Pose>,
-    /// The material's inertia.
+    /// The mass properties of the material, also for static and kinematic bodies.
     pub mass: MassProperties,
     /// Its shape, if it has one.
     pub collider: Option<Collider>,
-    /// Its surface, and what else the table keeps a copy of.
+    /// Copies of its surface and of other properties.
     pub properties: BodyProperties,
-    /// Multiplies gravity.
+    /// Factor on gravity, without unit.
     pub gravity_scale: f32,
-    /// Half the edges of the box that holds the shape in its own frame, m; infinite for a half-space.
+    /// Half extents of the box that contains the shape in the body's frame, m; infinite for a half-space.
     pub half: Vec3,
-    /// A kinematic body's pose at the end of the step, if its `Transform` says so.
+    /// Pose of a kinematic body at the end of the step, if the user set it through `Transform`.
     pub(crate) target: Option<Pose>,
-    /// The force on it in the last step.
+    /// The external force of the last step, N and N·m.
     pub(crate) force: ExternalForce,
-    /// Its user has been told that the scale of its `Transform` is ignored.
+    /// Whether a warning was sent that the scale of its `Transform` is ignored.
     pub(crate) scale_told: bool,
-    /// The last visit of *prepare* that found it.
+    /// The last visit of *prepare* that found the body.
     pub(crate) visited: u64,
 }
 
-/// Two cache lines hold what is read of both bodies of every pair.
+/// The fields that are read of both bodies of every pair fit in two cache lines.
 const _: () = assert!(std::mem::offset_of!(BodyState, put_from) < 128);
 
 impl BodyState {
@@ -131,13 +130,13 @@ impl BodyState {
         self.velocity.at(point - self.center)
     }
 
-    /// Sets its shape, and what follows from the shape and the kind, which must be set before.
+    /// Sets the shape, and the values that follow from the shape and the kind. The kind must be set before.
     pub(super) fn set_shape(&mut self, collider: Option<&Collider>, radius: f32) {
         self.collider = collider.cloned();
         self.curved = collider.is_some_and(Collider::is_curved);
         self.half = collider.map_or(Vec3::ZERO, Collider::half_extents);
         self.radius = radius;
-        // What is behind a surface does not count: a floor of triangles is not thin.
+        // The thickness behind a surface does not count: a floor of triangles is not thin.
         let is_surface = !self.is_dynamic() && collider.is_some_and(Collider::is_surface);
         self.size = match is_surface {
             true => radius,
@@ -145,7 +144,8 @@ impl BodyState {
         };
     }
 
-    /// What is small against its face towards a direction in the world: how thick the body is behind it does not count.
+    /// Characteristic size of the face towards a direction (world axes), m. It is like that of the body, but the thickness of the body behind
+    /// that face does not count.
     #[inline]
     pub fn face_size(&self, direction: Vec3) -> f32 {
         let towards = (self.pose.rotation.inverse() * direction).abs();
@@ -154,7 +154,8 @@ impl BodyState {
         self.radius.min(THICKNESS * half.min_element())
     }
 
-    /// The radius of a round body, on its side if it is not a ball, m; infinite for others.
+    /// Radius with which a curved body rolls, m: for a shape that is not a ball, its radius when it lies on its side. Infinite for bodies with
+    /// flat faces.
     pub fn rolling_radius(&self) -> f32 {
         match self.is_curved() {
             true => self.half.element_sum() - self.half.max_element() - self.half.min_element(),
@@ -162,55 +163,54 @@ impl BodyState {
         }
     }
 
-    /// True for a rod: so long against both other sizes that a small turn about its length takes a face of it away from what is found
-    /// at one of its edges.
+    /// Returns true for a rod: a body so long that a small rotation about its length invalidates a contact that was found at one of its edges.
     pub(crate) fn is_slender(&self) -> bool {
         let (longest, shortest) = (self.half.max_element(), self.half.min_element());
         let other = self.half.element_sum() - longest - shortest;
         longest > SLENDER * other
     }
 
-    /// The parry shape, if it has one.
+    /// The parry shape, if the body has one.
     pub fn shape(&self) -> Option<&dyn Shape> {
         self.collider.as_ref().map(|collider| &**collider.shape())
     }
 
-    /// True where its surface is curved.
+    /// Returns true if the surface is curved.
     pub(crate) fn is_curved(&self) -> bool {
         self.curved
     }
 
-    /// Sets its velocity at the start of a step of `dt` s, in which forces make it faster by `gains` m/s at most.
+    /// Sets the velocity at the start of a step of `dt` s. `gains` is the maximum speed that forces add in the step, m/s.
     pub(super) fn set_velocity(&mut self, velocity: Velocity, gains: f32, dt: f32) {
         self.velocity = velocity;
         let turns = match velocity.angular.length() {
-            // A half-space has no radius; it turns, or it doesn't.
+            // The radius of a half-space is infinite, and 0 · ∞ is not a number.
             0.0 => 0.0,
             speed => (speed * dt).min(2.0) * self.radius,
         };
         self.swept_margin = turns + gains * dt;
     }
 
-    /// True for a body that contacts move in this step.
+    /// Returns true for a body that contacts move in this step.
     #[inline]
     pub(crate) fn is_awake(&self) -> bool {
         self.is_dynamic() && !self.asleep
     }
 
-    /// True for a body that contacts can move.
+    /// Returns true for a body that contacts can move.
     #[inline]
     pub fn is_dynamic(&self) -> bool {
         self.kind == RigidBody::Dynamic
     }
 }
 
-/// A body thinner than its bounding radius by this is thin: a brick of 1 × 0.5 × 0.5 m is not, just.
+/// A body is thin if this times half its smallest extent is less than its bounding radius. A brick of 1 × 0.5 × 0.5 m is just not thin.
 const THICKNESS: f32 = 2.5;
 
-/// What is longer than its second longest side by this is slender; a plank of 0.75 × 0.15 × 0.245 m is not.
+/// A body is slender if its length exceeds this times its second largest extent. A plank of 0.75 × 0.15 × 0.245 m is not slender.
 const SLENDER: f32 = 6.0;
 
-/// All live bodies by slot: a dense copy of what the stages of a step read at random, and what was known of each body in the last step.
+/// All live bodies by slot: a dense copy of the data that the stages read at random, and of the state of each body in the last step.
 #[derive(Resource, Clone, Default)]
 #[component(map_entities)]
 pub struct BodyTable {
@@ -219,22 +219,22 @@ pub struct BodyTable {
     active: FixedBitSet,
     count: usize,
     resting: usize,
-    /// Slots of resting bodies that something was done to, until they are [active again](crate::graph::activate).
+    /// Slots of inactive bodies that were disturbed, until they are [activated](crate::graph::activate).
     pub(crate) dirty: Vec<u32>,
-    /// Bodies that were despawned since *prepare* last looked.
+    /// Bodies that were despawned since the last *prepare*.
     left: Vec<(Entity, BodyIndex)>,
     free: Vec<u32>,
-    /// Slots whose body went since the broadphase last looked.
+    /// Slots whose body was removed since the last broadphase.
     pub(crate) removed: Vec<u32>,
     spawn_orders: u64,
     visits: u64,
-    /// A tick of the world it is in.
+    /// The change tick of the last visit of *prepare*, in the world that the table is in.
     visited_at: Option<Tick>,
     version: u64,
 }
 
 impl MapEntities for BodyTable {
-    /// For a table in another world: whatever was derived there from the table that it replaces is not derived from this one.
+    /// In another world, data that was derived from the table that this one replaces is not valid for it; so the version changes.
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         for body in self.slots.iter_mut().flatten() {
             body.entity.map_entities(mapper);
@@ -248,7 +248,7 @@ impl MapEntities for BodyTable {
     }
 }
 
-/// Whether an entity is a body now: not despawned, disabled or robbed of its kind.
+/// Returns true if an entity is a body now: not despawned, not disabled, and with a [`RigidBody`].
 pub(crate) fn is_body(world: &World, entity: Entity) -> bool {
     let entity = world.get_entity(entity);
     entity.is_ok_and(|body| body.contains::<RigidBody>() && !body.contains::<Disabled>())
@@ -260,7 +260,7 @@ impl BodyTable {
         self.slots.len()
     }
 
-    /// A number that changes when a body is added or removed.
+    /// A version number that changes when a body is added or removed.
     pub(crate) fn version(&self) -> u64 {
         self.version
     }
@@ -270,13 +270,13 @@ impl BodyTable {
         self.count
     }
 
-    /// True where the slot holds this body. (A body that was disabled may remember one that is another's by now.)
+    /// Returns true if the slot holds this body. A body that was disabled may remember a slot that another body has by now.
     #[inline]
     pub fn holds(&self, entity: Entity, index: BodyIndex) -> bool {
         self.get(index.0).is_some_and(|body| body.entity == entity)
     }
 
-    /// The slot of a body that is there now: in the table, and not despawned, disabled or robbed of its kind since the table was filled.
+    /// The slot of a body that exists now: it is in the table, and was not despawned, disabled or stripped of its [`RigidBody`] since.
     pub(crate) fn slot_of(&self, world: &World, body: Entity) -> Option<u32> {
         let index = *world.get::<BodyIndex>(body)?;
         (is_body(world, body) && self.holds(body, index)).then_some(index.0)
@@ -288,7 +288,7 @@ impl BodyTable {
         self.slots.get(slot as usize)?.as_ref()
     }
 
-    /// The two bodies of a pair, if both are there.
+    /// The two bodies of a pair, if both exist.
     #[inline]
     pub(crate) fn both(&self, [a, b]: [u32; 2]) -> Option<[&BodyState; 2]> {
         Some([self.get(a)?, self.get(b)?])
@@ -302,24 +302,24 @@ impl BodyTable {
             .filter_map(|(slot, body)| Some((slot as u32, body.as_ref()?)))
     }
 
-    /// The bodies that do not rest, with their slots, in the order of slots. The stages of a step go through these.
+    /// The active bodies, in the order of their slots. The stages of a step iterate over these.
     pub(crate) fn active(&self) -> impl Iterator<Item = (u32, &BodyState)> {
         let slots = self.active.ones();
         slots.filter_map(|slot| Some((slot as u32, self.slots[slot].as_ref()?)))
     }
 
-    /// True where the body in this slot rests: no list that a stage goes through has it.
+    /// Returns true if the body in this slot is inactive.
     #[inline]
     pub(crate) fn is_inactive(&self, slot: u32) -> bool {
         !self.active.contains(slot as usize)
     }
 
-    /// Number of resting bodies.
+    /// Number of inactive bodies.
     pub(crate) fn inactive_count(&self) -> usize {
         self.resting
     }
 
-    /// Marks a body as resting or as active. False where it is so already.
+    /// Sets whether a body is inactive. Returns false if nothing changed.
     pub(crate) fn set_inactive(&mut self, slot: u32, rests: bool) -> bool {
         let known = self.is_inactive(slot) == rests;
         if !known {
@@ -332,7 +332,7 @@ impl BodyTable {
         !known
     }
 
-    /// Remembers a resting body to which something was done, until it is active again.
+    /// Records an inactive body that was disturbed, so that it is activated.
     pub(crate) fn mark_dirty(&mut self, slot: u32) {
         if self.is_inactive(slot) {
             self.dirty.push(slot);
@@ -344,12 +344,12 @@ impl BodyTable {
         self.slots.get_mut(slot as usize)?.as_mut()
     }
 
-    /// A body in its slot.
+    /// The state of a body, if the slot is still its own.
     pub(crate) fn body(&self, entity: Entity, index: BodyIndex) -> Option<&BodyState> {
         self.get(index.0).filter(|body| body.entity == entity)
     }
 
-    /// A body in its slot.
+    /// The state of a body, if the slot is still its own.
     pub(crate) fn body_mut(&mut self, entity: Entity, index: BodyIndex) -> Option<&mut BodyState> {
         self.get_mut(index.0).filter(|body| body.entity == entity)
     }
@@ -359,17 +359,17 @@ impl BodyTable {
         SpawnOrder(self.spawn_orders - 1)
     }
 
-    /// How often *prepare* has visited the bodies.
+    /// Number of visits of *prepare*.
     pub(crate) fn visits(&self) -> u64 {
         self.visits
     }
 
-    /// When *prepare* visited them last.
+    /// The change tick of the last visit of *prepare*.
     pub(crate) fn visited_at(&self) -> Option<Tick> {
         self.visited_at
     }
 
-    /// Numbers the visits of *prepare*, from 1.
+    /// Begins a visit of *prepare* and returns its number, counted from 1.
     pub(crate) fn begin_visit(&mut self, now: Tick) -> u64 {
         self.visited_at = Some(now);
         self.visits += 1;
@@ -388,7 +388,7 @@ impl BodyTable {
         BodyIndex(slot)
     }
 
-    /// Empties a body's slot. Another body gets the slot only after the broadphase has removed the pairs that name it.
+    /// Empties the slot of a body. Another body gets the slot only after the broadphase has removed the pairs that refer to it.
     pub(crate) fn remove(&mut self, entity: Entity, index: BodyIndex) {
         if self.holds(entity, index) {
             self.set_inactive(index.0, false);
@@ -400,7 +400,7 @@ impl BodyTable {
         }
     }
 
-    /// Takes out the resting bodies that were despawned.
+    /// Removes inactive bodies that were despawned.
     pub(super) fn take_left(&mut self) {
         for (entity, index) in std::mem::take(&mut self.left) {
             if self.is_inactive(index.0) {
@@ -409,7 +409,7 @@ impl BodyTable {
         }
     }
 
-    /// Takes out those that rest, or those that don't, and that this visit of *prepare* has not found.
+    /// Removes and returns the bodies, either the inactive or the active ones, that this visit of *prepare* has not found.
     pub(super) fn take_unvisited(&mut self, visit: u64, rest: bool) -> Vec<Entity> {
         let missed = |(_, body): &(u32, &BodyState)| body.visited != visit;
         let gone: Vec<_> = match rest {

@@ -1,5 +1,5 @@
-//! Which bodies have gone farther in a step than they were meant to, and left their box in the tree: one that was hit, say. The next step finds
-//! out by itself; who asks the world until then ([`query`](crate::query)) has to look at them beside the tree.
+//! Bodies that moved farther in a step than expected and left their box in the tree, for example after an impact. The next step updates their
+//! boxes. Until then [queries](crate::query) must test these bodies in addition to the tree.
 
 use super::{Broadphase, expected_travel};
 use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined};
@@ -7,7 +7,7 @@ use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use parry3d::bounding_volume::BoundingVolume;
 
-/// After the stage *integration*. See the module's text.
+/// Finds the bodies that have left their box. It runs after the stage *integration*.
 pub fn escaped_aabb(
     mut broadphase: ResMut<Broadphase>,
     table: Res<BodyTable>,
@@ -33,7 +33,7 @@ pub fn escaped_aabb(
     broadphase.escaped_aabb.sort_unstable();
 }
 
-/// Bound on how far a point of a body has come since the start of the step, m.
+/// Upper bound of the distance that a point of a body has moved since the start of the step, m.
 fn way(body: &BodyState, pose: &Pose) -> f32 {
     let center = pose.transform_point(body.mass.local_center);
     let turned = pose.rotation * body.pose.rotation.inverse();

@@ -1,9 +1,9 @@
-//! The stage **broadphase**: which bodies may touch. A contact pair is there while the fat boxes of two bodies overlap: here those are found
-//! that overlap or may have ceased to; [`pair_changes`](crate::graph::pair_changes) begins and ends the pairs.
+//! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap. This module finds
+//! the boxes that overlap, and those that may have ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
 //!
-//! Each body's tight box holds its shape, the collision envelope and the way it can go in a step. The tree keeps a fatter
-//! one; as long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison a body.
-//! Half-spaces have no box: they stand beside the tree and are tested against every body that moved.
+//! The tight box of a body contains its shape, the collision envelope, and its possible motion in the step. The tree stores a fatter box. As
+//! long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison for each body. Half-spaces have no box: they
+//! are kept beside the tree and tested against every body that moved.
 
 mod escaped_aabb;
 
@@ -17,52 +17,53 @@ use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace};
 
-/// How much fatter than its tight box a body's box in the tree is, m at each side.
+/// Margin on each side between the tight box of a body and its box in the tree, m.
 const FAT: f32 = 0.05;
 
-/// For how many steps the way of a body lies in its box in the tree.
+/// Number of steps of a body's motion that its box in the tree contains.
 const AHEAD: f32 = 2.0;
 
-/// The tree is put in order when one in so many of its boxes was changed: that costs as much as it has boxes.
+/// The tree is refitted and optimized after one in this many of its boxes was changed. The cost is proportional to the number of boxes.
 const TIDY: usize = 16;
 
-/// The tree, and what was found in it.
+/// The tree, and the overlaps that were found in it.
 #[derive(Resource, Clone, Default)]
 pub struct Broadphase {
     tree: Bvh,
     workspace: BvhWorkspace,
-    /// By slot; `None` for free slots and half-spaces.
+    /// Fat boxes by slot; `None` for free slots and half-spaces.
     fat: Vec<Option<Aabb>>,
     /// Slots of half-spaces.
     unbounded: Vec<u32>,
-    /// In this step, until pairs begin and end by it.
+    /// The changes of this step, until the pairs are updated.
     pub(crate) found: Found,
-    /// How many boxes were changed since the tree was last put in order.
+    /// Number of boxes that were changed since the tree was last refitted.
     untidy: usize,
     /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
     escaped_aabb: Vec<u32>,
 }
 
-/// What has changed in the tree.
+/// Changes in the tree.
 #[derive(Clone, Default)]
 pub(crate) struct Found {
-    /// Slots of what left its box or went, so that pairs may have ended.
+    /// Slots of bodies that left their box or were removed, so that their pairs may have ended.
     pub disturbed: Vec<u32>,
-    /// Slots of bodies that overlap, the one spawned first in front: of those that left their box all, new or not, some of them twice.
+    /// Slots of bodies that overlap, the one spawned first in front: all overlaps of bodies that left their box, whether new or not. Some
+    /// occur twice.
     pub overlaps: Vec<[u32; 2]>,
-    /// Slots to give back once no pair names them.
+    /// Slots that become free once no pair refers to them.
     pub removed: Vec<u32>,
 }
 
 impl Found {
-    /// Nobody has left a box or gone.
+    /// Returns true if no body left its box or was removed.
     pub fn is_empty(&self) -> bool {
         self.disturbed.is_empty()
     }
 }
 
 impl Broadphase {
-    /// The boxes that bodies were in at the start of the last step, by slot.
+    /// The boxes of bodies at the start of the last step, by slot.
     pub(crate) fn tree(&self) -> &Bvh {
         &self.tree
     }
@@ -73,12 +74,12 @@ impl Broadphase {
         self.fat.iter().flatten()
     }
 
-    /// Slots of bodies that are not in their box in the tree, or have none.
+    /// Slots of bodies that are outside their box in the tree, or have none.
     pub(crate) fn outside(&self) -> impl Iterator<Item = u32> {
         self.unbounded.iter().chain(&self.escaped_aabb).copied()
     }
 
-    /// The boxes of two bodies that may collide overlap.
+    /// Returns true if two bodies may collide and their boxes overlap.
     pub(crate) fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
         let (Some(one), Some(two)) = (table.get(a), table.get(b)) else {
             return false;
@@ -95,7 +96,7 @@ impl Broadphase {
     }
 }
 
-/// The two may exert forces on each other.
+/// Returns true if the two bodies may exert forces on each other.
 fn may_collide(a: &BodyState, b: &BodyState) -> bool {
     let excepts =
         |one: &BodyState, other: &BodyState| one.properties.exceptions.0.contains(&other.entity);
@@ -105,7 +106,7 @@ fn may_collide(a: &BodyState, b: &BodyState) -> bool {
         && !excepts(b, a)
 }
 
-/// A box reaches into a half-space.
+/// Returns true if a box reaches into a half-space.
 fn below(body: &BodyState, aabb: &Aabb) -> bool {
     let Some(plane) = body.shape().and_then(|shape| shape.as_halfspace()) else {
         return false;
@@ -115,7 +116,7 @@ fn below(body: &BodyState, aabb: &Aabb) -> bool {
     normal.dot(aabb.center() - body.pose.position) <= reach
 }
 
-/// First half of the stage: finds who overlaps, and who may have ceased to.
+/// First half of the stage: finds the pairs of boxes that overlap, and the bodies whose pairs may have ended.
 pub fn broadphase(
     mut broadphase: ResMut<Broadphase>,
     mut table: ResMut<BodyTable>,
@@ -153,7 +154,7 @@ pub fn broadphase(
             continue;
         }
         let Some(collider) = &body.collider else {
-            // It may have had one until now.
+            // Its collider may have been removed in this step.
             if body.renewed {
                 unbounded.retain(|u| *u != slot);
                 fat[slot as usize] = None;
@@ -166,7 +167,7 @@ pub fn broadphase(
             if !unbounded.contains(&slot) {
                 unbounded.push(slot);
             }
-            // It may have been a box until now.
+            // It may have been a shape with a box before.
             if fat[slot as usize].take().is_some() {
                 tree.remove(slot);
             }
@@ -234,8 +235,9 @@ pub fn broadphase(
     }
 }
 
-/// A box that holds the tight one for some steps, of which one takes the body by `way` (m): one that moves fast would leave a fixed
-/// margin in every step. Sideways it needs no more room: in a heap that falls, room all around made twice as many pairs.
+/// A box that contains the tight box for some steps, in each of which the body moves by `way` (m). With a fixed margin alone, a fast body
+/// would leave its box in every step. The margin is extended only in the direction of motion: in a falling heap, a larger margin on all sides
+/// made twice as many pairs.
 fn fat_box(tight: &Aabb, way: Vec3) -> Aabb {
     let ahead = AHEAD * way;
     let mut fat = tight.loosened(FAT);
@@ -244,7 +246,7 @@ fn fat_box(tight: &Aabb, way: Vec3) -> Aabb {
     fat
 }
 
-/// Everything a body may touch within the step lies in here: shape, envelope, and its way.
+/// A box that contains everything that a body may touch within the step: its shape, the collision envelope, and its motion.
 fn tight_box(
     body: &BodyState,
     collider: &Collider,
@@ -257,7 +259,7 @@ fn tight_box(
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
 }
 
-/// How far a point of a body comes in the step if nothing but gravity and what pushes it changes its velocity, m.
+/// Upper bound of the motion of a point of a body in the step, m, if only gravity and applied forces change its velocity.
 fn expected_travel(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
     let fall = if body.is_dynamic() {
         (gravity * body.gravity_scale).length() * dt

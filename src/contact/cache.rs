@@ -1,40 +1,40 @@
-//! What the narrowphase keeps of a pair from step to step. Data alone: the narrowphase writes and reads it.
+//! Data of a pair that the narrowphase keeps from step to step. The code that writes and reads it is in the narrowphase.
 
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::query::{ContactManifold, ContactManifoldsWorkspace};
 
-/// Which features make the separating axis.
+/// The features that define the separating axis of two polyhedra.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axis {
-    /// Not known.
+    /// No axis is known. The default.
     #[default]
     Unknown,
     /// The normal of a face of A.
     FaceOfA(u16),
     /// The normal of a face of B.
     FaceOfB(u16),
-    /// Square to an edge of A and one of B.
+    /// Perpendicular to an edge of A and one of B.
     Edges(u16, u16),
 }
 
-/// A manifold of parry's, which keeps the separating axis of ours.
+/// A manifold of parry that also stores our separating axis.
 pub(crate) type ParryManifold = ContactManifold<Axis, ()>;
 
-/// What collision detection keeps from step to step.
+/// Data that collision detection keeps from step to step.
 #[derive(Component, Clone, Default)]
 #[component(clone_behavior = Ignore)]
 #[doc(hidden)]
 pub struct NarrowphaseCache {
-    /// How the bodies stood when the manifold was detected.
+    /// The relative pose of the bodies when the manifold was detected.
     pub(crate) stand: Stand,
-    /// Along which two polyhedra were last found to be farthest apart.
+    /// The axis along which two polyhedra were last found to be farthest apart.
     pub(crate) axis: Axis,
-    /// Of shapes that parry looks at.
+    /// Data of parry, for shapes that parry handles.
     pub(crate) parry: Option<Box<ParryCache>>,
 }
 
-/// What parry keeps from search to search.
+/// Data that parry keeps from one detection to the next.
 #[derive(Clone, Default)]
 pub(crate) struct ParryCache {
     pub manifolds: Vec<ParryManifold>,
@@ -42,7 +42,7 @@ pub(crate) struct ParryCache {
 }
 
 impl NarrowphaseCache {
-    /// What is found next is found anew.
+    /// Discards the data, so that the next detection starts from scratch.
     pub(crate) fn forget(&mut self) {
         self.stand.forget();
         self.axis = Axis::Unknown;
@@ -50,16 +50,17 @@ impl NarrowphaseCache {
     }
 }
 
-/// How two bodies stood to each other, up to what distance their surfaces were searched for contact, and how far they were apart.
+/// The relative pose of two bodies at the last detection, the distance up to which contacts were searched, and a lower bound of their
+/// distance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stand {
     /// From the centre of mass of B to that of A, world axes, m.
     pub between: Vec3,
-    /// Of A and B, as numbers: a `Quat` would be padded to 16 bytes.
+    /// Orientations of A and B, as numbers: a `Quat` would be padded to 16 bytes.
     pub rotations: [[f32; 4]; 2],
-    /// m; −∞ where what was found may not be kept.
+    /// Search distance, m; −∞ if the manifold must not be recycled.
     pub reach: f32,
-    /// No two points of theirs were nearer than this, m; −∞ where nothing is known.
+    /// Lower bound of the distance of the two surfaces, m; −∞ if none is known.
     pub apart: f32,
 }
 

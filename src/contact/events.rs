@@ -1,5 +1,5 @@
-//! The stage **contact events**: tells when bodies begin and cease to touch, as messages for everyone and as events for the
-//! observers of entities that ask for them with [`ContactEvents`].
+//! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies that
+//! have [`ContactEvents`].
 
 use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair};
 use crate::body::{BodyProperty, BodyTable, Inactive, SpawnOrder};
@@ -8,7 +8,7 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Asks for [`ContactStarted`] and [`ContactEnded`] to be triggered on this body for observers.
+/// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
@@ -16,8 +16,8 @@ pub struct ContactEvents;
 
 impl BodyProperty for ContactEvents {}
 
-/// Two bodies began to touch: sent in the step in which they first push on each other, or come within the collision envelope. As an
-/// entity event its target is `body`; as a message `body` is A of the pair.
+/// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope. As
+/// an entity event its target is `body`; as a message `body` is A of the pair.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ContactStarted {
     /// One body.
@@ -27,12 +27,12 @@ pub struct ContactStarted {
     pub other: Entity,
     /// The pair's entity, with its [`Manifold`](super::Manifold) and [`ContactImpulses`](super::ContactImpulses).
     pub pair: Entity,
-    /// How hard they hit: Σλ_n over the whole step, its bounce included, N·s. What lands softly goes on to push in later steps, see
+    /// The normal impulse of the impact: Σλ_n over the whole step, including restitution, N·s. A soft landing continues over later steps; see
     /// [`ContactImpulses`].
     pub impulse: f32,
 }
 
-/// Two bodies ceased to touch, or one of them is gone. As an entity event its target is `body`.
+/// Two bodies ceased to touch, or one of them was removed. As an entity event its target is `body`.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactEnded {
     /// One body; it may have been despawned.
@@ -42,13 +42,13 @@ pub struct ContactEnded {
     pub other: Entity,
 }
 
-/// Pairs that listeners believe to touch, and that are gone.
+/// Pairs that were removed after [`ContactStarted`] was sent for them, so that [`ContactEnded`] must follow.
 #[derive(Resource, Clone, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct EndedPairs(pub(crate) Vec<([SpawnOrder; 2], [Entity; 2])>);
 
-/// Events for observers, triggered once the step is over.
+/// Events for observers that are triggered after the step.
 #[derive(Resource, Clone, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
@@ -137,7 +137,7 @@ pub fn contact_events(
     }
 }
 
-/// Runs the observers; outside the schedule, since it needs the whole world.
+/// Runs the observers. This happens outside the schedule, because observers need the whole world.
 pub(crate) fn trigger(world: &mut World) {
     let Untriggered {
         started,

@@ -1,14 +1,14 @@
-//! Which features of two solids make a contact point: what it is known by from step to step.
+//! The identity of a contact point from step to step: the features of the two solids that meet there.
 
-/// A corner of A on B, a corner of B on A, or an edge of each that cross. As long as the features are the same, so is the number.
+/// A corner of A on B, a corner of B on A, or an edge of each that cross. The number stays the same as long as the features do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FeatureId(pub u32);
 
-/// Bits of a corner's or an edge's number.
+/// Number of bits for the index of a corner or an edge.
 const BITS: u32 = 15;
 
 impl FeatureId {
-    /// No feature is known.
+    /// The feature is not known.
     pub const NONE: Self = Self(0);
 
     /// A corner of A.
@@ -26,9 +26,9 @@ impl FeatureId {
         Self(3 << (2 * BITS) | (of_a as u32) << BITS | of_b as u32)
     }
 
-    /// The same of one part of each body among others.
+    /// This feature of one part of each body, for bodies with several parts.
     pub(crate) const fn of_parts(self, part_a: u32, part_b: u32) -> Self {
-        // The parts' numbers shall not cancel what the features say, nor each other.
+        // Two different factors, so that the part numbers cancel neither each other nor the feature.
         Self(self.0 ^ part_a.wrapping_mul(0x9E37_79B1) ^ part_b.wrapping_mul(0x85EB_CA6B))
     }
 }

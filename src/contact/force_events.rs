@@ -1,5 +1,5 @@
-//! Contact-force events: how hard two bodies press on each other, told in every step in which it is more than a threshold, whether they have
-//! just met or have touched all along.
+//! Contact-force events: report the normal force between two bodies in every step in which it exceeds a threshold, for new and for lasting
+//! contacts.
 //!
 //! ```
 //! use bevy_ecs::message::Messages;
@@ -42,14 +42,14 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// Asks for a [`ContactForce`], as a message and for observers, for each body that presses on this one with more than a threshold.
+/// Requests a [`ContactForce`], as a message and for observers, for each body that presses on this one with more than a threshold.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 pub struct ContactForceEvents {
-    /// Normal force between the two bodies, N, mean over the step; 0 by default, which tells of every contact that presses. What is NaN tells of
+    /// Normal force between the two bodies, N, as a mean over the step. Default: 0, which reports every contact that presses. NaN reports
     /// none.
     ///
-    /// The shorter the step, the larger the force of a blow: for an impulse of J N·s in a step of Δt s it is J/Δt.
+    /// The force of an impact is inversely proportional to the length of the step: an impulse of J N·s in a step of Δt s counts as J/Δt.
     pub threshold: f32,
 }
 
@@ -59,28 +59,29 @@ impl Default for ContactForceEvents {
     }
 }
 
-/// Two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them: sent in each such step. Where both
-/// ask, each is told of the other. Pairs at [rest](crate::body::Inactive) are not told of: nothing about them changes.
+/// Two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. It is sent in each such step. If both
+/// bodies have the component, one is sent for each. [Inactive](crate::body::Inactive) pairs are not reported, because nothing about them
+/// changes.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
-    /// The body that asked.
+    /// The body that has [`ContactForceEvents`].
     #[event_target]
     pub body: Entity,
-    /// The other.
+    /// The other body.
     pub other: Entity,
     /// The pair's entity, with its [`Manifold`] and [`ContactImpulses`].
     pub pair: Entity,
-    /// The whole force on `body`, friction included, N, world, mean over the step.
+    /// The total force on `body`, friction included, N, world axes, mean over the step.
     pub force: Vec3,
-    /// The part of it that presses, N: what is compared with the threshold.
+    /// The sum of its normal forces, N. It is compared with the threshold.
     pub normal_force: f32,
-    /// The same as an impulse, Σλ_n of the step, N·s.
+    /// The normal impulse of the step, Σλ_n, N·s.
     pub impulse: f32,
-    /// Where it presses: the centre of pressure, world, m.
+    /// The centre of pressure, world, m.
     pub point: Vec3,
 }
 
-/// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it speaks of the whole
+/// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it does so once, for the whole
 /// step.
 pub fn contact_forces(
     askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Inactive>>,
@@ -125,7 +126,7 @@ pub fn contact_forces(
                     here += normal;
                 }
             }
-            // Points that are gone have pressed along the same normals.
+            // Points that ended during the step are assumed to have had the same normals.
             let share = if here > 0.0 { 1.0 / here } else { 0.0 };
             let on_a = normal_on_a * (impulse * share) + impulses.tangential();
             let way = if of_a { 1.0 } else { -1.0 };

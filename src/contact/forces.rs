@@ -1,10 +1,10 @@
 //! Contact forces: [`Contacts`], a system parameter that gives the forces between bodies, and [`Load`], a component that keeps their sum.
 //!
-//! The forces are those of the last step: its impulses divided by its length, at the points where contacts were detected. For bodies at
-//! [rest](crate::body::Inactive) they are the forces at which the bodies came to rest, whatever the length of later steps. Bodies that
-//! were despawned, disabled or lost their [`RigidBody`] since then give no force.
+//! The forces are those of the last step: its impulses divided by its length, at the points where contacts were detected. For
+//! [inactive](crate::body::Inactive) bodies they are the forces at which the bodies came to rest, whatever the length of later steps. Bodies
+//! that were despawned, disabled or lost their [`RigidBody`] since then give no force.
 //!
-//! Bodies that are spawned asleep get the forces that hold them up, by statics, in the step in which they are spawned.
+//! Bodies that are spawned asleep get the static forces that hold them up in the step in which they are spawned.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -101,9 +101,9 @@ type Pair = (
 
 /// System parameter for the contact forces between bodies. Outside of a system use [`contacts`].
 ///
-/// The forces are those of the last step, at the points where contacts were detected. For bodies at [rest](crate::body::Inactive) they are
-/// the forces at which the bodies came to rest. Bodies that were despawned, disabled or lost their [`RigidBody`] since the last step give
-/// no force.
+/// The forces are those of the last step, at the points where contacts were detected. For [inactive](crate::body::Inactive) bodies they are
+/// the forces at which the bodies came to rest. Bodies that were despawned, disabled or lost their [`RigidBody`] since the last step give no
+/// force.
 #[derive(SystemParam)]
 pub struct Contacts<'w, 's> {
     pub(super) table: Res<'w, BodyTable>,
@@ -139,14 +139,14 @@ pub fn contacts<R>(world: &mut World, ask: impl FnOnce(Contacts) -> R) -> R {
 }
 
 impl Contacts<'_, '_> {
-    /// The slot of a body, if it has not been despawned, disabled or lost its kind since the last step.
+    /// The slot of a body, unless it was despawned, disabled or lost its [`RigidBody`] since the last step.
     pub(super) fn slot(&self, body: Entity) -> Result<u32, NotABody> {
         let index = self.bodies.get(body).ok();
         let index = index.filter(|index| self.table.holds(body, **index));
         index.map(|index| index.0).ok_or(NotABody(body))
     }
 
-    /// The forces on a body, face by face, those from the body spawned first in front.
+    /// The forces on a body, one for each face, in spawn order of the other bodies.
     ///
     /// # Errors
     /// [`NotABody`] if it is not a body.
@@ -159,7 +159,7 @@ impl Contacts<'_, '_> {
         Ok(faces)
     }
 
-    /// The forces on a body by another one.
+    /// The forces of one body on another, one for each face.
     ///
     /// # Errors
     /// [`NotABody`] if one of them is not a body.
@@ -170,7 +170,7 @@ impl Contacts<'_, '_> {
         Ok(faces)
     }
 
-    /// The pairs of the body in a slot, in spawn order. The order of the graph depends on how pairs came and went.
+    /// The pairs of the body in a slot, in spawn order. The order in the graph depends on the history of the pairs.
     fn pairs_of(&self, slot: u32) -> SmallVec<[Entity; 16]> {
         let pairs = self.graph.edges_of(slot);
         let pairs =
@@ -180,7 +180,7 @@ impl Contacts<'_, '_> {
         pairs.into_iter().map(|(_, pair)| pair).collect()
     }
 
-    /// The bodies that press on the body in a slot, in spawn order, with the force over all their faces, N, world axes.
+    /// The bodies that press on the body in a slot, in spawn order, with the total force over all their faces, N, world axes.
     pub(super) fn neighbours(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 8]> {
         let mut found = SmallVec::<[_; 8]>::new();
         for pair in self.graph.edges_of(slot) {
@@ -194,7 +194,7 @@ impl Contacts<'_, '_> {
                 }
             }
         }
-        // Pairs stand as they came and went.
+        // The order in the graph depends on the history of the pairs.
         found.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
         found
             .into_iter()
@@ -202,19 +202,19 @@ impl Contacts<'_, '_> {
             .collect()
     }
 
-    /// The force of a pair on A, N, world, if it carries any.
+    /// The force of a pair on A, N, world axes. `None` if there is none.
     fn whole(&self, manifold: &Manifold, impulses: &ContactImpulses, rests: bool) -> Option<Vec3> {
         let (mut normal_force, mut force) = (0.0, Vec3::ZERO);
         for (number, patch) in manifold.patches.iter().enumerate() {
             let range = manifold.range(patch);
-            let given = Given::at(impulses, range, number, self.per_second(rests));
+            let given = PatchForce::at(impulses, range, number, self.per_second(rests));
             normal_force += given.normal_force;
             force += patch.normal * given.normal_force + given.tangential;
         }
         (normal_force > 0.0).then_some(force)
     }
 
-    /// The factor that turns the impulses of a pair into forces. `None` for pairs at rest, which have no new impulses and keep their
+    /// The factor that converts the impulses of a pair into forces, 1/s. `None` for inactive pairs, which have no new impulses and keep their
     /// forces.
     fn per_second(&self, rests: bool) -> Option<f32> {
         (!rests).then(|| self.time.whole().recip())
@@ -236,7 +236,7 @@ impl Contacts<'_, '_> {
         let per_second = self.per_second(rests);
         for (number, patch) in manifold.patches.iter().enumerate() {
             let range = manifold.range(patch);
-            let given = Given::at(impulses, range.clone(), number, per_second);
+            let given = PatchForce::at(impulses, range.clone(), number, per_second);
             if given.normal_force <= 0.0 {
                 continue;
             }
@@ -245,7 +245,7 @@ impl Contacts<'_, '_> {
             let points: SmallVec<[(Vec3, f32); 4]> = points.collect();
             let moment: Vec3 = points.iter().map(|&(at, force)| at * force).sum();
             let point = moment / given.normal_force;
-            // One friction force of a patch acts at its centre, those of points at the points.
+            // A patch solver has one friction force at the centre of the patch; a point solver has one at each point.
             let center = a.center + patch.center;
             let arm = match impulses.friction.is_empty() {
                 true => center - point,
@@ -275,7 +275,7 @@ impl Contacts<'_, '_> {
 }
 
 /// The forces on A over a patch, N and N·m.
-struct Given {
+struct PatchForce {
     /// The normal force at each point.
     normal: SmallVec<[f32; 4]>,
     normal_force: f32,
@@ -283,8 +283,8 @@ struct Given {
     twist: f32,
 }
 
-impl Given {
-    /// From the impulses of a step, of which there are `per_second` in a second, or without those from the last forces.
+impl PatchForce {
+    /// Converts the impulses of a step with the factor `per_second`, 1/s, or takes the last forces if there is none.
     fn at(
         impulses: &ContactImpulses,
         range: Range<usize>,
@@ -328,8 +328,8 @@ fn sticks(anchors: &ContactAnchors, range: Range<usize>, number: usize) -> bool 
     }
 }
 
-/// Component that keeps the sum of the contact forces on a body. Add it to the bodies that you want to observe; it is updated at the end
-/// of every step.
+/// Component that holds the sum of the contact forces on a body. Add it to the bodies that you want to observe. It is updated at the end of
+/// every step.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 pub struct Load {

@@ -1,29 +1,29 @@
 //! The lists that run in parallel with a [`Manifold`]: impulses, targets and anchors, with an entry for each of its points or patches.
 //!
-//! All of them change their lengths here: by [`reorder`] where points were found anew, and by [`fit`] where somebody else has changed the
-//! length of a list.
+//! Their lengths change only here: by [`reorder`] after points were detected anew, and by [`fit`] after other code has changed the length of a
+//! list.
 
 use super::{ContactAnchors, ContactImpulses, ContactTargets, Manifold, Origins, inherit};
 use smallvec::{Array, SmallVec};
 
-/// The lists of a pair that a stage has at hand.
+/// The lists of a pair that a stage has access to.
 #[derive(Default)]
 pub(crate) struct Lists<'a> {
     pub impulses: Option<&'a mut ContactImpulses>,
-    /// With `true` points have anchors, too.
+    /// The flag is true if points have anchors, too.
     pub anchors: Option<(&'a mut ContactAnchors, bool)>,
-    /// With `true` points have targets, too.
+    /// The flag is true if points have targets, too.
     pub targets: Option<(&'a mut ContactTargets, bool)>,
 }
 
-/// Makes lists as long as those of the manifold. Entries stay in their places; new ones have their default.
+/// Makes the lists as long as those of the manifold. Entries keep their indices; new ones have their default.
 #[inline(always)]
 pub(crate) fn fit(manifold: &Manifold, lists: Lists) {
     let (points, patches) = (manifold.points.len(), manifold.patches.len());
     if let Some(impulses) = lists.impulses {
         set_length(&mut impulses.points, points);
         set_length(&mut impulses.patches, patches);
-        // Only under solvers of points.
+        // Only point solvers fill this list.
         if !impulses.friction.is_empty() {
             set_length(&mut impulses.friction, points);
         }
@@ -40,8 +40,8 @@ pub(crate) fn fit(manifold: &Manifold, lists: Lists) {
     }
 }
 
-/// Puts entries where their points and patches are in a manifold that was found anew, for each of which its origin says which one of the old
-/// manifold it is. Entries of new points and patches have their default. Targets and slips are to be found anew.
+/// Moves entries to the indices of their points and patches in a manifold that was detected anew; the origins give the index in the old
+/// manifold. Entries of new points and patches have their default. Targets and slips must be computed anew.
 pub(crate) fn reorder(
     points: &Origins,
     patches: &Origins,
@@ -68,7 +68,7 @@ fn set_length<T: Clone + Default>(list: &mut impl List<T>, length: usize) {
     }
 }
 
-/// A list that can become longer and shorter.
+/// A list whose length can change.
 trait List<T> {
     fn length(&self) -> usize;
 

@@ -1,12 +1,12 @@
 //! The components of a contact pair, which is an entity: its bodies, contact points, impulses and anchors.
 //!
-//! A pair lives as long as the fat boxes of its two bodies overlap, whether they touch or not, so that pairs seldom come and go. All its
-//! lists run in parallel with the points or patches of its [`Manifold`]. The broadphase spawns and despawns pairs. A pair that somebody else
-//! despawns, disables or takes a component off is made anew in the next step.
+//! A pair exists as long as the fat boxes of its two bodies overlap, whether they touch or not, so that pairs are rarely spawned and
+//! despawned. All its lists run in parallel with the points or patches of its [`Manifold`]. The broadphase spawns and despawns pairs. A pair
+//! that the user despawns, disables or removes a component from is made anew in the next step.
 //!
-//! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow make the other lists as long as
-//! those of the manifold; a point that no patch names has no effect. Points that are put between bodies that did not touch when
-//! [`islands`](crate::graph::islands()) were found are solved from the next step on.
+//! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow adjust the other lists to those of
+//! the manifold. A point that no patch refers to has no effect. Points between bodies that did not touch when the
+//! [`islands`](crate::graph::islands()) were updated are solved from the next step on.
 
 pub(crate) mod cache;
 mod events;
@@ -42,7 +42,7 @@ use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 
-/// Two bodies near each other. A is `bodies[0]`, B is `bodies[1]`, the younger; normals point from B to A.
+/// Two bodies near each other. A is `bodies[0]`; B is `bodies[1]`, which was spawned later. Normals point from B to A.
 #[derive(Component, Clone, Copy, Debug)]
 #[component(on_remove = lose_pair, clone_behavior = Ignore)]
 #[require(
@@ -56,11 +56,11 @@ pub struct ContactPair {
     /// A and B.
     #[entities]
     pub bodies: [Entity; 2],
-    /// Their slots in the [`BodyTable`](crate::body::BodyTable).
+    /// Slots of A and B in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
-    /// The number of its edge in the [constraint graph](crate::graph).
+    /// The number of the pair's edge in the [constraint graph](crate::graph).
     pub(crate) edge: u32,
-    /// When they came into the world.
+    /// Numbers of A and B in the order of spawning.
     pub spawn_orders: [SpawnOrder; 2],
     /// Combined coefficient of friction μ.
     pub friction: f32,
@@ -68,26 +68,26 @@ pub struct ContactPair {
     pub restitution: f32,
     /// Combined coefficient of rolling friction.
     pub rolling_friction: f32,
-    /// The radius that it is a share of, m; infinite where neither body is round.
+    /// The radius that the coefficient of rolling friction is relative to, m; infinite if neither body is round.
     pub rolling_radius: f32,
-    /// Some point is inside the collision envelope.
+    /// Whether some point is inside the collision envelope.
     pub touching: bool,
-    /// Contacts have been looked for.
+    /// Whether collision detection has run for the pair.
     pub(crate) detected: bool,
-    /// Both bodies sleep or stand still: nothing about it can have changed. (Islands may wake them after that was found.)
+    /// Whether both bodies sleep or stand still, so that nothing about the pair changes. The stage *islands* may wake them afterwards.
     pub(crate) idle: bool,
-    /// How often they have been looked for, and not taken over from the last step.
+    /// Number of detections in which the manifold was not recycled.
     pub(crate) revision: u32,
-    /// They were last looked at in vain, and nothing is kept of them: no points, no impulses.
+    /// Whether the last detection found nothing and the pair has no points and no impulses.
     pub(crate) empty: bool,
-    /// For so many steps it is not looked at, one of a [crowd](crate::narrowphase::crowd).
+    /// Number of steps for which detection is skipped, for a pair of a [crowd](crate::narrowphase::crowd).
     pub(crate) waits: u8,
-    /// Touching, as last told to listeners.
+    /// Whether the last event that was sent says that the bodies touch.
     pub(crate) announced: bool,
 }
 
 impl ContactPair {
-    /// Of two bodies that have just come near each other.
+    /// The pair of two bodies that have just come near each other.
     pub(crate) fn new(edge: u32, slots: [u32; 2], [a, b]: [&BodyState; 2]) -> Self {
         let mut pair = Self {
             bodies: [a.entity, b.entity],
@@ -110,7 +110,7 @@ impl ContactPair {
         pair
     }
 
-    /// Takes over how the surfaces of its bodies act on each other.
+    /// Combines the surface properties of the two bodies.
     pub(crate) fn combine(&mut self, [a, b]: [&BodyState; 2]) {
         let (of_a, of_b) = (&a.properties, &b.properties);
         self.friction = of_a.friction.combine(of_b.friction);
@@ -119,7 +119,7 @@ impl ContactPair {
         self.rolling_radius = a.rolling_radius().min(b.rolling_radius());
     }
 
-    /// Is between the bodies that the other is between.
+    /// Copies edge, slots and bodies of another pair.
     pub(crate) fn take_ends(&mut self, other: &Self) {
         self.bodies = other.bodies;
         self.slots = other.slots;
@@ -127,13 +127,13 @@ impl ContactPair {
         self.spawn_orders = other.spawn_orders;
     }
 
-    /// True where A (0) or B (1) is this body, and not another in the same slot.
+    /// Returns true if A (0) or B (1) is this body, and not another in the same slot.
     pub(crate) fn is_of(&self, i: usize, body: &BodyState) -> bool {
         (body.entity, body.spawn_order) == (self.bodies[i], self.spawn_orders[i])
     }
 }
 
-/// Pairs that are gone, whoever despawned them, until the broadphase has looked at them.
+/// Pairs that were despawned, by drystone or by the user, until the broadphase has handled them.
 #[derive(Resource, Clone, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
@@ -148,7 +148,7 @@ impl MapEntities for LostPairs {
     }
 }
 
-/// A pair's entity is gone, or is a pair no more. The hook of [`ContactPair`].
+/// Hook of [`ContactPair`]: records a pair that was despawned or lost this component.
 fn lose_pair(mut world: DeferredWorld, context: HookContext) {
     let pair = world.get::<ContactPair>(context.entity).copied();
     if let (Some(pair), Some(mut lost)) = (pair, world.get_resource_mut::<LostPairs>()) {
@@ -156,27 +156,26 @@ fn lose_pair(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// Where two bodies touch, or may within the step.
+/// The contact points of two bodies, where they touch or may touch within the step.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct Manifold {
-    /// Parts of the manifold with one normal each. A pair of convex bodies has one at most.
+    /// The parts of the manifold with one normal each. A pair of convex bodies has at most one.
     pub patches: SmallVec<[ManifoldPatch; 1]>,
     /// The points of all patches.
     pub points: SmallVec<[ContactPoint; 4]>,
-    /// From the centre of mass of B to that of A when it was detected, world axes, m.
+    /// From the centre of mass of B to that of A at detection, world axes, m.
     pub between: Vec3,
 }
 
 impl Manifold {
-    /// The indices of the points of a patch. Points that a patch names and that are not there, since somebody has shortened the list, are
-    /// left out.
+    /// The indices of the points of a patch. Indices beyond the end of a list that was shortened are left out.
     #[inline]
     pub fn range(&self, patch: &ManifoldPatch) -> std::ops::Range<usize> {
         patch.range_in(self.points.len())
     }
 
-    /// The patches that have points, with their places in the list and the indices of their points.
+    /// The patches that have points, each with its index and the indices of its points.
     #[inline]
     pub(crate) fn patches_with_points(
         &self,
@@ -186,8 +185,7 @@ impl Manifold {
         patches.filter(|(.., range)| !range.is_empty())
     }
 
-    /// From the centres of mass of A and B to a point when it was detected, world axes, m. As long as the manifold is kept the point goes
-    /// with both.
+    /// From the centres of mass of A and B to a point at detection, world axes, m. The arms stay constant while the manifold is recycled.
     #[inline]
     pub fn arms(&self, point: usize) -> [Vec3; 2] {
         let arm = self.points[point].arm;
@@ -201,18 +199,18 @@ impl Manifold {
 pub struct ManifoldPatch {
     /// Unit vector from B to A, world axes.
     pub normal: Vec3,
-    /// The middle of its points, from the centre of mass of A when they were detected, world axes, m.
+    /// The mean of its points, from the centre of mass of A at detection, world axes, m.
     pub center: Vec3,
     /// Index of its first point.
     pub first: u32,
-    /// How many points it has.
+    /// Number of its points.
     pub count: u32,
-    /// One of the surfaces is curved here, so that it can roll.
+    /// Whether one of the surfaces is curved here, so that it can roll.
     pub curved: bool,
 }
 
 impl ManifoldPatch {
-    /// The indices of its points in a list of so many.
+    /// The indices of its points in a list of this length.
     #[inline]
     pub(crate) fn range_in(&self, points: usize) -> std::ops::Range<usize> {
         let first = (self.first as usize).min(points);
@@ -220,27 +218,27 @@ impl ManifoldPatch {
     }
 }
 
-/// One point of contact.
+/// One contact point.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct ContactPoint {
-    /// From the centre of mass of A to midway between the surfaces when it was detected, world axes, m.
+    /// From the centre of mass of A to the midpoint between the surfaces at detection, world axes, m.
     pub arm: Vec3,
-    /// Signed distance d of the surfaces along the normal, m; negative: overlap.
+    /// Signed distance d of the surfaces along the normal, m. Negative: overlap.
     pub distance: f32,
-    /// The same when it was detected.
+    /// The signed distance at detection, m.
     pub detected: f32,
-    /// Which features of the two meet here: what the point is known by from step to step.
+    /// The features of the two bodies that meet here. They identify the point from step to step.
     pub feature: FeatureId,
 }
 
-/// What the two stabilizations demand of each point's velocity.
+/// The velocities that the two stabilizations demand at the contact points.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactTargets {
-    /// One for each point; none under a solver of patches.
+    /// One for each point; empty under patch solvers.
     pub points: Vec<Target>,
-    /// One for each patch: how far it has slipped, where friction holds it.
+    /// The slip of each patch whose friction is stabilized.
     pub patches: SmallVec<[Option<Slip>; 1]>,
 }
 
@@ -253,7 +251,7 @@ pub struct Target {
     pub tangential: Vec3,
 }
 
-/// The impulses λ of the step: of all its substeps, and of bounces.
+/// The impulses λ of the step, the sum over all its substeps, including restitution.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactImpulses {
@@ -261,28 +259,28 @@ pub struct ContactImpulses {
     pub points: SmallVec<[Impulse; 4]>,
     /// One for each patch.
     pub patches: SmallVec<[PatchImpulse; 1]>,
-    /// Friction of each point, under solvers of points. None under others: there it is that of the patch.
+    /// Friction of each point, under point solvers. Empty under patch solvers, which have one friction impulse for each patch.
     pub friction: Vec<PointFriction>,
-    /// Of the substeps before this one.
+    /// The impulses of the earlier substeps of this step.
     pub(crate) earlier: Option<Box<Earlier>>,
 }
 
 impl ContactImpulses {
-    /// Σλ_n of the step, N·s.
+    /// The sum of the normal impulses of the step, Σλ_n, N·s.
     pub fn normal(&self) -> f32 {
         let points: f32 = self.points.iter().map(|point| point.normal).sum();
         points + self.elsewhere().normal
     }
 
-    /// Σλ_t of the step on A, N·s, world axes.
+    /// The sum of the friction impulses of the step on A, Σλ_t, N·s, world axes.
     pub fn tangential(&self) -> Vec3 {
         let points: Vec3 = self.friction.iter().map(|point| point.tangential).sum();
         let patches: Vec3 = self.patches.iter().map(|patch| patch.tangential).sum();
         points + patches + self.elsewhere().tangential
     }
 
-    /// λ_t on A at one of the points of a patch, N·s, world axes: under a solver with one friction force for a patch, the share of it
-    /// that the point has in the load.
+    /// λ_t on A at one of the points of a patch, N·s, world axes. Under a patch solver it is the share of the patch's friction impulse in
+    /// proportion to the point's normal impulse.
     pub fn tangential_at(&self, patch: &ManifoldPatch, number: usize, point: usize) -> Vec3 {
         if let Some(friction) = self.friction.get(point) {
             return friction.tangential;
@@ -295,7 +293,7 @@ impl ContactImpulses {
         patch.tangential * (normal * share)
     }
 
-    /// Makes the lists as long as those of the manifold, where somebody has changed the length of either. Entries stay in their places.
+    /// Makes the lists as long as those of the manifold, if the user has changed the length of either. Entries keep their indices.
     #[inline(always)]
     pub(crate) fn fit(&mut self, manifold: &Manifold) {
         let lists = Lists {
@@ -306,18 +304,18 @@ impl ContactImpulses {
     }
 }
 
-/// What A gets at a contact point in a step along the normal, and B the opposite of.
+/// The normal impulse on A at a contact point. B gets the opposite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
     /// λ_n ≥ 0, N·s.
     pub normal: f32,
-    /// The normal force at the end of the last solve, N: what the next one starts from, whatever the length of its step.
+    /// The normal force at the end of the last solve, N. The next solve starts from it, whatever the length of its step.
     pub warm_normal: f32,
-    /// A slow mean of the normal force, N: what the point carries at rest. Zero under solvers that need none.
+    /// A slow mean of the normal force, N: the static load of the point. Zero under solvers that do not use it.
     pub load: f32,
 }
 
-/// What A gets at a contact point in a step along the surface.
+/// The friction impulse on A at a contact point. B gets the opposite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointFriction {
     /// λ_t, N·s, world axes.
@@ -326,27 +324,27 @@ pub struct PointFriction {
     pub warm_tangential: Vec3,
 }
 
-/// What a solver with one friction force for a patch keeps of it. Zero under others.
+/// The friction state of a patch, under patch solvers. Zero under point solvers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PatchImpulse {
     /// λ_t of the step on A, N·s, world axes.
     pub tangential: Vec3,
-    /// The friction force on A at the patch's centre at the end of the last solve, N, world axes.
+    /// The friction force on A at the centre of the patch at the end of the last solve, N, world axes.
     pub warm_tangential: Vec3,
-    /// Moment of friction on A about the normal, likewise, N·m.
+    /// The moment of friction on A about the normal at the end of the last solve, N·m.
     pub warm_twist: f32,
-    /// Moment of rolling friction on A, likewise, N·m, world axes.
+    /// The moment of rolling friction on A at the end of the last solve, N·m, world axes.
     pub warm_rolling: Vec3,
-    /// Slow mean of the friction force on A, N.
+    /// A slow mean of the friction force on A, N, world axes.
     pub load_tangential: Vec3,
-    /// The same of its moment, N·m.
+    /// A slow mean of the moment of friction on A about the normal, N·m.
     pub load_twist: f32,
-    /// How far it slid for good in the last solve, until its anchor is told.
+    /// The permanent slip of the last solve, until the anchor takes it over.
     pub dragged: Slip,
 }
 
-/// True where some of a column, or one row of it, were written since the system at hand ran last, by somebody who did not bypass change
-/// detection, as drystone's stages do.
+/// True if a column, or one row of it, was written since this system ran last, by code that did not bypass change detection. The stages bypass
+/// it, so this finds the user's edits.
 macro_rules! is_edited {
     ($column:expr, $row:expr) => {{
         let (last, this) = ($column.last_run_tick(), $column.this_run_tick());
@@ -360,9 +358,9 @@ macro_rules! is_edited {
 }
 pub(crate) use is_edited;
 
-/// What contact gave to A in part of a step.
+/// The impulse on A in part of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Given {
+pub(crate) struct ImpulseSum {
     /// Σλ_n, N·s.
     pub normal: f32,
     /// Σλ_t, N·s, world axes.
@@ -377,14 +375,14 @@ pub struct ContactAnchors {
     pub points: Vec<Anchor>,
     /// One for each patch, with pair-pose anchors.
     pub patches: SmallVec<[PatchAnchor; 1]>,
-    /// They are as they were when slips were last measured from them.
+    /// Whether the anchors are the same as when slips were last measured.
     pub(crate) measured: bool,
 }
 
-/// How the two bodies of a patch stood to each other when it began to stick.
+/// The relative pose of the two bodies of a patch when it began to stick.
 ///
-/// A vector is read into a register of four, so what follows it must not be a small integer: as a number that would be subnormal, which
-/// made the stage *friction error* four times as slow.
+/// A vector is loaded into a register of four numbers. So the bytes after it must not hold a small integer: read as a number it would be
+/// subnormal, which made the stage *friction error* four times as slow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct PatchAnchor {
@@ -392,14 +390,14 @@ pub struct PatchAnchor {
     pub position: Vec3,
     /// The rotation of A in the frame of B, as numbers: a `Quat` would be padded to 16 bytes.
     rotation: [f32; 4],
-    /// Classified as sticking in the last step, equation (10).
+    /// Whether the patch was classified as sticking in the last step, equation (10).
     pub sticking: bool,
-    /// The pose is written.
+    /// Whether the pose is set.
     pub set: bool,
 }
 
 impl PatchAnchor {
-    /// One that sticks: the origin and the rotation of A in the frame of B.
+    /// A sticking anchor, from the origin (m) and the rotation of A in the frame of B.
     pub fn new(position: Vec3, rotation: Quat) -> Self {
         Self {
             position,
@@ -416,22 +414,22 @@ impl PatchAnchor {
     }
 }
 
-/// Where one contact point is held while it sticks.
+/// The anchor that holds one contact point while it sticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Anchor {
-    /// Classified as sticking in the last step, equation (10).
+    /// Whether the point was classified as sticking in the last step, equation (10).
     pub sticking: bool,
-    /// An anchor is set (sticking and written).
+    /// Whether an anchor is set.
     pub set: bool,
-    /// p_A and p_B of equation (11): the contact point in the frames of A and B when it was written, m.
+    /// p_A and p_B of equation (11): the contact point in the frames of A and B when the anchor was set, m.
     pub local: [Vec3; 2],
-    /// The contact normal in the frames of A and B when it was written.
+    /// The contact normal in the frames of A and B when the anchor was set.
     pub normal: [Vec3; 2],
-    /// Curved contacts: the slip since the onset, Σ u_t Δt, world axes, m.
+    /// For curved contacts: the slip since sticking began, Σ u_t Δt, world axes, m.
     pub slip: Vec3,
 }
 
-/// Stages walk columns of these; a wall of 1 000 bricks has 3 000 pairs, and a cache of 2 MB.
+/// The sizes are pinned because stages iterate over columns of these: a wall of 1 000 bricks has 3 000 pairs, and a cache has 2 MB.
 const _: () = {
     assert!(size_of::<ContactPair>() <= 72);
     assert!(size_of::<Manifold>() <= 168);

@@ -1,11 +1,11 @@
-//! Which entry of the last step each entry of a list is: what the narrowphase reorders the lists of a pair by.
+//! Origins: the index in the last step of each entry of a list. The narrowphase reorders the lists of a pair by them.
 
 use smallvec::SmallVec;
 
-/// For each new point the index of the old one.
+/// For each new point the index of the old one, if there is one.
 pub(crate) type Origins = SmallVec<[Option<u16>; 8]>;
 
-/// Reorders what is kept for each point; new points start from the default. Most often all stay where they are.
+/// Reorders a list with an entry for each point. New points get the default. Usually no entry moves.
 pub(crate) fn inherit<T: Copy + Default, Kept: AsRef<[T]> + FromIterator<T>>(
     origins: &Origins,
     kept: &mut Kept,

@@ -1,8 +1,8 @@
 //! Supports: [`Supports`], a system parameter that tells which bodies support which.
 //!
-//! A body supports another if it pushes it against gravity, over all their faces together, by more than a thousandth of the other's
-//! weight. This is read off the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a
-//! support is removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
+//! A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its weight.
+//! This is computed from the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a support
+//! is removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -49,11 +49,11 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::ops::Range;
 
-/// Smallest supporting force, as a share of the body's weight; less is noise.
+/// Minimum supporting force, as a share of the body's weight. Smaller forces are noise.
 const NOISE: f32 = 1e-3;
 
-/// Bodies that support each other in a circle, by friction: maximum number of rounds in which shares are computed, and the change below
-/// which they end.
+/// Bodies can support each other in a circle, by friction. Then shares are computed in rounds: the maximum number of rounds, and the change
+/// below which they end.
 const ROUNDS: usize = 64;
 const STEADY: f32 = 1e-5;
 
@@ -66,15 +66,15 @@ pub struct Bearing {
     pub below: Entity,
     /// The supporting force, against gravity, N.
     pub force: f32,
-    /// For [`Supports::supported_by`] and [`Supports::supports`] the share of this force in all that supports `above`; for
-    /// [`Supports::load_path`] the share of the weight in question that passes here.
+    /// For [`Supports::supported_by`] and [`Supports::supports`], the share of this force in the total that supports `above`. For
+    /// [`Supports::load_path`], the share of the body's weight that passes here.
     pub share: f32,
 }
 
 /// System parameter that tells which bodies support which. Outside of a system use [`supports`].
 ///
-/// A body supports another if it pushes it against gravity, over all their faces together, by more than a thousandth of the other's
-/// weight. Nothing is simulated: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) to find out.
+/// A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its weight.
+/// Nothing is simulated: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) to find out.
 #[derive(SystemParam)]
 pub struct Supports<'w, 's> {
     contacts: Contacts<'w, 's>,
@@ -114,7 +114,7 @@ impl Supports<'_, '_> {
     /// [`NotABody`] if it is not a body.
     pub fn supported_by(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let slot = self.contacts.slot(body)?;
-        let Some(least) = self.least(slot) else {
+        let Some(least) = self.min_force(slot) else {
             return Ok(Vec::new());
         };
         let up = -self.gravity.0.normalize_or_zero();
@@ -151,8 +151,8 @@ impl Supports<'_, '_> {
         Ok(bearings)
     }
 
-    /// The force below which a support is noise for a body, N. `None` for bodies that cannot fall.
-    fn least(&self, slot: u32) -> Option<f32> {
+    /// Minimum force of a support of a body, N. `None` for bodies that cannot fall.
+    fn min_force(&self, slot: u32) -> Option<f32> {
         let body = self.contacts.table.get(slot)?;
         let weight = self.gravity.0.length() * body.gravity_scale.abs() / body.mass.inverse_mass;
         (body.is_dynamic() && weight.is_finite()).then_some(NOISE * weight)
@@ -164,7 +164,7 @@ impl Supports<'_, '_> {
     /// [`NotABody`] if it is not a body.
     pub fn load_path(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let mut path = Vec::new();
-        // Where each body's bearings stand in the path, and how many bear on it.
+        // The range of each body's bearings in the path, and the number of bearings on it.
         let mut below: EntityHashMap<Range<usize>> = EntityHashMap::default();
         let mut uppers: EntityHashMap<usize> = EntityHashMap::default();
         let mut next = VecDeque::from([body]);
@@ -225,21 +225,21 @@ impl Supports<'_, '_> {
                 if above == body || search.knows(above) {
                     continue;
                 }
-                // It may press by less than counts.
+                // Its force may be below the threshold.
                 let by = self.supported_by(above)?;
                 if by.iter().any(|bearing| bearing.below == lower) {
                     next.extend(search.decide(above)?);
                 }
             }
         }
-        Ok(self.by_age(search.hangs.into_iter()))
+        Ok(self.in_spawn_order(search.hangs.into_iter()))
     }
 
-    /// All that holds together with a body by touching: the dynamic bodies of its [island](crate::graph). What cannot move is in none.
-    /// In spawn order.
+    /// The structure that a body belongs to: all dynamic bodies of its [island](crate::graph), which are connected with it by contacts, in
+    /// spawn order. Empty for static and kinematic bodies, which are in no island.
     ///
     /// # Errors
-    /// Where it is no body.
+    /// [`NotABody`] if it is not a body.
     pub fn structure(&self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         let slot = self.contacts.slot(body)?;
         let table = &*self.contacts.table;
@@ -256,7 +256,7 @@ impl Supports<'_, '_> {
         Ok(members.into_iter().map(|(_, body)| body).collect())
     }
 
-    fn by_age(&self, bodies: impl Iterator<Item = Entity>) -> Vec<Entity> {
+    fn in_spawn_order(&self, bodies: impl Iterator<Item = Entity>) -> Vec<Entity> {
         let mut bodies: Vec<Entity> = bodies.collect();
         let spawn_order = |&body: &Entity| {
             let slot = self.contacts.slot(body).ok()?;
@@ -281,10 +281,10 @@ impl Search<'_, '_, '_> {
         self.hangs.contains(&body) || self.stands.contains(&body)
     }
 
-    /// Looks for a path down that does not pass through the body. If there is none, all bodies visited on the way are supported only by
-    /// it, and are returned.
+    /// Searches for a path down that does not pass through the body. If there is none, all bodies visited on the way are supported only by it,
+    /// and are returned.
     fn decide(&mut self, body: Entity) -> Result<Vec<Entity>, NotABody> {
-        // From where each was come to.
+        // For each visited body, the body that the search came from.
         let mut from = EntityHashMap::from_iter([(body, body)]);
         let mut next = vec![body];
         while let Some(here) = next.pop() {
@@ -316,8 +316,8 @@ impl Search<'_, '_, '_> {
     }
 }
 
-/// Bodies in an order in which each comes after all that it supports, and whether some support each other in a circle; those are in the
-/// order of the path.
+/// Sorts bodies so that each comes after all bodies that it supports. Also returns whether some support each other in a circle; those are in
+/// the order of the path.
 fn from_the_top(
     top: Entity,
     path: &[Bearing],

@@ -1,37 +1,37 @@
-//! Part of the stage *contact events*: impulses are the whole step's, whatever the substeps.
+//! Part of the stage *contact events*: makes impulses those of the whole step, whatever the number of substeps.
 //!
-//! While substeps go on [`ContactImpulses`] holds those of the one at hand, since that is what classifies friction; what those before
-//! it gave waits in a list beside.
+//! During a step with substeps [`ContactImpulses`] holds the impulses of the current substep, which the classification of friction needs.
+//! [`Earlier`] holds the sums of the substeps before it.
 
-use super::{ContactImpulses, Given, Manifold, Origins, inherit};
+use super::{ContactImpulses, ImpulseSum, Manifold, Origins, inherit};
 use crate::body::Inactive;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 
-/// What the substeps of a step before this one gave. Nothing without several.
+/// Sums of the impulses of the earlier substeps of a step. Unused without substeps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Earlier {
     /// One for each point.
-    points: Vec<Given>,
-    /// At points that are no more.
-    elsewhere: Given,
+    points: Vec<ImpulseSum>,
+    /// The sum at points that have ended.
+    elsewhere: ImpulseSum,
 }
 
 impl ContactImpulses {
-    /// What was given in this step at points that are no more.
-    pub(super) fn elsewhere(&self) -> Given {
+    /// The impulse of this step at points that have ended.
+    pub(super) fn elsewhere(&self) -> ImpulseSum {
         let earlier = self.earlier.as_ref();
-        earlier.map_or(Given::default(), |earlier| earlier.elsewhere)
+        earlier.map_or(ImpulseSum::default(), |earlier| earlier.elsewhere)
     }
 
-    /// Before contacts are looked for: what the points have goes to what they got earlier; in the first substep nothing did.
+    /// Before detection: adds the impulses of the last substep to the earlier ones. In the first substep there are none, and the sums are cleared.
     #[inline]
     pub(crate) fn begin_substep(&mut self, time: &StepTime, manifold: &Manifold) {
         if time.substep > 0 {
             self.set_aside(manifold);
         } else if let Some(earlier) = &mut self.earlier {
-            earlier.elsewhere = Given::default();
+            earlier.elsewhere = ImpulseSum::default();
             earlier.points.clear();
         }
     }
@@ -39,7 +39,9 @@ impl ContactImpulses {
     fn set_aside(&mut self, manifold: &Manifold) {
         self.fit(manifold);
         let mut earlier = self.earlier.take().unwrap_or_default();
-        earlier.points.resize(self.points.len(), Given::default());
+        earlier
+            .points
+            .resize(self.points.len(), ImpulseSum::default());
         for (number, patch) in manifold.patches.iter().enumerate() {
             for point in manifold.range(patch) {
                 let tangential = self.tangential_at(patch, number, point);
@@ -56,7 +58,7 @@ impl ContactImpulses {
         }
     }
 
-    /// When points come, go or change places. What those got that go has acted all the same.
+    /// Moves the impulses after points came, went or changed their indices. Impulses of points that ended are kept as a sum.
     pub(crate) fn reorder(&mut self, origins: &Origins) {
         inherit(origins, &mut self.points);
         if !self.friction.is_empty() {
@@ -76,7 +78,7 @@ impl ContactImpulses {
         }
     }
 
-    /// After the last substep.
+    /// Adds the earlier impulses to those of the last substep.
     fn add_up(&mut self, manifold: &Manifold) {
         self.fit(manifold);
         let Some(earlier) = &mut self.earlier else {
@@ -99,14 +101,14 @@ impl ContactImpulses {
     }
 }
 
-impl Given {
+impl ImpulseSum {
     fn add(&mut self, normal: f32, tangential: Vec3) {
         self.normal += normal;
         self.tangential += tangential;
     }
 }
 
-/// After the last substep adds the impulses of the earlier ones to those of the last.
+/// After the last substep, adds the impulses of the earlier ones to those of the last.
 pub fn whole_step(
     time: Res<StepTime>,
     mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Inactive>>,

@@ -1,4 +1,4 @@
-//! Hands that hold what a ray points at.
+//! Hands that hold the body that a ray points at.
 
 use super::{Grab, HeldBy};
 use crate::body::RigidBody;
@@ -13,7 +13,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use glam::{BVec3, Quat, Vec3};
 
-/// Lets every [`Hand`] hold what it points at. It is in none of the plugins of [`DrystonePlugins`](crate::DrystonePlugins); add it after them.
+/// Lets every [`Hand`] hold the body that it points at. The plugin is not part of [`DrystonePlugins`](crate::DrystonePlugins); add it after
+/// them.
 #[derive(Debug)]
 pub struct HandPlugin;
 
@@ -21,7 +22,7 @@ impl Plugin for HandPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             PhysicsSchedule,
-            // A hand that closes takes hold of bodies as they are now, be they spawned or moved since the last step.
+            // A hand that closes grabs bodies as they are now, including those that were spawned or moved since the last step.
             (refresh.run_if(any_closes), hands)
                 .chain()
                 .before(PhysicsSystems::Prepare),
@@ -38,14 +39,14 @@ fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {
     hands.any(|(hand, grasp)| hand.closed && *grasp == Grasp::Open && hand.ray.is_some())
 }
 
-/// A hand that points along a ray, of a camera, a player or a pointer. When it is closed it takes hold of the first dynamic body that the ray
-/// hits, and holds the point that was hit on the ray, at the same distance. When it is opened it lets go.
+/// A hand that points along a ray of a camera, a player or a pointer. When it is closed it grabs the first dynamic body that the ray hits, and
+/// keeps the point that was hit on the ray, at the same distance. When it is opened it releases the body.
 ///
-/// A body is held by one hand at a time: a hand that closes on a body with a [`Grab`] holds nothing. It loses a body that is disabled, or whose
-/// `Grab` is removed.
+/// A body is held by one hand at a time: a hand that closes on a body with a [`Grab`] holds nothing. It loses a body that is disabled, or
+/// whose `Grab` is removed.
 ///
-/// Numbers that are not finite, out of bounds or negative are logged as an error and have no effect: the hand holds on as before, or takes hold of
-/// nothing.
+/// Numbers that are not finite, out of bounds or negative are logged as an error and have no effect: the hand continues to hold as before, or
+/// grabs nothing.
 ///
 /// ```
 /// # use bevy_transform::components::Transform;
@@ -64,36 +65,36 @@ fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {
 #[derive(Component, Clone, Copy, Debug)]
 #[require(Grasp)]
 pub struct Hand {
-    /// Where it points. With `None` it holds the body where it was held.
+    /// The ray that it points along. With `None` the body is held where it is.
     pub ray: Option<Ray3d>,
-    /// Whether it is closed: it holds what it pointed at when it was closed.
+    /// Whether it is closed. A closed hand holds the body that it pointed at when it was closed.
     pub closed: bool,
-    /// Greatest distance at which it takes hold, m; 100 by default.
+    /// Maximum distance at which it grabs a body, m. Default: 100.
     pub reach: f32,
-    /// Greatest force, N.
+    /// Maximum force, N.
     pub max_force: f32,
-    /// Greatest torque, N·m.
+    /// Maximum torque, N·m.
     pub max_torque: f32,
-    /// The world axes along which it pulls; all by default. See [`Grab::axes`].
+    /// The world axes along which it pulls. Default: all. See [`Grab::axes`].
     pub axes: BVec3,
-    /// The world axes about which it turns; all by default. See [`Grab::turn_axes`].
+    /// The world axes about which it turns the body. Default: all. See [`Grab::turn_axes`].
     pub turn_axes: BVec3,
     /// The orientation to which it turns the body, world. With `None` it only stops the rotation.
     pub rotation: Option<Quat>,
-    /// Distance along the ray at which it holds, m: set when it takes hold, and may be changed from then on.
+    /// Distance along the ray at which it holds the body, m. It is set when a body is grabbed, and may be changed from then on.
     pub distance: f32,
 }
 
-/// What a [`Hand`] holds. The clone of a hand holds nothing.
+/// The body that a [`Hand`] holds. The clone of a hand holds nothing.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(on_remove = let_go, clone_behavior = Ignore, map_entities)]
 pub enum Grasp {
-    /// It is open.
+    /// The hand is open.
     #[default]
     Open,
-    /// It is closed and holds nothing, and must be opened before it takes hold again.
+    /// The hand is closed and holds nothing. It must be opened before it can grab a body again.
     Empty,
-    /// It holds a body at a point in the body's frame, m.
+    /// The hand holds a body at a point in the body's frame, m.
     Holds(Entity, Vec3),
 }
 
@@ -106,7 +107,7 @@ impl MapEntities for Grasp {
 }
 
 impl Hand {
-    /// An open hand of so many newtons that reaches 100 m, and turns as hard as with a quarter of a metre for a lever.
+    /// An open hand with a maximum force (N), a reach of 100 m, and a maximum torque of that force times a quarter of a metre.
     pub fn new(max_force: f32) -> Self {
         Self {
             ray: None,
@@ -132,7 +133,7 @@ impl Grasp {
     }
 }
 
-/// A hand that is removed lets go.
+/// Releases the body when the hand is removed.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
     let hand = context.entity;
     let held = world.get::<Grasp>(hand).and_then(Grasp::held);
@@ -141,7 +142,7 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// What a hand may hold, or holds.
+/// Bodies that a hand may hold.
 type Bodies<'w, 's> = Query<
     'w,
     's,
@@ -153,7 +154,7 @@ type Bodies<'w, 's> = Query<
     Allow<Disabled>,
 >;
 
-/// Takes hold and lets go, before every step.
+/// Grabs and releases bodies, before every step.
 pub fn hands(
     mut commands: Commands,
     world: SpatialQuery,
@@ -161,7 +162,7 @@ pub fn hands(
     mut bodies: Bodies,
     mut told: ResMut<Told>,
 ) {
-    // First all that let go, so that a body goes from hand to hand in one step.
+    // All releases come first, so that a body can go from one hand to another in one step.
     let mut freed = EntityHashSet::default();
     let mut taken = EntityHashSet::default();
     for (entity, hand, mut grasp) in &mut hands {
@@ -210,7 +211,7 @@ pub fn hands(
                 commands.entity(body).try_insert((grab, HeldBy(entity)));
             }
             (Grasp::Holds(body, local), ray) => {
-                // Somebody else may have taken it, or taken it away.
+                // The body may have been despawned, or its `Grab` removed or replaced.
                 if !holds(&bodies, entity, body) {
                     *grasp = Grasp::Empty;
                     continue;
@@ -232,11 +233,11 @@ pub fn hands(
     }
 }
 
-/// Why a hand has no effect.
+/// The log message for a hand with invalid numbers.
 const INVALID: &str =
     "its ray, distance, rotation, force or torque is not finite, out of bounds or negative";
 
-/// The body is there, and it is this hand that holds it.
+/// Returns true if the body exists and is held by this hand.
 fn holds(bodies: &Bodies, hand: Entity, body: Entity) -> bool {
     let held = bodies.get(body);
     held.is_ok_and(|(_, grab, by)| grab.is_some() && by == Some(&HeldBy(hand)))
@@ -250,7 +251,7 @@ impl Hand {
             max_torque: self.max_torque,
             axes: self.axes,
             turn_axes: self.turn_axes,
-            // What it takes for a body without weight: how fast a hand is does not depend on what it holds.
+            // The values for a body without mass, because the speed of a hand does not depend on the body.
             ..Grab::gentle(0.0, local_point, target)
         }
     }

@@ -1,5 +1,5 @@
-//! Hands: a [`Grab`] holds a body with limited force and torque and is solved together with the contacts; a [`Hand`] takes hold of what a ray
-//! points at.
+//! Hands: a [`Grab`] holds a body with limited force and torque, and is solved together with the contacts. A [`Hand`] grabs the body that a
+//! ray points at.
 
 mod hand;
 
@@ -17,9 +17,9 @@ use glam::{BVec3, Quat, Vec3};
 /// Holds a point of a dynamic body at a target, and keeps the body awake. Remove the component to let go.
 ///
 /// The hand applies the force that gives the point the velocity towards the target, up to its limits. So it lifts a load without sagging, with
-/// steps of any length. A body that is too heavy or stuck stays where it is, and contacts hold a body that is pressed against something. However
-/// strong the hand is, it pulls nothing through a static body: an infinite limit means as much force as contacts can bear. It corrects an error
-/// in one step at the earliest, even with a `response` of 0.
+/// steps of any length. It does not move a body that is too heavy or stuck, and contacts stop a body that is pressed against another. However
+/// strong the hand is, it does not pull a body through a static one: an infinite limit means as much force as contacts can bear. It corrects
+/// an error in one step at the earliest, even with a `response` of 0.
 ///
 /// A hand lets go of a body that is [disabled](Disabled): the component is removed, so that the body does not hang in the air when it is enabled
 /// again. The clone of a held body is not held.
@@ -48,53 +48,53 @@ use glam::{BVec3, Quat, Vec3};
 #[component(on_remove = let_go, clone_behavior = Ignore)]
 #[require(HandForce)]
 pub struct Grab {
-    /// Where the held point is pulled to, world, m.
+    /// The position that the held point is pulled to, world, m.
     pub target: Vec3,
     /// The held point, in the body's frame, m.
     pub local_point: Vec3,
-    /// The world axes along which it pulls; all in [`Grab::gentle`]. Along the others the held point is free: a hand that pulls along x and z only
-    /// bears no weight.
+    /// The world axes along which it pulls; all in [`Grab::gentle`]. Along the others the held point is free: a hand that pulls only along x
+    /// and z supports no weight.
     pub axes: BVec3,
     /// The world axes about which it turns the body or stops its rotation; all in [`Grab::gentle`].
     pub turn_axes: BVec3,
     /// The orientation to which it turns the body, world, of any length but zero. With `None` it only stops the rotation.
     pub rotation: Option<Quat>,
-    /// The time in which the body comes most of the way (1 − 1/e), s; 0.1 in [`Grab::gentle`].
+    /// The time in which the body covers most (1 − 1/e) of the way, s; 0.1 in [`Grab::gentle`].
     pub response: f32,
-    /// Greatest speed at which it pulls, m/s; 4 in [`Grab::gentle`].
+    /// Maximum speed at which it pulls, m/s; 4 in [`Grab::gentle`].
     pub max_speed: f32,
-    /// Greatest force, N.
+    /// Maximum force, N.
     pub max_force: f32,
-    /// Greatest torque, N·m. With 0 the body swings freely about the held point.
+    /// Maximum torque, N·m. With 0 the body swings freely about the held point.
     pub max_torque: f32,
 }
 
 impl BodyProperty for Grab {}
 
-/// Force and torque of the hand on a body in the last step; zero where no hand holds it.
+/// Force and torque of the hand on a body in the last step. Zero if the body is not held.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct HandForce {
-    /// At the held point, N, world.
+    /// Force at the held point, N, world axes.
     pub force: Vec3,
-    /// Torque in addition to that of the force, N·m, world.
+    /// Torque in addition to that of the force, N·m, world axes.
     pub torque: Vec3,
 }
 
-/// Names the [`Hand`] that holds a body by its [`Grab`]. A body that a game has grabbed by itself lacks it.
+/// The [`Hand`] that holds a body by its [`Grab`]. A body whose `Grab` was inserted by the user does not have it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(clone_behavior = Ignore)]
 pub struct HeldBy(#[entities] pub(crate) Entity);
 
 impl HeldBy {
-    /// The hand.
+    /// The entity of the hand.
     pub fn hand(&self) -> Entity {
         self.0
     }
 }
 
-/// The next hand that holds the body begins without force.
+/// Resets the force, so that the next hand that holds the body starts from zero.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut force) = world.get_mut::<HandForce>(context.entity) {
         *force = HandForce::default();
@@ -103,7 +103,7 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
     commands.entity(context.entity).try_remove::<HeldBy>();
 }
 
-/// A body that is disabled is let go.
+/// Releases a body that is disabled.
 pub(crate) fn let_go_of_disabled(
     disabled: On<Insert<Disabled>>,
     mut commands: Commands,
@@ -115,7 +115,8 @@ pub(crate) fn let_go_of_disabled(
 }
 
 impl Grab {
-    /// A hand that carries `mass` kg steadily: its force is five times the weight, its torque a quarter of the weight at a metre.
+    /// A hand that carries `mass` (kg) steadily: its maximum force is five times the weight, its maximum torque a quarter of the weight times
+    /// one metre.
     pub fn gentle(mass: f32, local_point: Vec3, target: Vec3) -> Self {
         let weight = mass * 9.81;
         Self {
@@ -131,8 +132,8 @@ impl Grab {
         }
     }
 
-    /// True where it can be held so: places finite and within [`limits`], a rotation of some length, nothing negative. A hand may be of unlimited strength
-    /// and speed.
+    /// Returns true if the values are valid: positions finite and within [`limits`], a rotation of nonzero length, and no negative number.
+    /// Force, torque and speed may be infinite.
     pub fn is_valid(&self) -> bool {
         let numbers = [
             self.response,
@@ -147,7 +148,7 @@ impl Grab {
             && numbers.into_iter().all(|number| number >= 0.0)
     }
 
-    /// As a solver sees it, of a body that stands in a problem in the place `of`.
+    /// The grip as the solver uses it, on the body with index `of` in a problem.
     pub(crate) fn grip(&self, of: u32, body: &BodyState, force: &HandForce) -> Grip {
         let Pose { rotation, .. } = body.pose;
         let point = body.pose.transform_point(self.local_point);
@@ -157,7 +158,7 @@ impl Grab {
                 false => wanted.normalize(),
             };
             let turn = rotation * wanted.inverse();
-            // The shorter way round.
+            // Of the two rotations to the same orientation, the shorter one.
             (turn * turn.w.signum()).to_scaled_axis()
         });
         Grip {

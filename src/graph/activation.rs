@@ -1,14 +1,14 @@
-//! Rest and activity: what sleeps or stands still gets the marker [`Inactive`], island by island, and with it leaves what the stages go through;
-//! what something is done to is active again.
+//! Deactivation and activation: island by island, sleeping and still bodies get the marker [`Inactive`], which removes them from the queries
+//! of the stages. Bodies that are disturbed become active again.
 //!
-//! A body goes to rest in the step after it has fallen asleep. A pair goes to rest in the step after both of its bodies have, once what they
-//! last did has been told. A body that is disturbed becomes active with all of its pairs, so a pair rests only where both of its bodies do.
+//! A body becomes inactive in the step after it fell asleep. A pair becomes inactive in the step after both of its bodies did, once its last
+//! events were sent. A body that is disturbed becomes active with all of its pairs, so a pair is inactive only if both of its bodies are.
 
 use super::ConstraintGraph;
 use crate::body::{BodyTable, Inactive};
 use bevy_ecs::prelude::*;
 
-/// What is to go to rest.
+/// Bodies and pairs that are about to become inactive.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Deactivation {
     pub bodies: Vec<(u32, Entity)>,
@@ -21,18 +21,18 @@ impl Deactivation {
     }
 }
 
-/// Lays down what is to rest.
+/// Makes bodies and pairs inactive.
 pub(super) fn deactivate(world: &mut World, Deactivation { bodies, pairs }: Deactivation) {
     let mut table = world.resource_mut::<BodyTable>();
     for &(slot, _) in &bodies {
         table.set_inactive(slot, true);
     }
-    // Some of their bodies may just have become active.
+    // Some bodies may have become active in the meantime.
     let rest = |slots: [u32; 2]| slots.into_iter().all(|slot| table.is_inactive(slot));
     let pairs = pairs.into_iter().filter(|&(_, slots)| rest(slots));
     let all = bodies.iter().map(|&(_, body)| body);
     let all: Vec<Entity> = all.chain(pairs.map(|(pair, _)| pair)).collect();
-    // Who is gone by now is missed by *prepare*.
+    // The stage *prepare* notices entities that do not exist any more.
     let _ = world.try_insert_batch(all.into_iter().map(|entity| (entity, Inactive::new())));
     world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
         let table = world.resource::<BodyTable>();
@@ -42,8 +42,7 @@ pub(super) fn deactivate(world: &mut World, Deactivation { bodies, pairs }: Deac
     });
 }
 
-/// Part of the stages *prepare*, *broadphase* and *islands*: bodies that something was done to while they rested do so no more, nor do
-/// their pairs.
+/// Makes bodies that were marked as dirty active, together with their pairs. Part of the stages *prepare*, *broadphase* and *islands*.
 pub fn activate(world: &mut World) {
     let mut table = world.resource_mut::<BodyTable>();
     if table.dirty.is_empty() {
@@ -64,7 +63,7 @@ pub fn activate(world: &mut World) {
     for &(slot, body) in &risen {
         marked.push(body);
         marked.extend(graph.edges_of(slot));
-        // Nobody has looked at what was edited while it rested.
+        // Edits of an inactive pair have not been checked yet.
         graph.report_all_of(slot);
     }
     for entity in marked {

@@ -1,19 +1,19 @@
-//! Edges, and the adjacency of bodies: which pairs there are, and which of them act.
+//! Edges, and the adjacency of bodies: which pairs exist, and which of them link their bodies.
 //!
 //! Invariants:
-//! - An edge is known by its kind and its two slots, and there is one of a kind between two bodies at most.
-//! - An edge stands once in the list of each of its two bodies. In a list the edges that *link* come first.
-//! - Every change is written down in [`Changes`] until [`Islands`](super::Islands) takes it over, so islands and levels cost as much as has
-//!   changed.
+//! - An edge is identified by its kind and its two slots. There is at most one edge of a kind between two bodies.
+//! - An edge appears once in the list of each of its two bodies. In each list the edges that *link* come first.
+//! - Every change is recorded in [`Changes`] until [`Islands`](super::Islands) takes it over. So the cost of updating islands and levels is
+//!   proportional to the number of changes.
 //!
-//! All of it costs as much as one body has neighbours, whoever else there is.
+//! The cost of every operation depends only on the number of neighbours of the bodies involved, not on the size of the graph.
 
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 
-/// What kind of constraint an edge is. To add a kind, add it here, say below what it does, and insert and remove its edges where its
-/// components begin and end.
+/// The kind of constraint of an edge. To add a kind, add a variant, document it, and insert and remove its edges where its components are
+/// added and removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum EdgeKind {
     /// Two bodies whose boxes overlap: a [`ContactPair`](crate::contact::ContactPair). It links them while its manifold has points.
@@ -23,11 +23,11 @@ pub(crate) enum EdgeKind {
 /// An edge that links its two bodies: something to solve acts between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Link {
-    /// Those of its bodies, A and B.
+    /// Slots of bodies A and B.
     pub slots: [u32; 2],
-    /// The entity that holds its components.
+    /// The entity that holds the components of the edge.
     pub pair: Entity,
-    /// Its number, the same as long as it is there.
+    /// The number of the edge. It is constant as long as the edge exists.
     pub edge: u32,
 }
 
@@ -37,12 +37,12 @@ struct Edge {
     links: bool,
     slots: [u32; 2],
     entity: Entity,
-    /// Where it stands in the list of either body.
+    /// Index of the edge in the list of each body.
     places: [u32; 2],
 }
 
 impl Edge {
-    /// Which of its ends a body is.
+    /// The end (0 or 1) at which the body with this slot is.
     fn end(&self, slot: u32) -> usize {
         usize::from(self.slots[0] != slot)
     }
@@ -52,18 +52,18 @@ impl Edge {
 #[derive(Clone, Debug, Default)]
 struct Node {
     edges: Vec<u32>,
-    /// So many of them link; they come first.
+    /// Number of linking edges; they come first.
     links: usize,
 }
 
-/// What has changed since islands were last brought up to date.
+/// Changes of the graph since the last update of the islands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
-    /// Slots of bodies between which an edge began to link.
+    /// Slots of the two bodies, for each edge that began to link.
     pub linked: Vec<[u32; 2]>,
-    /// The same for edges that ceased to link, or are gone.
+    /// Slots of the two bodies, for each edge that ceased to link or was removed.
     pub unlinked: Vec<[u32; 2]>,
-    /// Slots of bodies that have left the table. They have no edges any more.
+    /// Slots of bodies that were removed from the table. They have no edges left.
     pub gone: Vec<u32>,
 }
 
@@ -83,9 +83,9 @@ pub struct ConstraintGraph {
     /// By slot.
     nodes: Vec<Node>,
     pub(super) changes: Changes,
-    /// Edges whose contact may have begun or ceased to have points, and whether their bodies have parted.
+    /// Edges whose contact may have gained its first point or lost its last, and whether their bodies have parted.
     reported: Vec<(u32, bool)>,
-    /// Edges that may be at rest, since both of their bodies are.
+    /// Edges whose bodies are both inactive, so that the edge may become inactive too.
     pub(super) settling: Vec<(u32, Entity)>,
 }
 
@@ -140,12 +140,12 @@ impl ConstraintGraph {
         node.map_or(&[], |node| &node.edges[..node.links])
     }
 
-    /// How many numbers of edges are in use, at most.
+    /// Upper bound of edge numbers: all numbers in use are below it.
     pub(crate) fn edge_numbers(&self) -> usize {
         self.edges.len()
     }
 
-    /// Adds an edge that does not link yet: its number, or none where it is known. Its entity is told later.
+    /// Adds an edge that does not link yet and returns its number, or `None` if it exists already. [`Self::name`] sets its entity later.
     pub(super) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> Option<u32> {
         if self.known.contains_key(&(kind, slots)) {
             return None;
@@ -175,23 +175,23 @@ impl ConstraintGraph {
         Some(number)
     }
 
-    /// There is an edge of this kind between the two.
+    /// Returns true if there is an edge of this kind between the two bodies.
     pub(super) fn knows(&self, kind: EdgeKind, slots: [u32; 2]) -> bool {
         self.known.contains_key(&(kind, slots))
     }
 
-    /// Tells the entity of an edge.
+    /// Sets the entity of an edge.
     pub(super) fn name(&mut self, edge: u32, entity: Entity) {
         self.edges[edge as usize].entity = entity;
     }
 
-    /// The entity of an edge that is there.
+    /// The entity of an edge, or `None` if the edge does not exist.
     pub(super) fn entity(&self, edge: u32) -> Option<Entity> {
         let known = self.edges.get(edge as usize)?;
         (self.known.get(&(known.kind, known.slots)) == Some(&edge)).then_some(known.entity)
     }
 
-    /// Removes the edge of this number if it is this entity's still.
+    /// Removes the edge with this number if it still belongs to this entity.
     pub(super) fn remove(&mut self, edge: u32, entity: Entity) {
         if self.entity(edge) != Some(entity) {
             return;
@@ -215,7 +215,7 @@ impl ConstraintGraph {
         }
     }
 
-    /// Says whether an edge that is there links its bodies.
+    /// Sets whether an existing edge links its bodies.
     pub(super) fn set_links(&mut self, edge: u32, links: bool) {
         let Edge {
             links: linked,
@@ -228,7 +228,7 @@ impl ConstraintGraph {
         self.edges[edge as usize].links = links;
         for slot in slots {
             let node = &mut self.nodes[slot as usize];
-            // The edge changes places with the first that does not link, or with the last that does.
+            // Swap the edge with the first that does not link, or with the last that does.
             let to = if links { node.links } else { node.links - 1 };
             node.links = if links { to + 1 } else { to };
             let known = self.edges[edge as usize];
@@ -246,13 +246,13 @@ impl ConstraintGraph {
         }
     }
 
-    /// Reports edges whose contact has begun or ceased to have points, and of each whether its bodies have parted: they touched in the last
-    /// step, and do no more.
+    /// Reports edges whose contact gained its first point or lost its last. The flag is true if the bodies have parted: they touched in the
+    /// last step and no longer do.
     pub(crate) fn report(&mut self, edges: impl IntoIterator<Item = (u32, bool)>) {
         self.reported.extend(edges);
     }
 
-    /// Whatever contact the edges of a body have is looked at again.
+    /// Reports all edges of a body, so that their contacts are checked again.
     pub(super) fn report_all_of(&mut self, slot: u32) {
         if let Some(node) = self.nodes.get(slot as usize) {
             self.reported
@@ -260,7 +260,7 @@ impl ConstraintGraph {
         }
     }
 
-    /// The edges to look at, in the order of their numbers.
+    /// Takes the reported edges, sorted by number.
     pub(super) fn take_reported(&mut self) -> Vec<(u32, bool)> {
         let mut reported = std::mem::take(&mut self.reported);
         reported.sort_unstable();
@@ -268,7 +268,7 @@ impl ConstraintGraph {
         reported
     }
 
-    /// Edges of a body whose other end is as is wanted.
+    /// Queues the edges of a body whose other end satisfies the predicate, so that they may become inactive.
     pub(super) fn settle(&mut self, slot: u32, settles: impl Fn(u32) -> bool) {
         let Some(node) = self.nodes.get(slot as usize) else {
             return;
@@ -288,7 +288,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     #[test]
-    fn lists_are_those_of_the_edges_there_and_links_come_first() {
+    fn lists_match_the_edges_and_links_come_first() {
         let mut rng = fastrand::Rng::with_seed(3);
         let mut graph = ConstraintGraph::default();
         let mut expected: BTreeMap<[u32; 2], (u32, Entity, bool)> = BTreeMap::new();
@@ -307,7 +307,7 @@ mod tests {
                 }
                 1 => {
                     if let Some((edge, entity, _)) = expected.remove(&slots) {
-                        // Only the one whose number it is can take it away.
+                        // An edge is removed only for the entity that it belongs to.
                         graph.remove(edge, Entity::PLACEHOLDER);
                         graph.remove(edge, entity);
                         assert_eq!(graph.entity(edge), None);
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn changes_are_written_down_once() {
+    fn changes_are_recorded_once() {
         let mut graph = ConstraintGraph::default();
         let edge = graph.insert(EdgeKind::Contact, [0, 1]).unwrap();
         let entity = Entity::from_raw_u32(7).unwrap();

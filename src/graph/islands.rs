@@ -1,9 +1,9 @@
-//! The stage **islands**: brings islands and levels of support up to date, and wakes islands that may not sleep on. It comes before forces, so
-//! that what wakes has all of its weight when it is first solved.
+//! The stage **islands**: updates islands and levels of support, and wakes islands that must not stay asleep. It runs before the forces, so
+//! that woken bodies have their full weight in their first solve.
 //!
-//! What it costs: one look at each active body, and beyond that as much as has changed. The narrowphase reports the edges whose contact has begun
-//! or ended; contacts that a user has edited are found by change ticks; bodies that have come, gone, or are of another kind are found by
-//! comparing the active ones with those of the last step.
+//! Cost: one comparison for each active body, and otherwise work proportional to the number of changes. The narrowphase reports the edges
+//! whose contact has begun or ended. Change ticks find contacts that a user has edited. A comparison of the active bodies with those of the
+//! last step finds bodies that were added, removed, or changed in kind.
 
 use super::ConstraintGraph;
 use super::activation::{Deactivation, activate, deactivate};
@@ -19,22 +19,22 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use fixedbitset::FixedBitSet;
 
-/// Which island each body is in, and what stands on what: views of the [`ConstraintGraph`].
+/// The island and the level of support of each body: views of the [`ConstraintGraph`].
 #[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 pub struct Islands {
     pub(super) partition: Partition,
     levels: Levels,
-    /// By slot, bodies at rest included.
+    /// Indexed by slot; includes inactive bodies.
     known: Vec<Option<Known>>,
-    /// The bodies that are active.
+    /// The active bodies, in the order of their slots.
     active: Vec<Member>,
     version: u64,
     pub(super) woke: bool,
     pub(super) deactivation: Deactivation,
-    /// Who touched in the last step, and does no more.
+    /// Pairs of slots of bodies that touched in the last step and no longer do.
     pub(super) parted: Vec<[u32; 2]>,
-    /// By island: it sleeps, and some of its bodies have come in this step. Empty where none has.
+    /// By island: it sleeps, and some of its bodies were added in this step. Empty if there is no such island.
     pub(super) arriving: Vec<bool>,
     /// Scratch: islands that are awake, by their id, and those of which not all may go to rest.
     pub(super) awake: FixedBitSet,
@@ -66,7 +66,7 @@ struct Known {
     dynamic: bool,
 }
 
-/// A body that is active.
+/// An active body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Member {
     slot: u32,
@@ -96,85 +96,86 @@ impl Member {
     }
 }
 
-/// What an update goes through.
+/// Working data of an update.
 #[derive(Default)]
 struct Update {
     linked: Vec<[u32; 2]>,
     unlinked: Vec<[u32; 2]>,
-    /// Slots that hold another body than before, one of another kind, or none.
+    /// Slots that now hold another body, a body of another kind, or no body.
     renewed: Vec<u32>,
     /// Bodies that have lost a link.
     ends: Vec<u32>,
-    /// Bodies that have fallen asleep, gone to rest, or the reverse.
+    /// Bodies that fell asleep, woke, became inactive, or became active.
     activity_changed: Vec<u32>,
 }
 
-/// The pairs that do not rest.
+/// The active pairs.
 pub(super) type Pairs<'w, 's> =
     Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>), Without<Inactive>>;
 
 impl Islands {
-    /// The island of a dynamic body, by its slot: a number below [`Self::count`]. None where the island is at rest.
+    /// The island of a dynamic body, by its slot: a number below [`Self::count`]. `None` if the body is not dynamic or its island is inactive.
     #[inline]
     pub fn of(&self, slot: u32) -> Option<usize> {
         self.partition.number(self.partition.id(slot)?)
     }
 
-    /// How many there are, but for those that [rest](Inactive).
+    /// Number of islands that have active bodies; [inactive](Inactive) islands are not counted.
     pub fn count(&self) -> usize {
         self.partition.count()
     }
 
-    /// How many contacts a body is away from what stands still; `None` where nothing carries it.
+    /// Level of support: the number of contacts on the shortest way from a body down to a static or kinematic body. `None` if there is no such
+    /// way.
     #[inline]
     pub fn level(&self, slot: u32) -> Option<u32> {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
     }
 
-    /// The version of the graph in which an island was last another: who is in it, who touches whom, or who sleeps. With
-    /// what was made of it in an earlier version than this it has to be made anew.
+    /// The graph version of the last change of an island: of its members, its contacts, or which of its bodies sleep. Data derived from an
+    /// island must be rebuilt if it is older than this version.
     pub fn changed(&self, island: usize) -> u64 {
         self.partition.changed(self.partition.numbered()[island])
     }
 
-    /// Another whenever who touches whom or who is awake is not as it was.
+    /// The graph version. It changes whenever a link or the activity of a body changes.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// An island sleeps, and some of its bodies have come into the world in this step.
+    /// Returns true if the island sleeps and some of its bodies were added in this step.
     pub(crate) fn arrives(&self, island: usize) -> bool {
         self.arriving.get(island).copied().unwrap_or(false)
     }
 
-    /// Some island does.
+    /// Returns true if [`Self::arrives`] holds for some island.
     pub(crate) fn any_arrives(&self) -> bool {
         self.arriving.contains(&true)
     }
 
-    /// Somebody was woken in this step.
+    /// Returns true if a body was woken in this step.
     pub(crate) fn woke(&self) -> bool {
         self.woke
     }
 
-    /// What tells the islands of dynamic bodies apart, be they awake, asleep or at rest. It is that of no other island until the next step.
+    /// Identity of a dynamic body's island, whether awake, asleep or inactive. It is unique until the next step.
     pub(crate) fn id(&self, slot: u32) -> Option<u32> {
         self.partition.id(slot)
     }
 
-    /// The slots of all bodies in the island of a dynamic one, be they awake, asleep or at rest.
+    /// Slots of all bodies in the island of a dynamic body, whether awake, asleep or inactive.
     pub(crate) fn members(&self, slot: u32) -> &[u32] {
         let island = self.partition.id(slot);
         island.map_or(&[], |island| self.partition.members(island))
     }
 
-    /// What bodies and contacts are solved in the order of.
+    /// Sort key of the order in which bodies and contacts are solved.
     pub(crate) fn rank(&self, slot: u32, body: &BodyState) -> (u32, SpawnOrder) {
         (self.levels.of(slot), body.spawn_order)
     }
 }
 
-/// First part of the stage: who touches whom, who wakes, and who goes to rest.
+/// First part of the stage: updates links and islands, wakes islands, and finds the bodies and pairs that become inactive.
 pub fn islands(
     mut table: ResMut<BodyTable>,
     (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
@@ -204,7 +205,7 @@ pub fn islands(
     }
 }
 
-/// Second part of the stage *islands*: bodies and pairs go to rest or become active; islands follow.
+/// Second part of the stage *islands*: makes bodies and pairs inactive or active, and updates the islands accordingly.
 pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
     let deactivation = std::mem::take(&mut world.resource_mut::<Islands>().deactivation);
     if deactivation.is_empty() && world.resource::<BodyTable>().dirty.is_empty() {
@@ -223,9 +224,9 @@ pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
     });
 }
 
-/// The edges of contacts whose manifold somebody has edited since the stage ran last.
+/// Edges of contacts whose manifold was written since the stage ran last, by change detection.
 fn edited(pairs: &Pairs) -> Vec<(u32, bool)> {
-    /// Compared at once, by vector instructions where nothing was written.
+    /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
     const CHUNK: usize = 64;
     let mut found = Vec::new();
     let tables = pairs.contiguous_iter();
@@ -244,7 +245,7 @@ fn edited(pairs: &Pairs) -> Vec<(u32, bool)> {
 }
 
 impl Islands {
-    /// Looks at the contacts that were reported: whether they link their bodies, and whether those have parted.
+    /// Checks the reported contacts: whether they link their bodies, and whether those have parted.
     pub(super) fn look(&mut self, graph: &mut ConstraintGraph, pairs: &Pairs) {
         for (edge, parted) in graph.take_reported() {
             if let Some(entity) = graph.entity(edge)
@@ -258,7 +259,7 @@ impl Islands {
         }
     }
 
-    /// Takes over what has changed in the graph and among the active bodies.
+    /// Takes over the changes in the graph and among the active bodies.
     pub(super) fn update(&mut self, graph: &mut ConstraintGraph, table: &BodyTable) {
         let now = table.active().map(Member::of);
         let same = now.eq(self.active.iter().copied());
@@ -305,7 +306,7 @@ impl Islands {
         }
     }
 
-    /// Takes over which bodies are active, and what they are.
+    /// Takes over which bodies are active, and their kind.
     fn follow_bodies(&mut self, graph: &ConstraintGraph, table: &BodyTable, update: &mut Update) {
         let before = std::mem::take(&mut self.active);
         self.active.extend(table.active().map(Member::of));
@@ -343,7 +344,7 @@ impl Islands {
         }
     }
 
-    /// A body comes.
+    /// Adds a body.
     fn enter(&mut self, graph: &ConstraintGraph, now: Member, update: &mut Update) {
         let Member { slot, body, .. } = now;
         if self.known.len() <= slot as usize {
@@ -358,7 +359,7 @@ impl Islands {
         }
     }
 
-    /// A body goes, or what it is does.
+    /// Removes a body, or a body whose kind has changed.
     fn leave(&mut self, graph: &ConstraintGraph, slot: u32, update: &mut Update) {
         let known = self.known.get_mut(slot as usize);
         if let Some(body) = known.and_then(Option::take) {
@@ -372,7 +373,7 @@ impl Islands {
 }
 
 impl ConstraintGraph {
-    /// The pairs that are to go to rest after their bodies: nothing about them changes any more.
+    /// Takes the pairs that become inactive after their bodies. Nothing about them changes any more.
     pub(super) fn take_idle(
         &mut self,
         table: &BodyTable,
@@ -390,7 +391,7 @@ impl ConstraintGraph {
             if !pair.slots.iter().all(|&slot| table.is_inactive(slot)) {
                 return false;
             }
-            // What touches has been told by the end of the step.
+            // Contact events are sent at the end of a whole step, so a pair may become inactive only in the first substep of the next.
             let settled = pair.idle && time.substep == 0;
             if settled {
                 idle.push((entity, pair.slots));

@@ -1,44 +1,45 @@
-//! What stands on what: how many contacts a body is away from what stands still, its level of support.
+//! Levels of support: how many contacts a body is away from a static or kinematic body.
 //!
-//! Loads travel from body to body with a sweep, and a sweep from the ground up carries them through a whole structure; from the top
-//! down everything falls. So contacts are swept by the level of support of their bodies, and within a level in spawn order. That follows from
-//! how things stand, not from how they were spawned, and it keeps bodies that touch near each other in the order (Cuthill and
-//! McKee 1969 number the unknowns of a sparse matrix so for the same reason).
+//! A sweep of the solver passes loads from body to body. A sweep from the ground up carries them through a whole structure; a sweep from the
+//! top down lets everything fall. So contacts are swept by the level of support of their bodies, and within a level in spawn order. This order
+//! depends on how the bodies are stacked, not on how they were spawned, and it keeps bodies that touch near each other in the order (Cuthill and
+//! McKee 1969 number the unknowns of a sparse matrix by levels for the same reason).
 //!
-//! Invariant, after every update: a body that stands still has level 0; any other is one above the lowest that it is linked to, or has
-//! none where no way leads to what stands still. That is what a search breadth first from all that stands still finds (`recompute`, the
-//! oracle of the tests). An update visits only bodies whose level changes, and their neighbours:
-//! 1. *What has lost its support.* From the lowest up, a body near a link that is gone keeps its level if one of its neighbours is one below
-//!    it. Otherwise it has none for now, and those one above it are looked at in turn.
-//! 2. *What is nearer now.* Bodies without a level, and those at new links, take the lowest that their neighbours allow, from the lowest up.
+//! Invariant, after every update: a static or kinematic body has level 0. The level of a dynamic body is one more than the lowest level among
+//! the bodies that it is linked to, or none if it is not connected to a static or kinematic body. This is the result of a breadth-first search
+//! from all static and kinematic bodies (`recompute`, the oracle of the tests). An update visits only bodies whose level changes, and their
+//! neighbours:
+//! 1. *Lost support.* From the lowest up, a body near a removed link keeps its level if one of its neighbours is one level below it. Otherwise
+//!    it loses its level for now, and its neighbours one level above it are checked in turn.
+//! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest up.
 
 use super::edges::ConstraintGraph;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// What a slot holds.
+/// The content of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// No body.
     Empty,
     /// A body that contacts can move.
     Dynamic,
-    /// A body that stands still, or moves by itself.
+    /// A static or kinematic body.
     Fixed,
 }
 
-/// By slot.
+/// The level of support of each slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levels {
     levels: Vec<u32>,
-    /// Bodies to look at, by level: scratch.
+    /// Scratch: bodies to check, by level.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
-    /// Bodies that have lost their level: scratch.
+    /// Scratch: bodies that have lost their level.
     lost: Vec<u32>,
 }
 
 impl Levels {
-    /// Of a body that nothing carries.
+    /// The level of a body without support.
     pub const NONE: u32 = u32::MAX;
 
     pub fn of(&self, slot: u32) -> u32 {
@@ -48,7 +49,7 @@ impl Levels {
             .unwrap_or(Self::NONE)
     }
 
-    /// Brings the levels up to date, where edges have begun and ceased to link, and slots hold others than before.
+    /// Updates the levels after edges began or ceased to link, and after slots changed their content.
     pub fn update(
         &mut self,
         graph: &ConstraintGraph,
@@ -67,7 +68,7 @@ impl Levels {
         self.find(graph, &kind, linked, renewed);
     }
 
-    /// Takes the level from bodies that have lost their support.
+    /// Removes the level of bodies that have lost their support.
     fn lose(
         &mut self,
         graph: &ConstraintGraph,
@@ -117,7 +118,7 @@ impl Levels {
         }
     }
 
-    /// Gives bodies a level that have none, or that are nearer to what stands still than before.
+    /// Sets the level of bodies that have none, or that have a shorter way to a static or kinematic body than before.
     fn find(
         &mut self,
         graph: &ConstraintGraph,
@@ -136,7 +137,7 @@ impl Levels {
                 queue.extend(graph.neighbours(slot).map(|n| Reverse((1, n))));
             }
         }
-        // A link may have ended again since it began, so both look at the links there are.
+        // A new link may have ended again since, so both lists are checked against the current links.
         for &slot in lost.iter().chain(linked.as_flattened()) {
             let below = graph.neighbours(slot).map(|n| levels[n as usize]);
             let below = below.min().filter(|&below| below != Self::NONE);
@@ -154,7 +155,7 @@ impl Levels {
     }
 }
 
-/// The levels of all slots, found anew.
+/// Computes the levels of all slots from scratch.
 #[cfg(test)]
 pub(super) fn recompute(
     graph: &ConstraintGraph,

@@ -1,7 +1,8 @@
-//! Contact edges begin and end: second half of the stage *broadphase*.
+//! Begin and end of contact edges: the second half of the stage *broadphase*.
 //!
-//! The broadphase finds which boxes overlap. Here a [`ContactPair`] entity is spawned with its edge where two begin to, and despawned where they
-//! cease to, where one of the bodies has gone, or where the two may no longer collide. Pairs that somebody took away or apart are made anew.
+//! The broadphase finds which boxes overlap. This module spawns a [`ContactPair`] entity and its edge when two boxes begin to overlap. It
+//! despawns the pair when they cease to overlap, when one of the bodies was removed, or when the two may no longer collide. Pairs that a user
+//! despawned, or removed components from, are made anew.
 
 use super::ConstraintGraph;
 use super::activation::activate;
@@ -17,7 +18,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashSet;
 
-/// What is left of a pair that somebody took apart.
+/// Remains of a pair that a user has taken apart.
 type Broken = (
     Or<(
         (
@@ -31,13 +32,13 @@ type Broken = (
                 With<Disabled>,
             )>,
         ),
-        // By what nobody but drystone has: a manifold may be a user's own copy.
+        // Identified by the private component: a manifold alone may be a user's own copy.
         (Without<ContactPair>, With<NarrowphaseCache>),
     )>,
     Allow<Disabled>,
 );
 
-/// Despawns the pairs that ended and spawns those that began. Wakes what rested on a body that is gone.
+/// Despawns the pairs that ended and spawns those that began. Activates bodies that touched a body that was removed.
 pub fn pair_changes(
     world: &mut World,
     mut ending: Local<Vec<Entity>>,
@@ -79,7 +80,7 @@ pub fn pair_changes(
             give_up(&mut world.resource_mut::<BodyTable>(), &broadphase, &lost)
         });
         for &slot in &found.removed {
-            // Only now may a slot go to another body: no pair names it any more.
+            // A slot can be reused only from here on: no pair refers to it any more.
             world.resource_mut::<BodyTable>().recycle(slot);
             graph.changes.gone.push(slot);
         }
@@ -92,7 +93,7 @@ pub fn pair_changes(
     activate(world);
 }
 
-/// Rouses what touched in pairs that are gone: the slots of those that are to be made anew.
+/// Activates the bodies that touched in lost pairs. Returns the slots of the pairs that must be made anew.
 fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> Vec<[u32; 2]> {
     let mut again = Vec::new();
     for (_, pair) in &lost.0 {
@@ -115,7 +116,7 @@ fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> 
     again
 }
 
-/// Spawns pairs with their edges where there are none.
+/// Spawns pairs and their edges for overlaps that have none.
 fn begin(world: &mut World, graph: &mut ConstraintGraph, mut overlaps: Vec<[u32; 2]>) {
     overlaps.retain(|&slots| !graph.knows(EdgeKind::Contact, slots));
     if overlaps.is_empty() {
@@ -136,7 +137,7 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, mut overlaps: Vec<[u32;
             new.push(ContactPair::new(edge, slots, bodies));
         }
     }
-    // Of many in one place each is named once.
+    // Name each of many bodies in one place only once.
     let mut named = HashSet::<Entity>::default();
     warnings.retain(|(body, problem)| {
         !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
@@ -154,7 +155,7 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, mut overlaps: Vec<[u32;
 }
 
 impl ConstraintGraph {
-    /// Removes the edges of pairs that are gone.
+    /// Removes the edges of lost pairs.
     pub(super) fn forget(&mut self, lost: &LostPairs) {
         for (entity, pair) in &lost.0 {
             self.remove(pair.edge, *entity);
@@ -162,7 +163,7 @@ impl ConstraintGraph {
     }
 }
 
-/// What cannot go well, said once when two bodies meet.
+/// Collects warnings about a new pair of dynamic bodies: an extreme mass ratio, or the same centre of mass.
 fn warn([a, b]: [&BodyState; 2], warnings: &mut Vec<(Entity, BodyProblem)>) {
     if !a.is_dynamic() || !b.is_dynamic() {
         return;

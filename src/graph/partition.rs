@@ -1,25 +1,25 @@
-//! Which bodies hang together: the dynamic bodies, parted into islands.
+//! The partition of the dynamic bodies into islands: sets of bodies that are connected by links.
 //!
 //! Invariants, after every update:
-//! - Every dynamic body is a member of one island, and two that are linked are members of the same one. Static and kinematic bodies are in
-//!   none, so they connect nobody.
-//! - An island whose members are all at rest has no number. The others are numbered from 0 in the order of their first member (by slot)
-//!   that is active.
+//! - Every dynamic body is a member of one island, and two linked bodies are members of the same island. Static and kinematic bodies are in no
+//!   island, so they connect no islands.
+//! - An island whose members are all inactive has no number. The others are numbered from 0 in the order of their first active member (by
+//!   slot).
 //!
-//! That is what a search through the whole graph finds (the oracle of the tests). After Erin Catto, *Simulation Islands* (box2d.org, 2023): a link
-//! that begins merges the smaller island into the larger at once; one that ends makes its island a candidate for a split. Candidates are split in the
-//! same update, as bits depend on exact islands: from all bodies that have lost a link one searches at once, in turns, until the searches have met,
-//! which two neighbours in a wall do after a few bodies, or until one has found all there is, and is split off. So a split costs as much as
-//! its smaller part.
+//! This is the result of a search through the whole graph (the oracle of the tests). The method follows Erin Catto, *Simulation Islands*
+//! (box2d.org, 2023): a link that begins merges the smaller island into the larger at once; a link that ends makes its island a candidate for
+//! a split. Candidates are split in the same update, because bitwise reproducible results need exact islands. Searches from all bodies that
+//! have lost a link run in turns. They end when they have met, which takes only a few bodies for two neighbours in a wall, or when one search
+//! has found all bodies it can reach; these are split off. So the cost of a split is proportional to its smaller part.
 
 use super::edges::ConstraintGraph;
 use std::collections::VecDeque;
 
-/// Where a body is in the partition.
+/// The place of a body in the partition.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     island: u32,
-    /// In the list of its members.
+    /// Index in the list of the island's members.
     place: u32,
     active: bool,
 }
@@ -36,50 +36,50 @@ const NOWHERE: Place = Place {
 struct Island {
     members: Vec<u32>,
     active: u32,
-    /// The first member that is active; [`NONE`] where none is.
+    /// The first active member; [`NONE`] if there is none.
     first: u32,
     number: u32,
-    /// Version of the graph in which it was last another.
+    /// Graph version of the last change of the island.
     changed: u64,
 }
 
 /// The islands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Partition {
-    /// By slot.
+    /// Indexed by slot.
     places: Vec<Place>,
     islands: Vec<Island>,
     free: Vec<u32>,
     /// Islands with active members, in the order of their numbers.
     numbered: Vec<u32>,
-    /// Islands that became active since they were numbered.
+    /// Islands that became active since the last numbering.
     unnumbered: Vec<u32>,
     /// Islands whose first member has to be found.
     headless: Vec<u32>,
-    /// The islands have to be numbered anew.
+    /// Whether the islands have to be numbered anew.
     stale: bool,
     search: Search,
 }
 
 impl Partition {
-    /// How many islands have active members.
+    /// Number of islands with active members.
     pub fn count(&self) -> usize {
         self.numbered.len()
     }
 
-    /// How many identities of islands are in use, at most.
+    /// Upper bound of island identities: all identities in use are below it.
     pub fn ids(&self) -> usize {
         self.islands.len()
     }
 
-    /// The island of a dynamic body. It is known by that as long as it is neither merged nor split.
+    /// Identity of the island of a dynamic body. It is constant until the island is merged or split.
     #[inline]
     pub fn id(&self, slot: u32) -> Option<u32> {
         let island = self.places.get(slot as usize)?.island;
         (island != NONE).then_some(island)
     }
 
-    /// The number of an island with active members.
+    /// The number of an island, or `None` if it has no active members.
     #[inline]
     pub fn number(&self, island: u32) -> Option<usize> {
         let number = self.islands[island as usize].number;
@@ -97,25 +97,25 @@ impl Partition {
         island.map_or(&[], |island| &island.members)
     }
 
-    /// Some of its members are at rest.
+    /// Returns true if some members of the island are inactive.
     pub fn has_resting(&self, island: u32) -> bool {
         let island = &self.islands[island as usize];
         (island.active as usize) < island.members.len()
     }
 
-    /// The version in which an island was last another.
+    /// The graph version of the last change of an island.
     pub fn changed(&self, island: u32) -> u64 {
         self.islands[island as usize].changed
     }
 
-    /// The island of a body is another in this version, be it only by what its members do.
+    /// Records a change of the island of a body in this version, which may be only a change of activity.
     pub fn mark(&mut self, slot: u32, version: u64) {
         if let Some(island) = self.id(slot) {
             self.islands[island as usize].changed = version;
         }
     }
 
-    /// A dynamic body comes, active, as an island of its own.
+    /// Adds an active dynamic body as an island of its own.
     pub fn insert(&mut self, slot: u32) {
         if self.places.len() <= slot as usize {
             self.places.resize(slot as usize + 1, NOWHERE);
@@ -125,7 +125,7 @@ impl Partition {
         self.add(slot, island);
     }
 
-    /// A body goes, or is no longer dynamic.
+    /// Removes a body that is gone or is no longer dynamic.
     pub fn remove(&mut self, slot: u32) {
         if self.id(slot).is_some() {
             self.take(slot);
@@ -133,7 +133,7 @@ impl Partition {
         }
     }
 
-    /// A body goes to rest, or is active again.
+    /// Sets whether a body is active.
     pub fn set_active(&mut self, slot: u32, active: bool) {
         let Some(id) = self.id(slot) else {
             return;
@@ -153,7 +153,7 @@ impl Partition {
         }
     }
 
-    /// Two bodies are linked.
+    /// Merges the islands of two linked bodies.
     pub fn link(&mut self, [a, b]: [u32; 2]) {
         let (Some(one), Some(other)) = (self.id(a), self.id(b)) else {
             return;
@@ -176,7 +176,7 @@ impl Partition {
             into.members.push(slot);
         }
         if merged.active > 0 {
-            // Where the first of the small one is unknown, it is looked for in the large one.
+            // If the first member of the small island is not known, it is searched for in the large one.
             match self.headless.contains(&small) {
                 true => self.headless.push(large),
                 false => self.lead(large, merged.first),
@@ -184,8 +184,8 @@ impl Partition {
         }
     }
 
-    /// Splits islands in which links have ended, at these bodies among others. Every part that an island may have come apart into must have one
-    /// of them.
+    /// Splits islands in which links have ended. `ends` are the bodies of those links; each part that an island may have split into must
+    /// contain at least one of them.
     pub fn split(&mut self, graph: &ConstraintGraph, ends: &[u32]) {
         let mut ends: Vec<(u32, u32)> = ends
             .iter()
@@ -212,7 +212,7 @@ impl Partition {
         self.search = search;
     }
 
-    /// Numbers the islands anew where that is necessary. True where it was.
+    /// Numbers the islands anew if necessary. Returns true if it did.
     pub fn renumber(&mut self) -> bool {
         for id in std::mem::take(&mut self.headless) {
             let island = &mut self.islands[id as usize];
@@ -278,7 +278,7 @@ impl Partition {
         }
     }
 
-    /// Takes a body out of its island.
+    /// Removes a body from its island.
     fn take(&mut self, slot: u32) {
         let Place {
             island: id,
@@ -299,7 +299,7 @@ impl Partition {
         }
     }
 
-    /// An active body may be the first of its island.
+    /// Makes an active body the first of its island if its slot is lower than that of the current first.
     fn lead(&mut self, id: u32, slot: u32) {
         let island = &mut self.islands[id as usize];
         if slot < island.first {
@@ -311,7 +311,7 @@ impl Partition {
         }
     }
 
-    /// A body that was the first of its island is no more.
+    /// Marks the island for a search of its first member if this body was the first.
     fn leave_lead(&mut self, id: u32, slot: u32) {
         if self.islands[id as usize].first == slot {
             self.headless.push(id);
@@ -319,25 +319,25 @@ impl Partition {
     }
 }
 
-/// Several searches through the links of an island, in turns.
+/// Several searches through the links of an island that run in turns.
 #[derive(Clone, Debug, Default)]
 struct Search {
-    /// By slot: 1 + the search that has found the body; 0 where none has.
+    /// By slot: 1 + the search that has found the body; 0 if none has.
     found_by: Vec<u32>,
     searches: Vec<Front>,
 }
 
-/// One of them.
+/// One search.
 #[derive(Clone, Debug)]
 struct Front {
-    /// The search that it has met and is one with; itself if none.
+    /// The search that this one was merged into after they met; itself if none.
     is: u32,
     found: Vec<u32>,
     next: VecDeque<u32>,
 }
 
 impl Search {
-    /// One from each of these bodies.
+    /// Begins one search from each of these bodies.
     fn begin(&mut self, slots: usize, from: impl Iterator<Item = u32>) {
         self.found_by.resize(slots, 0);
         self.searches.clear();
@@ -351,10 +351,10 @@ impl Search {
         }
     }
 
-    /// The parts to split off. The last part, which is none of them, is not gone through.
+    /// Finds the parts to split off. The last part stays in the island and is not searched completely.
     fn parts(&mut self, graph: &ConstraintGraph, is_member: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
         let mut parts = Vec::new();
-        // Searches whose turn may come, and how many of them have neither met another nor found all there is.
+        // Searches that are still to run, and the number of those that have neither met another nor finished.
         let mut turns: VecDeque<u32> = (0..self.searches.len() as u32).collect();
         let mut open = turns.len();
         while open > 1
@@ -389,7 +389,7 @@ impl Search {
         parts
     }
 
-    /// A search has found a body that another one knows, and goes on for both. False where the two are one already.
+    /// Merges two searches that have met; `search` continues for both. Returns false if they were merged already.
     fn meet(&mut self, search: u32, mut other: u32) -> bool {
         let searches = &mut self.searches;
         while searches[other as usize].is != other {

@@ -1,15 +1,15 @@
-//! The stage **sleeping**: islands whose bodies have all been still for a while stop costing time.
+//! The stage **sleeping**: puts islands to sleep whose bodies have all been still for a while, so that they cost no time.
 //!
-//! A sleeping body keeps its contacts, impulses and anchors as they are, so that it wakes exactly where it lay, and goes to
-//! [rest](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change, when
-//! something awake comes into its island, and when a body that it touched goes: in [`islands`](super::islands()).
+//! A sleeping body keeps its contacts, impulses and anchors, so that it continues from the same state when it wakes. It becomes
+//! [inactive](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change, when
+//! an awake body joins its island, and when a body that it touched is removed; see [`islands`](super::islands()).
 
 use super::Islands;
 use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Quarantined, Sleeping, Velocity};
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::prelude::*;
 
-/// See the module's text.
+/// Puts islands to sleep whose bodies have been still for [`SleepSettings::delay`].
 pub fn sleeping(
     time: Res<StepTime>,
     settings: Res<SleepSettings>,

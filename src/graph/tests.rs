@@ -1,4 +1,4 @@
-//! The views of the graph against a search through all of it, after every change of graphs drawn at random.
+//! Tests that compare the views of the graph with a search through the whole graph, after every change of randomly drawn graphs.
 
 use super::ConstraintGraph;
 use super::edges::EdgeKind;
@@ -9,16 +9,16 @@ use bevy_ecs::prelude::*;
 use fastrand::Rng;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A table of bodies, their graph, and what is known of both.
+/// A table of bodies and its graph, with the expected content of both.
 #[derive(Default)]
 struct Site {
     table: BodyTable,
     graph: ConstraintGraph,
     islands: Islands,
     edges: BTreeMap<[u32; 2], (u32, Entity, bool)>,
-    /// The bodies that are there.
+    /// The existing bodies.
     bodies: BTreeMap<u32, Entity>,
-    /// Those that have come or changed since the last update. Only what was active in one goes to rest.
+    /// Bodies that were added or changed since the last update. Only bodies that were active in an update become inactive.
     fresh: BTreeSet<u32>,
     entities: u32,
 }
@@ -75,7 +75,7 @@ impl Site {
         self.fresh.clear();
     }
 
-    /// Something is done to the site.
+    /// Makes one random change.
     fn edit(&mut self, rng: &mut Rng) {
         let slots: Vec<u32> = self.bodies.keys().copied().collect();
         let slot = *rng.choice(&slots).unwrap();
@@ -96,7 +96,7 @@ impl Site {
                     RigidBody::Dynamic => RigidBody::Static,
                     _ => RigidBody::Dynamic,
                 };
-                // It would have been marked.
+                // A change would have marked the body.
                 self.table.set_inactive(slot, false);
                 self.fresh.insert(slot);
             }
@@ -109,7 +109,7 @@ impl Site {
                 body.asleep = !body.asleep;
             }
             18..40 => {
-                // Neighbours in a row, as in a wall, and now and then farther off.
+                // Mostly neighbours in a row, as in a wall, and sometimes distant bodies.
                 let far = if rng.u8(0..4) == 0 { 30 } else { 3 };
                 let other = slot + rng.u32(1..=far);
                 if self.bodies.contains_key(&other) {
@@ -129,7 +129,7 @@ impl Site {
         self.table.get(slot).is_some_and(BodyState::is_dynamic)
     }
 
-    /// The islands, found by flooding.
+    /// The islands, found by a flood fill.
     fn wanted_islands(&self) -> BTreeSet<Vec<u32>> {
         let links = self.edges.iter().filter(|(_, known)| known.2);
         let links: Vec<[u32; 2]> = links.map(|(&slots, _)| slots).collect();
@@ -168,7 +168,7 @@ impl Site {
         let dynamic = dynamic.filter(|&slot| self.is_dynamic(slot));
         let found: BTreeSet<Vec<u32>> = dynamic.map(sorted).collect();
         assert_eq!(found, wanted);
-        // Numbers go by the first that is active.
+        // Islands are numbered by their first active member.
         let active = |members: &Vec<u32>| {
             let mut active = members.iter().copied();
             active.find(|&slot| !self.table.is_inactive(slot))
@@ -201,7 +201,7 @@ impl Site {
 }
 
 #[test]
-fn islands_and_levels_are_what_a_search_through_the_whole_graph_finds() {
+fn islands_and_levels_match_a_search_through_the_whole_graph() {
     for seed in 0..60 {
         let mut rng = Rng::with_seed(seed);
         let mut site = Site::default();
@@ -223,7 +223,7 @@ fn islands_and_levels_are_what_a_search_through_the_whole_graph_finds() {
     }
 }
 
-/// A wall of so many bricks a course, each on two; slot 0 is the ground.
+/// A wall with `width` bricks in each course, each on two bricks; slot 0 is the ground.
 fn wall(width: u32, courses: u32) -> Site {
     let mut site = Site::default();
     site.spawn(RigidBody::Static);

@@ -1,4 +1,4 @@
-//! Who wakes, and who may go to rest: parts of the stage *islands*.
+//! Waking, and the choice of bodies that become inactive: parts of the stage *islands*.
 
 use super::ConstraintGraph;
 use super::islands::Islands;
@@ -7,8 +7,8 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
 impl Islands {
-    /// Islands sleep and wake as a whole. What is awake, was disturbed by the user, or is carried by something that moves wakes the rest;
-    /// and so does what has parted: what a body lay on, or what held it down, has gone away.
+    /// Finds the islands that are awake. An island sleeps and wakes as a whole: it is awake if any of its bodies is awake, was disturbed by
+    /// the user, touches a static or kinematic body that moves, or has parted from a body that supported it or held it down.
     pub(super) fn find_awake(&mut self, graph: &ConstraintGraph, table: &BodyTable) -> FixedBitSet {
         let mut awake = std::mem::take(&mut self.awake);
         awake.clear();
@@ -31,7 +31,7 @@ impl Islands {
                 continue;
             }
             for carried in graph.neighbours(slot) {
-                // What comes into the world together with its ground may sleep on it.
+                // A body that is added together with its ground may stay asleep on it.
                 let together = |above: &BodyState| body.arrived && above.arrived;
                 if moves || !table.get(carried).is_some_and(together) {
                     wake(carried);
@@ -42,7 +42,7 @@ impl Islands {
         awake
     }
 
-    /// Wakes all bodies of islands that are awake; those at rest become active next.
+    /// Wakes all bodies of awake islands. Inactive ones are marked, and become active next.
     pub(super) fn wake(
         &mut self,
         table: &mut BodyTable,
@@ -72,7 +72,7 @@ impl Islands {
         }
     }
 
-    /// The members of an island that are at rest.
+    /// The inactive members of an island.
     fn resting_members(&self, table: &BodyTable, island: u32) -> Vec<u32> {
         if !self.partition.has_resting(island) {
             return Vec::new();
@@ -81,7 +81,7 @@ impl Islands {
         members.filter(|&slot| table.is_inactive(slot)).collect()
     }
 
-    /// Finds islands that sleep and of which bodies have come in this step.
+    /// Finds sleeping islands that bodies were added to in this step.
     pub(super) fn find_arriving(&mut self, table: &BodyTable) {
         self.arriving.clear();
         let comes = |body: &BodyState| body.arrived && body.asleep;
@@ -101,7 +101,8 @@ impl Islands {
         }
     }
 
-    /// Of what comes onto an island at rest all of it bears a part, and takes part in this step. It sleeps on.
+    /// Activates the inactive members of islands that bodies were added to, because the whole island shares the new load and is solved in this
+    /// step. The island stays asleep.
     pub(super) fn activate_arriving(&mut self, table: &mut BodyTable) {
         for (number, &island) in self.partition.numbered().iter().enumerate() {
             if self.arrives(number) {
@@ -112,7 +113,7 @@ impl Islands {
         }
     }
 
-    /// Finds who may go to rest: islands that sleep, and what stands still.
+    /// Finds the bodies that may become inactive: those of sleeping islands, and static and kinematic bodies that do not move.
     pub(super) fn find_deactivation(&mut self, table: &BodyTable, awake: &FixedBitSet) {
         let mut restless = std::mem::take(&mut self.restless);
         restless.clear();
@@ -136,7 +137,7 @@ impl Islands {
 }
 
 impl BodyState {
-    /// It sleeps or stands still, did so in the step before, and nothing was done to it.
+    /// Returns true if the body sleeps or stands still, did so in the step before, and was not disturbed.
     pub(super) fn may_rest(&self) -> bool {
         let still = match self.is_dynamic() {
             true => self.asleep && !self.disturbed,

@@ -19,15 +19,15 @@ use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 use bevy_transform::components::Transform;
 
-/// What the world knows besides components of bodies, by their copies: where the shadow begins.
+/// State of the original world besides components of bodies, keyed by the copies. The shadow starts from it.
 #[derive(Resource, Default)]
 pub(super) struct Taken {
     pub contacts: HashMap<[Entity; 2], Contact>,
-    /// By body: where it is, and whether it has moved in the last step.
+    /// By body: its pose, and whether it moved in the last step.
     pub poses: HashMap<Entity, (Pose, bool)>,
 }
 
-/// What there is of a pair.
+/// The components of a pair.
 pub(super) type Contact = (
     ContactPair,
     Manifold,
@@ -37,7 +37,7 @@ pub(super) type Contact = (
     NarrowphaseCache,
 );
 
-/// What a pair has, by the copies of its bodies.
+/// The components of a pair, and the copies of its bodies.
 pub(super) fn contact(
     world: &World,
     pair: Entity,
@@ -57,7 +57,7 @@ pub(super) fn contact(
     Some(([a?, b?], contact))
 }
 
-/// Bodies and the pairs that the shadow has found are no news: they are what the originals are.
+/// Sets bodies and pairs of the shadow to the state of the originals, so that the first step does not treat them as new.
 fn take_over(
     mut commands: Commands,
     mut taken: ResMut<Taken>,
@@ -80,7 +80,7 @@ fn take_over(
             Some((pose, moved)) if *pose == body.pose => {
                 (body.arrived, body.renewed, body.moved) = (false, false, *moved);
             }
-            // What an edit has put elsewhere is as new as what it has brought.
+            // A body that the edit has moved counts as new, as a body that it has added does.
             _ => body.disturbed |= poses.remove(&body.entity).is_some(),
         }
     }
@@ -93,7 +93,7 @@ fn take_over(
             pair.take_ends(&found);
         }
     }
-    // An edit has parted the bodies of contacts that are left: those that sleep there wake, as in the world.
+    // These contacts ended because the edit has separated their bodies. Their sleeping bodies wake, as in the original world.
     let parted = contacts.iter().filter(|(_, contact)| contact.0.touching);
     let parted: EntityHashSet = parted.flat_map(|(ends, _)| *ends).collect();
     for slot in 0..table.slots() as u32 {
@@ -104,7 +104,7 @@ fn take_over(
     commands.remove_resource::<Taken>();
 }
 
-/// A world without bodies, with the settings of another.
+/// An empty world with the settings of another.
 pub(super) fn empty(world: &World) -> World {
     let mut app = App::new();
     app.add_plugins(DrystonePlugins::default());
@@ -123,7 +123,7 @@ pub(super) fn empty(world: &World) -> World {
     shadow.insert_resource(*world.resource::<StepTime>());
     shadow.insert_resource(world.resource::<SolverSettings>().clone());
     shadow.insert_resource(world.resource::<InForce>().clone());
-    // Where nothing sleeps it is still told how long it has lain.
+    // If the settings do not allow sleeping, no copy falls asleep, but the time for which it has been still is recorded all the same.
     let sleeping = *world.resource::<SleepSettings>();
     shadow.insert_resource(SleepSettings {
         enabled: true,
@@ -137,14 +137,14 @@ pub(super) fn empty(world: &World) -> World {
     shadow
 }
 
-/// How a copy begins.
+/// The initial activity of a copy.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lies {
-    /// Asleep where the body sleeps.
+    /// Asleep if the body sleeps.
     AsItIs,
-    /// Asleep, if it does not move: it is near the structures, and not in them.
+    /// Asleep if the body does not move, for bodies near the structures that are not part of them.
     UntilHit,
-    /// Awake: it has lost what it touched.
+    /// Awake, for bodies that have lost a contact.
     Falls,
 }
 
@@ -160,7 +160,7 @@ pub(super) fn copy(world: &World, body: &BodyState, shadow: &mut World, lies: Li
         Lies::UntilHit => sleeping.asleep |= still,
         Lies::Falls => sleeping = Sleeping::default(),
     }
-    // Most of it at once: each insertion of its own would move the body to another table.
+    // Insert most components at once: each further insertion moves the entity to another table.
     let parts = (
         (body.kind, to_transform(pose), velocity, sleeping),
         properties_of(original),

@@ -1,4 +1,4 @@
-//! What is copied: structures, and what is near them.
+//! The region that a preview copies: structures, and the bodies near them.
 
 use super::PreviewError;
 use super::copy::{Contact, contact};
@@ -10,15 +10,15 @@ use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
-/// What is copied.
+/// The bodies that are copied.
 pub(super) struct Region<'w> {
     pub table: &'w BodyTable,
     graph: &'w ConstraintGraph,
-    /// In spawn order.
+    /// Slots of the bodies, in spawn order.
     pub slots: Vec<u32>,
-    /// Those of the structures.
+    /// Slots of the bodies that belong to the structures.
     pub structure: HashSet<u32>,
-    /// Bodies that touched something that has gone since the last step: they are awake.
+    /// Bodies that lost a contact because a body was removed since the last step. They are awake.
     pub bereft: HashSet<u32>,
     /// Bodies that were spawned or moved since the last step, as the next step will find them.
     pub pending: Vec<&'w BodyState>,
@@ -53,7 +53,7 @@ impl<'w> Region<'w> {
             slot.into_iter().for_each(|slot| region.add(world, slot));
             places.extend(as_it_will_be.and_then(extent));
         }
-        // A body that comes there may touch several, or come to lie on them.
+        // A body that is put there may touch several structures, or come to rest on them.
         for there in &places {
             for slot in broadphase.tree().intersect_aabb(there) {
                 if table.get(slot).is_some_and(BodyState::is_dynamic) {
@@ -66,7 +66,7 @@ impl<'w> Region<'w> {
         let bounded = bounded.filter(|aabb| aabb.half_extents().is_finite());
         let bounded = bounded.chain(places);
         if let Some(aabb) = bounded.reduce(|a, b| a.merged(&b)) {
-            // What falls comes as far as it was high.
+            // A falling body moves sideways by at most about its height.
             let near = aabb.loosened(aabb.extents().max_element());
             region.slots.extend(broadphase.tree().intersect_aabb(&near));
             let pending = pending.into_iter().flat_map(|pending| pending.near(&near));
@@ -78,7 +78,7 @@ impl<'w> Region<'w> {
         }
         region.slots.extend(&region.structure);
         region.slots.extend(broadphase.outside());
-        // The table still has what has gone since the last step.
+        // The table still contains bodies that were removed since the last step.
         let is_there = |&body: &Entity| table.slot_of(world, body).is_some();
         let there = |slot: &u32| {
             let body = table.get(*slot);
@@ -98,7 +98,7 @@ impl<'w> Region<'w> {
         Ok(region)
     }
 
-    /// Adds the structure that a body is in: what it touches, what that touches, up to what cannot be moved.
+    /// Adds the structure that a body is in: the bodies that it touches, those that they touch, and so on, up to static and kinematic bodies.
     fn add(&mut self, world: &World, first: u32) {
         let mut next = vec![first];
         while let Some(slot) = next.pop() {
@@ -119,7 +119,7 @@ impl<'w> Region<'w> {
         }
     }
 
-    /// The contacts between what is copied.
+    /// The contacts between the bodies that are copied.
     pub fn contacts(
         &self,
         world: &World,
@@ -129,7 +129,7 @@ impl<'w> Region<'w> {
             HashMap::with_capacity_and_hasher(4 * self.slots.len(), Default::default());
         for &slot in &self.slots {
             for pair in self.graph.edges_of(slot) {
-                // Its other end has it, too.
+                // The pair is also in the list of its other body.
                 let is_first = |pair: &ContactPair| pair.slots[0] == slot;
                 if world.get::<ContactPair>(pair).is_some_and(is_first) {
                     contacts.extend(contact(world, pair, copies));
@@ -140,7 +140,7 @@ impl<'w> Region<'w> {
     }
 }
 
-/// The box that a body fills.
+/// The bounding box of a body.
 fn extent(body: &BodyState) -> Option<Aabb> {
     Some(body.shape()?.compute_aabb(&body.pose.to_parry()))
 }

@@ -1,4 +1,4 @@
-//! A copy of part of a world.
+//! The shadow: a copy of part of a world.
 
 use super::copy::{Lies, Taken, copy, empty, to_transform};
 use super::region::Region;
@@ -15,44 +15,47 @@ use bevy_platform::collections::hash_map::Entry;
 use bevy_time::{Fixed, Time};
 use parry3d::bounding_volume::Aabb;
 
-/// What has been still for so long is taken to lie, s.
+/// A body that has been still for this time counts as at rest, s.
 const STILL: f32 = 0.25;
 
-/// What has hardly moved since the beginning, and is slower by this share than it may be after [`STILL`], and as much slower as it has had less
-/// time, does not fall. It would have to become faster by more than a body does that tips.
+/// A body counts as not falling if it has hardly moved since the beginning and its speed is below this share of the speed limits of sleeping.
+/// Before the time [`STILL`] has passed, the share is proportionally lower. To fall nevertheless, the body would have to accelerate faster than
+/// a tipping body does.
 const HARDLY: f32 = 0.4;
 
-/// What is slower by the share [`HARDLY`] and loses so much of its speed in each step comes to rest: what begins to fall gains speed. The springs
-/// of contacts whose load is gone push bodies away with some mm/s, and a quarter less in each step.
+/// Before the time [`STILL`] has passed, the full share [`HARDLY`] holds for a body whose speed is below this multiple of that in the step
+/// before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies away with
+/// some mm/s, and a quarter less in each step.
 const FADES: f32 = 0.9;
 
-/// A copy of part of a world, which can take steps by itself and be sent to another thread.
+/// A copy of part of a world, which can be stepped on its own and sent to another thread.
 #[derive(Debug)]
 pub struct Shadow {
     world: World,
     /// In spawn order.
     bodies: Vec<Copied>,
-    /// The copy of what was moved or placed.
+    /// The copy of the body that the edit moves or adds.
     edited: Option<Entity>,
-    /// Length of a step of the world's, s.
+    /// Length of a step of the original world, s.
     dt: f32,
 }
 
-/// Where a body was after the first step in which it was awake, and after the last one; and how far it came and turned in that, m, rad.
+/// The poses of a body after the first step in which it was awake and after the last one, and how far it moved (m) and turned (rad) in the
+/// last one.
 struct Seen {
     first: Pose,
     last: Pose,
     way: Option<[f32; 2]>,
 }
 
-/// How far a body has come and turned, m, rad.
+/// The distance (m) and the angle (rad) between two poses.
 fn way(from: &Pose, to: &Pose) -> [f32; 2] {
-    // Of small angles; their cosine has no digits left for them.
+    // For small angles the cosine of the angle has no significant digits left.
     let turned = 2.0 * (to.rotation - from.rotation).length();
     [from.position.distance(to.position), turned]
 }
 
-/// Whether a body has come less far than one that has the speed limits of sleeping for so long, s.
+/// Returns true if a body has moved less than it would at the speed limits of sleeping in this time, s.
 fn is_slower(limits: &SleepSettings, time: f32, [way, turned]: [f32; 2]) -> bool {
     way < time * limits.linear_speed && turned < time * limits.angular_speed
 }
@@ -68,7 +71,8 @@ struct Copied {
 }
 
 impl Shadow {
-    /// Copies the structures that an edit affects and the bodies within their size of them, and applies the edit to the copy.
+    /// Copies the structures that an edit affects, and the bodies near them, and applies the edit to the copy. A body is near if it is not
+    /// farther away than the structures are large.
     ///
     /// # Errors
     /// As [`preview`](super::preview()).
@@ -107,7 +111,8 @@ impl Shadow {
         }
     }
 
-    /// Copies the structures that some bodies belong to, and the bodies within their size of them.
+    /// Copies the structures that some bodies belong to, and the bodies near them. A body is near if it is not farther away than the
+    /// structures are large.
     ///
     /// # Errors
     /// [`PreviewError::NotABody`] if one of them is not a body.
@@ -126,15 +131,15 @@ impl Shadow {
         &mut self.world
     }
 
-    /// The world of the copies, to step it yourself.
+    /// The world of the copies, for your own steps.
     pub fn into_world(self) -> World {
         self.world
     }
 
-    /// Takes steps until everything is at rest or [`PreviewSettings::max_time`] is over.
+    /// Takes steps until all bodies are at rest or [`PreviewSettings::max_time`] is over.
     ///
-    /// If nothing has begun to move after a few steps, the world counts as at rest: a falling body reaches in one step a speed that a
-    /// resting one may have after a quarter of a second.
+    /// If no body has begun to move after a few steps, the world counts as at rest: in one step a falling body reaches a speed that a body at
+    /// rest may have after a quarter of a second.
     ///
     /// # Errors
     /// [`PreviewError::InvalidSettings`] if the settings are invalid.
@@ -142,7 +147,7 @@ impl Shadow {
         settings.check()?;
         let dt = settings.dt.unwrap_or(self.dt);
         let slow = *self.world.resource::<SleepSettings>();
-        // In double precision, or many short steps would not add up.
+        // In double precision, because many short steps would not add up exactly in single precision.
         let mut time = 0.0_f64;
         let mut rests = false;
         let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
@@ -157,7 +162,7 @@ impl Shadow {
                 if *kind != RigidBody::Dynamic || sleeping.asleep {
                     continue;
                 }
-                // Bodies that were awake before the edit may have been still for long already.
+                // Bodies that were awake before the edit may have been still for a long time already.
                 let lies = passed >= STILL && sleeping.still_for >= STILL;
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {
@@ -204,7 +209,7 @@ impl Shadow {
         })
     }
 
-    /// Around some bodies, and around a box where something will be.
+    /// Copies the surroundings of some bodies, and of a box that a body will occupy.
     fn copied(world: &World, bodies: &[Entity], there: Option<Aabb>) -> Result<Self, PreviewError> {
         let region = Region::of(world, bodies, there)?;
         let mut shadow = Self {
@@ -238,7 +243,7 @@ impl Shadow {
         Ok(shadow)
     }
 
-    /// Copies of bodies that do not collide do not, either.
+    /// Copies the collision exceptions between bodies.
     fn copy_exceptions(&mut self, world: &World) {
         let bodies = self.bodies.iter();
         let copies: EntityHashMap<Entity> = bodies
@@ -253,7 +258,7 @@ impl Shadow {
         }
     }
 
-    /// Adds a copy of a body, which begins at a pose.
+    /// Adds a copy of a body that starts at a pose.
     fn add(&mut self, world: &World, body: &BodyState, from: Pose, lies: Lies) -> Entity {
         let copy = copy(world, body, &mut self.world, lies);
         self.bodies.push(Copied {
@@ -266,7 +271,7 @@ impl Shadow {
         copy
     }
 
-    /// Puts a body that was spawned or moved since the last step where the next one will find it.
+    /// Moves the copy of a body that was spawned or moved since the last step to where the next step will find it.
     fn bring_up_to_date(&mut self, world: &World, body: &BodyState) {
         let mut copies = self.bodies.iter_mut();
         let copy = match copies.find(|copied| copied.original == body.entity) {
@@ -281,8 +286,8 @@ impl Shadow {
     }
 }
 
-/// Length of the last step, s; before the first one that of the fixed steps of the app, or where it has no clock that of the default
-/// preset.
+/// Length of the last step, s. Before the first step it is that of the app's fixed time step, or that of the default preset if there is no
+/// clock.
 fn length_of_a_step(world: &World) -> f32 {
     let last = world.resource::<StepTime>().whole();
     let clock = world.get_resource::<Time<Fixed>>();
@@ -292,7 +297,7 @@ fn length_of_a_step(world: &World) -> f32 {
     known.next().unwrap_or_else(|| Preset::Default.dt())
 }
 
-/// The box that a collider will fill.
+/// The bounding box of a collider at a pose.
 fn extent(collider: &Collider, pose: Pose) -> Result<Aabb, PreviewError> {
     let pose = pose.normalized();
     if !pose.is_finite() {

@@ -1,15 +1,16 @@
-//! Bodies that come into the world asleep are given what they bear, and stay where they are.
+//! Static loads for bodies that are added asleep.
 //!
-//! An island that is asleep is not solved. One of which some bodies have just come would carry nothing until it wakes: neither forces nor
-//! supports would be told of it, and it would take up its load as it wakes. So in the step in which bodies come, the contacts of their island
-//! get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever the solver.
+//! Sleeping islands are not solved. Without further care, the contacts of a body that is added asleep would have no impulses until its island
+//! wakes: queries of forces and supports would not include it, and the structure would take up its load only then. So in the step in which
+//! bodies are added, the contacts of their island get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever
+//! the solver.
 
 use super::patches::settle;
 use super::{Solve, SolveRows};
 use crate::warm_start::{GatherContext, Island, Order, Pairs, PatchRows, Stored};
 
 impl Solve<'_> {
-    /// Loads the islands that sleep and have got bodies in this step.
+    /// Loads the sleeping islands that bodies were added to in this step.
     pub(super) fn load_arrivals(&self, pairs: &mut Pairs) {
         if !self.islands.any_arrives() {
             return;

@@ -1,17 +1,17 @@
-//! The stage **solve**: finds the impulses of every awake island with the chosen [`ContactSolver`](crate::settings::ContactSolver), side by
-//! side, and stores them.
+//! The stage **solve**: computes the impulses of every awake island with the chosen [`ContactSolver`](crate::settings::ContactSolver), islands
+//! in parallel, and stores them.
 //!
-//! The problems are those that the stage [warm start](crate::warm_start) has prepared, of points or of patches as the solver
-//! wants. Bodies take the velocities that they have when this stage begins. Bodies and contacts stand in the order of their level of
-//! support and their spawn order ([`Islands`]), so the result does not depend on threads or on where the ECS keeps things.
+//! The stage [warm start](crate::warm_start) has prepared the problems, of points or of patches as the solver requires. Bodies have the
+//! velocities of their components when this stage begins. Bodies and contacts are ordered by their level of support and their spawn order
+//! ([`Islands`]), so the result does not depend on threads or on the memory layout of the ECS.
 //!
-//! What is found goes back to the components (`store.rs`). A pair or a body is known by its entity: if a system of a user's has
-//! taken it away since it was gathered, nothing is stored for it.
+//! The results are written back to the components (`store.rs`). A pair or a body is identified by its entity: if a user's system has removed
+//! it since it was gathered, nothing is stored for it.
 //!
-//! Islands that sleep are not solved. Those of which bodies have just come are loaded (`arrivals.rs`).
+//! Sleeping islands are not solved. Those that bodies were just added to get static loads (`arrivals.rs`).
 //!
-//! If a solve goes wrong all the same, with input that was checked, its island keeps the velocities and poses from before and forgets
-//! its impulses. Other islands are not affected.
+//! If a solve diverges although its input was validated, the island keeps the velocities and poses from before and loses its impulses. Other
+//! islands are not affected.
 
 mod arrivals;
 mod patches;
@@ -33,7 +33,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 pub use reports::{IslandReport, ReportWriter, SolveReports};
 
-/// Small islands that are solved together, at most: their blocks stay in the cache.
+/// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
 const TOGETHER: usize = 64;
 
 type Bodies<'w, 's> = Query<
@@ -51,11 +51,11 @@ type Bodies<'w, 's> = Query<
 type Hands<'w, 's> =
     Query<'w, 's, &'static mut HandForce, (Without<Quarantined>, Without<Inactive>)>;
 
-/// The contacts of an island as its kind of solver solves them.
+/// The contacts of an island, for one kind of solver.
 trait SolveRows: Rows {
     type Solver: ?Sized + Sync;
 
-    /// Its solvers take substeps of their own.
+    /// Whether solvers of this kind take substeps of their own.
     const SUBSTEPS: bool;
 
     fn solve(
@@ -66,17 +66,17 @@ trait SolveRows: Rows {
         context: &SolveContext,
     ) -> SolveReport;
 
-    /// An island of these, so many contacts, is best solved together with others of its kind.
+    /// Returns true if an island with this many contacts is best solved together with others.
     fn is_small(&self, contacts: usize) -> bool;
 
-    /// Solves several small islands in which nobody is held.
+    /// Solves several small islands without hands.
     fn solve_each(
         solver: &Self::Solver,
         islands: &mut [(&mut Self, &mut [Body])],
         context: &SolveContext,
     ) -> Vec<SolveReport>;
 
-    /// Gives the impulses of a contact back to its pair. Says false, and has left the pair in any state, where its manifold
+    /// Writes the impulses of a contact to its pair. Returns false, and leaves the pair's impulses in an unspecified state, if its manifold
     /// has other patches or points than those that were gathered.
     fn store(&self, contact: usize, manifold: &Manifold, to: &mut ContactImpulses, dt: f32)
     -> bool;
@@ -103,7 +103,7 @@ pub fn solve(
     };
     stage.load_arrivals(&mut pairs);
     let problems = &mut *problems;
-    // By the solver for which they were prepared, whatever settings say now.
+    // The solver that they were prepared for, even if the settings have changed since.
     let Some(solver) = problems.prepared.take() else {
         return;
     };
@@ -121,7 +121,7 @@ pub fn solve(
     }
 }
 
-/// The stage at work.
+/// The data that the stage reads.
 struct Solve<'a> {
     table: &'a BodyTable,
     graph: &'a ConstraintGraph,
@@ -148,7 +148,7 @@ impl Solve<'_> {
         profile.add_part(SolvePart::Store, solved.elapsed());
     }
 
-    /// Bodies have the velocities that are in their components now.
+    /// Takes the current velocities of the bodies from their components.
     fn take_velocities<R: SolveRows>(&self, problems: &mut ProblemSet<R>, bodies: &Bodies) {
         let ProblemSet {
             order,
@@ -162,7 +162,7 @@ impl Solve<'_> {
             if !self.table.holds(entity, *index) {
                 continue;
             }
-            // What is in no island's problem may be in several, as a copy.
+            // A static or kinematic body may have copies in several problems.
             let local = order.local.get(index.0 as usize);
             let body = self
                 .islands
@@ -188,7 +188,7 @@ impl Solve<'_> {
         }
     }
 
-    /// Solves every island that has a problem, side by side where there is enough to do.
+    /// Solves every island that has a problem, in parallel if there is enough work.
     fn solve_each<R: SolveRows>(&self, solver: &R::Solver, islands: &mut [Island<R>]) {
         let context = self.context;
         let points = islands.iter().map(Island::points).sum();
@@ -243,7 +243,7 @@ fn solve_together<R: SolveRows>(
     }
 }
 
-/// An island of which something is not finite or far too fast stays as it was.
+/// Restores an island whose solution is not finite or far too fast.
 fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
     island.diverged = !island.bodies.iter().all(is_sound);
     if island.diverged {
@@ -257,7 +257,8 @@ fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
     }
 }
 
-/// What a solve may leave a body with. Well above the cap on speeds: what lands hard may be fast for a moment.
+/// Returns true if a body's velocity is plausible. The limit is well above the speed limits, because a body that lands hard may be fast for a
+/// moment.
 fn is_sound(body: &Body) -> bool {
     let [linear, angular] = body.motion.unwrap_or_default();
     [body.linear, linear]

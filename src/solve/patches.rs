@@ -1,4 +1,4 @@
-//! A problem of patches is solved, and its impulses stored.
+//! Solving a problem of patches, and storing its impulses.
 
 use super::SolveRows;
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
@@ -43,7 +43,7 @@ impl SolveRows for PatchRows {
         to: &mut ContactImpulses,
         dt: f32,
     ) -> bool {
-        // They are a point solver's.
+        // Only point solvers fill this list.
         to.friction.clear();
         let mut solved = self.patches[self.patches_of(contact)].iter();
         for (i, _, range) in manifold.patches_with_points() {
@@ -61,11 +61,11 @@ impl SolveRows for PatchRows {
     }
 }
 
-/// Instead of a solve: finds what the contacts carry while nothing moves, and says that they gave it all through the step. False where
-/// some of it is not finite.
+/// Computes the static loads of the contacts instead of a solve, and sets the impulses of the step to these loads over the whole step. Returns
+/// false if a result is not finite.
 pub(super) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveContext) -> bool {
     patches::settle(&mut problem(rows, bodies, &mut [], context));
-    // Of a step whose substeps after this one leave contacts as they are.
+    // The impulses of all substeps, because later substeps leave these contacts as they are.
     let whole = context.time.substeps as f32;
     for patch in &mut rows.patches {
         patch.tangential = whole * patch.warm_tangential;

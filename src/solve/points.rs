@@ -1,4 +1,4 @@
-//! A problem of points is solved, and its impulses stored.
+//! Solving a problem of points, and storing its impulses.
 
 use super::SolveRows;
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse, PointFriction};
@@ -56,7 +56,7 @@ impl SolveRows for PointRows {
             patches,
             ..
         } = to;
-        // They are a patch solver's.
+        // Only patch solvers fill these.
         patches.fill(PatchImpulse::default());
         friction.resize(points.len(), PointFriction::default());
         let mut solved = self.constraints[self.points_of(contact)].iter();

@@ -1,4 +1,4 @@
-//! What is said of a step's solves.
+//! Reports of the solves of a step.
 
 use super::SolveRows;
 use crate::diagnosis::{BodyProblem, Suspects, Told};
@@ -7,18 +7,18 @@ use crate::warm_start::{Island, ProblemSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-/// How the last step's solves went, one entry for each island that had contacts.
+/// The reports of the last step's solves, one for each island that had contacts.
 #[derive(Resource, Default, Clone, Debug)]
 pub struct SolveReports(pub Vec<IslandReport>);
 
-/// One island's solve.
+/// The report of one island's solve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IslandReport {
-    /// Its bodies, copies of static ones included.
+    /// Number of its bodies, including copies of static and kinematic ones.
     pub bodies: usize,
-    /// Its contact points.
+    /// Number of its contact points.
     pub contacts: usize,
-    /// What the solver said.
+    /// The report of the solver.
     pub report: SolveReport,
 }
 
@@ -31,7 +31,7 @@ pub struct ReportWriter<'w> {
 }
 
 impl ReportWriter<'_> {
-    /// Names the first body of an island that goes wrong, when it begins to.
+    /// Reports each solved island. When an island begins to diverge, its first body is reported as a problem.
     pub(super) fn report<R: SolveRows>(&mut self, problems: &ProblemSet<R>) {
         let ProblemSet { islands, order, .. } = problems;
         let touching = islands.iter().filter(|island| island.points() > 0);

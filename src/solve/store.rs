@@ -1,4 +1,4 @@
-//! What was found goes back to components, found by their entities.
+//! Storing the results of a solve in the components of bodies, pairs and hands, which are found by their entities.
 
 use super::{Bodies, Hands, Solve, SolveRows};
 use crate::body::{Motion, Velocity, limits};
@@ -49,14 +49,14 @@ impl Solve<'_> {
         });
     }
 
-    /// Velocities and motions of what is awake.
+    /// Stores the velocities and motions of awake bodies.
     fn store_bodies<R: SolveRows>(&self, problems: &ProblemSet<R>, bodies: &mut Bodies) {
         let fall = self.context.gravity.0.length() * self.context.time.dt;
         for (entity, index, mut velocity, mut motion) in bodies {
             let Some(body) = self.table.get(index.0).filter(|body| body.entity == entity) else {
                 continue;
             };
-            // Bodies that sleep are in no problem.
+            // Sleeping bodies are not in a problem.
             let Some(&local) = problems.order.local.get(index.0 as usize) else {
                 continue;
             };
@@ -85,7 +85,7 @@ impl Solve<'_> {
     }
 }
 
-/// What hands did.
+/// Stores the forces of hands.
 fn store_hands<R: SolveRows>(problems: &ProblemSet<R>, hands: &mut Hands) {
     for held in &problems.held {
         let mut grips = problems.islands[held.island].grips.iter();
@@ -98,7 +98,7 @@ fn store_hands<R: SolveRows>(problems: &ProblemSet<R>, hands: &mut Hands) {
     }
 }
 
-/// What a solver has found, without what is next to nothing.
+/// The computed velocity, with tiny numbers set to zero.
 #[inline]
 fn clean(velocity: [Vec3; 2]) -> Velocity {
     let [linear, angular] = velocity.map(|v| limits::flush_to_zero(v.extend(0.0)).truncate());
@@ -106,7 +106,7 @@ fn clean(velocity: [Vec3; 2]) -> Velocity {
 }
 
 impl ContactImpulses {
-    /// As if nothing had ever pushed.
+    /// Sets all impulses and forces to zero.
     fn forget(&mut self) {
         self.points.fill(Impulse::default());
         self.friction.fill(PointFriction::default());

@@ -1,23 +1,22 @@
-//! A touching pair, as its island gathers it. Its impulses have as many entries as its manifold has points and patches.
+//! A touching pair as part of the problem of its island. Its impulses have as many entries as its manifold has points and patches.
 
 use crate::body::BodyState;
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};
 use crate::settings::StepTime;
 
-/// One pair with points in an island that is solved.
+/// One pair with points, in an island that is solved.
 pub(crate) struct SolverContact<'a> {
     pub island: u32,
     pub pair: &'a ContactPair,
     pub manifold: &'a Manifold,
     pub targets: &'a ContactTargets,
     pub impulses: &'a ContactImpulses,
-    /// Its contacts were found anew, or its impulses are not those that the last solve left.
+    /// Whether the contacts were detected anew, or the impulses differ from those that the last solve stored.
     pub changed: bool,
 }
 
-/// What a contact is sorted by: its island, then the body higher up, then the other, so that all supports of a brick are visited
-/// together. Bodies stand in their problem in the order of their ranks; what is not in it stands still, comes before them, and goes
-/// in spawn order.
+/// The sort key of a contact: its island, then its higher body, then its lower body, so that all supports of a brick are visited together.
+/// Bodies of the problem are ordered by rank. Static and kinematic bodies are not in it: they come before the others, in spawn order.
 pub(super) fn sort_key(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) -> u128 {
     const MOVES: u64 = 1 << 63;
     let rank = |i: usize| match local[i] {
@@ -25,7 +24,7 @@ pub(super) fn sort_key(island: u32, bodies: [&BodyState; 2], local: [u32; 2]) ->
         local => MOVES | local as u64,
     };
     let (one, other) = (rank(0), rank(1));
-    // The higher is in the problem, or the contact would be in none.
+    // The higher body is always in the problem, because a contact without a body in the problem is not solved.
     let higher = one.max(other) as u32;
     (island as u128) << 96 | (higher as u128) << 64 | one.min(other) as u128
 }
@@ -38,9 +37,9 @@ impl Impulse {
     }
 }
 
-/// An impulse, N·s, from the forces with which the last step ended and that act at rest, N. What a point carries at rest acts as long
-/// as the step; what is more or less than that stopped or lost something, and would do so again and again in a step that is longer
-/// than the last.
+/// The impulse to start from, N·s, from the forces (N) at the end of the last step (`warm`) and at rest (`load`). The force at rest acts as
+/// long as the step. The difference between the two accelerated or stopped a body; in a step that is longer than the last it acts only as long
+/// as the last one did, or it would do so again.
 #[inline]
 pub(super) fn start_impulse(warm: f32, load: f32, time: &StepTime) -> f32 {
     (load * time.dt + (warm - load) * time.carried()).max(0.0)

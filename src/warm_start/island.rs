@@ -1,4 +1,4 @@
-//! The problem of one island: bodies, and what acts between them.
+//! The problem of one island: its bodies, contacts and hands.
 
 use super::{SolveContext, SolverContact};
 use crate::body::{BodyState, BodyTable, Velocity};
@@ -6,15 +6,15 @@ use crate::solver::{Body, Grip, SolveReport};
 use bevy_platform::collections::HashMap;
 use std::ops::Range;
 
-/// The contacts of an island as a kind of solver works on them: points or patches.
+/// The contacts of an island in the form that a kind of solver needs: points or patches.
 pub(crate) trait Rows: Default + Send + Sync {
     fn clear(&mut self);
 
-    /// Contact points.
+    /// Number of contact points.
     fn points(&self) -> usize;
 
-    /// Takes the contacts of an island, between bodies at `ends`; impulses are forces, N, yet. Where it still has those of the last step, which
-    /// were of the same pairs between the same bodies, it may keep what has not changed.
+    /// Takes the contacts of an island, between bodies at `ends`. Impulses are still forces, N. If the rows hold those of the last step, which
+    /// were of the same pairs between the same bodies, unchanged rows may be kept.
     fn refresh(
         &mut self,
         contacts: &[SolverContact],
@@ -23,39 +23,39 @@ pub(crate) trait Rows: Default + Send + Sync {
         context: &SolveContext,
     );
 
-    /// Gives contacts the impulses to start from.
+    /// Sets the impulses that contacts start from.
     fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext);
 
     /// The sum of the normal impulses that a contact starts from, N·s.
     fn start_impulse(&self, contact: usize) -> f32;
 }
 
-/// What islands are gathered from.
+/// The data from which islands are gathered.
 pub(crate) struct GatherContext<'a> {
     pub table: &'a BodyTable,
-    /// By slot: its place in its island.
+    /// By slot: the index of the body in its island.
     pub local: &'a [u32],
     pub context: &'a SolveContext<'a>,
 }
 
-/// One island's problem.
+/// The problem of one island.
 #[derive(Default)]
 pub(crate) struct Island<R> {
-    /// The dynamic bodies that are awake; behind them copies of the static and kinematic ones that they touch.
+    /// The awake dynamic bodies, followed by copies of the static and kinematic bodies that they touch.
     pub bodies: Vec<Body>,
-    /// Where the bodies of each contact stand.
+    /// Indices of the two bodies of each contact.
     ends: Vec<[u32; 2]>,
-    /// The slots of the static and kinematic bodies. No impulse can change them.
+    /// Slots of the static and kinematic bodies. Impulses cannot change them, so several islands may have copies.
     copies: Vec<u32>,
-    /// Hands that hold some of the bodies.
+    /// The hands that hold some of the bodies.
     pub grips: Vec<Grip>,
     pub rows: R,
     pub report: SolveReport,
-    /// The solve went wrong, and was taken back.
+    /// Whether the solve diverged and was undone.
     pub diverged: bool,
-    /// Its dynamic bodies among those of the [`Order`](super::Order).
+    /// Range of its dynamic bodies in the [`Order`](super::Order).
     members: Range<u32>,
-    /// The first of its contacts among those of the order.
+    /// Index of its first contact in the order.
     pub first_contact: u32,
 }
 
@@ -68,7 +68,7 @@ impl<R: Rows> Island<R> {
         self.ends.len()
     }
 
-    /// Some of its bodies touch something or are held.
+    /// Returns true if some of its bodies touch something or are held.
     pub fn is_solved(&self) -> bool {
         !self.ends.is_empty() || !self.grips.is_empty()
     }
@@ -82,7 +82,7 @@ impl<R: Rows> Island<R> {
         self.rows.start_impulse(contact)
     }
 
-    /// Empties it, but for what is kept from the last step where who touches whom is as it was.
+    /// Empties the problem, except for the data of the last step that is kept while no contact begins or ends.
     pub fn begin(&mut self, kept: bool) {
         self.bodies.clear();
         self.grips.clear();
@@ -95,7 +95,7 @@ impl<R: Rows> Island<R> {
         }
     }
 
-    /// Adds a dynamic body, which is the `number`-th of all.
+    /// Adds a dynamic body with index `number` in the order.
     pub fn add(&mut self, number: u32, body: &BodyState, velocity: &Velocity, level: u32) {
         if self.bodies.is_empty() {
             self.members.start = number;
@@ -112,7 +112,7 @@ impl<R: Rows> Island<R> {
         });
     }
 
-    /// Takes its contacts, and copies of what they are with.
+    /// Takes the contacts, and copies of the static and kinematic bodies that they touch.
     pub fn gather(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         if self.ends.is_empty() {
             self.find_ends(contacts, from.local);
@@ -122,7 +122,7 @@ impl<R: Rows> Island<R> {
             .refresh(contacts, &self.ends, &self.bodies, from.context);
     }
 
-    /// Gives its contacts the impulses to start from.
+    /// Sets the impulses that contacts start from.
     pub fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext) {
         self.rows.warm_start(contacts, context);
     }
@@ -153,7 +153,7 @@ impl<R: Rows> Island<R> {
 
     fn add_copies(&mut self, table: &BodyTable) {
         let copies = self.copies.iter().map(|&slot| {
-            // What rests stands still.
+            // Inactive bodies do not move.
             let body = table.get(slot).filter(|_| !table.is_inactive(slot));
             let Velocity { linear, angular } = body.map(|body| body.velocity).unwrap_or_default();
             Body {

@@ -1,18 +1,18 @@
-//! The stage **warm start**: brings the problem of every awake island up to date, and gives it the impulses to begin with.
+//! The stage **warm start**: updates the problem of every awake island and sets the impulses that its contacts start from.
 //!
-//! An island's problem has its bodies, its contacts and the hands on its bodies. It is kept from step to step: while nobody begins or ceases
-//! to touch, only what has moved or was detected anew is written. Then each contact gets the impulse that it starts from, which follows
-//! from the forces with which the last step ended, whatever its length was. The stage [solve](crate::solve) finds the impulses and
-//! stores them.
+//! The problem of an island consists of its bodies, its contacts and the hands on its bodies. It is kept from step to step: while no contact
+//! begins or ends, only bodies that moved and contacts that were detected anew are updated. Then each contact gets the impulse that it starts
+//! from. It follows from the forces at the end of the last step, whatever the length of that step was. The stage [solve](crate::solve)
+//! computes the impulses and stores them.
 //!
-//! Between the two stages the problems are the resource [`IslandProblems`]. A system of yours may run there:
+//! Between the two stages the problems are the resource [`IslandProblems`]. Systems of your own may run there:
 //!
-//! - A [`Velocity`](crate::body::Velocity) that it writes counts: *solve* reads velocities when it begins.
-//! - What it writes to a pair counts from the next step, and what it writes to `ContactImpulses` is overwritten: the problem has its
-//!   copy. Where it changes how many patches and points a pair has, the impulses found do not fit any more. The pair then has none, and
-//!   starts from nothing in the next step.
-//! - A [`Grab`] that it inserts or removes counts from the next step.
-//! - Bodies and pairs that it despawns are solved with, and nothing is stored for them.
+//! - A written [`Velocity`](crate::body::Velocity) takes effect in this step: *solve* reads velocities when it begins.
+//! - Changes of a pair take effect in the next step, except those of `ContactImpulses`, which *solve* overwrites, because the problem has its
+//!   own copy. If the number of patches or points of a pair is changed, the computed impulses do not fit any more. The pair then has none, and
+//!   starts from zero in the next step.
+//! - A [`Grab`] that is inserted or removed takes effect in the next step.
+//! - Bodies and pairs that are despawned are still part of the solve, but nothing is stored for them.
 
 mod contact;
 mod island;
@@ -41,7 +41,7 @@ pub(crate) use problems::{Held, ProblemSet};
 pub use problems::{IslandProblem, IslandProblems};
 use rayon::prelude::*;
 
-/// The settings and the time that islands are gathered and solved with.
+/// The settings and the time with which islands are gathered and solved.
 #[derive(SystemParam)]
 pub struct SolveContext<'w> {
     pub(crate) stabilization: Res<'w, StabilizationSettings>,
@@ -53,8 +53,8 @@ pub struct SolveContext<'w> {
     pub(crate) profile: Res<'w, Profile>,
 }
 
-/// An island is shared among threads if it has this many times as many points as other items need. A wall of 1 000 bricks (12 000 points)
-/// took a twentieth longer on two threads: its contacts are in the cache of the core that found them.
+/// An island is divided among threads if it has this many times as many points as other items need. A wall of 1 000 bricks (12 000 points)
+/// took a twentieth longer on two threads, because its contacts are in the cache of the core that detected them.
 pub(crate) const LARGE: usize = 8;
 
 pub(crate) type Pairs<'w, 's> = Query<
@@ -114,7 +114,7 @@ pub fn warm_start(
     problems.prepared = Some(context.solver.solver.clone());
 }
 
-/// The stage at work.
+/// The data that the stage reads.
 struct WarmStart<'a> {
     table: &'a BodyTable,
     graph: &'a ConstraintGraph,
@@ -150,7 +150,7 @@ impl WarmStart<'_> {
         profile.add_part(SolvePart::WarmStart, refreshed.elapsed());
     }
 
-    /// The dynamic bodies of each island that is awake.
+    /// Gathers the dynamic bodies of each awake island.
     fn gather_bodies<R: Rows>(&self, problems: &mut ProblemSet<R>, kept: bool) {
         let ProblemSet { order, islands, .. } = problems;
         islands.resize_with(self.islands.count(), Island::default);
@@ -163,7 +163,7 @@ impl WarmStart<'_> {
         }
     }
 
-    /// The hands on bodies that are awake, in the order of those.
+    /// Gathers the hands on awake bodies, in the order of the bodies.
     fn gather_hands<R: Rows>(&self, problems: &mut ProblemSet<R>, hands: &Hands) {
         let ProblemSet {
             order,
@@ -194,7 +194,7 @@ impl WarmStart<'_> {
         }
     }
 
-    /// Does something with every island that has a problem, and its contacts: side by side where there is enough to do.
+    /// Calls a function with every island that has a problem, and its contacts; in parallel if there are enough points.
     fn each<R: Rows>(
         &self,
         islands: &mut [Island<R>],
@@ -209,7 +209,7 @@ impl WarmStart<'_> {
             let (contacts, others) = rest.split_at(count);
             island.first_contact = first;
             (first, rest) = (first + count as u32, others);
-            // A body that touches nothing and is held by nobody needs no solver.
+            // A body that touches nothing and is not held needs no solver.
             (count > 0 || !island.grips.is_empty()).then_some((island, contacts))
         });
         let threads = &self.context.threads;

@@ -1,7 +1,8 @@
-//! The order in which bodies and contacts are solved. It is found when islands change, and kept while they don't.
+//! The order in which bodies and contacts are solved. It is computed when islands change, and kept otherwise.
 //!
-//! The contacts are the links of the constraint graph between bodies that are solved. A pair is known by the number of its edge and by its
-//! entity, wherever a query has it: a system between two stages may move pairs into other tables, by a component of its own for instance.
+//! The contacts are the links of the constraint graph between bodies that are solved. A pair is identified by the number of its edge and by
+//! its entity, not by its position in a query: a system between two stages may move pairs into other tables, for example by inserting a
+//! component.
 
 use super::Pairs;
 use super::contact::{SolverContact, sort_key};
@@ -12,30 +13,30 @@ use crate::settings::PhysicsThreads;
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
 
-/// The bodies and contacts that are solved, in their order.
+/// The bodies and contacts that are solved, in order.
 #[derive(Default)]
 pub(crate) struct Order {
-    /// Of islands and of bodies, for which it holds.
+    /// Versions of the islands and of the bodies for which the order was computed.
     versions: Option<[u64; 2]>,
-    /// Dynamic bodies that are solved, by island and rank.
+    /// Dynamic bodies that are solved, sorted by island and rank.
     pub bodies: Vec<Member>,
-    /// By slot: where the body stands in its island's problem; `u32::MAX` where it is in none.
+    /// By slot: the index of the body in the problem of its island; `u32::MAX` if it is in none.
     pub local: Vec<u32>,
     slots: Vec<OrderSlot>,
-    /// By the number of an edge: its place in `slots`; `u32::MAX` where it is not solved.
+    /// By number of an edge: its index in `slots`; `u32::MAX` if it is not solved.
     by_edge: Vec<u32>,
     /// Scratch.
     places: Vec<u32>,
     spare: Vec<SolverContact<'static>>,
 }
 
-/// The place of a contact in the order.
+/// The slot of a contact in the order.
 #[derive(Clone, Copy)]
 struct OrderSlot {
     island: u32,
     pair: Entity,
     edge: u32,
-    /// Of its contacts when it was gathered last.
+    /// Revision of the pair when it was last gathered.
     revision: Option<u32>,
 }
 
@@ -48,7 +49,7 @@ pub(crate) struct Member {
 }
 
 impl Order {
-    /// Finds it anew where it does not hold any more; true where it does.
+    /// Computes the order anew if it is out of date. Returns true if it was up to date.
     pub fn keep(&mut self, table: &BodyTable, graph: &ConstraintGraph, islands: &Islands) -> bool {
         let versions = Some([islands.version(), table.version()]);
         if self.versions == versions {
@@ -59,7 +60,7 @@ impl Order {
         false
     }
 
-    /// Finds the order of bodies that are to be solved, of which there must be all or none of an island.
+    /// Computes the order of the bodies that are to be solved. Of each island, either all bodies or none must be among them.
     pub fn find(
         &mut self,
         table: &BodyTable,
@@ -71,7 +72,7 @@ impl Order {
         self.order_contacts(table, graph, islands);
     }
 
-    /// Something else has solved.
+    /// Discards the order, because other code has solved the islands.
     pub fn forget(&mut self) {
         self.versions = None;
     }
@@ -108,7 +109,7 @@ impl Order {
     fn order_contacts(&mut self, table: &BodyTable, graph: &ConstraintGraph, islands: &Islands) {
         let local = &self.local;
         let is_solved = |slot: u32| local[slot as usize] != u32::MAX;
-        // A link between two that are solved is found at A.
+        // A link between two solved bodies is taken only once, from the list of A.
         let links = self.bodies.iter().flat_map(|body| {
             let links = graph.links_of(body.slot);
             links.filter(move |link| link.slots[0] == body.slot || !is_solved(link.slots[0]))
@@ -142,13 +143,13 @@ impl Order {
         }
     }
 
-    /// So many pairs from a place on.
+    /// The pairs of `count` contacts from index `first` on.
     pub fn pairs(&self, first: u32, count: usize) -> impl Iterator<Item = Entity> {
         let slots = &self.slots[first as usize..][..count];
         slots.iter().map(|slot| slot.pair)
     }
 
-    /// The contacts, in order; and whether they are all there: some pairs may have gone since islands were found.
+    /// The contacts in order. The flag is false if some are missing, because their pairs were removed since the islands were updated.
     pub fn contacts<'a>(&mut self, pairs: &'a mut Pairs) -> (Vec<SolverContact<'a>>, bool) {
         let mut contacts = reuse(std::mem::take(&mut self.spare));
         self.places.clear();
@@ -156,7 +157,7 @@ impl Order {
             .contiguous_iter_mut()
             .expect("pair components are stored in tables")
         {
-            // By a user, that is: our own stages bypass change detection, and count revisions.
+            // This finds only the user's edits: our own stages bypass change detection and count revisions.
             let edited = is_edited!(pairs) || is_edited!(manifolds) || is_edited!(impulses);
             let edits: Vec<bool> = match edited {
                 true => (0..pairs.len())
@@ -203,7 +204,7 @@ impl Order {
         (contacts, complete)
     }
 
-    /// Takes pairs that have gone out of the order, which holds for this step alone.
+    /// Removes missing pairs from the order, which is then valid for this step only.
     fn leave_out_missing(&mut self) {
         self.forget();
         let mut found = self.places.clone();
@@ -215,12 +216,12 @@ impl Order {
         self.number_edges();
     }
 
-    /// Takes the memory of a list back.
+    /// Takes back the memory of a list.
     pub fn take_back(&mut self, contacts: Vec<SolverContact>) {
         self.spare = reuse(contacts);
     }
 
-    /// Hands each pair that was gathered, and is still there, to `store`, with where its impulses go: on several `threads`, if they are given.
+    /// Calls `store` for each pair that was gathered and still exists, with its impulses; in parallel if `threads` are given.
     pub fn store_each(
         &mut self,
         pairs: &mut Pairs,
@@ -252,18 +253,18 @@ impl Order {
     }
 }
 
-/// A pair that was gathered, and where its impulses go.
+/// A pair that was gathered, and the component to store its impulses in.
 pub(crate) struct Stored<'a> {
-    /// Its place in the order.
+    /// Its index in the order.
     pub place: u32,
     pub island: u32,
-    /// It is not the contact that was gathered.
+    /// Whether its contacts were detected again after it was gathered.
     pub renewed: bool,
     pub manifold: &'a Manifold,
     pub impulses: &'a mut ContactImpulses,
 }
 
-/// Rows of a table, or some of them.
+/// Columns of a table of pairs, or a range of their rows.
 struct Columns<'a> {
     by_edge: &'a [u32],
     slots: &'a [OrderSlot],
@@ -273,7 +274,7 @@ struct Columns<'a> {
     impulses: &'a mut [ContactImpulses],
 }
 
-/// Pairs that one thread stores at a time.
+/// Number of pairs that one thread stores at a time.
 const SHARE: usize = 512;
 
 impl Columns<'_> {
@@ -304,7 +305,7 @@ impl Columns<'_> {
         found
     }
 
-    /// The same by halves, on several threads.
+    /// As [`Self::each`], on several threads, by dividing the rows in halves.
     fn share(self, store: &(impl Fn(Stored) + Sync)) -> usize {
         if self.pairs.len() <= SHARE {
             return self.each(store);
@@ -334,7 +335,7 @@ impl Columns<'_> {
     }
 }
 
-/// Empties a list, for others of the same kind that live longer or shorter: collected in place, they have its memory.
+/// Empties a list and reuses its memory for items of the same layout that have another lifetime; collecting in place does that.
 fn reuse<A, B>(mut list: Vec<A>) -> Vec<B> {
     list.clear();
     list.into_iter()
@@ -342,7 +343,7 @@ fn reuse<A, B>(mut list: Vec<A>) -> Vec<B> {
         .collect()
 }
 
-/// Puts each item where it is to stand.
+/// Moves each item to its place.
 fn put_in_place<T>(items: &mut [T], places: &mut [u32]) {
     for i in 0..items.len() {
         while places[i] as usize != i {
@@ -358,7 +359,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn items_come_to_their_places() {
+    fn items_move_to_their_places() {
         let mut places = [3, 0, 2, 4, 1];
         let mut items = places;
         put_in_place(&mut items, &mut places);

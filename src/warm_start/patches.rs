@@ -1,4 +1,4 @@
-//! A problem of patches, from manifolds, slips and last step's impulses.
+//! The contacts of an island for patch solvers, from manifolds, slips and the impulses of the last step.
 
 use super::contact::start_impulse;
 use super::{Rows, SolveContext, SolverContact};
@@ -12,11 +12,11 @@ use std::ops::Range;
 pub(crate) struct PatchRows {
     pub patches: Vec<PatchConstraint>,
     pub points: Vec<PatchPoint>,
-    /// By contact: the first of its patches.
+    /// By contact: index of its first patch.
     firsts: Vec<u32>,
-    /// By patch: a curved surface touches there.
+    /// By patch: whether one of its surfaces is curved.
     curved: Vec<bool>,
-    /// Length of the step in which they were solved, s.
+    /// Length of the step in which they were last solved, s.
     dt: f32,
     pub memory: Memory,
 }
@@ -88,8 +88,8 @@ impl PatchRows {
         }
     }
 
-    /// Brings what is kept from the last step up to date: distances and slips, and all of what was detected anew. False where there is
-    /// nothing, or other patches than there were.
+    /// Updates the rows of the last step: distances and slips, and everything that was detected anew. Returns false if there are no rows, or
+    /// if the patches are not the same as before.
     fn refresh_kept(&mut self, contacts: &[SolverContact], ideal: f32) -> bool {
         self.memory.expect_same();
         let rate = 1.0 / self.dt;
@@ -127,7 +127,8 @@ impl PatchRows {
     }
 }
 
-/// A patch with its points that was solved in the last step, of 1/`rate` s. To the bit what [`SolverContact::patch`] would make of it.
+/// Updates a patch and its points, which were solved in the last step of 1/`rate` s. The result is bitwise equal to that of
+/// [`SolverContact::patch`].
 fn refresh(
     found: &[ContactPoint],
     kept: &mut PatchConstraint,
@@ -150,14 +151,14 @@ fn refresh(
     }
 }
 
-/// Makes the impulses to start from of the forces, N, that stand in their places.
+/// Converts forces (N) into the impulses to start from (N·s), in place.
 fn warm_start(
     patch: &mut PatchConstraint,
     points: &mut [PatchPoint],
     curved: bool,
     time: &StepTime,
 ) {
-    // What friction holds on to is given up with its anchor.
+    // Without an anchor the static load of friction is discarded.
     let held = if patch.slip.is_some() { time.dt } else { 0.0 };
     let carried = time.carried();
     patch.warm_tangential *= carried;
@@ -165,7 +166,7 @@ fn warm_start(
     patch.warm_rolling *= carried;
     patch.load_tangential *= held;
     patch.load_twist *= held;
-    // What is round carries its load elsewhere in the next moment, and would be pushed on by the mean of where it was.
+    // A body that rolls has its load elsewhere in the next step. The mean load would push it on.
     let held = if curved { 0.0 } else { time.dt };
     for point in points {
         point.warm_normal = start_impulse(point.warm_normal, point.load, time);
@@ -174,12 +175,12 @@ fn warm_start(
 }
 
 impl SolverContact<'_> {
-    /// How far a patch has slipped, where friction holds it.
+    /// The slip of a patch, or `None` if its friction is not stabilized.
     fn slip(&self, i: usize) -> Option<Slip> {
         self.targets.patches.get(i).copied().flatten()
     }
 
-    /// One of the pair's patches, and its points. Impulses are forces, N.
+    /// One patch of the pair, and its points. Impulses are still forces, N.
     fn patch(
         &self,
         i: usize,

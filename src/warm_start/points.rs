@@ -1,4 +1,4 @@
-//! A problem of points, from manifolds, targets and last step's impulses.
+//! The contacts of an island for point solvers, from manifolds, targets and the impulses of the last step.
 
 use super::{Rows, SolveContext, SolverContact};
 use crate::solver::{Body, PatchFrame, PointConstraint, PointInput};
@@ -6,13 +6,13 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Contacts that one thread gathers at a time.
+/// Number of contacts that one thread gathers at a time.
 const SHARE: usize = 64;
 
 #[derive(Default)]
 pub(crate) struct PointRows {
     pub constraints: Vec<PointConstraint>,
-    /// By contact: the first of its points.
+    /// By contact: index of its first point.
     firsts: Vec<u32>,
 }
 
@@ -94,7 +94,7 @@ impl PointRows {
 }
 
 impl SolverContact<'_> {
-    /// Adds the pair's contact points, between the bodies at `ends` of a problem. They have no impulse yet.
+    /// Adds the contact points of the pair, between the bodies at `ends` of a problem. Their impulses are zero.
     fn points(&self, ends: [u32; 2], bodies: &[Body], to: &mut Vec<PointConstraint>) {
         for (_, patch, range) in self.manifold.patches_with_points() {
             let frame = PatchFrame::new(ends, patch.normal, bodies);

@@ -1,27 +1,27 @@
-//! The problems of the awake islands, as a resource.
+//! The resource with the problems of the awake islands.
 
 use super::{Island, Member, Order, PatchRows, PointRows, Rows};
 use crate::body::Velocity;
 use crate::settings::ContactSolver;
 use bevy_ecs::prelude::*;
 
-/// The problems of the awake islands, between the stages *warm start* and *solve*. At any other time it is empty to whoever looks.
+/// The problems of the awake islands, between the stages *warm start* and *solve*. At any other time it appears empty.
 ///
 /// An island has a problem if some of its bodies touch something or are held.
 #[derive(Resource, Default)]
 pub struct IslandProblems {
     pub(crate) by_points: ProblemSet<PointRows>,
     pub(crate) by_patches: ProblemSet<PatchRows>,
-    /// By which they are to be solved; `None` where there is nothing to solve.
+    /// The solver that they are prepared for; `None` if there is nothing to solve.
     pub(crate) prepared: Option<ContactSolver>,
 }
 
-/// The problems for one kind of solver. They are kept from step to step: their memory, and what has not changed.
+/// The problems for one kind of solver. Their memory and unchanged parts are kept from step to step.
 #[derive(Default)]
 pub(crate) struct ProblemSet<R> {
     pub order: Order,
     pub islands: Vec<Island<R>>,
-    /// Scratch of *solve*, by slot: the velocity of a body that is in no problem.
+    /// Scratch of *solve*, by slot: the velocity of a body that is not in a problem.
     pub velocities: Vec<Option<Velocity>>,
     /// The bodies that are held, in the order of islands and of their grips.
     pub held: Vec<Held>,
@@ -31,18 +31,18 @@ pub(crate) struct ProblemSet<R> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Held {
     pub island: usize,
-    /// Its place in the island.
+    /// Its index in the island.
     pub local: u32,
     pub entity: Entity,
 }
 
 impl IslandProblems {
-    /// How many islands have a problem.
+    /// Number of islands that have a problem.
     pub fn len(&self) -> usize {
         self.iter().count()
     }
 
-    /// True where no island has a problem.
+    /// Returns true if no island has a problem.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -74,7 +74,7 @@ impl<R: Rows> ProblemSet<R> {
     }
 }
 
-/// The problem of one island, as [`IslandProblems`] shows it.
+/// The problem of one island, as read through [`IslandProblems`].
 #[derive(Debug)]
 pub struct IslandProblem<'a> {
     bodies: &'a [Member],
@@ -89,18 +89,18 @@ impl IslandProblem<'_> {
         self.bodies.iter().map(|member| member.entity)
     }
 
-    /// The pairs that touch, in the order in which they are solved, each with the sum of the normal impulses that it starts from, N·s.
-    /// A solver takes as much of it as it does [warm start](crate::solver::PointSolver::warm_start).
+    /// The touching pairs in the order in which they are solved, each with the sum of the normal impulses that it starts from, N·s. A solver
+    /// applies the share of it that its [warm start](crate::solver::PointSolver::warm_start) says.
     pub fn contacts(&self) -> impl Iterator<Item = (Entity, f32)> {
         self.contacts.iter().copied()
     }
 
-    /// How many contact points it has.
+    /// Number of its contact points.
     pub fn points(&self) -> usize {
         self.points
     }
 
-    /// How many of its bodies are held by a hand.
+    /// Number of its bodies that are held by a hand.
     pub fn hands(&self) -> usize {
         self.hands
     }

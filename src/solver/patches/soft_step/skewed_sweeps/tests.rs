@@ -8,7 +8,7 @@ use crate::solver::patches::soft_step::island::{Island, batches, skewed};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
 use glam::Vec3;
 
-/// All that sweeps find; what a zero's sign is says nothing.
+/// All results of the sweeps, without the signs of zeros.
 fn found<L: F32xN>(island: &Island<L>, mut masonry: Masonry) -> Vec<f32> {
     let mut memory = Memory::default();
     island.store(&mut masonry.problem(&mut memory), 0.01);

@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn folded_contacts_that_share_a_body_keep_their_order_from_sweep_to_sweep() {
+    fn skewed_contacts_that_share_a_body_keep_their_order_from_sweep_to_sweep() {
         let mut rng = fastrand::Rng::with_seed(2);
         for length in [12, 40, 100] {
             // A chain with some cross links, on a fixed ground.
@@ -472,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_moves_may_be_shared() {
+    fn fixed_bodies_may_be_shared() {
         for lanes in [4, 8] {
             let on_ground: Vec<_> = (1..=16).map(|body| [0, body]).collect();
             let batches = of(lanes, &on_ground, 17, |body| body != 0);

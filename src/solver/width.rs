@@ -20,7 +20,7 @@ pub enum Lanes {
 }
 
 impl Lanes {
-    /// Describes, in a sentence, that this processor does not support the setting.
+    /// Describes a setting that this processor does not support, in a sentence.
     pub(super) fn problem(self) -> Option<String> {
         let cannot = self == Self::Eight && !eight_is_available();
         cannot.then(|| {

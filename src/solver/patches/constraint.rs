@@ -52,9 +52,9 @@ impl PatchConstraint {
 /// Slip of A on B at the centre of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slip {
-    /// m, world axes.
+    /// Displacement in world axes, m.
     pub shift: Vec3,
-    /// About the normal, rad.
+    /// Rotation about the normal, rad.
     pub twist: f32,
 }
 

@@ -81,7 +81,7 @@ struct Row {
     bodies: [usize; 2],
     normal: Vec3,
     arms: [Vec3; 2],
-    /// W, 1/kg.
+    /// Inverse effective mass W, 1/kg.
     response: f32,
     /// Normal velocity to leave with, m/s; 0 for a point that does not bounce.
     leave: f32,

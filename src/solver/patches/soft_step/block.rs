@@ -78,9 +78,9 @@ pub(super) struct Softness<L> {
 /// The spring of a soft row whose body has two neighbours.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spring {
-    /// ω, rad/s.
+    /// Angular frequency ω, rad/s.
     pub omega: f32,
-    /// ζ
+    /// Damping ratio ζ.
     pub damping_ratio: f32,
     /// Length of a substep, s.
     pub h: f32,
@@ -107,7 +107,7 @@ impl Spring {
 #[derive(Clone, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
-    /// Indices to which velocities are written. Bodies that nothing moves get `nowhere`, or visits that share one would wait for each
+    /// Indices to which velocities are written. Bodies that nothing moves get `null_target`, or visits that share one would wait for each
     /// other. A body with rounds ([`Rounds`](crate::solver::rounds::Rounds)) gets a seat of its own.
     pub(super) targets: [L::Bodies; 2],
     pub(super) normal: Vec3xN<L>,
@@ -185,13 +185,13 @@ pub struct Points<L> {
     pub(super) separation: L,
     /// Separation in this substep where its spring no longer reaches, and 0 where the spring pushes, m.
     pub(super) gap: L,
-    /// λ_n, N·s.
+    /// Normal impulse λ_n, N·s.
     pub(super) impulse: L,
     /// Impulses of the substeps before this one, summed, N·s.
     pub(super) given: L,
     /// Impulse at rest, N·s.
     pub(super) load: L,
-    /// 1/W, kg.
+    /// Effective mass 1/W, kg.
     pub(super) mass: L,
     /// Response of (u_n, Ω_1, Ω_2) to a unit impulse.
     pub(super) effect: Vec3xN<L>,
@@ -199,10 +199,10 @@ pub struct Points<L> {
 
 impl<L: F32xN> Block<L> {
     /// An empty block. Its lanes read a body that nothing moves, and write to an entry that nothing reads.
-    pub fn new(nobody: u32, nowhere: u32) -> Self {
+    pub fn new(null_body: u32, null_target: u32) -> Self {
         Self {
-            bodies: [L::bodies(nobody); 2],
-            targets: [L::bodies(nowhere); 2],
+            bodies: [L::bodies(null_body); 2],
+            targets: [L::bodies(null_target); 2],
             ..Default::default()
         }
     }

@@ -5,10 +5,10 @@ use crate::solver::lanes::{F32xN, Frame, Vec3xN};
 use crate::solver::{PatchConstraint, PatchProblem, Slip};
 use glam::Mat3;
 
-/// Factor by which the mean load of friction follows more slowly than that of normals. At 1, walls go on drifting.
+/// Rate at which the mean load of friction follows, relative to that of normals. At 1, walls go on drifting.
 const FRICTION: f32 = 0.3;
 
-/// Factor by which the loads of single points follow more slowly than their mean. At 1, a body rocks on its points.
+/// Rate at which the loads of single points follow, relative to that of their mean. At 1, a body rocks on its points.
 const ASIDE: f32 = 0.03;
 
 /// The state of patches at the beginning of a step, by lane.
@@ -83,7 +83,7 @@ impl<L: F32xN> Block<L> {
     }
 
     /// Sets a lane's fastest correction, m/s.
-    pub fn hasten(&mut self, lane: usize, max_speed: f32) {
+    pub fn set_max_speed(&mut self, lane: usize, max_speed: f32) {
         self.max_speed[lane] = max_speed;
     }
 

@@ -91,19 +91,19 @@ impl<L: F32xN> Island<L> {
 
     pub fn new(problem: &PatchProblem, batches: Batches) -> Self {
         let bodies = &*problem.bodies;
-        let nobody = bodies.len() as u32;
+        let null_body = bodies.len() as u32;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let mut neighbours = vec![0u32; bodies.len()];
         for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
             neighbours[body as usize] += 1;
         }
-        // The stiffness is that of a body between two others, which is held by two springs.
+        // Full stiffness is that of a body between two others, which is held by two springs.
         let shared = |patch: &PatchConstraint| {
             let most = patch.bodies.into_iter().filter(|&body| moves(body));
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
-        let first_seat = nobody + 1 + batches.blocks() as u32;
+        let first_seat = null_body + 1 + batches.blocks() as u32;
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
         // Filling block by block keeps the block in the cache; filling in the order of patches does not.
@@ -114,8 +114,8 @@ impl<L: F32xN> Island<L> {
             let count = counts.max().unwrap_or(0);
             let first = points.len();
             points.resize(first + count as usize, Points::default());
-            let nowhere = nobody + 1 + blocks.len() as u32;
-            blocks.push(Block::<L>::new(nobody, nowhere));
+            let null_target = null_body + 1 + blocks.len() as u32;
+            blocks.push(Block::<L>::new(null_body, null_target));
             let block = blocks.last_mut().expect("it was just added");
             block.place(first, count);
             for (lane, number, patch) in patches {
@@ -133,8 +133,8 @@ impl<L: F32xN> Island<L> {
                     }
                 }
                 // The sum of all corrections would throw out a body that overlaps many others.
-                let hurry = (CROWD * 0.5 * shared).min(1.0);
-                block.hasten(lane, problem.max_correction_speed * hurry);
+                let slowdown = (CROWD * 0.5 * shared).min(1.0);
+                block.set_max_speed(lane, problem.max_correction_speed * slowdown);
             }
         }
         Self {

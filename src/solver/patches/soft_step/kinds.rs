@@ -5,13 +5,13 @@ use super::block::Points;
 use crate::solver::lanes::{F32xN, SpatialVec};
 use std::cell::Cell;
 
-/// Which lanes of a block are soft or rigid in a visit.
+/// The kind of each lane of a block in a visit: soft, rigid, or neither.
 pub trait Kinds<L: F32xN>: Copy {
     /// Some lanes may be soft.
     const SOFT: bool;
     /// Some lanes may be rigid.
     const RIGID: bool;
-    /// Rigid lanes have friction.
+    /// Rigid lanes relax friction.
     const RUBS: bool = true;
     /// All points of a landing patch are stopped together first, and visited more often.
     const LANDS: bool = Self::SOFT;

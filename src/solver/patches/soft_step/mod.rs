@@ -23,8 +23,8 @@
 //!   throw the bodies that had sunk in a long one.
 //! - **Blows** ([`blows`]): where bodies hit each other, a substep gets more sweeps, and the next substep begins without the blow.
 //! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.
-//! - **Cold start** ([`cold_start`]): a structure that was just built gets impulses and loads that keep it still, and a body from which the
-//!   load was removed loses that load.
+//! - **Cold start** ([`cold_start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
+//!   removed body lose its load.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): four or eight patches, as many as a register holds numbers, are relaxed at
 //!   once, in blocks whose patches share no body ([`batches`](crate::solver::batches)). Where patches stand in a row, a block holds patches
 //!   of several sweeps ([`skewed_sweeps`]). Light bodies on one that is far heavier are relaxed in rounds

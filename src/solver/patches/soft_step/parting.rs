@@ -45,7 +45,7 @@ struct Row {
     bodies: [usize; 2],
     normal: Vec3,
     arms: [Vec3; 2],
-    /// W, 1/kg.
+    /// Inverse effective mass W, 1/kg.
     response: f32,
     /// The motion that it still needs beyond its motion in this step, m.
     way: f32,

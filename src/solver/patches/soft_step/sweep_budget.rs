@@ -147,7 +147,7 @@ fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Course {
     bodies: usize,
-    /// kg.
+    /// Total mass, kg.
     mass: f32,
     /// The largest [`BodyLoad::yielding`] among the bodies that support others, 1/(kg·m). A ball that leans on a wall does not carry the
     /// load of its course.

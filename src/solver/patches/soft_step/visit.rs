@@ -66,7 +66,7 @@ struct Springs<L> {
     impulse_scale: L,
     /// The share of its load that the patch still carries, at most 1.
     left: L,
-    /// Factors for the held load of a point and for the part of it that the point has lost; both include `impulse_scale`.
+    /// Factors of the load that a point holds, and of the part of its load that it has lost; both include `impulse_scale`.
     held: L,
     preload: L,
     /// Factor from the load of a spring to its reach times its mass, s.
@@ -403,14 +403,14 @@ fn relax_points<L: F32xN, K: Kinds<L>, const ON: bool>(
 ) {
     while points.len() > 4 {
         let (some, others) = points.split_at_mut(4);
-        relax_so_many::<_, _, 4, true>(rows, some, normals, visit);
+        relax_n::<_, _, 4, true>(rows, some, normals, visit);
         points = others;
     }
     match points.len() {
-        4 => relax_so_many::<_, _, 4, ON>(rows, points, normals, visit),
-        3 => relax_so_many::<_, _, 3, ON>(rows, points, normals, visit),
-        2 => relax_so_many::<_, _, 2, ON>(rows, points, normals, visit),
-        1 => relax_so_many::<_, _, 1, ON>(rows, points, normals, visit),
+        4 => relax_n::<_, _, 4, ON>(rows, points, normals, visit),
+        3 => relax_n::<_, _, 3, ON>(rows, points, normals, visit),
+        2 => relax_n::<_, _, 2, ON>(rows, points, normals, visit),
+        1 => relax_n::<_, _, 1, ON>(rows, points, normals, visit),
         _ => (),
     }
 }
@@ -419,7 +419,7 @@ fn relax_points<L: F32xN, K: Kinds<L>, const ON: bool>(
 /// one before, instead of seven by way of the patch's motion. This pays in a stack, in which no other work fills the wait. The motion
 /// itself is updated only if more visits follow (`ON`).
 #[inline(always)]
-fn relax_so_many<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
+fn relax_n<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
     rows: &Rows<L, K>,
     points: &mut [Points<L>],
     normals: &mut Vec3xN<L>,

@@ -9,7 +9,7 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
-    /// Indices to which velocities are written. Bodies that nothing moves get `nowhere`, or visits that share one would wait for each
+    /// Indices to which velocities are written. Bodies that nothing moves get `null_target`, or visits that share one would wait for each
     /// other.
     pub(super) targets: [L::Bodies; 2],
     /// Inverse mass of A and B together, 1/kg: response of the velocity of A against B to an impulse.
@@ -55,7 +55,7 @@ pub struct Points<L> {
 const NONE: f32 = 1e-12;
 
 #[inline(always)]
-fn of_some_size<L: F32xN>(m: Symmetric<L>) -> Symmetric<L> {
+fn flush_small_elements<L: F32xN>(m: Symmetric<L>) -> Symmetric<L> {
     let least = L::splat(NONE) * (m.xx + m.yy + m.zz);
     Symmetric {
         xy: m.xy.max(-m.xy).select_above(least, m.xy, L::ZERO),
@@ -67,10 +67,10 @@ fn of_some_size<L: F32xN>(m: Symmetric<L>) -> Symmetric<L> {
 
 impl<L: F32xN> Block<L> {
     /// An empty block, whose patches begin at `first`. Its lanes read a body that nothing moves, and write to an entry that nothing reads.
-    pub fn new(nobody: u32, nowhere: u32, first: usize) -> Self {
+    pub fn new(null_body: u32, null_target: u32, first: usize) -> Self {
         Self {
-            bodies: [L::bodies(nobody); 2],
-            targets: [L::bodies(nowhere); 2],
+            bodies: [L::bodies(null_body); 2],
+            targets: [L::bodies(null_target); 2],
             first: first as u32,
             ..Default::default()
         }
@@ -140,8 +140,8 @@ impl<L: F32xN> Patches<L> {
         let frame = self.frame();
         let [a, b] = self.inverse_inertia;
         self.inverse_inertia = [
-            of_some_size(frame.local_matrix(&a)),
-            of_some_size(frame.local_matrix(&b)),
+            flush_small_elements(frame.local_matrix(&a)),
+            flush_small_elements(frame.local_matrix(&b)),
         ];
         for point in points {
             let [a, b] = point.arms;

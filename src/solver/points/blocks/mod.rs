@@ -46,12 +46,12 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
         let (bodies, constraints) = (&*problem.bodies, &*problem.constraints);
         let pairs: Vec<_> = pairs(constraints).collect();
         let batches = batches(L::LANES, problem);
-        let (nobody, nowhere) = (bodies.len() as u32, bodies.len() as u32 + 1);
+        let (null_body, null_target) = (bodies.len() as u32, bodies.len() as u32 + 1);
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut patches: Vec<Patches<L>> = Vec::with_capacity(batches.blocks());
         let mut points = Vec::with_capacity(constraints.len() / L::LANES * 5 / 4);
         for block_pairs in batches.iter() {
-            let mut block = Block::<L>::new(nobody, nowhere, patches.len());
+            let mut block = Block::<L>::new(null_body, null_target, patches.len());
             for (lane, pair) in block_pairs.clone() {
                 let runs = runs(&constraints[range(&pairs[pair as usize])]);
                 for (run, number) in runs.zip(block.first_patch()..) {

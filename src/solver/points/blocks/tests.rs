@@ -161,13 +161,13 @@ fn check<L: F32xN>() {
 }
 
 #[test]
-fn four_lanes_find_what_rows_find_one_by_one() {
+fn four_lanes_give_the_results_of_single_rows() {
     check::<F32x4>();
 }
 
 #[cfg(target_arch = "x86_64")]
 #[test]
-fn eight_lanes_find_what_rows_find_one_by_one() {
+fn eight_lanes_give_the_results_of_single_rows() {
     if F32x8::is_available() {
         check::<F32x8>();
     }

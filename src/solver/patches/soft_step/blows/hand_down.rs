@@ -67,7 +67,7 @@ struct Row {
     response: f32,
     /// The smallest velocity along the normal that the point allows the body, m/s.
     least: f32,
-    /// N·s.
+    /// Its impulse, N·s.
     impulse: f32,
     before: f32,
 }
@@ -145,7 +145,7 @@ impl HandDown {
         hot: &mut Hot<L>,
         rate: f32,
     ) {
-        if !self.find_what_stops(problem, island, hot) {
+        if !self.find_stopping_bodies(problem, island, hot) {
             return;
         }
         let order = self
@@ -201,7 +201,7 @@ impl HandDown {
     }
 
     /// Finds the falling bodies that are hot or lie on a hot body. Returns whether there are any.
-    fn find_what_stops<L: F32xN>(
+    fn find_stopping_bodies<L: F32xN>(
         &mut self,
         problem: &PatchProblem,
         island: &Island<L>,

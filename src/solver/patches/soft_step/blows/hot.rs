@@ -32,11 +32,11 @@ pub struct Place {
 /// Masks of the lanes of a block.
 #[derive(Clone, Copy)]
 struct HotLanes<L> {
-    /// 1 where a body is hot, else 0.
+    /// 1 where one of its bodies is hot, else 0.
     hot: L,
     /// 1 where the patch is steep and one of its bodies is hot, else 0.
     hot_and_steep: L,
-    /// 1 where one of its bodies was stirred, and which the next sweep visits; else 0.
+    /// 1 where the last sweep has stirred one of its bodies, so that the next sweep visits it; else 0.
     stirred: L,
     /// 0 where springs hold all that they give, 1 where they yield.
     gives: L,
@@ -65,11 +65,11 @@ pub struct Hot<L> {
     /// By body: it is hot.
     is: Vec<bool>,
     pub bodies: Vec<u32>,
-    /// By body.
+    /// By body: the patches of it that the next sweep visits.
     stirs: Vec<Stirred>,
     stirred: Vec<u32>,
     places: ByBody<Place>,
-    /// By block.
+    /// By block: its masks.
     lanes: Vec<HotLanes<L>>,
     /// Blocks with hot lanes, and blocks with stirred lanes.
     hot_blocks: FixedBitSet,

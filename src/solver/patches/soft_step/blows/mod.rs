@@ -45,7 +45,7 @@ const SETTLED: f32 = 0.02;
 const TURNED: f32 = 0.75;
 
 /// A body that is more slender than this takes no blow, as a ratio of radii of gyration: the ends of a beam of 10 × 0.2 × 0.2 m (20) move
-/// by its thickness when it turns by a hundredth of a radian.
+/// by its thickness when it turns by a hundredth.
 const SLENDER: f32 = 6.0;
 
 /// Upper bounds of additional soft and rigid sweeps.

@@ -3,8 +3,8 @@
 //! Statics allows any force between bodies that are wedged into each other, and friction of that force then holds bodies that slide in
 //! reality: a tongue in a groove stood 12° beyond the slope on which it slides. The real forces follow from how bodies yield (Kao et al.
 //! 2022, "Coupled Rigid-Block Analysis"): bodies press where they close, and rub against the surfaces where they slide. So here contacts
-//! are the solver's own springs, without loads at rest, friction slides as Coulomb's does, and bodies move under a growing weight, until
-//! they rest or clearly go. Only the forces are kept, not the motion.
+//! are the solver's own springs without loads at rest, friction slides as Coulomb's does, and bodies move under a growing weight until they
+//! rest, or clearly slide or fall. Only the forces are kept, not the motion.
 
 use super::super::SoftStep;
 use super::super::block::{Pass, Spring};
@@ -32,8 +32,8 @@ const LOOK: usize = 10;
 /// Bodies rest below the speed that gravity gives in this time, s.
 const RESTS: f32 = 2e-5;
 
-/// Bodies go above the speed that gravity gives in this time, s, unless they have lost the second share of their speed in the second half
-/// of the rounds.
+/// Bodies slide or fall if they are faster than the speed that gravity gives in this time, s, and have not lost this share of their speed
+/// in the second half of the rounds.
 const GOES: f32 = 5e-4;
 const LOST: f32 = 0.5;
 
@@ -43,7 +43,7 @@ const PATCH_VISITS: usize = 20_000_000;
 /// The result for bodies under growing weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grown {
-    /// The forces hold them; the forces have converged nearly.
+    /// The forces hold them, up to a small remaining error.
     Rest,
     /// They slide or fall in spite of the forces.
     Go,

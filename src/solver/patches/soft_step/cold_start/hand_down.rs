@@ -65,7 +65,7 @@ struct Row {
     arm: Vec3,
     /// Inverse effective mass for a body below that cannot yield, 1/kg.
     response: f32,
-    /// N·s.
+    /// Its impulse, N·s.
     impulse: f32,
     /// The impulse before the pass, N·s.
     before: f32,

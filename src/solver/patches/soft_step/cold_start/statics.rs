@@ -1,7 +1,7 @@
 //! Impulses that keep everything still: static equilibrium, if there is one.
 //!
-//! Rigid sweeps over closed contacts, a whole step long, in which bodies move only by their forces. Sweeps go back and forth, since a
-//! structure has no preferred direction; the changes that sweeps make are then search directions of a merit function, as in
+//! The search uses rigid sweeps over closed contacts for a whole step, in which bodies move only by their forces. Sweeps go back and forth,
+//! since a structure has no preferred direction; the changes that sweeps make are then search directions of a merit function, as in
 //! [`Nncg`](crate::solver::Nncg), which explains the method: an arch of 15 needs a tenth of the sweeps. The search starts from the loads
 //! that were handed down, or from those of a growing weight, and hardly changes these: of all the forces that statics allows, only those
 //! that follow from how bodies yield are real. Structures that stand without friction get none.
@@ -63,7 +63,7 @@ impl<L: F32xN> Impulses<L> {
         }
     }
 
-    /// Σ W Δλ², J.
+    /// Their energy Σ W Δλ², J.
     #[inline(always)]
     fn energy(&self, island: &Island<L>) -> f32 {
         let mut sum = L::ZERO;

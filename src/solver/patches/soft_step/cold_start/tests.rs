@@ -136,7 +136,7 @@ fn a_brick_put_on_a_stack_is_carried_by_all_below() {
 }
 
 #[test]
-fn what_falls_or_hangs_in_the_air_hands_nothing_down() {
+fn falling_and_hanging_bodies_hand_nothing_down() {
     let mut thrown = Masonry::stack(2, 0.0);
     thrown.bodies[2].start[0] = -Vec3::Y;
     thrown.bodies[2].linear -= Vec3::Y;
@@ -153,7 +153,7 @@ fn what_falls_or_hangs_in_the_air_hands_nothing_down() {
 /// Round bodies have no loads at rest and still weigh. Their supports have lost no load, although their current impulses shake and are
 /// smaller than the loads at rest.
 #[test]
-fn what_bears_something_round_is_not_relieved() {
+fn supports_of_round_bodies_keep_their_loads() {
     let mut masonry = Masonry::stack(4, 0.0);
     masonry.start();
     for point in &mut masonry.points[4..] {

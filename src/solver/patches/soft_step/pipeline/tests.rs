@@ -111,7 +111,7 @@ fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
 }
 
 #[test]
-fn a_long_wall_gains_by_threads_and_what_fits_their_caches_does_not() {
+fn a_long_wall_gains_by_threads_and_one_that_fits_their_caches_does_not() {
     let mut wall = Masonry::wall(200, 20, 0.0);
     let mut memory = Memory::default();
     let problem = wall.problem(&mut memory);

@@ -1,21 +1,20 @@
-//! Which contacts may be relaxed side by side without changing what a sweep one by one would give: patches, or pairs of bodies with all
-//! of their points.
+//! Batches: blocks of contacts that are relaxed side by side, with the result of a sweep one by one. Contacts are patches, or pairs of
+//! bodies with all of their points.
 //!
-//! A contact goes into the first block that has a free lane and stands after every block in which its two bodies are already.
-//! So contacts that share a body keep their order, contacts in one block share none, and the sweep is the sequential one to the
-//! bit: the order from the ground up, which decides how fast loads travel, costs nothing. (A colouring of the contact graph would fill
-//! them better and converge worse.)
+//! A contact goes into the first block that has a free lane and stands after every block that already holds one of its two bodies. So
+//! contacts that share a body keep their order, contacts in one block share none, and the sweep is the sequential one to the bit: the order
+//! from the ground up, which decides how fast loads travel, costs nothing. (A colouring of the contact graph would fill the blocks better
+//! and converge worse.)
 //!
-//! They come in *waves*: a contact is of the first wave after those of its bodies' contacts before it. Through a wall a wave is a slanted
-//! front, and behind it all is done: taken wave by wave, blocks that share a body stand near each other, where taken in their order the
-//! first courses would fill blocks along the whole wall before the next have room. How near decides how closely sweeps can follow each
-//! other ([`super::patches`]'s pipeline).
+//! Contacts come in *waves*: the wave of a contact is the first one after those of all earlier contacts of its bodies. Through a wall a
+//! wave is a slanted front, and everything behind it is done. In the order of waves, blocks that share a body stand near each other; in the
+//! plain order, the first courses would fill blocks along the whole wall before the next courses find room. The distance decides how
+//! closely sweeps can follow each other ([`super::patches`]'s pipeline).
 //!
 //! Several contacts of one heavy body may stand in one block, if many light bodies touch it ([`rounds`](super::rounds)).
 //!
-//! What stands in a row, as a stack does, fills one lane in a block, since each contact waits for the one before. There the sequence of
-//! blocks is *skewed*: cut into laps of the same length, which lie side by side, each a sweep behind the one before it
-//! ([`super::patches`]'s laps).
+//! Contacts in a row, as in a stack, fill one lane in a block, since each waits for the one before. There the sequence of blocks is
+//! *skewed*: cut into laps of the same length, which lie side by side, each one sweep behind the lap before it ([`super::patches`]'s laps).
 
 use super::Body;
 use super::rounds::{RoundEnds, Rounds, Waits};
@@ -24,7 +23,7 @@ use super::rounds::{RoundEnds, Rounds, Waits};
 pub struct Batches {
     lanes: usize,
     laps: usize,
-    /// Lanes of a lap.
+    /// Number of lanes of a lap.
     share: usize,
     /// By block and lane: the contact there, or [`NONE`].
     slots: Vec<u32>,
@@ -32,27 +31,27 @@ pub struct Batches {
     rounds: Rounds,
 }
 
-/// In a lane without a contact.
+/// The slot of a lane without a contact.
 const NONE: u32 = u32::MAX;
 
-/// A sequence of blocks is skewed where its sweeps take less than this share of the time then.
+/// A sequence of blocks is skewed if its sweeps then take less than this share of the time.
 const WORTH: f32 = 0.85;
 
-/// What a visit takes whose lanes are full and in different sweeps, where one to half as many in one sweep takes 1: in a wall of 10 × 10
-/// 140 ns instead of 111.
+/// Relative time of a visit to a block whose lanes are full and in different sweeps, compared with a block with one to half as many lanes
+/// in one sweep: in a wall of 10 × 10 140 ns instead of 111.
 const MIXED: f32 = 1.3;
 
-/// Sweeps of a step, about.
+/// Typical number of sweeps in a step.
 const SWEEPS: usize = 16;
 
 impl Batches {
-    /// Of contacts between such pairs, in the order of the sweep, into blocks of so many lanes.
+    /// Sorts contacts between these pairs of bodies, in the order of the sweep, into blocks of `lanes` lanes.
     pub fn of(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let pairs: Vec<[u32; 2]> = pairs.collect();
         Self::with(lanes, &pairs, bodies, Rounds::default())
     }
 
-    /// The same, with rounds where there are any.
+    /// Like [`of`](Self::of), with rounds where there are any.
     pub fn in_rounds(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let pairs: Vec<[u32; 2]> = pairs.collect();
         let rounds = Rounds::of(pairs.iter().copied(), bodies);
@@ -65,7 +64,8 @@ impl Batches {
         Self::new(lanes, pairs, &waves, bodies.len(), moves, rounds)
     }
 
-    /// The same, skewed where that is worth it. Blocks with rounds are not skewed: the body that so many others touch is in all of them.
+    /// Like [`in_rounds`](Self::in_rounds), but skewed where that is faster. Blocks with rounds are not skewed: the body with so many
+    /// contacts is in all of them.
     pub fn skewed(lanes: usize, pairs: impl Iterator<Item = [u32; 2]>, bodies: &[Body]) -> Self {
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let pairs: Vec<[u32; 2]> = pairs.collect();
@@ -98,7 +98,7 @@ impl Batches {
         best
     }
 
-    /// `moves` tells which bodies contacts can change, the only ones that must not be shared.
+    /// `moves` says whether contacts can change a body; only those bodies must not be shared.
     fn new(
         lanes: usize,
         pairs: &[[u32; 2]],
@@ -110,7 +110,7 @@ impl Batches {
         let mut slots: Vec<u32> = Vec::with_capacity(2 * pairs.len());
         let mut filled: Vec<u8> = Vec::with_capacity(2 * pairs.len() / lanes);
         let mut turns = Turns::new(bodies, &rounds);
-        // From each block the way to one with room.
+        // By block: a block at or after it that may have room; see `with_room`.
         let mut next: Vec<u32> = Vec::new();
         let mut floor = 0;
         for wave in waves.iter() {
@@ -144,8 +144,8 @@ impl Batches {
         }
     }
 
-    /// The fewest blocks that a lap may have where laps lie side by side in so many lanes: none of them holds a body twice, and whoever
-    /// comes to a body for the first time in a sweep finds that the sweep before is done with it.
+    /// The fewest blocks of a lap if laps lie side by side in `lanes` lanes. No block may hold a body twice, and each sweep must have
+    /// finished with a body before the next sweep reaches the body's first contact.
     fn lap(
         &self,
         lanes: usize,
@@ -167,7 +167,7 @@ impl Batches {
         self.blocks().div_ceil(laps).max(farthest as usize + 1)
     }
 
-    /// Laps of so many blocks side by side in so many lanes.
+    /// Cuts the sequence into laps of `blocks` blocks, side by side in `lanes` lanes.
     fn skew(&self, lanes: usize, blocks: usize) -> Self {
         let mut slots = vec![NONE; blocks * lanes];
         for (number, narrow) in self.slots.chunks_exact(self.lanes).enumerate() {
@@ -184,44 +184,44 @@ impl Batches {
         }
     }
 
-    /// Some contacts share a body with others of their block.
+    /// Whether some contacts share a body with others of their block.
     pub fn has_rounds(&self) -> bool {
         !self.rounds.is_empty()
     }
 
-    /// Which they are.
+    /// The rounds of heavy bodies.
     pub fn rounds(&self) -> &Rounds {
         &self.rounds
     }
 
-    /// After which blocks rounds are over. `first_seat`: index among the velocities.
+    /// The blocks after which rounds end. `first_seat` is the index of the first seat among the velocities.
     pub fn round_ends(&self, first_seat: u32) -> RoundEnds {
         let contacts = |block| Batches::block(self, block).map(|(_, contact)| contact);
         self.rounds
             .ends((0..self.blocks()).map(contacts), first_seat)
     }
 
-    /// How many blocks there are.
+    /// Number of blocks.
     pub fn blocks(&self) -> usize {
         self.slots.len() / self.lanes
     }
 
-    /// How many laps lie side by side, at least 1.
+    /// Number of laps side by side, at least 1.
     pub fn laps(&self) -> usize {
         self.laps
     }
 
-    /// Of which lap a lane's contacts are.
+    /// The lap to which a lane belongs.
     pub fn lap_of(&self, lane: usize) -> usize {
         lane / self.share
     }
 
-    /// The lanes of all laps.
+    /// Number of lanes in all laps.
     pub fn lanes_used(&self) -> usize {
         self.laps * self.share
     }
 
-    /// Whether the mean block holds so many contacts.
+    /// Whether the mean block holds at least `contacts` contacts.
     #[cfg(target_arch = "x86_64")]
     pub fn holds(&self, contacts: usize) -> bool {
         self.contacts >= contacts * self.blocks()
@@ -239,7 +239,8 @@ impl Batches {
     }
 }
 
-/// The contacts of a block, each with its lane. (A filter is not inlined into loops over lanes, and costs a twentieth of a step.)
+/// Iterator over the contacts of a block, each with its lane. (A filter is not inlined into loops over lanes, and costs a twentieth of a
+/// step.)
 #[derive(Clone)]
 pub struct Contacts<'a> {
     slots: &'a [u32],
@@ -269,12 +270,12 @@ impl Iterator for Contacts<'_> {
     }
 }
 
-/// In which wave, or block, the next contact of each body may come.
+/// The earliest wave, or block, for the next contact of each body.
 struct Turns<'a> {
     rounds: &'a Rounds,
-    /// By body: the first.
+    /// By body without rounds: the earliest wave or block.
     after: Vec<u32>,
-    /// By body that has rounds.
+    /// By body with rounds.
     waits: Vec<Waits>,
 }
 
@@ -287,7 +288,7 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// The first in which a contact may come.
+    /// The earliest wave or block for a contact.
     fn earliest(&mut self, contact: u32, pair: [u32; 2]) -> u32 {
         let seats = self.rounds.seats(contact);
         let earliest: [u32; 2] = std::array::from_fn(|side| match seats[side] {
@@ -297,7 +298,7 @@ impl<'a> Turns<'a> {
         earliest[0].max(earliest[1])
     }
 
-    /// A contact comes in this one. `moves` tells which bodies must not be shared.
+    /// Places a contact in wave or block `when`. `moves` says which bodies must not be shared.
     fn came(&mut self, contact: u32, pair: [u32; 2], when: u32, moves: impl Fn(u32) -> bool) {
         for (body, seat) in pair.into_iter().zip(self.rounds.seats(contact)) {
             match seat {
@@ -309,10 +310,10 @@ impl<'a> Turns<'a> {
     }
 }
 
-/// Contacts by wave, and those of a wave in their order.
+/// Contacts sorted by wave, in their order within a wave.
 struct Waves {
     contacts: Vec<u32>,
-    /// Where each wave ends.
+    /// By wave: the end of its contacts.
     ends: Vec<u32>,
 }
 
@@ -326,7 +327,8 @@ impl Waves {
             turns.came(contact, pair, wave, &moves);
         }
         let mut sizes = vec![0u32; waves.iter().max().map_or(0, |&wave| wave as usize + 1)];
-        // What could be first and waits for nobody, as what stands on the ground, comes right before the next contact of its bodies.
+        // A contact that no earlier contact delays, such as one on the ground, moves to the wave right before the next contact of its
+        // bodies.
         let mut before = turns.after;
         before.fill(u32::MAX);
         for (contact, (pair, wave)) in pairs.iter().zip(&mut waves).enumerate().rev() {
@@ -366,7 +368,7 @@ impl Waves {
     }
 }
 
-/// The first block from `block` on that is not full.
+/// The first block from `block` on that has room.
 fn with_room(next: &mut [u32], mut block: u32) -> u32 {
     while let Some(&onward) = next.get(block as usize)
         && onward != block
@@ -425,10 +427,10 @@ mod tests {
     }
 
     #[test]
-    fn folded_contacts_that_share_a_body_keep_their_order_from_sweep_to_sweep() {
+    fn skewed_contacts_that_share_a_body_keep_their_order_from_sweep_to_sweep() {
         let mut rng = fastrand::Rng::with_seed(2);
         for length in [12, 40, 100] {
-            // A chain with some cross links, on a ground that nothing moves.
+            // A chain with some cross links, on a fixed ground.
             let links = (1..length).flat_map(|a| {
                 let across = rng.u8(..4) == 0;
                 [Some([a, a + 1]), across.then_some([a, a + 2])]
@@ -448,7 +450,7 @@ mod tests {
                     skewed.laps() > 1 && blocks < whole.blocks(),
                     "{length} in {lanes}"
                 );
-                // When a sweep comes to a contact, in visits since it began.
+                // By contact: its visit, counted since the sweep began.
                 let mut visit_of = vec![usize::MAX; pairs.len()];
                 for (block, contacts) in skewed.iter().enumerate() {
                     for (lane, contact) in contacts {
@@ -460,7 +462,7 @@ mod tests {
                     for (j, other) in pairs[..i].iter().enumerate() {
                         if one.iter().any(|body| *body > 0 && other.contains(body)) {
                             let (later, earlier) = (visit_of[i], visit_of[j]);
-                            // And the next sweep comes to the earlier one after this one has come to the later.
+                            // The next sweep must visit the earlier contact only after this sweep has visited the later one.
                             assert!((earlier + 1..earlier + blocks).contains(&later));
                         }
                     }
@@ -470,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_moves_may_be_shared() {
+    fn fixed_bodies_may_be_shared() {
         for lanes in [4, 8] {
             let on_ground: Vec<_> = (1..=16).map(|body| [0, body]).collect();
             let batches = of(lanes, &on_ground, 17, |body| body != 0);

@@ -1,28 +1,28 @@
-//! A body as solvers see it.
+//! Bodies in the form that solvers use.
 
 use glam::{Mat3, Vec3};
 
-/// Zero inverse mass and inertia: nothing moves it.
+/// A body of a solver. One with zero inverse mass and inertia does not react to impulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Velocity of the centre of mass, m/s.
     pub linear: Vec3,
-    /// 1/kg
+    /// Inverse mass, 1/kg.
     pub inverse_mass: f32,
     /// Angular velocity, world axes, rad/s.
     pub angular: Vec3,
-    /// World axes, 1/(kg·m²).
+    /// Inverse inertia in world axes, 1/(kg·m²).
     pub inverse_inertia: Mat3,
     /// Linear and angular velocity before this step's forces, m/s, rad/s.
     pub start: [Vec3; 2],
-    /// The mean linear and angular velocity over the step, where a solver took substeps.
+    /// The mean linear and angular velocity over the step, set by solvers that take substeps; m/s, rad/s.
     pub motion: Option<[Vec3; 2]>,
-    /// Bodies between it and what stands still, itself included; 0 where nothing carries it.
+    /// Number of bodies on the way down to a fixed one, itself included; 0 for a body without support.
     pub level: u32,
 }
 
 impl Default for Body {
-    /// At rest, and nothing moves it. (A default `Mat3` would be the identity.)
+    /// A body at rest that does not react to impulses. (A default `Mat3` would be the identity.)
     fn default() -> Self {
         Self {
             linear: Vec3::ZERO,
@@ -36,24 +36,24 @@ impl Default for Body {
     }
 }
 
-/// The sum of the diagonal.
+/// The trace of a matrix.
 pub(super) fn trace(matrix: &Mat3) -> f32 {
     matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
 }
 
-/// Speed of the centre of mass and at the radius of gyration together, m/s, of a linear and an angular velocity.
+/// Combined speed of the centre of mass and of rotation at the radius of gyration, m/s.
 pub(super) fn speed_of(linear: Vec3, angular: Vec3, square_gyration: f32) -> f32 {
     (linear.length_squared() + square_gyration * angular.length_squared()).sqrt()
 }
 
 impl Body {
-    /// What this step's forces have changed of the linear and angular velocity, m/s, rad/s. As long as nothing else has.
+    /// Change of the linear and angular velocity by this step's forces, m/s, rad/s. Valid until impulses change the velocity.
     #[inline]
     pub fn push(&self) -> [Vec3; 2] {
         [self.linear - self.start[0], self.angular - self.start[1]]
     }
 
-    /// What an impulse at an arm from the centre of mass (N·s, m) does to the linear and angular velocity, m/s, rad/s.
+    /// Change of the linear and angular velocity (m/s, rad/s) by an impulse (N·s) at an arm from the centre of mass (m).
     #[inline]
     pub fn answer(&self, impulse: Vec3, arm: Vec3) -> [Vec3; 2] {
         [
@@ -70,7 +70,7 @@ impl Body {
         self.angular += angular;
     }
 
-    /// The square of the mean radius of gyration, m²; 0 of what nothing moves.
+    /// The square of the mean radius of gyration, m²; 0 for a body that does not react to impulses.
     pub(super) fn square_gyration(&self) -> f32 {
         let trace = trace(&self.inverse_inertia);
         match trace > 0.0 {

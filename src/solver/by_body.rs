@@ -1,9 +1,9 @@
-//! Items sorted by the body that they belong to, in one list.
+//! A list of items sorted by the body to which they belong.
 
-/// Items of bodies, of each body in the order in which they came.
+/// Items sorted by body; those of a body keep their order.
 #[derive(Debug)]
 pub(super) struct ByBody<T> {
-    /// Where the items of each body begin, and where the last one's end.
+    /// By body: the start of its items; then the end of the list.
     starts: Vec<u32>,
     items: Vec<T>,
 }
@@ -18,7 +18,7 @@ impl<T> Default for ByBody<T> {
 }
 
 impl<T: Clone + Default> ByBody<T> {
-    /// Sorts the items of so many bodies. The iterator runs twice.
+    /// Sorts the items of `bodies` bodies. The iterator runs twice.
     pub fn fill(&mut self, bodies: usize, items: impl Iterator<Item = (u32, T)> + Clone) {
         let Self {
             starts,
@@ -36,7 +36,7 @@ impl<T: Clone + Default> ByBody<T> {
         }
         sorted.clear();
         sorted.resize(count, T::default());
-        // Each start serves as the place for the next item of its body, and ends where the next body's items begin.
+        // Each start serves as the place for the next item of its body, and ends at the start of the next body.
         for (body, item) in items {
             let next = &mut starts[body as usize];
             sorted[*next as usize] = item;

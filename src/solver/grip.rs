@@ -1,9 +1,10 @@
-//! A hand on a body, solved with its contacts: two constraints to the world, on the velocity of a held point and on the spin, whose
-//! impulses are limited.
+//! A grip: a hand on a body, solved with its contacts. It consists of two constraints to the world, on the velocity of a held point and on
+//! the spin, with limited impulses.
 //!
-//! A hand wants its point to be elsewhere, and asks for the speed with which it would get there in time, by a law of first order, but
-//! no faster than it could still brake. That speed is held to with whatever force it takes, up to the hand's own; so a load does not make it sag,
-//! whatever the step, and what a body is pressed against holds it: it does not ask for what [walls](super::walls) do not allow.
+//! A hand pulls its point towards a target. It asks for the speed with which the point gets there in time, by a law of first order, but no
+//! faster than it could still brake. It holds that speed with any force up to its own limit, so a load does not make it sag at any step
+//! length. A body that is pressed against others stays where it is: the hand does not ask for motions that [walls](super::walls) do not
+//! allow.
 
 use super::Body;
 use super::body::trace;
@@ -12,65 +13,66 @@ use super::walls::{self, Wall};
 use glam::{Mat3, Vec3, Vec4};
 use std::cell::Cell;
 
-/// The share of a hand's strength that it counts on for braking; the rest may be bearing a load.
+/// The share of a hand's strength that it reserves for braking; the rest may carry a load.
 const BRAKES: f32 = 0.5;
 
-/// The farthest that a pull turns a body in one step, rad, if the hand's torque cannot stop as much. Within a step what turns moves as if
-/// along a tangent; farther, and what is pulled by a corner would be thrown to and fro.
+/// The largest rotation of a body by a pull in one step, rad, if the torque of the hand cannot stop as much. Within a step a rotating body
+/// moves as if along a tangent; with larger rotations, a body that is pulled by a corner would be thrown back and forth.
 const TURN: f32 = 0.5;
 
-/// The farthest that a hand turns a body near walls in one step, rad: what turns farther would be through what contacts did not see coming.
+/// The largest rotation of a body near walls in one step, rad: a body that turns farther would pass through surfaces for which no contacts
+/// were detected.
 const TURN_NEAR_WALLS: f32 = 0.25;
 
-/// What a solver is given of a hand, and what it finds. World axes.
+/// The input of a solver for a hand, and its results. World axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Grip {
     /// Index of the held body among the problem's.
     pub body: u32,
     /// From the centre of mass to the held point, m.
     pub arm: Vec3,
-    /// From where the point should be to where it is, m.
+    /// From the target of the point to its position, m.
     pub error: Vec3,
-    /// The turn from how the body should be turned to how it is, rad; nothing where it only shall not spin.
+    /// From the target rotation of the body to its rotation, rad; zero if the hand only stops the spin.
     pub turn: Vec3,
-    /// One for each axis of the world along which it pulls, and zero for the others; the same of the axes about which it turns.
+    /// Masks of the world axes along which the hand pulls, and about which it turns: 1 for these axes, 0 for others.
     pub axes: [Vec3; 2],
-    /// Time in which an error fades to 1/e, s.
+    /// Time in which an error decreases to 1/e, s.
     pub response: f32,
-    /// The fastest that it goes, m/s.
+    /// The largest speed of the point, m/s.
     pub max_speed: f32,
-    /// N
+    /// The largest force, N.
     pub max_force: f32,
-    /// N·m
+    /// The largest torque, N·m.
     pub max_torque: f32,
-    /// On the body, N: what to start from, and what was found.
+    /// Force on the body, N. In: the warm start. Out: the result.
     pub force: Vec3,
-    /// The same of its moment, N·m.
+    /// Torque on the body, N·m. In: the warm start. Out: the result.
     pub torque: Vec3,
 }
 
-/// A grip in a step, or in a substep, of `h` s.
+/// A grip during a step or substep of `h` s.
 #[derive(Clone, Debug)]
 pub(super) struct Held {
     pub grip: Grip,
     h: f32,
-    /// Time in which an error fades to 1/e, s.
+    /// Time in which an error decreases to 1/e, s.
     time: f32,
-    /// The fastest that it turns the body by its pull and by its torque, rad/s.
+    /// The largest spin from its pull and from its torque, rad/s.
     fastest_turns: [f32; 2],
-    /// Velocity of the point and spin that are asked for, m/s and rad/s.
+    /// Wanted velocity of the point and wanted spin, m/s and rad/s.
     wanted: [Vec3; 2],
     /// Effective masses of the point and of the spin.
     masses: [Mat3; 2],
-    /// The same in the direction in which it is least, at most.
+    /// Lower bounds of the effective masses over all directions.
     least: [f32; 2],
     inverse_mass: f32,
     inverse_inertia: Mat3,
-    /// The fastest that it may go and still brake, from so far away: the factor of √distance, for the point and the spin.
+    /// Factor of √distance for the largest speed at which it can still brake, for the point and the spin.
     braking: [f32; 2],
-    /// N·s and N·m·s in `h`.
+    /// Impulses over `h`, N·s and N·m·s.
     pub impulse: [Vec3; 2],
-    /// Where its body meets what it cannot be pulled through.
+    /// The points at which its body meets walls.
     walls: Vec<Wall>,
 }
 
@@ -105,8 +107,9 @@ impl Held {
         held
     }
 
-    /// The same in a step of `dt` s, which may have several substeps, of a body that meets walls. Contacts and arms are those of the step's
-    /// beginning, so an error does not fade faster than within it, and it turns the body by no more than [`TURN`] or [`TURN_NEAR_WALLS`].
+    /// Adapts the grip to a step of `dt` s, which may have several substeps, and to the walls of its body. Contacts and arms are those of
+    /// the beginning of the step, so an error takes at least `dt` to fade, and the body turns by no more than [`TURN`] or
+    /// [`TURN_NEAR_WALLS`].
     pub fn in_step(self, dt: f32, walls: Vec<Wall>) -> Self {
         let (pulled, turned) = match walls.is_empty() {
             true => (TURN / dt, f32::INFINITY),
@@ -124,8 +127,8 @@ impl Held {
         held
     }
 
-    /// Brings its walls up to date, in a substep before which bodies have moved and turned by so much; contacts correct no faster than
-    /// `fastest`, m/s. Then as [`aim`](Self::aim).
+    /// Updates the walls and the wanted velocities in a substep, from the motions of bodies since detection. Contacts correct no faster
+    /// than `fastest`, m/s.
     fn aim_among(&mut self, motions: &[Cell<State>], fastest: f32) {
         let body = self.grip.body;
         for wall in &mut self.walls {
@@ -134,7 +137,7 @@ impl Held {
         self.aim(motions[body as usize].get().map(Vec4::truncate));
     }
 
-    /// Asks for the velocity that takes it where it should be, when it has moved and turned by so much since the step began.
+    /// Sets the wanted velocities, after its body has moved and turned since the step began.
     pub fn aim(&mut self, [moved, turned]: [Vec3; 2]) {
         let Grip {
             arm,
@@ -172,17 +175,17 @@ impl Held {
         self.wanted = [velocity * share, spin];
     }
 
-    /// Lets its body feel the impulses that it starts with.
+    /// Applies its warm-start impulses to its body.
     pub fn start(&self, velocities: &[Cell<State>]) {
         add(&velocities[self.grip.body as usize], self.warm_start());
     }
 
-    /// What its impulses do to the linear and angular velocity of its body.
+    /// Change of the linear and angular velocity of its body by its impulses.
     pub fn warm_start(&self) -> [Vec3; 2] {
         self.answer(self.impulse)
     }
 
-    /// Changes its impulses to what the velocity of its body calls for, where `other` tells those of other bodies. What that does to the
+    /// Changes its impulses towards the wanted velocities; `other` returns the velocities of other bodies. Returns the change of the body's
     /// velocity, and Σ W Δλ², J.
     pub fn relax(
         &mut self,
@@ -199,7 +202,7 @@ impl Held {
         ([moved[0], turned[1] + moved[1]], change)
     }
 
-    /// What it asks for, as far as walls allow it.
+    /// The wanted velocities, limited by walls.
     fn allowed(
         &mut self,
         [linear, angular]: [Vec3; 2],
@@ -208,7 +211,7 @@ impl Held {
         if self.walls.is_empty() {
             return self.wanted;
         }
-        // A hand that cannot turn its body does not say how it spins, nor how it moves along other axes than its own.
+        // A hand that cannot turn its body leaves its spin free, and also its motion along axes other than its own.
         let Grip { arm, axes, .. } = self.grip;
         let turns = match self.grip.max_torque > 0.0 {
             true => axes[1],
@@ -226,7 +229,7 @@ impl Held {
         }
     }
 
-    /// The same with the velocities of all bodies. Σ W Δλ², J.
+    /// [`relax`](Self::relax) with the velocities of all bodies. Returns Σ W Δλ², J.
     pub fn visit(&mut self, velocities: &[Cell<State>]) -> f32 {
         let of = |body: u32| velocities[body as usize].get().map(Vec4::truncate);
         let (moved, change) = self.relax(of(self.grip.body), of);
@@ -234,7 +237,7 @@ impl Held {
         change
     }
 
-    /// The same in a substep before which bodies have moved and turned by so much; contacts correct no faster than `fastest`, m/s.
+    /// [`visit`](Self::visit) in a substep, after an update from the motions of bodies. Contacts correct no faster than `fastest`, m/s.
     pub fn visit_among(
         &mut self,
         velocities: &[Cell<State>],
@@ -245,14 +248,14 @@ impl Held {
         self.visit(velocities)
     }
 
-    /// What a visit would change if the hand had done nothing yet and there were no walls: Σ W Δλ², J.
+    /// The change that a visit would make without earlier impulses and without walls: Σ W Δλ², J.
     pub fn missing(mut self, velocity: [Vec3; 2]) -> f32 {
         self.impulse = [Vec3::ZERO; 2];
         self.walls.clear();
         self.relax(velocity, |_| [Vec3::ZERO; 2]).1
     }
 
-    /// The grip with the forces found.
+    /// The grip with its resulting force and torque.
     pub fn found(&self) -> Grip {
         Grip {
             force: self.impulse[0] / self.h,
@@ -261,13 +264,13 @@ impl Held {
         }
     }
 
-    /// Adds to an impulse what a velocity that is missing calls for, and its strength allows; how much was added.
+    /// Adds to an impulse to correct a missing velocity, as far as its strength allows. Returns the amount that was added.
     fn give(&mut self, i: usize, missing: Vec3) -> Vec3 {
         let most = [self.grip.max_force, self.grip.max_torque][i] * self.h;
         let before = self.impulse[i];
         let mut after = before + self.masses[i] * missing;
         if after.length_squared() > most * most {
-            // All that it has it gives in the direction of what is missing; an effective mass would turn it.
+            // At its limit, the impulse points in the direction of the missing velocity; an effective mass would turn it.
             let missing = missing * self.grip.axes[i];
             after = (before + self.least[i] * missing).clamp_length_max(most);
         }
@@ -288,7 +291,7 @@ fn add(velocity: &Cell<State>, [linear, angular]: [Vec3; 2]) {
     velocity.set([moves + linear.extend(0.0), turns + angular.extend(0.0)]);
 }
 
-/// What an answer is to impulses along some axes only, seen along these: rows and columns of the others are zero.
+/// The restriction of a response matrix to some axes: rows and columns of the others are zero.
 fn within((answer, axes): (Mat3, Vec3)) -> Mat3 {
     Mat3::from_cols(
         answer.x_axis * axes * axes.x,
@@ -297,7 +300,7 @@ fn within((answer, axes): (Mat3, Vec3)) -> Mat3 {
     )
 }
 
-/// The inverse of such an answer, with zero rows and columns for the other axes.
+/// The inverse of such a restriction, with zero rows and columns for the other axes.
 fn inverse_within((answer, axes): (Mat3, Vec3)) -> Mat3 {
     if axes == Vec3::ONE {
         return inverse(answer);
@@ -306,7 +309,7 @@ fn inverse_within((answer, axes): (Mat3, Vec3)) -> Mat3 {
     within((inverse(answer + free), axes))
 }
 
-/// Of a matrix of any size: the determinant of a small one would be nothing. Zero of what nothing moves.
+/// The inverse of a matrix. Scaling keeps the determinant of a small one from underflow. Zero for a body that does not react to impulses.
 fn inverse(matrix: Mat3) -> Mat3 {
     let scale = trace(&matrix);
     if scale <= 0.0 {

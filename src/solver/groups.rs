@@ -1,14 +1,14 @@
-//! Bodies in groups: those that are linked with each other, directly or through others.
+//! Groups of bodies that are linked with each other, directly or through others.
 
 /// A union–find over bodies.
 #[derive(Default)]
 pub(super) struct Groups {
-    /// By body: another of its group, the first of it in the end.
+    /// By body: another body of its group; the chain ends at the first body of the group.
     parents: Vec<u32>,
 }
 
 impl Groups {
-    /// Each body is a group of its own.
+    /// Starts with `bodies` bodies, each a group of its own.
     pub fn begin(&mut self, bodies: usize) {
         self.parents.clear();
         self.parents.extend(0..bodies as u32);
@@ -24,7 +24,7 @@ impl Groups {
         body
     }
 
-    /// Makes one group of those of two bodies.
+    /// Merges the groups of two bodies.
     pub fn link(&mut self, bodies: [u32; 2]) {
         let [a, b] = bodies.map(|body| self.first_of(body));
         self.parents[a.max(b) as usize] = a.min(b);

@@ -1,7 +1,8 @@
-//! Contact solvers on plain slices: this folder knows neither the ECS nor shapes.
+//! Contact solvers on plain slices: this folder depends neither on the ECS nor on shapes.
 //!
-//! A problem is one island: bodies with velocities and inverse inertias, and what acts between them. There are two kinds, and a solver
-//! works on one of them: by [`points`], as the paper's [`Pgs`] and [`Nncg`] do, or by [`patches`], as [`SoftStep`] does, the default.
+//! A problem is one island: bodies with velocities and inverse inertias, and the contacts and hands that act on them. There are two kinds
+//! of problems, and each solver works on one of them: [`points`], as the paper's [`Pgs`] and [`Nncg`] do, or [`patches`], as the default
+//! [`SoftStep`] does.
 
 mod batches;
 mod body;

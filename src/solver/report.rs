@@ -1,20 +1,20 @@
-//! How a solve went.
+//! Reports of solves.
 
-/// Begun with what the free motion misses ([`SolveReport::new`]), and told of every sweep.
+/// The report of a solve: created from the merit of the free motion ([`SolveReport::new`]), then updated after every sweep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolveReport {
-    /// Sweeps taken.
+    /// Number of sweeps.
     pub sweeps: usize,
-    /// The merit of the last sweep, relative to the free motion's. See [`merit`](super::merit).
+    /// The merit of the last sweep, relative to that of the free motion. See [`merit`](super::merit).
     pub residual: f32,
-    /// The residual after each sweep, if asked for.
+    /// The residual after each sweep, if requested.
     pub history: Vec<f32>,
     free_merit: f32,
     records: bool,
 }
 
 impl SolveReport {
-    /// Of a solve whose free motion has this merit, √J. Keeps a history if it `records`.
+    /// A report for a free motion with this merit, √J. It keeps a history if it `records`.
     pub fn new(free_merit: f32, records: bool) -> Self {
         Self {
             free_merit,
@@ -23,14 +23,14 @@ impl SolveReport {
         }
     }
 
-    /// Of a solve that is over: the merits of the free motion and of the last of so many sweeps, √J.
+    /// The report of a finished solve, from the merits of the free motion and of the last of `sweeps` sweeps, √J.
     pub fn of(free_merit: f32, sweeps: usize, merit: f32) -> Self {
         let mut report = Self::new(free_merit, false);
         report.record(merit);
         Self { sweeps, ..report }
     }
 
-    /// Notes a sweep whose merit was √(Σ Wᵢᵢ Δλᵢ²) = `merit`, √J; returns the residual.
+    /// Records a sweep whose merit √(Σ Wᵢᵢ Δλᵢ²) is `merit`, √J; returns the residual.
     pub fn record(&mut self, merit: f32) -> f32 {
         self.sweeps += 1;
         self.residual = match self.free_merit > 0.0 {

@@ -1,13 +1,15 @@
-//! Heavy bodies that many light ones touch, as a plate does that carries thousands: their contacts are relaxed in *rounds*.
+//! Rounds: contacts of a heavy body with many light ones that are relaxed together, as on a plate that carries thousands of bodies.
 //!
-//! Contacts of one body are relaxed one after another, each with the velocity that the one before has left. Of a plate that would be one contact in
-//! a block, whose other lanes stay empty. But what a light body does to a body [so much heavier](HEAVIER) hardly changes its velocity, and
-//! the next contact finds almost the same without it. So the contacts of a heavy body come in rounds of [`ROUND`]: all of a round read the
-//! velocity from before the round, each writes what it makes of it to a *seat* of its own, and after the last of them the body takes all
-//! changes together. No impulse is lost, and rounds are as large whatever the number of lanes, so that the result does not depend on it.
+//! Contacts of one body are relaxed one after another, each with the velocity that the one before has left. For a plate that would be one
+//! contact per block, with the other lanes empty. But a light body hardly changes the velocity of a body [so much heavier](HEAVIER), and
+//! the next contact finds almost the same velocity without that change. So the contacts of a heavy body form rounds of [`ROUND`]. All of a
+//! round read the velocity from before the round, each writes its result to a *seat* of its own, and after the last of them the body takes
+//! all changes together. No impulse is lost. The size of rounds does not depend on the number of lanes, so the result does not depend on it
+//! either.
 //!
-//! What all of a round do together is at most what ROUND / HEAVIER of the plate's own mass would do, times what a lever adds (4 at the end of a beam, 7
-//! at the corner of a slab): less than half, so that sweeps converge (Jacobi's method would diverge from twice on).
+//! Together, the contacts of a round change the plate's velocity by at most ROUND / HEAVIER of the change that its own mass would cause,
+//! times a factor for levers (4 at the end of a beam, 7 at the corner of a slab). That is less than half, so sweeps converge (Jacobi's
+//! method would diverge from twice on).
 //!
 //! A step in which bodies hit each other has no rounds: under a blow even a small share of it counts.
 
@@ -15,36 +17,36 @@ use super::Body;
 use super::lanes::State;
 use std::cell::Cell;
 
-/// Contacts in a round, at most.
+/// Number of contacts in a round, at most.
 pub const ROUND: usize = 8;
 
-/// A body has rounds if so many light bodies touch it; by fewer it is not worth it.
+/// A body has rounds if at least this many light bodies touch it; for fewer it does not pay.
 const MANY: u32 = 64;
 
-/// What is heavier than another body by this factor finds that light.
+/// Ratio of masses from which on the other body is light.
 const HEAVIER: f32 = 128.0;
 
-/// Which contacts of heavy bodies are of one round.
+/// The rounds of the contacts of heavy bodies.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Rounds {
-    /// Bodies that have rounds.
+    /// Bodies with rounds.
     bodies: Vec<u32>,
-    /// By contact, and side of it. Empty where no body has rounds.
+    /// By contact and side. Empty if no body has rounds.
     seats: Vec<[Option<Seat>; 2]>,
 }
 
 /// The place of a contact in a round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Seat {
-    /// Which of the bodies that have rounds.
+    /// Index of the body among those with rounds.
     pub body: u32,
     pub round: u32,
-    /// Among those of the round.
+    /// Number of the seat in the round.
     pub number: u32,
 }
 
 impl Rounds {
-    /// Of contacts between such pairs, in the order of the sweep.
+    /// Finds the rounds of contacts between these pairs of bodies, in the order of the sweep.
     pub fn of(pairs: impl Iterator<Item = [u32; 2]> + Clone, bodies: &[Body]) -> Self {
         let ease = |body: u32| bodies[body as usize].inverse_mass;
         let is_light = |other: u32, body: u32| ease(other) >= HEAVIER * ease(body);
@@ -63,7 +65,7 @@ impl Rounds {
         if crowded.is_empty() {
             return Self::default();
         }
-        // The next seat of each; the last one where a contact goes alone.
+        // By body: the next round and seat. A contact that is a round by itself fills its round.
         let mut next = vec![(0, 0); crowded.len()];
         let seats = pairs.map(|pair| {
             let light = heavy(pair);
@@ -93,7 +95,7 @@ impl Rounds {
         self.seats.is_empty()
     }
 
-    /// How many bodies have rounds.
+    /// Number of bodies with rounds.
     pub fn bodies(&self) -> usize {
         self.bodies.len()
     }
@@ -104,12 +106,12 @@ impl Rounds {
         seats.copied().unwrap_or_default()
     }
 
-    /// All seats of all bodies.
+    /// Number of seats of all bodies.
     pub fn count(&self) -> usize {
         ROUND * self.bodies.len()
     }
 
-    /// Of contacts in such blocks; seats begin at an index among the velocities.
+    /// The blocks after which rounds end, for contacts in these blocks. Seats begin at index `first_seat` among the velocities.
     pub fn ends(
         &self,
         blocks: impl Iterator<Item = impl Iterator<Item = u32>>,
@@ -118,7 +120,7 @@ impl Rounds {
         if self.is_empty() {
             return RoundEnds::default();
         }
-        // By body: the round, the last block that has a contact of it, and its contacts.
+        // By body: its current round, the last block with a contact of that round, and the number of these contacts.
         let mut current = vec![(0u32, 0u32, 0u32); self.bodies.len()];
         let mut ends = Vec::new();
         let end = |body: usize, (_, block, contacts): (u32, u32, u32)| {
@@ -152,17 +154,17 @@ impl Rounds {
     }
 }
 
-/// Where a sweep comes to a body: after those that it waits for.
+/// The earliest wave or block for the contacts of a body with rounds.
 #[derive(Clone, Copy, Default)]
 pub struct Waits {
     round: u32,
-    /// When the round begins, and when it is over.
+    /// The earliest wave or block of the current round, and the first one after it.
     begins: u32,
     over: u32,
 }
 
 impl Waits {
-    /// When a contact of a round may come at the earliest.
+    /// The earliest wave or block for a contact of a round.
     pub fn earliest(&mut self, round: u32) -> u32 {
         if self.round != round {
             (self.round, self.begins) = (round, self.over);
@@ -170,21 +172,21 @@ impl Waits {
         self.begins
     }
 
-    /// A contact of the round comes then.
+    /// Places a contact of the round in wave or block `when`.
     pub fn came(&mut self, when: u32) {
         self.over = self.over.max(when + 1);
     }
 }
 
-/// What ends after which block.
+/// The rounds that end after each block.
 #[derive(Clone, Debug, Default)]
 pub struct RoundEnds {
-    /// By block: where what ends there begins; and where that of the last ends. Empty where no body has rounds.
+    /// By block: start of the rounds that end after it; then the end of the list. Empty if no body has rounds.
     starts: Vec<u32>,
     taken: Vec<Taken>,
 }
 
-/// A body takes what stands in its seats.
+/// A body that takes the changes in its seats.
 #[derive(Clone, Copy, Debug)]
 struct Taken {
     body: u32,
@@ -194,7 +196,7 @@ struct Taken {
 }
 
 impl RoundEnds {
-    /// After a block was visited: bodies whose round is over take all changes.
+    /// Ends rounds after the visit to a block: their bodies take all changes.
     #[inline(always)]
     pub fn after(&self, block: usize, velocities: &[Cell<State>]) {
         if self.starts.is_empty() {
@@ -227,7 +229,7 @@ mod tests {
         bodies
     }
 
-    /// On a ground (0) a plate (1), on which light bodies stand.
+    /// The pairs of a ground (0), a plate (1) on it, and light bodies on the plate.
     fn pairs(count: u32) -> impl Iterator<Item = [u32; 2]> + Clone {
         std::iter::once([0, 1]).chain((2..count + 2).map(|body| [1, body]))
     }
@@ -252,7 +254,7 @@ mod tests {
     #[test]
     fn a_body_takes_what_all_of_a_round_have_changed() {
         let rounds = Rounds::of(pairs(64), &bodies(64, 1000.0));
-        // By fours, so that a round has two blocks.
+        // Four lanes, so that a round has two blocks.
         let blocks: Vec<Vec<u32>> = std::iter::once(vec![0])
             .chain((0..16).map(|i| (1 + 4 * i..5 + 4 * i).collect()))
             .collect();

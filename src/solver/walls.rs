@@ -1,8 +1,8 @@
-//! What a held body cannot be pulled through, however strong the hand is: what is static, and bodies that lean against it on their other side.
+//! Walls: bodies through which no hand can pull a held body. These are fixed bodies, and bodies that lean against one on their other side.
 //!
-//! Contacts are springs, or found by sweeps that have not converged; a hand that is strong enough overcomes both. So a hand does not ask for
-//! what contacts cannot give: before it pulls, the velocity that it wants is projected onto those that lead its body no farther into a
-//! wall than [`PRESSED`]. A body that is pressed so far in presses as hard as contacts bear there.
+//! Contacts are springs, or come from sweeps that have not converged; a strong hand overcomes both. So a hand does not ask for motions that
+//! contacts cannot resist: before it pulls, its wanted velocity is projected onto those that lead its body no farther into a wall than
+//! [`PRESSED`]. At this depth, the body presses as hard as contacts resist there.
 
 use super::by_body::ByBody;
 use super::lanes::State;
@@ -10,44 +10,45 @@ use super::{Body, PatchProblem, PointConstraint};
 use glam::{Vec3, Vec4};
 use std::cell::Cell;
 
-/// How far a hand presses its body into a wall whose contacts are springs, m. With those of Soft Step a cube of 1 m is pressed by 50 to 550
-/// times its weight then: more with time, because springs take over what they carry.
+/// Depth to which a hand presses its body into a wall whose contacts are springs, m. With those of Soft Step it presses a cube of 1 m with
+/// 50 to 550 times its weight: more with time, because springs take over their load at rest.
 const PRESSED: f32 = 1e-3;
 
-/// The share of that way which it wants to go in a substep. Contacts answer in some 20 substeps; faster, and the body would swing.
+/// Share of that distance that a hand wants to move in a substep. Contacts respond in some 20 substeps; faster, and the body would swing.
 const SHARE: f32 = 0.05;
 
-/// How far a hand wants to go in one step against contacts that are rigid, m. Every sweep adds the impulse of such a speed; with conjugate
-/// gradients about a quarter of this way is left as overlap.
+/// Distance that a hand wants to move in one step against rigid contacts, m. Every sweep adds the impulse of that speed; with conjugate
+/// gradients about a quarter of the distance remains as overlap.
 const PRESSED_RIGIDLY: f32 = 2e-3;
 
-/// A body leans against another where the contact between them faces the same way, as the cosine between both.
+/// A body leans against another if the contact between them faces the same way: smallest cosine between both normals.
 const SAME_WAY: f32 = 0.5;
 
-/// Visits to all walls of a body, at most; they end when none has changed the velocity by more than [`FOUND`], m/s.
+/// Upper bound of visits to all walls of a body; they end when none has changed the velocity by more than [`FOUND`], m/s.
 const VISITS: usize = 16;
 const FOUND: f32 = 1e-5;
 
-/// One point of contact between a held body and what it cannot be pulled through.
+/// A point of contact between a held body and a wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wall {
     other: u32,
-    /// Out of the other body.
+    /// Points out of the other body.
     normal: Vec3,
     /// From the centres of mass of the held body and of the other, m.
     arms: [Vec3; 2],
-    /// When detected, m.
+    /// Separation when detected, m.
     separation: f32,
-    /// The least velocity along the normal that contact allows, relative to the other body, m/s.
+    /// The smallest velocity along the normal that the contact allows, relative to the other body, m/s.
     least: f32,
     /// Inverse effective mass of the held body, 1/kg.
     response: f32,
-    /// Of the projection, N·s.
+    /// Impulse of the projection, N·s.
     impulse: f32,
 }
 
 impl Wall {
-    /// Brings it up to date in a substep of `h` s: bodies have moved and turned by so much since detection.
+    /// Updates the allowed velocity in a substep of `h` s, from the motions of bodies since detection. Contacts correct no faster than
+    /// `fastest`, m/s.
     pub fn aim(&mut self, body: u32, motions: &[Cell<State>], h: f32, fastest: f32) {
         let [a, b] = [(body, self.arms[0]), (self.other, self.arms[1])].map(|(body, arm)| {
             let [moved, turned] = motions[body as usize].get().map(Vec4::truncate);
@@ -59,8 +60,8 @@ impl Wall {
     }
 }
 
-/// Changes what a hand wants as little as possible so that its body does not go through walls: linear and angular velocity, m/s and rad/s.
-/// True where something had to change. The hand pulls with `pull`.
+/// Changes the wanted linear and angular velocity (m/s, rad/s) as little as possible so that the body does not go through walls. Returns
+/// whether it has changed them. The hand pulls with the impulse `pull`.
 pub(super) fn project(
     walls: &mut [Wall],
     wanted: &mut [Vec3; 2],
@@ -76,7 +77,7 @@ pub(super) fn project(
                 wall.impulse = 0.0;
             }
             let [linear, angular] = other(wall.other);
-            // It wants out only where it has pressed the body in.
+            // The wall pushes the body out only if the hand presses the body in.
             let least = match wall.normal.dot(pull) < 0.0 {
                 true => wall.least,
                 false => wall.least.min(0.0),
@@ -103,7 +104,7 @@ pub(super) fn project(
     changed
 }
 
-/// The contacts of each body, where they are between such pairs.
+/// The contacts of each body, for contacts between these pairs.
 pub(super) fn by_body(bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone) -> ByBody<u32> {
     let ends = (0..).zip(pairs);
     let ends = ends.flat_map(|(contact, bodies)| bodies.map(|body| (body, contact)));
@@ -112,7 +113,7 @@ pub(super) fn by_body(bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clo
     by_body
 }
 
-/// Who touches whom, by body. `contact` tells bodies A and B of each contact, and the normal from B to A.
+/// Finds the walls of held bodies. `contact` returns bodies A and B of a contact, and the normal from B to A.
 pub(super) struct Walls<'a, C> {
     of_bodies: &'a ByBody<u32>,
     bodies: &'a [Body],
@@ -144,7 +145,7 @@ impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
         walls
     }
 
-    /// The same of points, in a step of `h` s.
+    /// The walls of a held body, whose contacts are points, in a step of `h` s.
     pub fn among_points(&self, body: u32, constraints: &[PointConstraint], h: f32) -> Vec<Wall> {
         let points = self.found(body).map(|(contact, other, normal)| {
             let point = &constraints[contact];
@@ -157,7 +158,7 @@ impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
         points.collect()
     }
 
-    /// Its own arm first.
+    /// The arms of a contact, that of the body first.
     fn arms(&self, contact: usize, body: u32, [a, b]: [Vec3; 2]) -> [Vec3; 2] {
         match (self.contact)(contact).0[0] == body {
             true => [a, b],
@@ -165,7 +166,7 @@ impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
         }
     }
 
-    /// The contacts of a body, each with the other body and the normal out of that.
+    /// The contacts of a body, each with the other body and the normal out of it.
     fn contacts_of(&self, body: u32) -> impl Iterator<Item = (usize, u32, Vec3)> {
         self.of_bodies.of(body).iter().map(move |&contact| {
             let (bodies, normal) = (self.contact)(contact as usize);
@@ -176,7 +177,7 @@ impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
         })
     }
 
-    /// Those with what it cannot be pulled through.
+    /// The contacts of a body with walls.
     fn found(&self, body: u32) -> impl Iterator<Item = (usize, u32, Vec3)> {
         self.contacts_of(body)
             .filter(move |&(_, other, normal)| self.stands(other, normal, body))
@@ -186,7 +187,7 @@ impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
         self.bodies[body as usize].inverse_mass > 0.0
     }
 
-    /// The body is static, or leans against something that is, seen from a body that lies on it in a direction.
+    /// Whether a body is fixed, or leans in a direction against one that is. `from` is the body that presses on it.
     fn stands(&self, body: u32, direction: Vec3, from: u32) -> bool {
         if !self.moves(body) {
             return true;

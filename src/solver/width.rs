@@ -1,26 +1,26 @@
-//! How many contacts are relaxed side by side, chosen at run time.
+//! The number of contacts that are relaxed side by side, chosen at run time.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
 
-/// How many contacts a solver relaxes side by side: patches, or pairs of bodies with all of their points.
+/// Number of contacts that a solver relaxes side by side: patches, or pairs of bodies with all of their points.
 ///
-/// What it finds differs by rounding: eight lanes round a product and a sum as one. So the same scene gives the same bits on all
-/// machines only with [`Four`](Lanes::Four).
+/// Results differ by rounding: eight lanes use fused multiply-add, four lanes do not. So the same scene gives the same bits on all machines
+/// only with [`Four`](Lanes::Four).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lanes {
-    /// Eight where the processor can and the contacts fill them, else four: a question of the island alone, so that one machine
-    /// always gives the same bits.
+    /// Eight if the processor supports it and the contacts fill the lanes, else four. The choice depends on the island alone, so that one
+    /// machine always gives the same bits.
     #[default]
     Auto,
-    /// Four, which every processor can.
+    /// Four, which every processor supports.
     Four,
     /// Eight, with AVX2 and FMA.
     Eight,
 }
 
 impl Lanes {
-    /// What this processor cannot, as a sentence.
+    /// Describes a setting that this processor does not support, in a sentence.
     pub(super) fn problem(self) -> Option<String> {
         let cannot = self == Self::Eight && !eight_is_available();
         cannot.then(|| {
@@ -28,7 +28,7 @@ impl Lanes {
         })
     }
 
-    /// The width for a problem, which is asked whether it fills eight lanes where that matters.
+    /// The width for a problem. `fills_eight` says whether the problem fills eight lanes, and is called only if that matters.
     #[cfg(target_arch = "x86_64")]
     pub(super) fn width(self, fills_eight: impl FnOnce() -> bool) -> Width {
         let eight = match self {
@@ -40,7 +40,7 @@ impl Lanes {
     }
 }
 
-/// The widths that there are on this architecture.
+/// The widths that this architecture supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Width {
     Four,

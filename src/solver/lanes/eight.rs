@@ -2,8 +2,8 @@
 //!
 //! # Safety
 //!
-//! Operations are safe functions although they need AVX2 and FMA: lanes are made and used in kernels only, and a kernel gets here
-//! through [`F32x8::run`], which asks the processor first.
+//! Operations are safe functions although they need AVX2 and FMA. Only kernels create and use lanes, and a kernel runs through
+//! [`F32x8::run`], which checks the processor first.
 
 #![expect(
     unsafe_code,
@@ -15,30 +15,30 @@ use std::arch::x86_64::*;
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-/// See [`F32xN`].
+/// [`F32xN`] on an AVX register.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct F32x8(__m256);
 
 impl F32x8 {
-    /// Whether this processor has it.
+    /// Whether this processor has AVX2 and FMA.
     pub fn is_available() -> bool {
         is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
     }
 
     const fn of(lanes: [f32; 8]) -> Self {
-        // SAFETY: both are 32 bytes of which any are valid.
+        // SAFETY: both have 32 bytes, and all bits are valid.
         Self(unsafe { std::mem::transmute::<[f32; 8], __m256>(lanes) })
     }
 
     #[inline(always)]
     fn lanes(&self) -> &[f32; 8] {
-        // SAFETY: the same bytes, and the register is aligned the more strictly.
+        // SAFETY: both have the same bytes, and the register has the stricter alignment.
         unsafe { &*(&raw const self.0).cast() }
     }
 }
 
-/// All kernels are compiled into this.
+/// Runs a kernel with AVX2 and FMA. All kernels are inlined into this function.
 ///
 /// # Safety
 ///
@@ -48,7 +48,7 @@ unsafe fn enter<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
-/// The same out of the way.
+/// Like [`enter`], but as a cold function of its own.
 ///
 /// # Safety
 ///
@@ -63,7 +63,7 @@ unsafe fn enter_rarely<K: Kernel>(kernel: K) -> K::Output {
 /// An operation on registers.
 macro_rules! registers {
     ($operation:expr) => {
-        // SAFETY: only kernels come here, and the processor has what they need; see the module's text.
+        // SAFETY: only kernels call this, and their processor has AVX2 and FMA; see the module's safety section.
         unsafe { $operation }
     };
 }
@@ -153,7 +153,7 @@ impl F32xN for F32x8 {
     #[inline(always)]
     fn gather(states: &[Cell<State>], bodies: &Bodies) -> SpatialVec<Self> {
         check(bodies, states.len());
-        // SAFETY: all bodies are among the states; see the module's text.
+        // SAFETY: all bodies are among the states, and the processor has AVX2 and FMA; see the module's safety section.
         unsafe { load_both(states.as_ptr().cast(), bodies) }
     }
 
@@ -168,7 +168,7 @@ impl F32xN for F32x8 {
     fn scatter(states: &[Cell<State>], bodies: &Bodies, motion: &SpatialVec<Self>) {
         check(bodies, states.len());
         let states = states.as_ptr().cast_mut().cast();
-        // SAFETY: all bodies are among the states; see the module's text.
+        // SAFETY: all bodies are among the states, and the processor has AVX2 and FMA; see the module's safety section.
         unsafe {
             store(states, bodies, 0, motion.linear);
             store(states, bodies, 1, motion.angular);
@@ -177,7 +177,7 @@ impl F32xN for F32x8 {
 
     fn run<K: Kernel>(kernel: K) -> K::Output {
         assert!(Self::is_available(), "AVX2 and FMA are needed");
-        // SAFETY: it has both.
+        // SAFETY: the processor has both, as was just checked.
         unsafe { enter(kernel) }
     }
 
@@ -187,11 +187,11 @@ impl F32xN for F32x8 {
     }
 }
 
-/// The body of each lane, as the offset of its state in units of [`UNIT`] bytes: what an address can be made of without a shift.
+/// The body of each lane, as the offset of its state in units of [`UNIT`] bytes, so that an address needs no shift.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bodies([u32; 8]);
 
-/// An address may have an index times this.
+/// The largest factor of an index in an x86 address, bytes.
 const UNIT: usize = 8;
 
 #[inline(always)]
@@ -199,7 +199,7 @@ fn offset(body: u32) -> u32 {
     body * (size_of::<State>() / UNIT) as u32
 }
 
-/// Panics unless all bodies are among so many.
+/// Panics unless all bodies are among the first `count`.
 #[inline(always)]
 fn check(bodies: &Bodies, count: usize) {
     let end = count * (size_of::<State>() / UNIT);
@@ -223,29 +223,29 @@ fn no_such_body(bodies: &Bodies, count: usize) -> ! {
     panic!("one of the bodies {bodies:?} is not among {count}")
 }
 
-/// Linear or angular velocity (part 0 or 1) of a lane's body.
+/// Address of the linear or angular velocity (part 0 or 1) of a lane's body.
 ///
 /// # Safety
 ///
-/// Its state is there.
+/// The state of the body must exist.
 #[inline(always)]
 unsafe fn place(states: *const __m128, bodies: &Bodies, part: usize, lane: usize) -> *const __m128 {
-    // SAFETY: as the caller says; a state is two registers of four. Read as volatile, or the compiler would read all lanes at once and
-    // take them apart again at a cost.
+    // SAFETY: the caller guarantees that the state exists; a state is two registers of four numbers. The read is volatile, or the compiler
+    // would read all lanes at once and split them again at a cost.
     unsafe {
         let offset = (&raw const bodies.0[lane]).read_volatile() as usize;
         states.byte_add(UNIT * offset).add(part)
     }
 }
 
-/// Both parts of what [`load`] loads.
+/// [`load`] of both parts.
 ///
 /// # Safety
 ///
 /// As [`load`].
 #[inline(always)]
 unsafe fn load_both(states: *const __m128, bodies: &Bodies) -> SpatialVec<F32x8> {
-    // SAFETY: as the caller says.
+    // SAFETY: the caller guarantees the conditions of `load`.
     unsafe {
         SpatialVec {
             linear: load(states, bodies, 0),
@@ -258,10 +258,10 @@ unsafe fn load_both(states: *const __m128, bodies: &Bodies) -> SpatialVec<F32x8>
 ///
 /// # Safety
 ///
-/// A state of every body is there, and the processor has AVX.
+/// The state of every body must exist, and the processor must have AVX.
 #[inline(always)]
 unsafe fn load(states: *const __m128, bodies: &Bodies, part: usize) -> Vec3xN<F32x8> {
-    // SAFETY: as the caller says.
+    // SAFETY: the caller guarantees the conditions of `row`.
     unsafe {
         let a = row(states, bodies, part, 0);
         let b = row(states, bodies, part, 1);
@@ -277,14 +277,14 @@ unsafe fn load(states: *const __m128, bodies: &Bodies, part: usize) -> Vec3xN<F3
     }
 }
 
-/// That of a lane, and of the fourth after it.
+/// The velocities of a lane and of the fourth lane after it.
 ///
 /// # Safety
 ///
 /// As [`load`].
 #[inline(always)]
 unsafe fn row(states: *const __m128, bodies: &Bodies, part: usize, lane: usize) -> __m256 {
-    // SAFETY: as the caller says.
+    // SAFETY: the caller guarantees that the states exist.
     unsafe {
         let low = *place(states, bodies, part, lane);
         let high = *place(states, bodies, part, lane + 4);
@@ -292,7 +292,7 @@ unsafe fn row(states: *const __m128, bodies: &Bodies, part: usize, lane: usize) 
     }
 }
 
-/// The way back from [`load`].
+/// The inverse of [`load`].
 ///
 /// # Safety
 ///
@@ -300,7 +300,7 @@ unsafe fn row(states: *const __m128, bodies: &Bodies, part: usize, lane: usize) 
 #[inline(always)]
 unsafe fn store(states: *mut __m128, bodies: &Bodies, part: usize, v: Vec3xN<F32x8>) {
     let zero = F32x8::ZERO.0;
-    // SAFETY: as the caller says.
+    // SAFETY: the caller guarantees that the states exist.
     unsafe {
         let (ab, cd) = (
             _mm256_unpacklo_ps(v.x.0, v.y.0),

@@ -5,7 +5,7 @@ use glam::{Mat4, Vec4};
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-/// See [`F32xN`]. Products and sums are rounded one by one, so that all machines give the same bits.
+/// [`F32xN`] on glam's `Vec4`. Products and sums are rounded separately, so that all machines give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct F32x4(Vec4);
 

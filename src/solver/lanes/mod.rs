@@ -1,8 +1,8 @@
-//! One number of each of several contacts at once, and vectors of such.
+//! Lanes: a number type that holds one number of each of several contacts, and vectors of such numbers.
 //!
-//! The mathematics of blocks is written once, over [`F32xN`]; a width is one register type that implements it: [`F32x4`] on glam's
-//! `Vec4` (SSE2, NEON or WebAssembly vectors, and plain numbers elsewhere), [`F32x8`] on an AVX register. Arrays of eight plain
-//! numbers don't do: the compiler spills them, and gathers them piecewise.
+//! The mathematics of blocks is written once, over [`F32xN`]. Each width is one register type that implements it: [`F32x4`] on glam's
+//! `Vec4` (SSE2, NEON or WebAssembly vectors, and plain numbers elsewhere), [`F32x8`] on an AVX register. Arrays of eight plain numbers are
+//! no alternative: the compiler spills them, and gathers them piecewise.
 
 #[cfg(target_arch = "x86_64")]
 mod eight;
@@ -22,10 +22,10 @@ use std::ops::{Add, AddAssign, IndexMut, Mul, Neg, Sub, SubAssign};
 /// Linear and angular part of a body's motion.
 pub type State = [Vec4; 2];
 
-/// One number of each of so many contacts, in one register.
+/// One number of each of several contacts, in one register.
 ///
-/// Arithmetic belongs into [`Kernel`]s, which run on the width's own instructions; what is stored may be read and written lane by
-/// lane anywhere.
+/// Arithmetic belongs into [`Kernel`]s, which run on the instructions of the width. Stored numbers may be read and written lane by lane
+/// anywhere.
 pub trait F32xN:
     Copy
     + Debug
@@ -42,7 +42,7 @@ pub trait F32xN:
     + Sync
     + 'static
 {
-    /// How many.
+    /// Number of lanes.
     const LANES: usize;
     const ZERO: Self;
     const ONE: Self;
@@ -53,7 +53,7 @@ pub trait F32xN:
     /// The same body in all lanes.
     fn bodies(body: u32) -> Self::Bodies;
 
-    /// Puts a body into a lane.
+    /// Sets the body of a lane.
     fn set_body(bodies: &mut Self::Bodies, lane: usize, body: u32);
 
     fn splat(x: f32) -> Self;
@@ -61,22 +61,22 @@ pub trait F32xN:
     fn min(self, o: Self) -> Self;
     fn sqrt(self) -> Self;
 
-    /// 1/x, and 0 for what is not positive.
+    /// 1/x, or 0 if x is not positive.
     fn inverse(self) -> Self;
 
     /// `self` · `factor` + `addend`, rounded once where there is an instruction for it.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
 
-    /// `self` · `factor` − `less`, likewise.
+    /// `self` · `factor` − `less`, rounded as [`mul_add`](Self::mul_add).
     fn mul_sub(self, factor: Self, less: Self) -> Self;
 
-    /// `from` − `self` · `factor`, likewise.
+    /// `from` − `self` · `factor`, rounded as [`mul_add`](Self::mul_add).
     fn neg_mul_add(self, factor: Self, from: Self) -> Self;
 
-    /// `a` where this is greater than `limit`, else `b`.
+    /// `a` in lanes where `self` is greater than `limit`, else `b`.
     fn select_above(self, limit: Self, a: Self, b: Self) -> Self;
 
-    /// This is greater than `limit` in any lane.
+    /// Whether `self` is greater than `limit` in any lane.
     fn any_above(self, limit: Self) -> bool;
 
     fn sum(self) -> f32;
@@ -84,7 +84,7 @@ pub trait F32xN:
     /// The motions of the lanes' bodies.
     fn gather(states: &[Cell<State>], bodies: &Self::Bodies) -> SpatialVec<Self>;
 
-    /// The same of states that nobody writes to meanwhile.
+    /// [`gather`](Self::gather) of states that do not change meanwhile.
     fn read(states: &[State], bodies: &Self::Bodies) -> SpatialVec<Self>;
 
     /// Writes the motions of the lanes' bodies back.
@@ -93,18 +93,18 @@ pub trait F32xN:
     /// Runs a kernel on this width's instructions.
     fn run<K: Kernel>(kernel: K) -> K::Output;
 
-    /// The same inside a kernel, for what is seldom needed: as a function of its own it leaves the registers to the rest.
+    /// Runs a kernel inside a kernel, for rare cases. It is a function of its own, and so leaves the registers to the frequent case.
     fn run_rarely<K: Kernel>(kernel: K) -> K::Output;
 }
 
-/// States as visits read and write them: one at a time each, whoever else holds the list.
+/// States as cells: visits read and write one state at a time, and several may share the list.
 #[inline(always)]
 pub fn cells(states: &mut [State]) -> &[Cell<State>] {
     Cell::from_mut(states).as_slice_of_cells()
 }
 
-/// A piece of work that is compiled for the instructions of a width: its `run` and all it calls with lanes must be
-/// `#[inline(always)]` and without closures, or the compiler makes every operation on a register a function call.
+/// Work that is compiled for the instructions of a width. Its `run` and all functions that it calls with lanes must be `#[inline(always)]`
+/// and without closures, or the compiler makes every operation on a register a function call.
 pub trait Kernel {
     type Output;
 

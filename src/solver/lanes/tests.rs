@@ -2,7 +2,7 @@ use super::*;
 use glam::Vec3;
 use std::marker::PhantomData;
 
-/// What each lane does, against plain numbers.
+/// Checks the arithmetic of each lane against plain numbers.
 struct Arithmetic<L>(PhantomData<L>);
 
 fn of<L: F32xN>(number: impl Fn(usize) -> f32) -> L {
@@ -54,7 +54,7 @@ impl<L: F32xN> Kernel for Arithmetic<L> {
     }
 }
 
-/// What is gathered, and scattered back in another order.
+/// Gathers states, and scatters them in another order.
 struct Exchange<'a, L>(&'a mut [State], PhantomData<L>);
 
 impl<L: F32xN> Kernel for Exchange<'_, L> {
@@ -105,7 +105,7 @@ fn eight_lanes_do_what_numbers_do() {
     }
 }
 
-/// The last one is not there.
+/// The last body does not exist.
 fn reach_too_far<L: F32xN>() {
     let mut states = vec![State::default(); L::LANES];
     L::run(Exchange::<L>(&mut states, PhantomData));

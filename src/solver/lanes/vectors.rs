@@ -1,4 +1,4 @@
-//! Vectors and matrices of each of several contacts.
+//! Vectors and matrices with one value for each of several contacts.
 
 use super::F32xN;
 use glam::{Mat3, Vec3};
@@ -39,7 +39,7 @@ impl<L: F32xN> Vec3xN<L> {
         }
     }
 
-    /// `self` × o + `addend`
+    /// `self` × o + `addend`.
     #[inline(always)]
     pub fn cross_add(self, o: Self, addend: Self) -> Self {
         let half = Self {
@@ -63,7 +63,7 @@ impl<L: F32xN> Vec3xN<L> {
         }
     }
 
-    /// `self` · s + `addend`
+    /// `self` · s + `addend`.
     #[inline(always)]
     pub fn scale_add(self, s: L, addend: Self) -> Self {
         Self {
@@ -73,7 +73,7 @@ impl<L: F32xN> Vec3xN<L> {
         }
     }
 
-    /// `from` − `self` · s
+    /// `from` − `self` · s.
     #[inline(always)]
     pub fn scale_neg_add(self, s: L, from: Self) -> Self {
         Self {
@@ -110,7 +110,7 @@ impl<L: F32xN> Sub for Vec3xN<L> {
     }
 }
 
-/// A motion or a wrench of each contact.
+/// A motion or a wrench of each contact: a linear and an angular vector.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpatialVec<L> {
     pub linear: Vec3xN<L>,
@@ -126,7 +126,7 @@ pub struct Frame<L> {
 }
 
 impl<L: F32xN> Frame<L> {
-    /// Of a normal and the first of its tangents.
+    /// The frame of a normal and its first tangent.
     #[inline(always)]
     pub fn of(normal: Vec3xN<L>, tangent: Vec3xN<L>) -> Self {
         Self {
@@ -151,7 +151,7 @@ impl<L: F32xN> Frame<L> {
         self.n.scale_add(v.x, on_plane)
     }
 
-    /// What a matrix in world axes is in these.
+    /// Transforms a matrix from world axes into the frame.
     #[inline(always)]
     pub fn local_matrix(&self, m: &Symmetric<L>) -> Symmetric<L> {
         let (n, t1, t2) = (m.apply(self.n), m.apply(self.t1), m.apply(self.t2));
@@ -205,7 +205,7 @@ impl<L: F32xN> Symmetric<L> {
         }
     }
 
-    /// What it makes of `v`, and `addend`.
+    /// The product with `v`, plus `addend`.
     #[inline(always)]
     pub fn apply_add(&self, v: Vec3xN<L>, addend: Vec3xN<L>) -> Vec3xN<L> {
         let &Self {
@@ -223,7 +223,7 @@ impl<L: F32xN> Symmetric<L> {
         }
     }
 
-    /// `from` less what it makes of `v`.
+    /// `from` minus the product with `v`.
     #[inline(always)]
     pub fn apply_neg_add(&self, v: Vec3xN<L>, from: Vec3xN<L>) -> Vec3xN<L> {
         let &Self {
@@ -242,17 +242,17 @@ impl<L: F32xN> Symmetric<L> {
     }
 }
 
-/// What squares are lifted by: those of numbers below 1e-19, as things at rest have, are subnormal, which is slow. Stacks at rest took
-/// a third longer. Where a product and a sum are rounded as one there are none.
+/// Added to squares. Squares of numbers below 1e-19, which are common at rest, are subnormal and slow: stacks at rest took a third longer.
+/// Fused operations do not produce them.
 const TINY: f32 = 1e-30;
 
-/// For comparison with a [square_length].
+/// The square of a limit, for comparison with a [`square_length`].
 #[inline(always)]
 pub fn squared<L: F32xN>(limit: L) -> L {
     limit.mul_add(limit, L::splat(TINY))
 }
 
-/// And a tiny bit more, see [`TINY`].
+/// The squared length, plus [`TINY`].
 #[inline(always)]
 pub fn square_length<L: F32xN>([x, y]: [L; 2]) -> L {
     x.mul_add(x, y.mul_add(y, L::splat(TINY)))

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// What a [patch solver](super::PatchSolver) is given of a patch, and what it finds. World axes.
+/// The input of a [patch solver](super::PatchSolver) for a patch, and its results. World axes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PatchConstraint {
     /// Indices of A and B among the problem's bodies.
@@ -11,33 +11,33 @@ pub struct PatchConstraint {
     pub normal: Vec3,
     /// From the centres of mass of A and B to the patch's centre, m.
     pub arms: [Vec3; 2],
-    /// μ
+    /// Coefficient of friction μ.
     pub friction: f32,
-    /// e
+    /// Coefficient of restitution e.
     pub restitution: f32,
-    /// How far a sticking patch has slipped since the onset; `None` where nothing holds it.
+    /// Slip of a sticking patch since the onset; `None` if friction is not anchored.
     pub slip: Option<Slip>,
-    /// Its points among the problem's: the first, and how many.
+    /// Index of its first point among the problem's.
     pub first: u32,
-    /// See `first`.
+    /// Number of its points.
     pub count: u32,
-    /// λ_t at the centre, N·s: what to start from, as if it acted all through the step; and what to start the next from.
+    /// λ_t at the centre, N·s over the whole step. In: the warm start. Out: that of the next step.
     pub warm_tangential: Vec3,
-    /// Moment about the normal, N·m·s, likewise.
+    /// Moment about the normal, N·m·s; in and out as `warm_tangential`.
     pub warm_twist: f32,
-    /// What resists rolling, as a share of the radius; 0 where nothing rolls.
+    /// Rolling friction, as a share of the radius; 0 if the patch does not roll.
     pub rolling_friction: f32,
-    /// Of what rolls, m.
+    /// Rolling radius, m.
     pub rolling_radius: f32,
-    /// Moment against rolling, N·m·s, likewise.
+    /// Moment against rolling, N·m·s; in and out as `warm_tangential`.
     pub warm_rolling: Vec3,
-    /// Slow means of λ_t and of the twist: what they carry at rest.
+    /// Slow mean of λ_t: its load at rest, N·s over the step.
     pub load_tangential: Vec3,
-    /// See `load_tangential`.
+    /// Slow mean of the twist: its load at rest, N·m·s over the step.
     pub load_twist: f32,
-    /// What λ_t has given in the whole step, N·s: found.
+    /// Result: impulse of λ_t over the whole step, N·s.
     pub tangential: Vec3,
-    /// How far it has slid for good in this step, so that its anchor is to follow: found.
+    /// Result: permanent slip in this step, by which its anchor is to be moved.
     pub dragged: Slip,
 }
 
@@ -49,12 +49,12 @@ impl PatchConstraint {
     }
 }
 
-/// How far A has slipped on B at the centre of a patch.
+/// Slip of A on B at the centre of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slip {
-    /// m, world axes.
+    /// Displacement in world axes, m.
     pub shift: Vec3,
-    /// About the normal, rad.
+    /// Rotation about the normal, rad.
     pub twist: f32,
 }
 
@@ -65,13 +65,13 @@ pub struct PatchPoint {
     pub offset: Vec3,
     /// Distance of the surfaces beyond the ideal one, m; negative: too near.
     pub separation: f32,
-    /// λ_n, N·s: what to start from, as if it acted all through the step; and what to start the next from.
+    /// λ_n, N·s over the whole step. In: the warm start. Out: that of the next step.
     pub warm_normal: f32,
-    /// What λ_n has given in the whole step, N·s: found.
+    /// Result: impulse of λ_n over the whole step, N·s.
     pub normal: f32,
-    /// A slow mean of λ_n, N·s over the step: what it carries at rest.
+    /// Slow mean of λ_n: its load at rest, N·s over the step.
     pub load: f32,
 }
 
-/// A step walks them five times.
+/// The sizes matter, since a step passes over these lists five times.
 const _: () = assert!(size_of::<PatchConstraint>() <= 160 && size_of::<PatchPoint>() <= 28);

@@ -1,8 +1,8 @@
-//! What a solver keeps of an island from step to step.
+//! The state that a solver keeps of an island from step to step.
 
 use std::any::Any;
 
-/// Handed to a solver with every problem of the same island. A solver that keeps nothing leaves it alone.
+/// The state that a solver keeps of an island. A solver receives it with every problem of the same island, and may leave it empty.
 #[derive(Default)]
 pub struct Memory {
     kept: Option<Box<dyn Any + Send + Sync>>,
@@ -10,39 +10,39 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Forgets all: the next problem is of other patches, or of other bodies.
+    /// Drops the state: the next problem has other patches or other bodies.
     pub fn forget(&mut self) {
         self.kept = None;
         self.changed = None;
     }
 
-    /// The next problem is that of the last step, but for distances, slips, velocities and what is carried, and for all of the
-    /// patches that are [pushed](Self::push_changed) after this.
+    /// The next problem equals the last one, except for distances, slips, velocities and impulses, and for the patches that are
+    /// [pushed](Self::push_changed) after this call.
     pub fn expect_same(&mut self) {
         self.changed.get_or_insert_default().clear();
     }
 
-    /// A patch that stands in the place of one before, between the same bodies and with as many points, but was found anew.
+    /// Marks a patch that replaces one between the same bodies and with as many points, and was detected anew.
     pub fn push_changed(&mut self, patch: u32) {
         if let Some(changed) = &mut self.changed {
             changed.push(patch);
         }
     }
 
-    /// What was kept of the last problem where this one is the same, and which of its patches are not, in ascending order.
+    /// Takes the state if this problem equals the last one, with the patches that differ, in ascending order.
     pub fn take<T: Any>(&mut self) -> Option<(Box<T>, Vec<u32>)> {
         let changed = self.changed.take();
         let kept = self.kept.take()?.downcast().ok()?;
         Some((kept, changed?))
     }
 
-    /// What [`Self::take`] would give.
+    /// The state that [`Self::take`] would return.
     pub fn peek<T: Any>(&self) -> Option<&T> {
         self.changed.as_ref()?;
         self.kept.as_ref()?.downcast_ref()
     }
 
-    /// Keeps something for the next problem.
+    /// Keeps a state for the next problem.
     pub fn keep<T: Any + Send + Sync>(&mut self, kept: Box<T>) {
         self.kept = Some(kept);
     }

@@ -1,8 +1,8 @@
-//! Solvers of patches: every contact point has a normal impulse of its own, but one friction force and one twist serve all points of
-//! a patch.
+//! Solvers of patches: every contact point has a normal impulse of its own, but one friction force and one twist serve all points of a
+//! patch.
 //!
-//! Such a solver takes substeps of its own: it begins at [`Body::start`], and says in [`Body::motion`] how bodies moved.
-//! [`SoftStep`] is drystone's default.
+//! A patch solver takes substeps of its own: it begins at [`Body::start`], and returns in [`Body::motion`] how bodies moved. [`SoftStep`]
+//! is the default.
 
 mod constraint;
 mod memory;
@@ -24,7 +24,7 @@ pub trait PatchSolver: Send + Sync {
     /// A short name for reports.
     fn name(&self) -> &str;
 
-    /// What is wrong with its own settings, as a sentence; it is not asked to solve then.
+    /// Describes invalid settings of the solver in a sentence. The solver is not called then.
     fn problem(&self) -> Option<String> {
         None
     }
@@ -32,7 +32,7 @@ pub trait PatchSolver: Send + Sync {
     /// Finds impulses, velocities and motions.
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport;
 
-    /// Solves several problems of [few](FEW) patches each, in which nobody is held. What it finds of each must be what [`Self::solve`] would.
+    /// Solves several problems of [few](FEW) patches each, without hands. The result of each must be that of [`Self::solve`].
     fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
         problems
             .iter_mut()
@@ -53,8 +53,7 @@ pub struct PatchProblem<'a> {
     pub grips: &'a mut [Grip],
     /// Length of the step, s.
     pub dt: f32,
-    /// The longest of recent steps, s; not shorter than this one. What is as stiff as the step allows must not become stiffer for one
-    /// that is short by chance.
+    /// The longest of recent steps, s; at least `dt`. It sets a stiffness that must not increase for a step that is short by chance.
     pub longest: f32,
     /// Acceleration of free fall, m/s².
     pub gravity: Vec3,
@@ -62,8 +61,8 @@ pub struct PatchProblem<'a> {
     pub max_correction_speed: f32,
     /// Keep [`SolveReport::history`].
     pub record_history: bool,
-    /// How many threads of the pool it is called in a solver may use, at least 1. What it finds must not depend on it.
+    /// Number of threads that the solver may use, of the pool in which it is called; at least 1. Results must not depend on it.
     pub threads: usize,
-    /// What the solver keeps of this island.
+    /// The state that the solver keeps of this island.
     pub memory: &'a mut Memory,
 }

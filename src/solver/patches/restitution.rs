@@ -1,24 +1,24 @@
-//! Restitution, after the substeps: what was stopped leaves again (Box2D v3's `restitution` stage).
+//! Restitution, after the substeps: bodies that contacts have stopped bounce (Box2D v3's `restitution` stage).
 //!
-//! What arrives at u leaves at −e u, and what it pushes on in the meantime gives way no further. Then a bounce takes the share
-//! 1 − e² of the energy that the contacts have taken out of the approach, however many bodies have a part in it, and none at e = 1:
-//! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn don't keep to that, so what would
-//! gain is weakened.
+//! A point that arrives at u leaves at −e u, and the other points of its group yield no further in the meantime. Then a bounce takes the
+//! share 1 − e² of the energy that the contacts have taken out of the approach, however many bodies have a part in it, and none at e = 1:
+//! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn do not satisfy this, so a bounce that would
+//! gain energy is weakened.
 
 use crate::solver::groups::Groups;
 use crate::solver::{Body, PatchPoint, PatchProblem};
 use glam::{DVec3, Vec3};
 
-/// Visits to all points that take part, at most.
+/// Upper bound of visits to all points of a group.
 const VISITS: usize = 50;
 
 /// Visits end when none has changed a velocity by more than this share of the fastest bounce.
 const SETTLED: f32 = 1e-6;
 
-/// What may bounce.
+/// Points that may bounce.
 pub struct Bounces {
     points: Vec<Bouncing>,
-    /// What forces do to each body's velocity in this step.
+    /// By body: change of its velocity by the forces of this step.
     pushes: Vec<[Vec3; 2]>,
 }
 
@@ -26,18 +26,18 @@ pub struct Bounces {
 struct Bouncing {
     /// Its index among the problem's.
     point: usize,
-    /// That of its patch.
+    /// The index of its patch.
     patch: usize,
     /// Normal velocity to leave with, m/s.
     leave: f32,
-    /// When it arrives, s from the start of the step.
+    /// Time of its arrival, s from the start of the step.
     arrives: f32,
 }
 
-/// The points that will bounce if they are stopped, and how fast; before the substeps.
+/// Finds the points that will bounce if they are stopped, and their speeds; called before the substeps.
 ///
-/// They leave with a share e of the velocity with which they arrive, equation (2) of the paper: that before this step's forces,
-/// and what these add on the way to the surface. Without the second a ball would lose height in every bounce.
+/// They leave with a share e of the velocity with which they arrive, equation (2) of the paper: the velocity before this step's forces, and
+/// the velocity that these add on the way to the surface. Without the second a ball would lose height in every bounce.
 pub fn find(problem: &PatchProblem) -> Bounces {
     let mut points = Vec::new();
     let patches = problem.patches.iter().enumerate();
@@ -53,7 +53,7 @@ pub fn find(problem: &PatchProblem) -> Bounces {
                 let gained = approach(bodies.map(Body::push), &arms, patch.normal);
                 let fallen = -2.0 * gained / problem.dt * separation.max(0.0);
                 let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
-                // What would be back within the step rests.
+                // A body that would be back within the step rests.
                 if leave > -0.5 * gained {
                     points.push(Bouncing {
                         point,
@@ -72,22 +72,22 @@ pub fn find(problem: &PatchProblem) -> Bounces {
     Bounces { points, pushes }
 }
 
-/// A point that takes part in a bounce: it bounces itself, or held something.
+/// A point that takes part in a bounce: it bounces itself, or it carried an impulse.
 struct Row {
     point: usize,
     patch: usize,
-    /// Rows of other groups have no part in its bounce.
+    /// Its group; rows of other groups have no part in its bounce.
     group: u32,
     bodies: [usize; 2],
     normal: Vec3,
     arms: [Vec3; 2],
-    /// W, 1/kg.
+    /// Inverse effective mass W, 1/kg.
     response: f32,
-    /// Normal velocity to leave with, m/s; 0 where it only holds.
+    /// Normal velocity to leave with, m/s; 0 for a point that does not bounce.
     leave: f32,
-    /// What the bounce may give at least, N·s: what holds may let go.
+    /// Lower bound of its impulse, N·s. A point that does not bounce may lose the impulse that it carries.
     least: f32,
-    /// What it has given so far, N·s.
+    /// Its impulse so far, N·s.
     impulse: f32,
 }
 
@@ -99,7 +99,7 @@ impl Row {
         approach(velocities, &self.arms, self.normal)
     }
 
-    /// Adds to its impulse; how much of it was added.
+    /// Adds to its impulse. Returns the amount that was added, N·s.
     fn give(&mut self, change: f32, bodies: &mut [Body]) -> f32 {
         let found = (self.impulse + change).max(self.least);
         let given = found - self.impulse;
@@ -111,7 +111,7 @@ impl Row {
     }
 }
 
-/// Lets those leave that have been stopped; after so many substeps.
+/// Applies restitution to points that were stopped, after `substeps` substeps.
 pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     let mut bouncing = bounces.points;
     let at_once = problem.dt / substeps as f32;
@@ -122,7 +122,7 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
             .map(|point| point.arrives)
             .fold(f32::NEG_INFINITY, f32::max);
         for point in patch {
-            // A face that lands at the very end of the step lands as one, or it would be thrown by one of its edges.
+            // A face that lands at the very end of the step bounces as a whole, or one of its edges would throw it.
             if !stopped(point) && point.arrives > last + at_once {
                 point.leave = 0.0;
             }
@@ -143,7 +143,7 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
         let point = &mut problem.points[row.point];
         point.normal += row.impulse;
         if row.leave > 0.0 {
-            // It is off, and carries nothing.
+            // The point has left the surface and carries nothing.
             point.warm_normal = 0.0;
             let patch = &mut problem.patches[row.patch];
             (patch.warm_tangential, patch.warm_twist) = (Vec3::ZERO, 0.0);
@@ -152,7 +152,7 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     }
 }
 
-/// Sorts rows into groups that share bodies which can be moved.
+/// Sorts rows into groups. The rows of a group share movable bodies, directly or through others.
 fn group(rows: &mut [Row], bodies: &[Body]) {
     let mut groups = Groups::default();
     groups.begin(bodies.len());
@@ -169,7 +169,7 @@ fn group(rows: &mut [Row], bodies: &[Body]) {
     rows.sort_by_key(|row| row.group);
 }
 
-/// Lets one group leave.
+/// Bounces one group.
 fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
     let mut ends: Vec<usize> = group.iter().flat_map(|row| row.bodies).collect();
     ends.sort_unstable();
@@ -239,8 +239,8 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
     rows
 }
 
-/// What landed on a face leaves it as it came, all points together: in the proportion in which they were stopped, as fast as fits
-/// them best.
+/// Bounces a patch as a whole: its points get impulses in the proportion in which they were stopped, with the speed that fits them best. So
+/// a body that landed on a face leaves it as it came.
 fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body]) {
     let (mut push, mut turns, mut missing) = (0.0, [Vec3::ZERO; 2], 0.0);
     for row in patch.iter().filter(|row| row.leave > 0.0) {
@@ -263,8 +263,8 @@ fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body])
     }
 }
 
-/// The share of a bounce that can be had without more energy, kinetic and of place, than there was before the step; from the
-/// velocities of the bodies at the ends before the bounce, and those now.
+/// The share of a bounce for which the energy, kinetic and potential, is at most that before the step. `before` holds the velocities of the
+/// bodies in `ends` before the bounce.
 fn affordable(
     group: &[Row],
     bodies: &[Body],
@@ -275,7 +275,7 @@ fn affordable(
     let moves = |end: &Body| end.inverse_mass > 0.0;
     let driven = |end: &Body| !moves(end) && end.start != [Vec3::ZERO; 2];
     if ends.iter().any(|&end| driven(&bodies[end])) {
-        // What is moved from outside does work.
+        // A driven body does work.
         return 1.0;
     }
     // E(s) = E(0) + s d + s² q.
@@ -302,8 +302,8 @@ fn affordable(
     ((root - d) / (2.0 * q)).clamp(0.0, 1.0) as f32
 }
 
-/// What contacts have taken of a body's energy in the substeps, J: what it had, and what forces gave it on its way, less what it
-/// has.
+/// The energy that contacts have taken from a body in the substeps, J: its energy before the step, plus the work of forces, less its energy
+/// now.
 fn spent(body: &Body, now: [Vec3; 2], push: [Vec3; 2]) -> f64 {
     let inertia = body.inverse_inertia.as_dmat3().inverse();
     let product = |[v, w]: [DVec3; 2], [x, y]: [DVec3; 2]| {

@@ -1,13 +1,13 @@
-//! The rows of one contact point: a normal and two tangents, their effective masses, and one relaxation of them.
+//! The rows of one contact point: a normal and two tangents, with their effective masses and their relaxation.
 //!
-//! Matrix-free: W = J M⁻¹ Jᵀ is never built, only its 3 × 3 block for each point. The body velocities are kept equal to
-//! M⁻¹ Jᵀ λ + free motion throughout.
+//! The method is matrix-free: W = J M⁻¹ Jᵀ is never built, only its 3 × 3 block for each point. The body velocities are kept equal to M⁻¹
+//! Jᵀ λ + free motion throughout.
 
 use super::FrictionCone;
 use crate::solver::Body;
 use glam::{Mat3, Vec2, Vec3};
 
-/// What is given of a contact point, in world axes.
+/// The input for a contact point, in world axes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PointInput {
     /// Indices of A and B among the problem's bodies.
@@ -16,19 +16,19 @@ pub struct PointInput {
     pub normal: Vec3,
     /// From the centres of mass of A and B to the point, m.
     pub arms: [Vec3; 2],
-    /// μ
+    /// Coefficient of friction μ.
     pub friction: f32,
     /// Lower bound of the normal velocity, m/s.
     pub target_normal: f32,
     /// Demanded tangential velocity, m/s.
     pub target_tangential: Vec3,
-    /// λ_n to start from, N·s.
+    /// Warm start of λ_n, N·s.
     pub impulse_normal: f32,
-    /// λ_t to start from, N·s.
+    /// Warm start of λ_t, N·s.
     pub impulse_tangential: Vec3,
 }
 
-/// One contact point, ready to be solved: given by a [`PointInput`], in its own frame (n, t1, t2).
+/// A contact point that is ready to be solved, prepared from a [`PointInput`], in its own frame (n, t1, t2).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PointConstraint {
     /// Indices of A and B among the problem's bodies.
@@ -37,7 +37,7 @@ pub struct PointConstraint {
     pub normal: Vec3,
     /// From the centres of mass of A and B to the point, world axes, m.
     pub arms: [Vec3; 2],
-    /// μ
+    /// Coefficient of friction μ.
     pub friction: f32,
     /// b: lower bound of the normal velocity, and demanded tangential velocities, m/s.
     pub target: Vec3,
@@ -64,13 +64,13 @@ pub fn tangents(normal: Vec3) -> [Vec3; 2] {
     [t, b]
 }
 
-/// Two bodies as all points with one normal see them.
+/// Masses of two bodies in the frame of a normal, for all points with that normal.
 pub(crate) struct PatchFrame {
-    /// n, t1, t2
+    /// n, t1, t2.
     axes: [Vec3; 3],
-    /// Of A and B together, 1/kg.
+    /// Inverse mass of A and B together, 1/kg.
     inverse_mass: f32,
-    /// Of A and B along the axes, 1/(kg·m²): xx, yy, zz, and xy, xz, yz.
+    /// Inverse inertias of A and B in the frame, 1/(kg·m²): xx, yy, zz, and xy, xz, yz.
     inverse_inertia: [[Vec3; 2]; 2],
 }
 
@@ -90,7 +90,7 @@ impl PatchFrame {
         }
     }
 
-    /// One of the points.
+    /// Prepares one of the points.
     #[inline]
     pub(crate) fn prepare(&self, input: &PointInput) -> PointConstraint {
         let [normal, t1, t2] = self.axes;
@@ -172,8 +172,7 @@ impl PointConstraint {
         self.push(bodies, self.world(change));
     }
 
-    /// Projected Gauss–Seidel step of the normal row; Wₙₙ Δλ², J: free of units of mass and length, so that heavy and light
-    /// contacts can be summed.
+    /// Projected Gauss–Seidel step of the normal row. Returns Wₙₙ Δλ², J: an energy, so that heavy and light contacts can be summed.
     #[inline]
     pub fn relax_normal(&mut self, bodies: &mut [Body]) -> f32 {
         let residual = self.normal.dot(self.relative(bodies)) - self.target.x;
@@ -184,7 +183,7 @@ impl PointConstraint {
         self.diagonal.x * change * change
     }
 
-    /// Projected Gauss–Seidel step of the two friction rows, against the normal impulse as it is now; Δλᵀ diag(W) Δλ, J.
+    /// Projected Gauss–Seidel step of the two friction rows, against the current normal impulse. Returns Δλᵀ diag(W) Δλ, J.
     #[inline]
     pub fn relax_friction(&mut self, bodies: &mut [Body], cone: FrictionCone) -> f32 {
         let limit = self.friction * self.impulse.x;
@@ -210,10 +209,10 @@ impl PointConstraint {
         self.diagonal.y * change.x * change.x + self.diagonal.z * change.y * change.y
     }
 
-    /// The exact 2 × 2 step if it stays inside the disc; else an isotropic one, projected.
+    /// The exact 2 × 2 step if it stays inside the disc, else an isotropic one, projected.
     ///
-    /// Projecting the exact step radially instead would turn it away from the slip, and a sliding body would lose part of
-    /// its friction (a box at 28° slid 9.86 m where 3.50 m is right).
+    /// Projecting the exact step radially instead would turn it away from the slip, and a sliding body would lose part of its friction (a
+    /// box at 28° slid 9.86 m where 3.50 m is right).
     fn step_in_disc(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
         let Vec3 {
             x: xx,
@@ -239,7 +238,7 @@ impl PointConstraint {
     }
 }
 
-/// 1/x, and 0 for what is not positive.
+/// 1/x, or 0 if x is not positive.
 pub(super) fn inverse(x: f32) -> f32 {
     if x > 0.0 { 1.0 / x } else { 0.0 }
 }
@@ -248,7 +247,7 @@ pub(super) fn inverse(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// A flat body of 1000 kg on the ground, touching at one point below: far easier to turn about z than about x.
+    /// A flat body of 1000 kg on the ground, with one point of contact below: far easier to turn about z than about x.
     fn touching(arm: Vec3) -> (Vec<Body>, PointConstraint) {
         let body = Body {
             inverse_mass: 1e-3,
@@ -281,7 +280,7 @@ mod tests {
         }
     }
 
-    /// The trap of `method.md`: while sliding, friction must oppose the slip with all of μ λ_n.
+    /// The trap of `method.md`: during sliding, friction must oppose the slip with all of μ λ_n.
     #[test]
     fn sliding_friction_is_at_the_cone_and_against_the_slip() {
         let (mut bodies, mut contact) = touching(Vec3::new(0.5, -0.5, 0.3));
@@ -298,7 +297,7 @@ mod tests {
             friction.normalize().dot(slip.normalize()) < -0.9999,
             "{friction} {slip}"
         );
-        // The exact step projected radially would fail this: it does not end up against the slip.
+        // The exact step, projected radially, fails here: it does not end up against the slip.
         let Vec3 {
             x: xx,
             y: yy,
@@ -308,7 +307,7 @@ mod tests {
         assert!(exact.normalize().dot(slip.normalize()) < 0.995);
     }
 
-    /// Below the centre the normal does not turn the body, and the block solve of the tangents is all there is to do.
+    /// Below the centre the normal does not turn the body, and the block solve of the tangents is exact.
     #[test]
     fn sticking_friction_is_exact_in_one_step() {
         let (mut bodies, mut contact) = touching(Vec3::NEG_Y * 0.5);

@@ -61,7 +61,7 @@ pub trait PointSolver: Send + Sync {
     /// A short name for reports.
     fn name(&self) -> &str;
 
-    /// What is wrong with its own settings, as a sentence; it is not asked to solve then.
+    /// Describes invalid settings of the solver in a sentence. The solver is not called then.
     fn problem(&self) -> Option<String> {
         None
     }
@@ -78,17 +78,17 @@ pub trait PointSolver: Send + Sync {
 /// The set that the friction impulses of one point are projected to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrictionCone {
-    /// ‖λ_t‖ ≤ μ λ_n
+    /// ‖λ_t‖ ≤ μ λ_n.
     #[default]
     Circular,
     /// |λ_t1|, |λ_t2| ≤ μ λ_n on two fixed tangents: cheaper to reason about, up to √2 too strong along the diagonal.
     Box,
 }
 
-/// Most sweeps of a solve.
+/// Upper bound of the settings for sweeps.
 const SWEEPS: usize = 1_000_000;
 
-/// What is wrong with settings that [`Pgs`] and [`Nncg`] share.
+/// Describes invalid values of the settings that [`Pgs`] and [`Nncg`] share.
 fn problem(iterations: usize, warm_start: f32, tolerance: f32, lanes: Lanes) -> Option<String> {
     if !(1..=SWEEPS).contains(&iterations) {
         return Some(format!(
@@ -108,7 +108,7 @@ fn problem(iterations: usize, warm_start: f32, tolerance: f32, lanes: Lanes) -> 
     lanes.problem()
 }
 
-/// A solver whose sweeps go through lanes: written once, for all widths and both cones.
+/// A solver whose sweeps use lanes, written once for all widths and both cones.
 trait Method {
     fn solve_as<L: F32xN, C: Cone>(&self, problem: &mut PointProblem) -> SolveReport;
 
@@ -129,8 +129,8 @@ trait Method {
     }
 }
 
-/// Pairs in the mean block of eight from which on they are the faster: those of a wall of 10 × 10 hold 4.5, where they save a fifth;
-/// those of one of 5 × 5 hold 2.4, and it would cost a tenth more.
+/// Mean number of pairs in a block of eight from which on it is faster: those of a wall of 10 × 10 hold 4.5, where they save a fifth; those
+/// of one of 5 × 5 hold 2.4, and it would cost a tenth more.
 #[cfg(target_arch = "x86_64")]
 const ENOUGH: usize = 3;
 
@@ -144,8 +144,8 @@ fn width(_: Lanes, _: &PointProblem) -> Width {
     Width::Four
 }
 
-/// One island, ready to be solved. Constraints have been prepared ([`PointConstraint::prepare`]), and velocities hold the effect of the
-/// impulses they start with.
+/// One island, ready to be solved. Constraints are prepared ([`PointConstraint::prepare`]), and velocities include the effect of the
+/// warm-start impulses.
 pub struct PointProblem<'a> {
     /// All bodies of the island, and copies of the static and kinematic ones it touches.
     pub bodies: &'a mut [Body],
@@ -155,14 +155,14 @@ pub struct PointProblem<'a> {
     pub grips: &'a mut [Grip],
     /// Length of the step, s.
     pub dt: f32,
-    /// The merit of the free motion, √J; what residuals are relative to. See [`merit`].
+    /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].
     pub free_merit: f32,
     /// Keep [`SolveReport::history`].
     pub record_history: bool,
 }
 
 impl PointProblem<'_> {
-    /// Takes over a share of the impulses that the constraints come with, and gives it to the bodies; measures the free motion before.
+    /// Scales the impulses of the constraints by `share` and applies them to the bodies. Measures the free motion before.
     pub fn warm_start(&mut self, share: f32) {
         let contacts = merit::free_merit(self.bodies, self.constraints);
         let alone = |grip: &Grip| {
@@ -186,7 +186,7 @@ impl PointProblem<'_> {
         }
     }
 
-    /// The hands, ready to be visited, with what their bodies cannot be pulled through.
+    /// The hands, ready to be visited, with the walls of their bodies.
     fn held(&self) -> Vec<Held> {
         if self.grips.is_empty() {
             return Vec::new();
@@ -209,7 +209,7 @@ impl PointProblem<'_> {
         SolveReport::new(self.free_merit, self.record_history)
     }
 
-    /// One projected Gauss–Seidel sweep over all hands and then all contacts, pair after pair: Σ Wᵢᵢ Δλᵢ², J.
+    /// One projected Gauss–Seidel sweep over all hands and then all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
         let mut change = 0.0;
         for (i, mut held) in self.held().into_iter().enumerate() {
@@ -239,20 +239,20 @@ impl PointProblem<'_> {
     }
 }
 
-/// The way through the points of a pair.
+/// The order of the points of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// In the order in which they stand: deepest first.
+    /// In their stored order: deepest first.
     Forwards,
-    /// In the reverse.
+    /// In reverse order.
     Backwards,
 }
 
 impl Direction {
-    /// That of sweep `k` of `n`, counted from 0: back and forth, the last one forwards.
+    /// The direction of sweep `k` of `n`, counted from 0: back and forth, the last one forwards.
     ///
-    /// Always the same way, and the first points of each manifold keep more than their share of the load, which makes stacks rock
-    /// and the directions of conjugate gradients go stale.
+    /// With one direction only, the first points of each manifold keep more than their share of the load, which makes stacks rock and the
+    /// directions of conjugate gradients go stale.
     pub fn of_sweep(k: usize, n: usize) -> Self {
         if (n - k) % 2 == 1 {
             Self::Forwards
@@ -272,9 +272,9 @@ impl Direction {
 /// When the friction of a pair is relaxed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grouping {
-    /// After the normals of all its points. Friction is bounded by what the points carry, and the first ones would be bounded by
-    /// a load that they are about to hand on: better for few plain sweeps.
+    /// After the normals of all its points. This is better for few plain sweeps: friction is bounded by the normal impulses, and the first
+    /// points would be bounded by loads that they are about to pass on.
     Pair,
-    /// After the normal of each point: smoother, better under conjugate gradients.
+    /// After the normal of each point: smoother, and better for conjugate gradients.
     Point,
 }

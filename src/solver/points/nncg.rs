@@ -1,40 +1,39 @@
-//! The nonsmooth nonlinear conjugate gradient solver (Silcowitz-Hansen, Niebe, Erleben 2010, "A nonsmooth nonlinear
-//! conjugate gradient method for interactive contact force problems").
+//! The nonsmooth nonlinear conjugate gradient solver (Silcowitz-Hansen, Niebe, Erleben 2010, "A nonsmooth nonlinear conjugate gradient
+//! method for interactive contact force problems").
 //!
-//! A Gauss–Seidel sweep is a fixed-point iteration; what it changes, r = Δλ, is minus the gradient of a merit function
-//! ½‖r‖². Fletcher–Reeves makes search directions from these: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖², where the sweep itself
-//! takes the step r and β p is added. A β above 1 says that the direction has gone stale, and it starts anew.
+//! A Gauss–Seidel sweep is a fixed-point iteration; its change r = Δλ is minus the gradient of a merit function ½‖r‖². Fletcher–Reeves
+//! makes search directions from these: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖², where the sweep itself takes the step r and β p is added. If
+//! β exceeds 1, the direction is stale and starts anew.
 //!
-//! Three things differ from the paper. Sweeps go through the points of a pair back and forth, since a plain sweep is no
-//! symmetric operator, and the directions of a method made for such go stale at once. The norm is weighed with the
-//! diagonal of W, since λ mixes contacts of all masses. And the last sweep is a plain one, or λ could leave the cone or turn
-//! negative by what β p added.
+//! Three points differ from the paper. Sweeps go through the points of a pair back and forth, since a plain sweep is not a symmetric
+//! operator, and the directions of a method that needs one go stale at once. The norm is weighted with the diagonal of W, since λ mixes
+//! contacts of all masses. The last sweep is a plain one, or β p could leave λ outside the cone or negative.
 
 use super::blocks::{Cone, Conjugate};
 use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Lanes, SolveReport};
 
-/// After this many restarts in a row directions don't help, and plain sweeps do the rest.
+/// Number of consecutive restarts after which directions do not help, and plain sweeps do the rest.
 const GIVE_UP: usize = 8;
 
-/// The nonsmooth nonlinear conjugate gradient solver, which works on points: it converges, at the price of more sweeps.
+/// The nonsmooth nonlinear conjugate gradient solver, which works on points: it converges, at the cost of more sweeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nncg {
-    /// Sweeps over all contacts, at most.
+    /// Maximum number of sweeps over all contacts.
     pub iterations: usize,
     /// The shape of the friction cone.
     pub cone: FrictionCone,
     /// Share of last step's impulses that a solve starts from, 0..1; as [`Pgs::warm_start`](super::Pgs::warm_start).
     pub warm_start: f32,
-    /// A solve ends early when its residual (see [`merit`](super::merit)) falls below this. 0, the default: never.
+    /// Residual (see [`merit`](super::merit)) below which a solve ends early. The default 0 means never.
     pub tolerance: f32,
-    /// How many pairs of bodies are relaxed side by side; the result is that of one after the other to rounding.
+    /// Number of pairs of bodies that are relaxed side by side. The result equals that of one after the other, up to rounding.
     pub lanes: Lanes,
 }
 
 impl Default for Nncg {
-    /// The paper's.
+    /// The settings of the paper.
     fn default() -> Self {
         Self {
             iterations: 75,
@@ -81,7 +80,7 @@ impl Method for Nncg {
             let beta = gradient / last;
             last = gradient;
             restarts = if beta > 1.0 { restarts + 1 } else { 0 };
-            // On the first sweep β is 0, and on a restart it is made so; where nothing changes any more it is no number.
+            // In the first sweep β is 0, and a restart makes it 0; without any change it is NaN.
             let fresh = (0.0..=1.0).contains(&beta);
             blocks.turn(if fresh { beta } else { 0.0 });
         }

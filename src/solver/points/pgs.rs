@@ -1,4 +1,4 @@
-//! Projected Gauss–Seidel: sweep until it is good enough, back and forth.
+//! Projected Gauss–Seidel: sweeps back and forth, until the residual is small enough.
 
 use super::blocks::{Blocks, Cone};
 use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
@@ -8,21 +8,21 @@ use crate::solver::{Lanes, SolveReport};
 /// Projected Gauss–Seidel (Erleben 2007), one pair of bodies after the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pgs {
-    /// Sweeps over all contacts, at most.
+    /// Maximum number of sweeps over all contacts.
     pub iterations: usize,
     /// The shape of the friction cone.
     pub cone: FrictionCone,
-    /// Share of last step's impulses that a solve starts from, 0..1. With position feedback in the same velocities it is unstable when
-    /// under-converged, so the paper's setting, and the default, is 0.
+    /// Share of last step's impulses that a solve starts from, 0..1. Warm starts are unstable when the solve has not converged, because the
+    /// same velocities carry position feedback; so the paper's setting, and the default, is 0.
     pub warm_start: f32,
-    /// A solve ends early when its residual (see [`merit`](super::merit)) falls below this. 0, the default: never.
+    /// Residual (see [`merit`](super::merit)) below which a solve ends early. The default 0 means never.
     pub tolerance: f32,
-    /// How many pairs of bodies are relaxed side by side; the result is that of one after the other to rounding.
+    /// Number of pairs of bodies that are relaxed side by side. The result equals that of one after the other, up to rounding.
     pub lanes: Lanes,
 }
 
 impl Default for Pgs {
-    /// The paper's.
+    /// The settings of the paper.
     fn default() -> Self {
         Self {
             iterations: 12,

@@ -1,50 +1,49 @@
-//! Several patches side by side, each solved in the six coordinates of its own contact.
+//! A block: several patches side by side, each solved in the six coordinates of its own contact.
 //!
-//! Two bodies meet in a patch with a relative motion u = (u_n, u_1, u_2, Ω_n, Ω_1, Ω_2): velocity at the patch's centre and
-//! relative spin, along the normal and two tangents. Every row of the patch is a combination of these: a point at (x, y) from
-//! the centre approaches with u_n + y Ω_1 − x Ω_2; friction sees u_1 and u_2; twist sees Ω_n, rolling friction Ω_1 and Ω_2.
-//! Impulses act through one wrench
-//! (F, T) at the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and
-//! written once a visit, whatever the number of points, and a row costs a handful of multiplications.
+//! Two bodies meet in a patch with a relative motion u = (u_n, u_1, u_2, Ω_n, Ω_1, Ω_2): velocity at the patch's centre and relative spin,
+//! along the normal and two tangents. Every row of the patch is a combination of these: a point at (x, y) from the centre approaches with
+//! u_n + y Ω_1 − x Ω_2; friction sees u_1 and u_2; twist sees Ω_n, rolling friction Ω_1 and Ω_2. Impulses act through one wrench (F, T) at
+//! the centre and change u by W (F, T), with W = J M⁻¹ Jᵀ a symmetric 6 × 6 matrix. So the bodies are read and written once per visit,
+//! whatever the number of points, and a row costs a handful of multiplications.
 //!
-//! How patches come into a block and out of it again is [`carry`](super::carry)'s.
+//! The module [`carry`](super::carry) loads patches into a block and stores them.
 
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
-/// The radius of a point, as a share of the radius of gyration about its normal: what is pinched between two points turns about them,
-/// and without any friction there it would never come to rest.
+/// The smallest radius of a point, as a share of the radius of gyration about its normal. A body that is pinched between two points turns
+/// about them, and without any friction there it would never come to rest.
 const SPOT: f32 = 0.003;
 
-/// What differs from pass to pass.
+/// The parameters of one pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
-    /// Rows are springs, and not rigid.
+    /// Rows are springs; otherwise they are rigid.
     pub soft: bool,
-    /// From the last block to the first.
+    /// The sweep goes from the last block to the first.
     pub down: bool,
-    /// The first substep of the step.
+    /// This is the first substep of the step.
     pub first: bool,
-    /// 1/s: of one substep.
+    /// Inverse length of a substep, 1/s.
     pub rate: f32,
-    /// Share by which a soft row holds on to what is being taken off it.
+    /// Share of a load that is being taken off which soft rows hold on to.
     pub preload: f32,
-    /// Bodies drift afterwards for so long, s.
+    /// After the pass, bodies drift for this time, s.
     pub drift: Option<f32>,
-    /// A further substep begins afterwards.
+    /// Another substep follows the pass.
     pub extrapolates: bool,
 }
 
 impl Pass {
-    /// What is done to a body after the last visit to it. The forces of a further substep, and what contacts did in the last one, are
-    /// an extrapolation of its velocity.
+    /// Finishes the pass for a body, after the last visit to it. The forces of the next substep and the contact impulses of the last one
+    /// are an extrapolation of its velocity.
     #[inline(always)]
     pub fn end(&self, velocity: &Cell<State>, before: &Cell<State>, motion: &Cell<State>) {
         self.drift(velocity, motion);
         self.extrapolate(velocity, before);
     }
 
-    /// Where bodies drift after it, moves one.
+    /// Moves a body, if bodies drift after this pass.
     #[inline(always)]
     pub fn drift(&self, velocity: &Cell<State>, motion: &Cell<State>) {
         if let Some(h) = self.drift {
@@ -54,7 +53,7 @@ impl Pass {
         }
     }
 
-    /// Where a further substep begins after it, lets a body begin that.
+    /// Extrapolates the velocity of a body, if another substep follows.
     #[inline(always)]
     pub fn extrapolate(&self, velocity: &Cell<State>, before: &Cell<State>) {
         if self.extrapolates {
@@ -65,10 +64,10 @@ impl Pass {
     }
 }
 
-/// How a row gives way: as a damped spring would, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
+/// Coefficients of a soft row: a damped spring, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Softness<L> {
-    /// Speed per distance at which errors are taken back, 1/s.
+    /// Correction speed per distance, 1/s.
     pub(super) bias_rate: L,
     /// Share of the rigid impulse that a row gives.
     pub(super) mass_scale: L,
@@ -76,19 +75,19 @@ pub(super) struct Softness<L> {
     pub(super) impulse_scale: L,
 }
 
-/// The spring that a soft row is where a body has two neighbours.
+/// The spring of a soft row whose body has two neighbours.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spring {
-    /// ω, rad/s.
+    /// Angular frequency ω, rad/s.
     pub omega: f32,
-    /// ζ
+    /// Damping ratio ζ.
     pub damping_ratio: f32,
     /// Length of a substep, s.
     pub h: f32,
 }
 
 impl Spring {
-    /// Of springs that are softer by a factor.
+    /// The coefficients of springs whose stiffness is scaled by a factor.
     #[inline(always)]
     fn softness<L: F32xN>(&self, stiffness: L) -> Softness<L> {
         let omega = L::splat(self.omega) * stiffness.sqrt();
@@ -104,12 +103,12 @@ impl Spring {
     }
 }
 
-/// Patches side by side, one a lane, and what their rows need in a visit.
+/// Patches side by side, one in each lane, with the data that their rows need in a visit.
 #[derive(Clone, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
-    /// Where their velocities are written to: `nowhere` for bodies that nothing moves, or visits that share one would wait for each other;
-    /// a seat of its own for a body that has rounds ([`Rounds`](crate::solver::rounds::Rounds)).
+    /// Indices to which velocities are written. Bodies that nothing moves get `null_target`, or visits that share one would wait for each
+    /// other. A body with rounds ([`Rounds`](crate::solver::rounds::Rounds)) gets a seat of its own.
     pub(super) targets: [L::Bodies; 2],
     pub(super) normal: Vec3xN<L>,
     pub(super) tangent: Vec3xN<L>,
@@ -121,19 +120,19 @@ pub struct Block<L: F32xN> {
     pub(super) normals: Symmetric<L>,
     /// 1/W of the twist.
     pub(super) twist_mass: L,
-    /// What a twist does to u_1 and u_2, and to (u_n, Ω_1, Ω_2).
+    /// Response of (u_1, u_2) to a twist, and of (u_n, Ω_1, Ω_2) to it.
     pub(super) twist_to_tangents: [L; 2],
     pub(super) twist_to_normals: Vec3xN<L>,
-    /// What the two tangents do to (u_n, Ω_1, Ω_2).
+    /// Response of (u_n, Ω_1, Ω_2) to each tangent.
     pub(super) tangents_to_normals: [Vec3xN<L>; 2],
-    /// The inverse of the tangential block: xx, yy, xy; and 1/λ_max of it.
+    /// The inverse of the tangential block of W: xx, yy, xy. Then 1/λ_max of that block.
     pub(super) tangent_mass: [L; 3],
     pub(super) isotropic_mass: L,
-    /// Some patch may roll.
+    /// Some patches may roll.
     pub(super) rolls: bool,
-    /// What λ_n is multiplied by to bound moments against rolling and spinning, m.
+    /// Factor of λ_n that bounds moments against rolling and spinning, m.
     pub(super) rolling_lever: L,
-    /// Of what rolls, m.
+    /// Rolling radius, m.
     pub(super) rolling_radius: L,
     /// The inverse of W over (T_1, T_2): xx, yy, xy.
     pub(super) rolling_mass: [L; 3],
@@ -141,90 +140,90 @@ pub struct Block<L: F32xN> {
     pub(super) rolling: [L; 2],
     /// 1 where friction is anchored.
     pub(super) anchored: L,
-    /// How far the patch has slipped since its anchor was set, when detected and less what the anchor was dragged since: m, rad.
+    /// Slip of the patch since its anchor was set, as detected, less the motion of the anchor since: m, rad.
     pub(super) slip: [L; 2],
     pub(super) slip_twist: L,
-    /// How far the anchor was dragged in this step, m, rad.
+    /// Motion of the anchor in this step, m, rad.
     pub(super) dragged: [L; 2],
     pub(super) dragged_twist: L,
-    /// Stretch of the springs of friction to an impulse, m/(N·s) and rad/(N·m·s).
+    /// Stretch of the springs of friction per impulse, m/(N·s) and rad/(N·m·s).
     pub(super) compliance: L,
     pub(super) compliance_twist: L,
     /// Mean distance of its points from its centre, m.
     pub(super) radius: L,
     pub(super) tangential: [L; 2],
     pub(super) twist: L,
-    /// What friction gave in the substeps before this one, N·s.
+    /// Friction impulses of the substeps before this one, summed, N·s.
     pub(super) given: [L; 2],
-    /// What anchored friction and twist carry at rest, N·s and N·m·s.
+    /// Impulses of anchored friction and twist at rest, N·s and N·m·s.
     pub(super) held: [L; 2],
     pub(super) held_twist: L,
-    /// 1/n with n points.
+    /// 1/n for n points.
     pub(super) share: L,
-    /// The inverse of the mean of what its points carry at rest, 1/(N·s); 0 where that is nothing.
+    /// The inverse of the mean impulse at rest of its points, 1/(N·s); 0 if that mean is zero.
     pub(super) inverse_load: L,
     pub(super) stiffness: L,
     /// Fastest correction, m/s.
     pub(super) max_speed: L,
     pub(super) softness: Softness<L>,
-    /// Distance of its springs to a velocity, s.
+    /// Stretch of its springs per velocity (impulse over effective mass), s.
     pub(super) gives: L,
-    /// Effective masses are not those of its patches.
+    /// The effective masses must be computed again.
     pub(super) stale: bool,
     pub(super) first: u32,
     pub(super) count: u32,
 }
 
-/// The points of a block: the i-th of each of its patches.
+/// Points of a block: the i-th point of each of its patches.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Points<L> {
     pub(super) x: L,
     pub(super) y: L,
-    /// Distance from the centre, and that of a point of some size at least, m.
+    /// Distance from the centre, m; at least the radius of a point of finite size.
     pub(super) radius: L,
-    /// Distance beyond the ideal when detected, m.
+    /// Distance beyond the ideal one, as detected, m.
     pub(super) separation: L,
-    /// The same in this substep where its spring no longer reaches, and 0 where it pushes.
+    /// Separation in this substep where its spring no longer reaches, and 0 where the spring pushes, m.
     pub(super) gap: L,
-    /// λ_n, N·s.
+    /// Normal impulse λ_n, N·s.
     pub(super) impulse: L,
-    /// What it gave in the substeps before this one, N·s.
+    /// Impulses of the substeps before this one, summed, N·s.
     pub(super) given: L,
-    /// What it carries at rest, N·s.
+    /// Impulse at rest, N·s.
     pub(super) load: L,
-    /// 1/W, kg.
+    /// Effective mass 1/W, kg.
     pub(super) mass: L,
-    /// What an impulse does to (u_n, Ω_1, Ω_2).
+    /// Response of (u_n, Ω_1, Ω_2) to a unit impulse.
     pub(super) effect: Vec3xN<L>,
 }
 
 impl<L: F32xN> Block<L> {
-    /// An empty block whose lanes read a body that nothing moves, and write where nothing reads.
-    pub fn new(nobody: u32, nowhere: u32) -> Self {
+    /// An empty block. Its lanes read a body that nothing moves, and write to an entry that nothing reads.
+    pub fn new(null_body: u32, null_target: u32) -> Self {
         Self {
-            bodies: [L::bodies(nobody); 2],
-            targets: [L::bodies(nowhere); 2],
+            bodies: [L::bodies(null_body); 2],
+            targets: [L::bodies(null_target); 2],
             ..Default::default()
         }
     }
 
-    /// Where the velocity of a lane's body is written to.
+    /// Sets the index to which the velocity of a lane's body is written.
     pub fn write_to(&mut self, lane: usize, side: usize, target: u32) {
         L::set_body(&mut self.targets[side], lane, target);
     }
 
-    /// The indices of its points.
+    /// The range of its points in the island.
     #[inline(always)]
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 
-    /// Where its points are, and how many each lane has room for.
+    /// Sets the index of its first point, and the number of points in each lane.
     pub fn place(&mut self, first: usize, count: u32) {
         (self.first, self.count) = (first as u32, count);
     }
 
-    /// How the patch's relative motion answers to a wrench at its centre, world axes.
+    /// Change of the patch's relative motion by a wrench at its centre, in world axes.
     #[inline(always)]
     fn respond(&self, force: Vec3xN<L>, torque: Vec3xN<L>) -> SpatialVec<L> {
         let a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
@@ -236,7 +235,7 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Computes W and the effective masses, where they are not those of its patches.
+    /// Computes W and the effective masses, if they are stale.
     #[inline(always)]
     pub fn prepare(&mut self, points: &mut [Points<L>]) {
         if !self.stale {
@@ -289,7 +288,7 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// How its springs give way.
+    /// Sets the softness of its springs.
     #[inline(always)]
     pub fn soften(&mut self, spring: &Spring) {
         self.softness = spring.softness(self.stiffness);
@@ -345,7 +344,7 @@ impl<L: F32xN> Block<L> {
         L::scatter(velocities, &self.targets[1], &b);
     }
 
-    /// What the free motion misses, J (see [`crate::solver::merit`]).
+    /// Merit of the free motion, J (see [`crate::solver::merit`]).
     #[inline(always)]
     pub fn missing(&self, points: &[Points<L>], velocities: &[State], pass: &Pass) -> L {
         let a = L::read(velocities, &self.bodies[0]);
@@ -361,7 +360,7 @@ impl<L: F32xN> Block<L> {
         missing
     }
 
-    /// Gives the bodies the impulses that the patches start with in those lanes, 1 there and 0 in others.
+    /// Applies the warm-start impulses of some lanes to the bodies; `lanes` is 1 in those lanes and 0 in others.
     #[inline(always)]
     pub fn warm_start(&self, points: &[Points<L>], velocities: &[Cell<State>], lanes: L) {
         let [x, y] = self.tangential;
@@ -403,7 +402,7 @@ impl<L: F32xN> Block<L> {
     }
 }
 
-/// Of impulses along both tangents and about the normal, and against rolling.
+/// The wrench of impulses along both tangents and about the normal, and of moments against rolling.
 #[inline(always)]
 pub(super) fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<L> {
     SpatialVec {
@@ -420,7 +419,7 @@ pub(super) fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<
     }
 }
 
-/// What normals see of a motion: (u_n, Ω_1, Ω_2).
+/// The coordinates of a motion that normals depend on: (u_n, Ω_1, Ω_2).
 #[inline(always)]
 pub(super) fn on_normals_local<L: F32xN>(motion: &SpatialVec<L>) -> Vec3xN<L> {
     Vec3xN {
@@ -430,7 +429,7 @@ pub(super) fn on_normals_local<L: F32xN>(motion: &SpatialVec<L>) -> Vec3xN<L> {
     }
 }
 
-/// The same of a motion in world axes.
+/// [`on_normals_local`] of a motion in world axes.
 #[inline(always)]
 fn on_normals<L: F32xN>(frame: &Frame<L>, motion: SpatialVec<L>) -> Vec3xN<L> {
     Vec3xN {
@@ -451,15 +450,15 @@ impl<L: F32xN> Points<L> {
         }
     }
 
-    /// Velocity at this point along the normal, of (u_n, Ω_1, Ω_2).
+    /// Velocity at this point along the normal, for a motion (u_n, Ω_1, Ω_2).
     #[inline(always)]
     pub(super) fn approach(&self, normals: &Vec3xN<L>) -> L {
         let tilted = self.y.mul_add(normals.y, normals.x);
         self.x.neg_mul_add(normals.z, tilted)
     }
 
-    /// Adds its impulse to a wrench at the centre. Rounded twice: the same impulse on both sides of the centre leaves no moment then, by
-    /// which a box that bounces straight would begin to turn.
+    /// Adds its impulse to a wrench at the centre. The product is rounded before the sum, on purpose: equal impulses on both sides of the
+    /// centre then leave no moment. A fused operation leaves one, by which a box that bounces straight would begin to turn.
     #[inline(always)]
     pub(super) fn push(&self, impulse: L, wrench: &mut SpatialVec<L>) {
         wrench.linear.x += impulse;

@@ -1,18 +1,17 @@
-//! What goes into a block as a step begins, and out of it again as it ends: lane by lane as it stands in memory, and all lanes at once
-//! where something is to be computed.
+//! Loads patches into a block as a step begins, and stores them as it ends. Data is copied lane by lane, and computed in all lanes at once.
 
 use super::block::{Block, Points};
 use crate::solver::lanes::{F32xN, Frame, Vec3xN};
 use crate::solver::{PatchConstraint, PatchProblem, Slip};
 use glam::Mat3;
 
-/// The mean of friction follows so much slower than that of normals: as fast, walls go on drifting.
+/// Rate at which the mean load of friction follows, relative to that of normals. At 1, walls go on drifting.
 const FRICTION: f32 = 0.3;
 
-/// How much slower than their mean the loads of single points are followed: as fast as it, and a body rocks on them.
+/// Rate at which the loads of single points follow, relative to that of their mean. At 1, a body rocks on its points.
 const ASIDE: f32 = 0.03;
 
-/// What patches begin a step with, as their problem tells it.
+/// The state of patches at the beginning of a step, by lane.
 #[derive(Default)]
 struct Beginning<L> {
     /// 1 where friction is anchored.
@@ -26,7 +25,7 @@ struct Beginning<L> {
     load_twist: L,
 }
 
-/// What patches end it with.
+/// The state of patches at the end of a step, by lane.
 struct Found<L> {
     given: Vec3xN<L>,
     tangential: Vec3xN<L>,
@@ -37,8 +36,8 @@ struct Found<L> {
 }
 
 impl<L: F32xN> Block<L> {
-    /// Puts a patch into a lane: what of it stays as long as it is not found anew. `stiffness` is what is left of a spring's when its
-    /// bodies share it.
+    /// Loads the data of a patch that stay the same until it is detected anew. `stiffness` is the share of a spring's stiffness that is
+    /// left when its bodies share it.
     pub fn load(
         &mut self,
         points: &mut [Points<L>],
@@ -47,7 +46,7 @@ impl<L: F32xN> Block<L> {
         problem: &PatchProblem,
         stiffness: f32,
     ) {
-        // Once, and not at each of a hundred numbers.
+        // One assertion replaces a bounds check at each of a hundred numbers.
         assert!(lane < L::LANES);
         self.stiffness[lane] = stiffness;
         self.normal.set(lane, patch.normal);
@@ -76,7 +75,7 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Takes over the inverse inertia of a body that has turned, 1/(kg·m²).
+    /// Loads the inverse inertia of a body that has turned, 1/(kg·m²).
     pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
         assert!(lane < L::LANES);
         self.inverse_inertia[side].set(lane, inverse_inertia);
@@ -84,12 +83,12 @@ impl<L: F32xN> Block<L> {
     }
 
     /// Sets a lane's fastest correction, m/s.
-    pub fn hasten(&mut self, lane: usize, max_speed: f32) {
+    pub fn set_max_speed(&mut self, lane: usize, max_speed: f32) {
         self.max_speed[lane] = max_speed;
     }
 
-    /// Takes over distances, slips, and impulses, which are cut into so many substeps, and forgets what the last step gave. No
-    /// point is taken to be deeper than `deepest`, a separation, m.
+    /// Loads distances, slips, and impulses, which are divided by the number of substeps, and resets the sums over the step. No point is
+    /// deeper than the separation `deepest`, m.
     #[inline(always)]
     pub fn begin(
         &mut self,
@@ -132,7 +131,7 @@ impl<L: F32xN> Block<L> {
         self.dragged_twist = L::ZERO;
     }
 
-    /// As if everything stood still and touched where it is no farther apart than `closed` m; what is has no part.
+    /// Sets a state of rest: all points touch that are no farther apart than `closed` m, and the others are unused.
     #[inline(always)]
     pub fn rest(&mut self, points: &mut [Points<L>], closed: f32) {
         let closed = L::splat(closed);
@@ -145,7 +144,7 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Gives impulses back, of so many substeps; what patches carry at rest follows them by that share.
+    /// Stores the impulses, times the number of substeps. Loads at rest follow them by the share `rate`.
     #[inline(always)]
     pub fn end(
         &self,
@@ -207,14 +206,14 @@ impl<L: F32xN> Block<L> {
     }
 }
 
-/// So much of both tangents.
+/// The vector with components x and y along the two tangents.
 #[inline(always)]
 fn along<L: F32xN>(t1: Vec3xN<L>, t2: Vec3xN<L>, [x, y]: [L; 2]) -> Vec3xN<L> {
     t2.scale_add(y, t1.scale(x))
 }
 
 impl<L: F32xN> Beginning<L> {
-    /// Puts one patch into its lane, and its points into theirs.
+    /// Loads one patch into its lane, and its points into theirs.
     #[inline(always)]
     fn read(
         &mut self,
@@ -223,7 +222,7 @@ impl<L: F32xN> Beginning<L> {
         patch: &PatchConstraint,
         problem: &PatchProblem,
     ) {
-        // Once, and not at each of a hundred numbers.
+        // One assertion replaces a bounds check at each of a hundred numbers.
         assert!(lane < L::LANES);
         if let Some(slip) = patch.slip {
             self.anchored[lane] = 1.0;
@@ -246,8 +245,8 @@ impl<L: F32xN> Beginning<L> {
 }
 
 impl<L: F32xN> Found<L> {
-    /// Takes one patch out of its lane; what it carries at rest follows by that share. (Of the patch's own: in a lane is none of what is not
-    /// anchored yet.)
+    /// Stores one patch from its lane. Its loads at rest follow by the share `rate`; they start from the values in the patch, since a lane
+    /// holds none for friction that is not anchored yet.
     #[inline(always)]
     fn write(&self, lane: usize, patch: &mut PatchConstraint, rate: f32) {
         assert!(lane < L::LANES);

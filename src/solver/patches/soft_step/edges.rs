@@ -1,21 +1,21 @@
-//! Where edges that are not contacts stand among the blocks of an island: hands today, and the place for joints.
+//! The places of edges among the blocks of an island. Edges are constraints that are not contacts: hands today, and joints later.
 //!
 //! Contacts are relaxed in blocks. An edge is relaxed by itself, right before the first block that holds a body which the edge reads or
-//! changes. So in every sweep an edge comes before all contacts of its bodies, as if all edges came before all blocks: to the
-//! bit, because no block before that has one of its bodies.
+//! changes. So in every sweep an edge comes before all contacts of its bodies. The result equals that of a sweep over all edges and then
+//! all blocks, to the bit, because no earlier block holds one of its bodies.
 //!
-//! Sweeps that overlap, in [laps](super::skewed_sweeps) or in a [pipeline](super::pipeline), come to a block only where the sweep before is done with
-//! its bodies. They take an edge for a part of its block, with all of its bodies, so the same holds for edges.
+//! Sweeps that overlap, in [laps](super::skewed_sweeps) or in a [pipeline](super::pipeline), visit a block only where the sweep before has
+//! finished with its bodies. They treat an edge as a part of its block, with all of its bodies, so the same holds for edges.
 //!
-//! Edges that share a body are of one group. A group stands before the first block of any of its bodies, its edges in their order.
+//! Edges that share a body form a group. A group stands before the first block of any of its bodies, with its edges in their order.
 
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use std::ops::Range;
 
-/// When a sweep comes to the contacts of each body.
+/// Positions in a sweep at which the contacts of each body are visited.
 pub struct Visits {
-    /// By body: the first and the last, counted in visits to blocks since the sweep began.
+    /// By body: its first and last visit, counted in visits to blocks since the sweep began.
     of: Vec<[u32; 2]>,
     /// Blocks in a lap.
     blocks: u32,
@@ -34,7 +34,7 @@ impl Visits {
                 }
             }
         }
-        // A body without contacts is done with after the first block.
+        // The sweep has finished with a body without contacts after the first block.
         for [first, _] in &mut of {
             if *first == u32::MAX {
                 *first = 0;
@@ -44,30 +44,30 @@ impl Visits {
     }
 }
 
-/// Edges of which no other reads or changes a body.
+/// Edges that share no body with edges of other groups.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group {
-    /// They are relaxed right before this block.
+    /// The block before which its edges are relaxed.
     pub block: u32,
-    /// In the sweep that this lap is in.
+    /// The lap whose sweep its edges belong to.
     pub lap: u32,
     edges: Range<usize>,
     bodies: Range<usize>,
 }
 
-/// The groups of an island, by block.
+/// The groups of an island, in the order of blocks.
 #[derive(Clone, Debug, Default)]
 pub struct EdgePlaces {
     groups: Vec<Group>,
-    /// By group.
+    /// The edges of all groups, one group after another.
     edges: Vec<u32>,
     bodies: Vec<u32>,
-    /// A sweep is done with the bodies of each group before the next comes to the group, if sweeps are in laps.
+    /// In laps, each sweep has finished with the bodies of a group before the next sweep reaches the group.
     pub fits_laps: bool,
 }
 
 impl EdgePlaces {
-    /// Of edges which read or change such bodies that move.
+    /// Places edges. `edges` lists for each edge the moving bodies that it reads or changes.
     pub fn new(edges: &[Vec<u32>], visits: &Visits) -> Self {
         let mut places = Self {
             fits_laps: true,
@@ -108,7 +108,7 @@ impl EdgePlaces {
         &groups[..groups.partition_point(|g| g.block as usize == block)]
     }
 
-    /// In their order.
+    /// The edges of a group, in their order.
     pub fn edges_of(&self, group: &Group) -> &[u32] {
         &self.edges[group.edges.clone()]
     }
@@ -118,7 +118,7 @@ impl EdgePlaces {
     }
 }
 
-/// Edges that share bodies, and all of their bodies.
+/// Edges that share bodies, each set with all of its bodies.
 fn groups(edges: &[Vec<u32>]) -> Vec<(Vec<u32>, Vec<u32>)> {
     let mut groups: Vec<(Vec<u32>, Vec<u32>)> = Vec::new();
     for (edge, bodies) in (0..).zip(edges) {

@@ -1,8 +1,8 @@
-//! How far the bodies of a problem are apart, and how deep in each other.
+//! The largest separation and the deepest overlap in a problem.
 
 use crate::solver::{PatchPoint, PatchProblem};
 
-/// Of all points of contact.
+/// The extremes over all points of contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Gaps {
     /// The largest separation, m, at least 0.
@@ -17,7 +17,7 @@ impl Gaps {
             widest: 0.0,
             deepest: 0.0,
         };
-        // By comparisons: `max` and `min` do more, for numbers that are none.
+        // Comparisons are faster: `max` and `min` also treat NaN.
         for &PatchPoint { separation, .. } in &*problem.points {
             if separation > gaps.widest {
                 gaps.widest = separation;

@@ -1,14 +1,14 @@
-//! Work on blocks for which their order does not matter, on several threads: what surrounds the sweeps.
+//! Work on blocks that does not depend on their order, on several threads; for the phases before and after the sweeps.
 
 use super::block::{Block, Points};
 use crate::solver::lanes::F32xN;
 
-/// So many blocks are not worth halving.
+/// A part of at most this many blocks is not halved.
 const GRAIN: usize = 64;
 
-/// Some of the blocks that stand behind each other, their points, and what is found of each.
+/// Consecutive blocks with their points, and one result for each block.
 pub struct Part<'a, L: F32xN, T> {
-    /// The number of the first.
+    /// The number of its first block.
     pub first: usize,
     pub blocks: &'a mut [Block<L>],
     pub points: &'a mut [Points<L>],
@@ -16,7 +16,7 @@ pub struct Part<'a, L: F32xN, T> {
 }
 
 impl<L: F32xN, T: Send> Part<'_, L, T> {
-    /// Does work on all of it, halves side by side where there are threads for them.
+    /// Runs `work` on the whole part, with halves in parallel if there are threads for them.
     pub fn each(self, threads: usize, work: &(impl Fn(Part<L, T>) + Sync)) {
         if threads == 1 || self.blocks.len() <= GRAIN {
             work(self);
@@ -26,7 +26,7 @@ impl<L: F32xN, T: Send> Part<'_, L, T> {
         }
     }
 
-    /// Where the points of a block are among these.
+    /// The range of a block's points in this part.
     #[inline(always)]
     pub fn points_of(&self, block: usize) -> std::ops::Range<usize> {
         let (first, range) = (self.blocks[0].range().start, self.blocks[block].range());

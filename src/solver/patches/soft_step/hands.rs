@@ -9,7 +9,7 @@ use crate::solver::walls::{self, Walls};
 use crate::solver::{Grip, PatchProblem};
 use std::cell::Cell;
 
-/// Found when bodies are taken hold of, and kept as long as the same ones are held and blocks live.
+/// The places of hands. They are found when bodies are grabbed, and kept while the same bodies are held and the blocks live.
 #[derive(Default)]
 pub struct Hands {
     /// The bodies that are held.
@@ -20,8 +20,8 @@ pub struct Hands {
 }
 
 impl Hands {
-    /// Finds the places of hands where others are held than in the last step; true where it has. What a hand reads are its body and what
-    /// that touches: it may [lean](walls) against it.
+    /// Finds the places of hands if other bodies are held than in the last step; returns whether it did. A hand reads its body and the
+    /// bodies that it touches, since it may [lean](walls) against them.
     pub fn place(&mut self, batches: &Batches, problem: &PatchProblem) -> bool {
         let held = problem.grips.iter().map(|grip| grip.body);
         if self.held.iter().copied().eq(held.clone()) {
@@ -50,12 +50,12 @@ impl Hands {
         true
     }
 
-    /// Sweeps may be in laps.
+    /// Whether sweeps may run in laps.
     pub fn fit_laps(&self) -> bool {
         self.places.is_empty() || self.places.fits_laps
     }
 
-    /// Ready for the first of the substeps, of `h` s.
+    /// Prepares the hands for the first substep, of `h` s.
     pub fn begin(&self, problem: &PatchProblem, h: f32, grips: &mut Vec<Held>) {
         grips.clear();
         if problem.grips.is_empty() {
@@ -74,7 +74,7 @@ impl Hands {
 }
 
 impl EdgePlaces {
-    /// Visits the hands of a group. Σ W Δλ², J.
+    /// Visits the hands of a group. Returns Σ W Δλ², J.
     #[inline(never)]
     pub fn visit(
         &self,

@@ -1,4 +1,4 @@
-//! One island on its way through a step: in blocks, which live as long as its contacts do.
+//! An island during a step. Its blocks live as long as its contacts do.
 
 use super::block::{Block, Pass, Points};
 use super::hands::Hands;
@@ -11,16 +11,16 @@ use crate::solver::rounds::{ROUND, RoundEnds, Rounds};
 use crate::solver::{Body, Lanes, PatchConstraint, PatchProblem};
 use glam::{Mat3, Vec3};
 
-/// A body that touches more than so many others is not corrected as fast as settings allow by each of them.
+/// A body with more neighbours than this gets a slower correction from each of them than the settings allow.
 const CROWD: f32 = 6.0;
 
-/// The blocks of a problem, neither skewed nor with rounds.
+/// The blocks of a problem, not skewed and without rounds.
 pub fn batches(lanes: usize, problem: &PatchProblem) -> Batches {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     Batches::of(lanes, patches, problem.bodies)
 }
 
-/// The blocks of a problem, skewed if several sweeps may be at it at once and that is worth it.
+/// The blocks of a problem: skewed if sweeps may overlap and skewing pays, else in rounds.
 pub fn skewed(lanes: usize, problem: &PatchProblem) -> Batches {
     let patches = problem.patches.iter().map(|patch| patch.bodies);
     match stands_by_itself(problem) {
@@ -34,54 +34,55 @@ pub fn rounds(problem: &PatchProblem) -> Rounds {
     Rounds::of(patches, problem.bodies)
 }
 
-/// What contacts cannot change does not move either, so that several sweeps may be at it at once.
+/// Whether bodies that contacts cannot change stand still. Sweeps may overlap only then.
 pub fn stands_by_itself(problem: &PatchProblem) -> bool {
     problem.bodies.iter().all(|body| {
         body.inverse_mass > 0.0 || body.start == [Vec3::ZERO; 2] && body.push() == [Vec3::ZERO; 2]
     })
 }
 
-/// One island on its way through a step.
+/// An island during a step: its blocks, and the velocities and motions of its bodies.
 pub struct Island<L: F32xN> {
     pub(super) substeps: usize,
-    /// No point is deeper to its spring than this, a separation, m.
+    /// Springs see no depth beyond this separation, m.
     pub(super) deepest: f32,
-    /// What was asked for.
+    /// The setting for lanes.
     pub(super) lanes: Lanes,
     /// Fastest correction, m/s.
     pub(super) fastest: f32,
-    /// See [`stands_by_itself`].
+    /// The result of [`stands_by_itself`].
     pub(super) alone: bool,
-    /// Bodies take what their rounds have changed.
+    /// After which blocks bodies take over the results of their rounds.
     pub(super) round_ends: RoundEnds,
-    /// By body, 1/(kg·m²): with which blocks were prepared.
+    /// By body: the inverse inertia with which its blocks were prepared, 1/(kg·m²).
     pub(super) inertias: Vec<Mat3>,
-    /// By body: its inverse inertia is not that of the last step.
+    /// By body: its inverse inertia differs from that of the last step.
     pub(super) turned: Vec<bool>,
-    /// By patch: it was found anew.
+    /// By patch: its contact was detected anew.
     pub(super) changed: Vec<bool>,
     pub(super) batches: Batches,
     pub(super) blocks: Vec<Block<L>>,
     pub(super) points: Vec<Points<L>>,
-    /// By body; behind them one that nothing moves, for lanes without a patch, for each block one that nothing reads, and the seats of rounds.
+    /// By body. Then one entry that nothing moves, for lanes without a patch; one for each block that nothing reads; and the seats of
+    /// rounds.
     pub(super) velocities: Vec<State>,
-    /// The same when the substep began.
+    /// Velocities at the beginning of the substep.
     pub(super) before: Vec<State>,
-    /// How far bodies have come since detection, m and rad.
+    /// Motion of the bodies since detection, m and rad.
     pub(super) motions: Vec<State>,
-    /// By block: what the free motion misses, J.
+    /// By block: merit of the free motion, J.
     pub(super) missing: Vec<L>,
     /// By block: Σ W Δλ² of the last sweep, J.
     pub(super) changes: Vec<L>,
-    /// Hands, visited before the contacts of their bodies: what they press against has the last word.
+    /// Hands. They are visited before the contacts of their bodies, so that the contacts they press against decide last.
     pub(super) grips: Vec<Held>,
     pub(super) hands: Hands,
-    /// Made when there are threads for it.
+    /// Present once there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
 }
 
 impl<L: F32xN> Island<L> {
-    /// Finds where the hands stand among the blocks.
+    /// Finds the places of hands among the blocks.
     pub fn place_hands(&mut self, problem: &PatchProblem) {
         if self.hands.place(&self.batches, problem) {
             self.pipeline = None;
@@ -90,22 +91,22 @@ impl<L: F32xN> Island<L> {
 
     pub fn new(problem: &PatchProblem, batches: Batches) -> Self {
         let bodies = &*problem.bodies;
-        let nobody = bodies.len() as u32;
+        let null_body = bodies.len() as u32;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         let mut neighbours = vec![0u32; bodies.len()];
         for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
             neighbours[body as usize] += 1;
         }
-        // A body between two others is held by two springs, and counts as the rule.
+        // Full stiffness is that of a body between two others, which is held by two springs.
         let shared = |patch: &PatchConstraint| {
             let most = patch.bodies.into_iter().filter(|&body| moves(body));
             let most = most.map(|body| neighbours[body as usize]).max();
             2.0 / most.unwrap_or(0).max(2) as f32
         };
-        let first_seat = nobody + 1 + batches.blocks() as u32;
+        let first_seat = null_body + 1 + batches.blocks() as u32;
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
-        // Block by block: one that is filled patch by patch leaves the cache in between.
+        // Filling block by block keeps the block in the cache; filling in the order of patches does not.
         for lanes in batches.iter() {
             let patches =
                 lanes.map(|(lane, number)| (lane, number, &problem.patches[number as usize]));
@@ -113,8 +114,8 @@ impl<L: F32xN> Island<L> {
             let count = counts.max().unwrap_or(0);
             let first = points.len();
             points.resize(first + count as usize, Points::default());
-            let nowhere = nobody + 1 + blocks.len() as u32;
-            blocks.push(Block::<L>::new(nobody, nowhere));
+            let null_target = null_body + 1 + blocks.len() as u32;
+            blocks.push(Block::<L>::new(null_body, null_target));
             let block = blocks.last_mut().expect("it was just added");
             block.place(first, count);
             for (lane, number, patch) in patches {
@@ -131,9 +132,9 @@ impl<L: F32xN> Island<L> {
                         None => {}
                     }
                 }
-                // What lies inside many others would be thrown out by the sum of their corrections.
-                let hurry = (CROWD * 0.5 * shared).min(1.0);
-                block.hasten(lane, problem.max_correction_speed * hurry);
+                // The sum of all corrections would throw out a body that overlaps many others.
+                let slowdown = (CROWD * 0.5 * shared).min(1.0);
+                block.set_max_speed(lane, problem.max_correction_speed * slowdown);
             }
         }
         Self {
@@ -160,8 +161,8 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Takes over a problem of which so many patches are new, cut into so many substeps. To the bit what it would be if it were made anew:
-    /// nobody must be able to tell by what others do to a world.
+    /// Begins a step. `changed` lists the patches that are new in the problem. The result equals that of an island made anew, to the bit:
+    /// edits elsewhere in a world must not change a simulation.
     pub fn begin(&mut self, problem: &PatchProblem, changed: &[u32], substeps: usize) {
         self.substeps = substeps;
         self.find_turned(problem.bodies);
@@ -182,7 +183,7 @@ impl<L: F32xN> Island<L> {
         self.motions.resize(self.velocities.len(), State::default());
     }
 
-    /// Bodies feel so much of this step's forces.
+    /// Applies a share of the step's forces to the bodies.
     pub fn push(&mut self, bodies: &[Body], share: f32) {
         for (state, body) in self.velocities.iter_mut().zip(bodies) {
             for (velocity, push) in state.iter_mut().zip(body.push()) {
@@ -191,7 +192,7 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Lets bodies feel the impulses that contacts and hands start with, in the order of the sweep. What the free motion misses in all, J.
+    /// Applies the warm-start impulses of contacts and hands, in the order of the sweep. Returns the merit of the free motion, J.
     pub fn warm_start(&mut self) -> f32 {
         for held in &self.grips {
             held.start(cells(&mut self.velocities));
@@ -205,7 +206,7 @@ impl<L: F32xN> Island<L> {
         missing
     }
 
-    /// 1 in the lanes of such laps, else 0.
+    /// 1 in the lanes whose laps satisfy `is`, else 0.
     pub fn lanes_of(&self, is: impl Fn(usize) -> bool) -> L {
         let mut lanes = L::ZERO;
         for lane in 0..self.batches.lanes_used() {
@@ -216,7 +217,7 @@ impl<L: F32xN> Island<L> {
         lanes
     }
 
-    /// Whose inverse inertia is not that of the last step.
+    /// Finds the bodies whose inverse inertia differs from that of the last step.
     pub fn find_turned(&mut self, bodies: &[Body]) {
         let both = self.inertias.iter_mut().zip(bodies);
         self.turned.clear();
@@ -227,10 +228,10 @@ impl<L: F32xN> Island<L> {
         }));
     }
 
-    /// All sweeps, where blocks are not skewed. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
+    /// Runs all sweeps over blocks that are not skewed. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
     pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
         let pipeline = self.pipeline.take();
-        // Sweeps that go both ways cannot follow each other.
+        // Sweeps in both directions cannot be pipelined.
         let overlap = problem.threads > 1 && self.alone && !passes.iter().any(|pass| pass.down);
         let pipeline = match overlap {
             true => pipeline.or_else(|| Some(self.find_pipeline(problem))),
@@ -247,7 +248,7 @@ impl<L: F32xN> Island<L> {
         self.pipeline = pipeline;
     }
 
-    /// One sweep, and what is done after it.
+    /// Runs one sweep and finishes its pass. Returns Σ W Δλ², J.
     pub fn sweep_alone(&mut self, pass: &Pass) -> f32 {
         let held_change = self.visit_grips();
         let change = match pass.soft {
@@ -263,7 +264,7 @@ impl<L: F32xN> Island<L> {
         held_change + change
     }
 
-    /// One visit to each block. Σ W Δλ², J.
+    /// Visits each block once. Returns Σ W Δλ², J.
     pub fn sweep_as(&mut self, kinds: impl Kinds<L>, pass: &Pass) -> f32 {
         L::run(Sweep {
             island: self,
@@ -272,7 +273,7 @@ impl<L: F32xN> Island<L> {
         })
     }
 
-    /// One visit to each hand. Σ W Δλ², J.
+    /// Visits each hand once. Returns Σ W Δλ², J.
     pub fn visit_grips(&mut self) -> f32 {
         let mut change = 0.0;
         let [velocities, motions] = [&mut self.velocities, &mut self.motions].map(|l| cells(l));
@@ -282,7 +283,7 @@ impl<L: F32xN> Island<L> {
         change
     }
 
-    /// One rigid sweep, after which nothing else happens.
+    /// Runs one rigid sweep without finishing the pass.
     pub fn sweep_rigidly(&mut self, pass: &Pass) -> f32 {
         self.sweep_as(Rigid, pass)
     }
@@ -301,7 +302,7 @@ impl<L: F32xN> Island<L> {
         Pipeline::new(blocks, problem.bodies.len(), moves, round_ends)
     }
 
-    /// Of all blocks.
+    /// The size of all blocks and points.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.blocks) + size_of_val(&*self.points)
     }
@@ -320,10 +321,10 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// Lets bodies feel the impulses that contacts in some lanes start with. What the free motion misses in all lanes, J.
+/// Applies the warm-start impulses of contacts in some lanes. Returns the merit of the free motion in all lanes, J.
 struct Start<'a, L: F32xN> {
     island: &'a mut Island<L>,
-    /// 1 in those.
+    /// 1 in those lanes, else 0.
     lanes: L,
 }
 
@@ -351,7 +352,7 @@ impl<L: F32xN> Kernel for Start<'_, L> {
     }
 }
 
-/// One sweep, from the first block to the last or down again. Σ Wᵢᵢ Δλᵢ², J.
+/// One sweep, from the first block to the last or in reverse. Returns Σ Wᵢᵢ Δλᵢ², J.
 struct Sweep<'a, L: F32xN, K> {
     island: &'a mut Island<L>,
     kinds: K,

@@ -1,4 +1,4 @@
-//! What Soft Step keeps of an island from step to step.
+//! The state that Soft Step keeps of an island from step to step.
 
 use super::block::Pass;
 use super::blows::Blows;
@@ -10,20 +10,20 @@ use crate::solver::batches::Batches;
 use crate::solver::lanes::F32xN;
 use crate::solver::{Lanes, PatchProblem};
 
-/// An island in blocks, and what is found once for them.
+/// An island in blocks, with the data that is found once for them.
 pub struct Kept<L: F32xN> {
     pub island: Island<L>,
-    /// Its blocks are not skewed and have no rounds, though they might be and have some in another step.
+    /// The blocks are not skewed and have no rounds, though another step might use both.
     straight: bool,
-    /// They are not, because of hands on these bodies.
+    /// The bodies whose hands are the reason for that.
     straight_for: Vec<u32>,
-    /// Made where blocks are skewed.
+    /// Present if blocks are skewed.
     skewed: Option<SkewedSweeps>,
     pub blows: Blows<L>,
     pub scratch: Scratch,
 }
 
-/// Lists that live as long as a call, and whose memory is kept.
+/// Lists of one call, whose memory is reused.
 #[derive(Default)]
 pub struct Scratch {
     pub body_loads: Vec<BodyLoad>,
@@ -32,8 +32,8 @@ pub struct Scratch {
 }
 
 impl<L: F32xN> Kept<L> {
-    /// That of the last step, if it may be, and which of its patches were found anew since. Its blocks are not skewed and have no rounds if it
-    /// shall be `straight`: where a visit, or a sweep, must have ended before the next begins.
+    /// The state of the last step if it is still valid, and the patches that are new since then; else a new one. `straight` asks for blocks
+    /// that are not skewed and have no rounds, for steps in which a visit or a sweep must end before the next begins.
     pub fn of(
         kept: Option<(Box<Self>, Vec<u32>)>,
         problem: &PatchProblem,
@@ -47,7 +47,7 @@ impl<L: F32xN> Kept<L> {
             let batches = &kept.island.batches;
             match straight {
                 true => batches.laps() == 1 && !batches.has_rounds(),
-                // A new mass comes with new patches.
+                // A body with a new mass has new patches.
                 false => {
                     let for_hands = || kept.straight_for.iter().copied();
                     (!kept.straight || !kept.straight_for.is_empty() && for_hands().eq(held()))
@@ -94,8 +94,8 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// All sweeps: over the blocks from the first to the last each, of the bodies that came into the world first, from the ground up.
-    /// Back and forth shook stacks and pyramids. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
+    /// Runs all sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground
+    /// up; back and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
     pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: impl FnMut(f32)) {
         match self.island.batches.laps() {
             1 => self.island.sweep(problem, passes, tell),

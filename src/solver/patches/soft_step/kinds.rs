@@ -1,19 +1,19 @@
-//! What the lanes of a block do in one visit: all are soft, all rigid, each what the sweep is that it is in, or only some of them are visited
-//! once more.
+//! The kinds of a visit to a block: all lanes are soft, all are rigid, each lane follows its own sweep, or only some lanes are visited once
+//! more.
 
 use super::block::Points;
 use crate::solver::lanes::{F32xN, SpatialVec};
 use std::cell::Cell;
 
-/// Which lanes of a block are soft or rigid in a visit.
+/// The kind of each lane of a block in a visit: soft, rigid, or neither.
 pub trait Kinds<L: F32xN>: Copy {
-    /// Some lane may be soft.
+    /// Some lanes may be soft.
     const SOFT: bool;
-    /// Some lane may be rigid.
+    /// Some lanes may be rigid.
     const RIGID: bool;
-    /// Rigid lanes have friction.
+    /// Rigid lanes relax friction.
     const RUBS: bool = true;
-    /// All points of a patch that lands are stopped together first, and visited more often.
+    /// All points of a landing patch are stopped together first, and visited more often.
     const LANDS: bool = Self::SOFT;
 
     /// `new` in lanes that are soft, else `old`.
@@ -28,10 +28,10 @@ pub trait Kinds<L: F32xN>: Copy {
     /// `x` in lanes that are rigid, else 0; finite.
     fn if_rigid(self, x: L) -> L;
 
-    /// `sum` and `x` in lanes that are soft and have been so in this step before, else `sum`.
+    /// `sum + x` in lanes that are soft and were soft earlier in this step, else `sum`.
     fn add_if_again(self, sum: L, x: L) -> L;
 
-    /// How far apart a point is, for a spring: `separation`, and in rigid lanes the `gap` that its spring has left.
+    /// The distance of a point that its spring acts on: `separation`, and in rigid lanes the `gap` that the spring left.
     #[inline(always)]
     fn distance(self, separation: L, gap: L) -> L {
         match Self::RIGID {
@@ -40,39 +40,39 @@ pub trait Kinds<L: F32xN>: Copy {
         }
     }
 
-    /// The share of its impulse that a row gives back: `x` where springs give way.
+    /// The share of its impulse that a row gives back: `x` where springs yield.
     #[inline(always)]
     fn given_back(self, x: L) -> L {
         self.if_soft(x)
     }
 
-    /// `new`, and `old` in lanes that must stay as they are.
+    /// `new`, or `old` in lanes that must not change.
     #[inline(always)]
     fn visited(self, new: L, _: L) -> L {
         new
     }
 
-    /// Before the normals of a patch are visited, whose points begin with the `first`.
+    /// Called before the normals of a patch are visited; `first` is the index of its first point.
     #[inline(always)]
     fn before_normals(self, _first: u32, _: &[Points<L>]) {}
 
-    /// After the normals of a patch were visited: may add to their impulses, and to the wrench at the patch's centre.
+    /// Called after the normals of a patch were visited. May add to their impulses and to the wrench at the patch's centre.
     #[inline(always)]
     fn after_normals(self, _first: u32, _: &mut [Points<L>], _: &mut SpatialVec<L>) {}
 }
 
-/// Rows are springs.
+/// All lanes are soft: rows are springs.
 #[derive(Clone, Copy)]
 pub struct Soft {
-    /// For the first time in the step.
+    /// This is the first sweep of the step.
     pub first: bool,
 }
 
-/// Rows only stop motion.
+/// All lanes are rigid: rows only stop motion.
 #[derive(Clone, Copy)]
 pub struct Rigid;
 
-/// Lanes are in different sweeps, or rest: 1 where they are what it says, else 0.
+/// Each lane is in its own sweep, or idle. A mask is 1 where its name holds, else 0.
 #[derive(Clone, Copy)]
 pub struct Mixed<L> {
     pub soft: L,
@@ -80,23 +80,23 @@ pub struct Mixed<L> {
     pub soft_again: L,
 }
 
-/// Some lanes are soft once more in the same substep; the others stay as they are.
+/// Some lanes are soft once more in the same substep; the others do not change.
 #[derive(Clone, Copy)]
 pub struct MoreSoft<L> {
-    /// 1 in those, else 0.
+    /// 1 in lanes that are visited, else 0.
     pub lanes: L,
-    /// 1 where springs give way, 0 where they hold all that they give.
+    /// 1 where springs yield, 0 where they hold all that they give.
     pub gives: L,
 }
 
-/// Some lanes are rigid once more, without friction and over-relaxed; the others stay as they are.
+/// Some lanes are rigid once more, without friction and over-relaxed; the others do not change.
 #[derive(Clone, Copy)]
 pub struct MoreRigid<'a, L> {
-    /// 1 in those, else 0.
+    /// 1 in lanes that are visited, else 0.
     pub lanes: L,
-    /// The share of the change of each normal impulse that is added to it.
+    /// Over-relaxation: the share of the change of each normal impulse that is added to it.
     pub over: L,
-    /// Room for the impulses before the visit, by point of the island.
+    /// The impulses before the visit, by point of the island.
     pub was: &'a [Cell<L>],
 }
 
@@ -196,7 +196,7 @@ impl<L: F32xN> Kinds<L> for Mixed<L> {
 impl<L: F32xN> Kinds<L> for MoreSoft<L> {
     const SOFT: bool = true;
     const RIGID: bool = false;
-    // The sweep before has stopped it.
+    // The sweep before has stopped landing patches.
     const LANDS: bool = false;
 
     #[inline(always)]
@@ -219,13 +219,13 @@ impl<L: F32xN> Kinds<L> for MoreSoft<L> {
         L::ZERO
     }
 
-    // What a substep gives is told once.
+    // The impulse of a substep counts once.
     #[inline(always)]
     fn add_if_again(self, sum: L, _: L) -> L {
         sum
     }
 
-    // Springs of lanes that stay as they are want nothing.
+    // A separation of 0 keeps the springs of other lanes from changing anything.
     #[inline(always)]
     fn distance(self, separation: L, _: L) -> L {
         self.lanes.select_above(L::ZERO, separation, L::ZERO)
@@ -292,7 +292,7 @@ fn note<L: F32xN>(impulses: &[Cell<L>], first: u32, points: &[Points<L>]) {
     }
 }
 
-/// Adds to impulses so much of what they have changed since they were noted; they stay ≥ 0.
+/// Adds to each impulse `over` times its change since [`note`]; impulses stay ≥ 0.
 #[inline(always)]
 fn over_relax<L: F32xN>(
     over: L,

@@ -1,38 +1,39 @@
-//! What a problem's bodies stand on and its contacts carry, as a step begins: found in one pass over them.
+//! The loads of a problem's contacts and bodies at the beginning of a step, found in one pass over the contacts.
 
 use crate::solver::body::trace;
 use crate::solver::{Body, PatchProblem};
 
-/// What bears so many times what a body is pressed down with still bears what is gone.
+/// A body has lost load if its supports push this many times as much as its weight and the bodies on it.
 const UNLOADED: f32 = 2.0;
 
-/// What the contacts of a problem carry, as a whole.
+/// Statistics of the contacts of a problem.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadStatistics {
-    /// The share of what contacts carry that they have not carried for long, 0..1.
+    /// The share of the current impulses that differs from the loads at rest, 0..1.
     pub unsettled: f32,
-    /// The most that something has carried for long by its mass and size, 1/s².
+    /// The largest load at rest on a body divided by its mass and size, 1/s².
     pub pressed: f32,
-    /// Something may bounce.
+    /// Some contact may bounce.
     pub bounces: bool,
 }
 
-/// What holds a body.
+/// The loads on a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyLoad {
-    /// Something has pushed on it before.
+    /// A contact of it has an impulse or a load at rest.
     pub carries: bool,
-    /// Something stands on it: a body of a higher level of support.
+    /// It supports a body of a higher level of support.
     pub bears: bool,
-    /// What has long pushed on it upwards, and downwards, or does so now, N·s: what is round holds no load, and yet weighs.
+    /// Load at rest upwards; and downwards load at rest or current impulse, N·s. Round bodies have no load at rest and still weigh on the
+    /// body below.
     up: f32,
     down: f32,
-    /// 1/(mass · size), 1/(kg·m): its size is half the side of the cube that is as easy to turn.
+    /// 1/(mass · size), 1/(kg·m). The size is half the side of the cube with the same resistance to rotation.
     pub yielding: f32,
 }
 
 impl LoadStatistics {
-    /// Of a problem, and of each of its bodies.
+    /// The statistics of a problem; `body_loads` receives those of its bodies.
     pub fn of(problem: &PatchProblem, body_loads: &mut Vec<BodyLoad>) -> Self {
         let up = -problem.gravity.normalize_or_zero();
         body_loads.clear();
@@ -72,7 +73,7 @@ impl LoadStatistics {
     }
 }
 
-/// The larger one. (`f32::max` takes four instructions more, for numbers that are none.)
+/// The larger number. (`f32::max` takes four instructions more, to treat NaN.)
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -82,13 +83,13 @@ impl BodyLoad {
     fn of(body: &Body) -> Self {
         let trace = trace(&body.inverse_inertia);
         Self {
-            // That of a cube of side a is 18 / (m a²).
+            // The trace of a cube of side a is 18 / (m a²).
             yielding: (body.inverse_mass * trace * (4.0 / 18.0)).sqrt(),
             ..Default::default()
         }
     }
 
-    /// What lay on it is gone, and what bore that would throw it.
+    /// Whether a load was removed from the body. Its supports would throw it.
     pub fn is_unloaded(&self, body: &Body, problem: &PatchProblem) -> bool {
         let weight = problem.gravity.length() * problem.dt / body.inverse_mass;
         self.up > UNLOADED * (self.down + weight)

@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 pub const DT: f32 = 1.0 / 60.0;
 pub const G: f32 = 9.81;
 
-/// Blocks on something that nothing moves, which is body 0.
+/// Blocks on a fixed base, which is body 0.
 pub struct Masonry {
     pub bodies: Vec<Body>,
     pub centers: Vec<Vec3>,
@@ -23,7 +23,7 @@ pub struct Masonry {
 }
 
 impl Masonry {
-    /// On a slope of this angle towards there, rad.
+    /// A slope of `tilt` rad that falls in the direction `towards`.
     pub fn new(tilt: f32, towards: Vec3) -> Self {
         Self {
             bodies: vec![Body::default()],
@@ -35,7 +35,7 @@ impl Masonry {
         }
     }
 
-    /// Of 1000 kg/m³ and the inertia of a cuboid.
+    /// Adds a block of 1000 kg/m³ with the inertia of a cuboid.
     pub fn block(&mut self, center: Vec3, size: Vec3, turn: f32) -> usize {
         let mass = 1e3 * size.element_product();
         let square = size * size;
@@ -51,7 +51,7 @@ impl Masonry {
         self.bodies.len() - 1
     }
 
-    /// Two faces that meet there in a rectangle with these two half sides.
+    /// Adds a contact of two faces, in a rectangle with these two half sides.
     pub fn joint(&mut self, [a, b]: [usize; 2], center: Vec3, normal: Vec3, half: [Vec3; 2]) {
         self.patches.push(PatchConstraint {
             bodies: [a as u32, b as u32],
@@ -70,7 +70,7 @@ impl Masonry {
         }
     }
 
-    /// Cubes of 1 m.
+    /// A stack of cubes of 1 m.
     pub fn stack(n: usize, tilt: f32) -> Self {
         let mut masonry = Self::new(tilt, Vec3::X);
         for i in 0..n {
@@ -112,7 +112,7 @@ impl Masonry {
         masonry
     }
 
-    /// So many cubes of 1 m squared, 2 m apart, on a plate 1 m thick.
+    /// A square of n × n cubes of 1 m, 2 m apart, on a plate 1 m thick.
     pub fn plate(n: usize, tilt: f32) -> Self {
         let mut masonry = Self::new(tilt, Vec3::X);
         let half = n as f32;
@@ -147,7 +147,7 @@ impl Masonry {
         masonry
     }
 
-    /// Shaken, so that friction slides, normals land and impulses grow.
+    /// Shakes the bodies, so that friction slides, normals land and impulses grow.
     pub fn shaken(mut self) -> Self {
         let mut rng = fastrand::Rng::with_seed(7);
         let mut random = |most: f32| most * (2.0 * rng.f32() - 1.0);
@@ -163,7 +163,7 @@ impl Masonry {
         self
     }
 
-    /// Held by hands that are strong enough to lift some of what lies on it, and pull it elsewhere.
+    /// Adds hands that pull bodies sideways, strong enough to lift some of the load on them.
     pub fn held(mut self, bodies: impl IntoIterator<Item = usize>) -> Self {
         for body in bodies {
             let mass = 1.0 / self.bodies[body].inverse_mass;
@@ -200,7 +200,7 @@ impl Masonry {
     }
 }
 
-/// In such blocks, ready for the first sweep; and the sweeps.
+/// An island in such blocks that is ready for the first sweep, and its sweeps.
 pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>, Vec<Pass>) {
     let mut island = Island::<L>::new(problem, batches);
     island.place_hands(problem);

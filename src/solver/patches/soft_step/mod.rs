@@ -1,36 +1,37 @@
-//! Soft Step: many short substeps, one sweep each, over contacts that are springs; drystone's default.
+//! Soft Step, the default solver of drystone: many short substeps with one sweep each, over contacts that are damped springs. A *sweep*
+//! visits every contact once.
 //!
-//! - **Substeps** instead of iterations (Macklin et al. 2019, "Small Steps in Physics Simulation"; Box2D v3's Soft Step). Contacts
-//!   are detected once; normals and arms stay frozen, separations and slips follow the bodies.
-//! - **Soft rows** for normals and for anchored friction ([`block`]): a sweep that has not converged then leaves an error
-//!   of position that the next substeps take back, not one of velocity that shakes the structure. How stiff they may be is set
-//!   by how often sweeps come, [`SoftStep::sweeps_per_period`], and is shared among the patches of a body, since a
-//!   brick with six neighbours is held by six springs.
-//! - **Sweeps by need** ([`sweep_budget`]): they come at a rate, so that a structure is as stiff at any step, and what is tall, carries much, or
-//!   has not settled yet gets more.
-//! - **Impulses carry over whole** from substep to substep. With arms frozen they do again what they did, so that forces and
-//!   warm start are an extrapolation of the velocities and cost no pass over the contacts.
-//! - **Every third substep is followed by a rigid sweep** that only stops motion. Without any, disturbances grow from course to
-//!   course in walls and pyramids of 40 courses; those get one after every second, with which, at equal sweeps, arches tremble and
+//! - **Substeps** instead of iterations (Macklin et al. 2019, "Small Steps in Physics Simulation"; Box2D v3's Soft Step). Contacts are
+//!   detected once per step. Normals and arms stay frozen; separations and slips follow the bodies.
+//! - **Soft rows** for normals and for anchored friction ([`block`]): a sweep that has not converged leaves an error of position, which the
+//!   next substeps correct, and not an error of velocity, which would shake the structure. The stiffness of the rows follows the rate of
+//!   sweeps ([`SoftStep::sweeps_per_period`]). The patches of a body share it, since a brick with six neighbours is held by six springs.
+//! - **Sweeps by need** ([`sweep_budget`]): sweeps come at a rate, so that a structure is equally stiff at any step length. Structures that
+//!   are tall, carry much, or have not settled yet get more of them.
+//! - **Impulses carry over whole** from substep to substep. With frozen arms they repeat what they did before, so that forces and warm
+//!   start are an extrapolation of the velocities and cost no pass over the contacts.
+//! - **Every third substep is followed by a rigid sweep** that only stops motion. Without rigid sweeps, disturbances grow from course to
+//!   course in walls and pyramids of 40 courses. Those get one after every second substep; at equal sweeps, that makes arches tremble and
 //!   small pyramids drift twice as far.
 //! - **Rigid sweeps go down** in very tall structures ([`SweepBudget::downwards`]), from the top to the ground.
-//! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So the rows carry their load at rest by
-//!   themselves, and springs rest where surfaces meet and where friction took hold: integral action. The mean of a patch is followed
-//!   slowly, because a fast one shakes; by how much a point carries more or less than it, as it does where something leans, far
-//!   more slowly, or bodies would rock. Where load is taken off, a row holds on to most of it, which makes it the stiffer on that
-//!   side; towers stand by that.
-//! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer with every short step
-//!   would throw what a long one has let sink.
-//! - **Blows** ([`blows`]): substeps in which bodies hit each other get more sweeps where they do, and the next begins without the blow.
-//! - **Parting** ([`parting`]): bodies that lie deep in each other are moved apart, and get no velocity by it.
-//! - **Cold start** ([`cold_start`]): what was just built is given impulses and loads that keep it still, and what bore something that
-//!   is gone is relieved of it.
-//! - **Patches side by side** ([`lanes`](crate::solver::lanes)): as many as one register holds numbers, four or eight, in blocks whose
-//!   patches share no body ([`batches`](crate::solver::batches)); where patches stand in a row, those of several sweeps ([`skewed_sweeps`]).
-//!   Light bodies on one that is far heavier are relaxed in rounds ([`rounds`](crate::solver::rounds)).
-//! - Points of a patch share one friction force and one twist, held by one anchor.
+//! - **Preload**: a spring gives way under its load, and a tower of springs sinks and leans. So each row applies its load at rest by
+//!   itself, and its spring rests where the surfaces meet and where friction took hold; this is integral action. The load at rest follows
+//!   the mean of a patch slowly, because a fast one shakes. It follows the difference of a point from that mean, which a leaning body
+//!   causes, far more slowly, or bodies would rock. A row from which load is taken off holds on to most of it, which makes the row stiffer
+//!   on that side; towers need this to stand.
+//! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer in every short step would
+//!   throw the bodies that had sunk in a long one.
+//! - **Blows** ([`blows`]): where bodies hit each other, a substep gets more sweeps, and the next substep begins without the blow.
+//! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.
+//! - **Cold start** ([`cold_start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
+//!   removed body lose its load.
+//! - **Patches side by side** ([`lanes`](crate::solver::lanes)): four or eight patches, as many as a register holds numbers, are relaxed at
+//!   once, in blocks whose patches share no body ([`batches`](crate::solver::batches)). Where patches stand in a row, a block holds patches
+//!   of several sweeps ([`skewed_sweeps`]). Light bodies on one that is far heavier are relaxed in rounds
+//!   ([`rounds`](crate::solver::rounds)).
+//! - The points of a patch share one friction force and one twist, held by one anchor.
 //!
-//! What each part is worth is measured by `examples/study`, and stands in `docs/stability.md`.
+//! `examples/study` measures the effect of each part; `docs/stability.md` has the results.
 
 mod block;
 mod blows;
@@ -72,12 +73,12 @@ use load_statistics::LoadStatistics;
 use std::f32::consts::TAU;
 use sweep_budget::SweepBudget;
 
-/// In very tall structures ([`SweepBudget::downwards`]) loads at rest follow so many times slower. They sway slowly, and loads that follow their
-/// swaying push them on: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or stiffer springs, and drifts by
-/// 3 mm in a minute if they follow a tenth as fast.
+/// Factor by which loads at rest follow more slowly in very tall structures ([`SweepBudget::downwards`]). Such structures sway slowly, and
+/// loads that follow the sway amplify it: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or
+/// stiffer springs, and drifts by 3 mm in a minute if they follow a tenth as fast.
 const SLOWER: f32 = 40.0;
 
-/// Most sweeps that a step may be asked for.
+/// Upper bound of the settings for sweeps per step.
 const SWEEPS: usize = 1_000_000;
 
 /// The default contact solver: many short substeps with one sweep each, over contacts that are damped springs. It works on patches.
@@ -85,21 +86,21 @@ const SWEEPS: usize = 1_000_000;
 pub struct SoftStep {
     /// Damping ratio ζ of soft rows. 5 to 20 work.
     pub damping_ratio: f32,
-    /// Sweeps in one period of the spring that a soft row is. Fewer make it stiffer: at 9.5 an arch shakes at Δt 0.1, below 9 tall
-    /// stacks do; above 11 they lean.
+    /// Sweeps per period of the spring of a soft row. Fewer make it stiffer: at 9.5 an arch shakes at Δt 0.1, below 9 tall stacks do; above
+    /// 11 they lean.
     pub sweeps_per_period: f32,
-    /// Share by which soft rows hold on to a load that is being taken off, 0..1.
+    /// Share of a load that is being taken off which soft rows hold on to, 0..1.
     pub preload: f32,
-    /// Sweeps in which the mean comes most of the way (1 − 1/e) to a new load. 800 make towers drift.
+    /// Number of sweeps in which the mean load approaches a new load by 1 − 1/e. 800 make towers drift.
     pub preload_sweeps: f32,
-    /// Longest substep, s. A step takes as many as it needs to stay below; structures that are tall or carry much take more.
+    /// Longest substep, s. A step takes as many substeps as it needs to stay below; structures that are tall or carry much take more.
     pub max_substep: f32,
-    /// Sweeps of a short step, at least; soft and rigid ones together.
+    /// Minimum number of sweeps in a step, soft and rigid ones together.
     pub min_sweeps: usize,
-    /// Sweeps of a step, at most. Springs are as stiff as sweeps come often, so where this is fewer than the step's length and the
-    /// structure call for, they are softer.
+    /// Maximum number of sweeps in a step. The stiffness of springs follows the rate of sweeps, so springs are softer where the length of
+    /// the step and the structure call for more sweeps than this.
     pub max_sweeps: usize,
-    /// How many patches are relaxed side by side.
+    /// Number of patches that are relaxed side by side.
     pub lanes: Lanes,
 }
 
@@ -156,7 +157,7 @@ impl PatchSolver for SoftStep {
     }
 
     fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
-        // Of many at once nobody knows what each was after each sweep.
+        // Islands that are solved together have no history of their own.
         if problems.iter().any(|problem| problem.record_history) {
             return problems.iter_mut().map(|one| self.solve(one)).collect();
         }
@@ -169,8 +170,8 @@ impl PatchSolver for SoftStep {
 }
 
 impl SoftStep {
-    /// The width for a problem: what it was in the last step, where the patches are the same. If that is eight for the first time, the
-    /// blocks are `found` on the way.
+    /// The width for a problem: that of the last step if the patches are the same. If it becomes eight, `found` gets the blocks that were
+    /// computed for the decision.
     #[cfg(target_arch = "x86_64")]
     fn width(&self, problem: &PatchProblem, found: &mut Option<Batches>) -> Width {
         self.lanes.width(|| {
@@ -227,7 +228,7 @@ impl SoftStep {
         report
     }
 
-    /// What a problem needs, and what will bounce in it; contacts that carry nothing yet are given what they will carry.
+    /// Finds the sweeps that a problem needs and the contacts that will bounce. Cold-starts contacts that carry nothing yet.
     fn begin<L: F32xN>(
         &self,
         problem: &mut PatchProblem,
@@ -247,7 +248,7 @@ impl SoftStep {
         (budget, bounces)
     }
 
-    /// After its sweeps.
+    /// Applies restitution after the sweeps.
     fn end(&self, problem: &mut PatchProblem, bounces: Option<Bounces>, substeps: usize) {
         if let Some(bounces) = bounces {
             restitution::bounce(problem, bounces, substeps);
@@ -262,7 +263,7 @@ impl SoftStep {
         }
     }
 
-    /// The share by which loads at rest follow what was found.
+    /// The share by which loads at rest follow the impulses of this step.
     fn followed(&self, budget: SweepBudget) -> f32 {
         let slower = match budget.downwards {
             true => SLOWER,
@@ -271,14 +272,14 @@ impl SoftStep {
         (budget.sweeps() as f32 / (slower * self.preload_sweeps)).min(1.0)
     }
 
-    /// The sweeps of a step of `dt` s, and what is done after each.
+    /// The sweeps of a step of `dt` s, in order.
     fn plan(&self, budget: SweepBudget, dt: f32) -> Vec<Pass> {
         let mut passes = Vec::new();
         self.plan_in(budget, dt, &mut passes);
         passes
     }
 
-    /// The same in a list that is there.
+    /// Like [`plan`](Self::plan), but reuses a list.
     fn plan_in(&self, budget: SweepBudget, dt: f32, passes: &mut Vec<Pass>) {
         let h = dt / budget.substeps as f32;
         passes.clear();
@@ -309,7 +310,8 @@ impl SoftStep {
     }
 }
 
-/// Gives contacts that carry nothing yet what they carry while nothing moves, to start from and as loads at rest. Bodies stay as they are.
+/// Gives contacts that carry nothing yet the impulses that they have in equilibrium, as warm start and as loads at rest. Bodies do not
+/// move.
 pub(crate) fn settle(problem: &mut PatchProblem) {
     match SoftStep::default().width(problem, &mut None) {
         #[cfg(target_arch = "x86_64")]
@@ -324,7 +326,7 @@ fn settle_in<L: F32xN>(problem: &mut PatchProblem) {
     cold_start::cold_start::<L>(problem, &body_loads);
 }
 
-/// It was so in the last step, by itself, and for what is still so.
+/// Whether [`Lanes::Auto`] chose this width in the last step, and the reason still holds.
 #[cfg(target_arch = "x86_64")]
 fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
     let kept = problem.memory.peek::<Kept<L>>();
@@ -333,7 +335,7 @@ fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
     })
 }
 
-/// A visit to a block of eight costs 1.1 times one of four.
+/// Whether blocks of eight are faster. A visit to a block of eight costs 1.1 times one of four.
 #[cfg(target_arch = "x86_64")]
 fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
     if problem.patches.len() < HALF_FULL {
@@ -342,6 +344,6 @@ fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
     found.insert(skewed(F32x8::LANES, problem)).holds(HALF_FULL)
 }
 
-/// Patches in the mean block of eight from which on they are the faster: those of a wall of 10 × 10 hold 7, skewed, those of an arch 5.
+/// Mean number of patches in a block of eight from which on it is faster: skewed, those of a wall of 10 × 10 hold 7, those of an arch 5.
 #[cfg(target_arch = "x86_64")]
 const HALF_FULL: usize = 4;

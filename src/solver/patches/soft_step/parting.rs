@@ -1,10 +1,10 @@
-//! Bodies that lie deep in each other are moved apart, instead of being made faster.
+//! Parting: bodies that overlap deeply are moved apart by their positions, and gain no velocity.
 //!
-//! A spring takes an overlap back by a velocity, and bodies keep that velocity. It hardly counts where bodies rest, since they overlap by less
-//! than a millimetre. But if three hundred balls are in one place, each pushes on its neighbours, and these on theirs: the outer balls
-//! would leave with the sum of all velocities. So where bodies are deeper in each other than [`NEEDED`], springs see no more of an overlap
-//! than [`DEEP`], and positions alone take back the rest: at the end of a step the bodies are moved apart at each point that is deeper, along
-//! its normal, shared as an impulse would be. Together with the motion of the step that is no faster than the fastest correction.
+//! A spring corrects an overlap by a velocity, and bodies keep that velocity. This hardly matters where bodies rest, since they overlap by
+//! less than a millimetre. But if three hundred balls are in one place, each pushes on its neighbours, and these on theirs: the outer balls
+//! would leave with the sum of all velocities. So where bodies overlap by more than [`NEEDED`], springs see no more of an overlap than
+//! [`DEEP`], and positions alone correct the rest: at the end of a step the bodies are moved apart at each deeper point, along its normal,
+//! shared as an impulse would be. The sum of this and the motion of the step is no faster than the fastest correction.
 
 use super::gaps::Gaps;
 use super::island::Island;
@@ -12,27 +12,27 @@ use crate::solver::lanes::{F32xN, State};
 use crate::solver::{Body, PatchConstraint, PatchProblem};
 use glam::{Vec3, Vec4};
 
-/// The depth from which on bodies are moved apart, m. Bodies that land hard in a heap come nearly as deep; springs alone part them.
+/// The depth from which on bodies are moved apart, m. Bodies that land hard in a heap come nearly as deep, and springs alone part them.
 const NEEDED: f32 = 0.05;
 
-/// The part of a depth that is left to springs then, m.
+/// The part of a depth that is left to springs in that case, m.
 const DEEP: f32 = 0.02;
 
-/// Visits to each point.
+/// Number of visits to each point.
 const SWEEPS: usize = 4;
 
-/// No body is moved faster than this times the fastest correction, however many others it lies in.
+/// Limit of the speed of a body, as a factor of the fastest correction, for a body that overlaps many others.
 const FASTEST: f32 = 1.5;
 
-/// No body is turned by more than this in a step, rad: arms are those of before.
+/// Limit of the rotation of a body in a step, rad: arms are not updated.
 const TURN: f32 = 0.1;
 
-/// Whether some bodies are that deep in each other.
+/// Whether some bodies overlap by more than [`NEEDED`].
 pub fn is_needed(gaps: &Gaps) -> bool {
     gaps.deepest < -NEEDED
 }
 
-/// No point is deeper to its spring than this, a separation, m.
+/// The separation beyond which springs see no depth, m.
 pub fn deepest(gaps: &Gaps) -> f32 {
     match is_needed(gaps) {
         true => -DEEP,
@@ -40,21 +40,21 @@ pub fn deepest(gaps: &Gaps) -> f32 {
     }
 }
 
-/// A point that is to be moved apart.
+/// A point at which bodies are moved apart.
 struct Row {
     bodies: [usize; 2],
     normal: Vec3,
     arms: [Vec3; 2],
-    /// W, 1/kg.
+    /// Inverse effective mass W, 1/kg.
     response: f32,
-    /// How much farther it shall come than it has come in this step, m.
+    /// The motion that it still needs beyond its motion in this step, m.
     way: f32,
-    /// What moves it, kg·m.
+    /// The impulse of the motion, kg·m.
     given: f32,
 }
 
 impl Row {
-    /// The points of a patch that lie deep, each as fast as `fastest` m in the step.
+    /// The deep points of a patch; each moves by at most `fastest` m in the step.
     fn of<'a>(
         problem: &'a PatchProblem,
         patch: &'a PatchConstraint,
@@ -87,7 +87,7 @@ impl Row {
         })
     }
 
-    /// Moves both bodies so that it comes as far as it shall.
+    /// Moves both bodies so that the point moves as far as it needs.
     fn visit(&mut self, bodies: &[Body], motions: &mut [[Vec3; 2]]) {
         let at = |side: usize| {
             let [linear, angular] = motions[self.bodies[side]];
@@ -108,7 +108,7 @@ impl Row {
 }
 
 impl<L: F32xN> Island<L> {
-    /// Moves bodies apart that lie deep in each other, after all sweeps.
+    /// Moves bodies that overlap deeply apart, after all sweeps.
     pub fn part(&mut self, problem: &PatchProblem) {
         let fastest = problem.max_correction_speed * problem.dt;
         let patches = problem.patches.iter();

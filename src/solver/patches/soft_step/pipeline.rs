@@ -1,18 +1,18 @@
 //! Pipelined sweeps: they follow each other through the blocks, on several threads.
 //!
-//! Let *reach* of a block be the last block that holds any body which moves and is also held by this one. Sweep k + 1 may visit a block
-//! as soon as sweep k is past its reach: no block that sweep k has yet to visit shares a body with it, so the visit finds what it would
-//! find after the whole of sweep k, and changes nothing that sweep k has yet to see. What is done to a body between two sweeps is done
+//! The *reach* of a block is the last block that holds any moving body which this block holds as well. Sweep k + 1 may visit a block as
+//! soon as sweep k is past its reach: no block that sweep k has yet to visit shares a body with it, so the visit finds the values that it
+//! would find after the whole of sweep k, and changes nothing that sweep k has yet to read. The work on a body between two sweeps is done
 //! right after the last block that holds it. So the result is that of sweeps one after the other, to the bit, on any number of threads.
-//! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind. Hands are visited with the block
-//! before which they stand ([`edges`](super::edges)), and that block holds their bodies as well.
+//! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind. Hands are visited with the
+//! block before which they stand ([`edges`](super::edges)), and that block counts their bodies as its own.
 //!
-//! Sweeps go in groups: those of one group follow each other on one thread; one sweep a thread would move every block from cache to cache
-//! in every sweep. A thread *claims* the next group from a counter. So whoever waits
-//! for the group before waits for one that somebody is at, and the first waits for nobody: whatever else threads do, none waits for ever.
+//! Sweeps form groups, and those of one group follow each other on one thread: one sweep per thread would move every block from cache to
+//! cache in every sweep. A thread *claims* the next group from a counter. So a thread that waits for the previous group waits for one that
+//! another thread has claimed, and the first group waits for none: no order of threads leads to a deadlock.
 //!
-//! Bodies that contacts cannot change are read by many blocks at a time, and so must not move by themselves either: under a platform that
-//! goes its way sweeps go one after the other.
+//! Many blocks read bodies that contacts cannot change, all at the same time, so such a body must not move by itself either: on a moving
+//! platform, sweeps run one after the other.
 
 #![expect(
     unsafe_code,
@@ -29,33 +29,33 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering::*};
 
-/// Sweeps in a group: as many as give each thread two groups, so that all are at work to the end, and no more than a window of blocks
-/// that a cache holds has.
+/// Sweeps in a group. Each thread gets two groups, so that all threads work until the end, and the window of blocks of a group fits a
+/// cache.
 const SWEEPS: std::ops::RangeInclusive<usize> = 2..=6;
 
-/// A group follows so far behind the one before, bytes of blocks: what a thread has just written is in the cache of its core alone, and
-/// reading it from there takes longer than reading it once it has left. Where two followed closely both took half as long again, and
-/// in blocks that fit the caches of two cores nothing was gained.
+/// Distance between groups, bytes of blocks. Data that a thread has just written is in the cache of its core alone, and reading it from
+/// there takes longer than reading it later. Two threads that followed closely both took half as long again, and in blocks that fit the
+/// caches of two cores nothing was gained.
 const APART: usize = 2 << 20;
 
-/// Blocks that a sweep advances before it is the next one's turn.
+/// Number of blocks that a sweep visits before the next sweep of the group continues.
 const TURN: usize = 32;
 
-/// Which blocks wait for which, found once for the blocks of an island.
+/// The dependencies of blocks, found once for the blocks of an island.
 #[derive(Default)]
 pub struct Pipeline {
-    /// By block.
+    /// By block: its reach.
     reach: Vec<u32>,
     /// Bodies that move, in the order of the last block that holds them.
     bodies: Vec<u32>,
     /// By block: where its bodies end in `bodies`.
     ends: Vec<u32>,
     round_ends: RoundEnds,
-    /// How far a sweep stays behind the one before, blocks, at most.
+    /// The largest distance that a sweep keeps from the one before, blocks.
     lag: usize,
 }
 
-/// Who does what.
+/// The distribution of sweeps over threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shares {
     threads: usize,
@@ -65,7 +65,7 @@ pub struct Shares {
     apart: usize,
 }
 
-/// All that sweeps change.
+/// The data that sweeps read and change.
 pub struct Work<'a, L: F32xN> {
     pub blocks: &'a mut [Block<L>],
     pub points: &'a mut [Points<L>],
@@ -74,12 +74,12 @@ pub struct Work<'a, L: F32xN> {
     pub motions: &'a mut [State],
     pub hands: &'a EdgePlaces,
     pub grips: &'a mut [Held],
-    /// Contacts correct no faster, m/s.
+    /// The fastest correction, m/s.
     pub fastest: f32,
 }
 
 impl Pipeline {
-    /// Of the bodies that each block holds; `moves` tells which bodies contacts can change.
+    /// `blocks` yields the bodies of each block; `moves` says whether contacts can change a body.
     pub fn new<Bodies: Iterator<Item = u32>>(
         blocks: impl Iterator<Item = Bodies> + Clone,
         bodies: usize,
@@ -113,7 +113,8 @@ impl Pipeline {
         }
     }
 
-    /// How many of so many threads gain by these sweeps over blocks of so many bytes in all, and who does what.
+    /// The distribution of these sweeps over at most `threads` threads, for blocks of `bytes` bytes in all; none if a single thread is as
+    /// fast.
     pub fn share(&self, threads: usize, sweeps: usize, bytes: usize) -> Option<Shares> {
         let blocks = self.reach.len();
         let apart = APART * blocks / bytes.max(1);
@@ -130,7 +131,7 @@ impl Pipeline {
         })
     }
 
-    /// All sweeps, on so many threads. Σ Wᵢᵢ Δλᵢ² of each, J, in their order.
+    /// Runs all sweeps. Returns Σ Wᵢᵢ Δλᵢ² of each, J, in their order.
     pub fn run<L: F32xN>(&self, passes: &[Pass], work: Work<L>, shares: Shares) -> Vec<L> {
         self.run_in_groups(passes, work, shares, || ())
     }
@@ -190,14 +191,14 @@ impl Pipeline {
     }
 }
 
-/// A slice whose items go from thread to thread.
+/// A slice whose items threads pass to each other.
 struct Handed<'a, T> {
     first: *mut T,
     count: usize,
     of: PhantomData<&'a mut [T]>,
 }
 
-// SAFETY: it is a slice that its owner has lent, and items of it are only touched as `PipelinedSweeps` says.
+// SAFETY: the owner has lent the slice, and threads access its items only in the way that `PipelinedSweeps` describes.
 unsafe impl<T: Send> Sync for Handed<'_, T> {}
 unsafe impl<T: Send> Send for Handed<'_, T> {}
 
@@ -211,20 +212,20 @@ impl<'a, T> Handed<'a, T> {
     }
 
     /// # Safety
-    /// Nobody else touches these items as long as the reference lives.
+    /// Nothing else may access these items during the lifetime of the reference.
     #[inline(always)]
     #[expect(clippy::mut_from_ref, reason = "the caller answers for it")]
     unsafe fn range(&self, first: usize, end: usize) -> &mut [T] {
         assert!(first <= end && end <= self.count);
-        // SAFETY: the items are there, and the caller answers for the rest.
+        // SAFETY: the range is in bounds, and the caller ensures exclusive access.
         unsafe { std::slice::from_raw_parts_mut(self.first.add(first), end - first) }
     }
 
     /// # Safety
-    /// Nobody else writes to an item while it is read, or touches it while it is written to.
+    /// Nothing else may write to an item while it is read, or access it while it is written to.
     #[inline(always)]
     unsafe fn cells(&self) -> &[Cell<T>] {
-        // SAFETY: a cell is laid out as what it holds; the caller answers for the rest.
+        // SAFETY: a cell has the layout of its content; the caller ensures that accesses do not race.
         unsafe { std::slice::from_raw_parts(self.first.cast(), self.count) }
     }
 }
@@ -233,7 +234,7 @@ impl<'a, T> Handed<'a, T> {
 struct Group<'a, L> {
     passes: &'a [Pass],
     changes: Handed<'a, L>,
-    /// Blocks that the last of them is past.
+    /// Number of blocks that its last sweep has passed.
     done: AtomicUsize,
 }
 
@@ -253,15 +254,15 @@ struct Shared<'a, L: F32xN> {
 
 /// One group, from its first visit to its last.
 ///
-/// Its sweeps touch a block, its points, its hands and its bodies that move only where the sweep before is past the block's reach: so nobody is
-/// at any of them, and nobody will be before this sweep has passed them, which the counter tells the next.
+/// Its sweeps access a block, its points, its hands and its moving bodies only after the sweep before is past the block's reach. So no
+/// other thread accesses any of them at that time, nor until this sweep has passed them, which the counter tells the next group.
 struct PipelinedSweeps<'a, 'b, L: F32xN, D: Fn()> {
     shared: &'b Shared<'a, L>,
     number: usize,
     delay: &'b D,
 }
 
-/// Where a thread panics, those that wait for it must not wait for ever.
+/// Ends the wait of other threads if this one panics.
 struct Unblock<'a>(&'a AtomicUsize);
 
 impl Drop for Unblock<'_> {
@@ -282,7 +283,7 @@ impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
         let _unblock = Unblock(&group.done);
         let blocks = pipeline.reach.len();
         let passes = group.passes;
-        // SAFETY: they are this group's, and it is claimed once.
+        // SAFETY: these items belong to this group, and one thread claims it.
         let changes = unsafe { group.changes.range(0, passes.len()) };
         let mut at = [0usize; MOST];
         let mut idle = 0u32;
@@ -312,13 +313,13 @@ impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
                 changes[sweep] = change;
                 at[sweep] = block;
                 past = block;
-                // The last of a sweep's blocks reaches no farther.
+                // A sweep that has ended holds back no block.
                 if past == blocks {
                     past = usize::MAX;
                 }
                 sweep += 1;
             }
-            // Not before all is done: the guard tells that.
+            // Release: other threads see the writes of all visits up to here. The guard stores `usize::MAX` at the end.
             group.done.store(at[passes.len() - 1], Release);
             (self.delay)();
             if at != was {
@@ -327,21 +328,21 @@ impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
                 idle += 1;
                 std::hint::spin_loop();
             } else {
-                // Whom it waits for may have no processor.
+                // The thread that it waits for may have no processor.
                 std::thread::yield_now();
             }
         }
     }
 }
 
-/// How often it is looked whether one may go on, before others are let to the processor.
+/// Number of spins before a waiting thread yields the processor.
 const PATIENCE: u32 = 1000;
 
-/// Sweeps in a group, at most.
+/// Upper bound of sweeps in a group.
 const MOST: usize = 8;
 
 impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
-    /// Which blocks a group may touch that comes after another; at the end of that there is no more to stay behind.
+    /// The number of blocks that the next group may access. Once this group has ended, that is all of them.
     #[inline(always)]
     fn behind(&self, before: &Group<L>, blocks: usize) -> usize {
         match before.done.load(Acquire) {
@@ -372,7 +373,7 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
             false => self.visit_hands(number),
         };
         let range = block.range();
-        // SAFETY: see `PipelinedSweeps`; points are their block's alone.
+        // SAFETY: see `PipelinedSweeps`; no other block has these points.
         let points = unsafe { points.range(range.start, range.end) };
         let mut change = match SOFT {
             true => {
@@ -398,7 +399,7 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
         change
     }
 
-    /// The hands that stand before a block. Σ W Δλ², J.
+    /// Visits the hands that stand before a block. Returns Σ W Δλ², J.
     #[inline(never)]
     fn visit_hands(&self, block: usize) -> f32 {
         let Shared {
@@ -415,7 +416,7 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
         for group in hands.before(block) {
             for &hand in hands.edges_of(group) {
                 let hand = hand as usize;
-                // SAFETY: see `PipelinedSweeps`; a hand is of one block alone.
+                // SAFETY: see `PipelinedSweeps`; no other block has this hand.
                 let held = unsafe { &mut grips.range(hand, hand + 1)[0] };
                 change += held.visit_among(velocities, motions, *fastest);
             }

@@ -1,4 +1,4 @@
-//! Blocks are brought up to date as a step begins, and give back what they have found as it ends.
+//! The begin and the end of a step for blocks: they load the state of a problem, and store the results.
 
 use super::block::{Pass, Spring};
 use super::halves::Part;
@@ -8,26 +8,26 @@ use crate::solver::batches::Batches;
 use crate::solver::lanes::{F32xN, Kernel, State};
 use glam::Vec4;
 
-/// What blocks are brought up to date by.
+/// The data from which blocks are refreshed.
 pub struct Fresh<'a, 'p> {
     pub problem: &'a PatchProblem<'p>,
     pub batches: &'a Batches,
-    /// By patch: it was found anew.
+    /// By patch: its contact was detected anew.
     pub changed: &'a [bool],
-    /// By body, where any has turned.
+    /// By body: its inertia has changed; none if none has.
     pub turned: Option<&'a [bool]>,
     pub substeps: usize,
-    /// Of the free motion.
+    /// Velocities of the free motion.
     pub velocities: &'a [State],
     pub spring: &'a Spring,
     pub pass: &'a Pass,
-    /// Points farther apart than this have no part, m.
+    /// Points farther apart than this are open and get no impulse, m.
     pub closed: f32,
-    /// No point is deeper than this, a separation, m.
+    /// Springs see no depth beyond this separation, m.
     pub deepest: f32,
 }
 
-/// Brings some blocks up to date, and finds what the free motion misses there, J. In one go, while a block is at hand.
+/// Refreshes some blocks and computes the merit of their free motion, J; both at once, while a block is in the cache.
 pub struct Refresh<'a, 'p, L: F32xN> {
     pub part: Part<'a, L, L>,
     pub fresh: &'a Fresh<'a, 'p>,
@@ -71,7 +71,7 @@ impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
     }
 }
 
-/// Gives impulses back to the problem.
+/// Stores the impulses in the problem.
 pub struct End<'a, 'p, L: F32xN> {
     pub island: &'a Island<L>,
     pub problem: &'a mut PatchProblem<'p>,
@@ -96,7 +96,7 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
 }
 
 impl<L: F32xN> Island<L> {
-    /// Brings all blocks up to date with the problem that it has begun; what the free motion misses in each is found.
+    /// Refreshes all blocks from the problem, and computes the merit of the free motion in each.
     pub fn refresh(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass, closed: f32) {
         self.missing.resize(self.blocks.len(), L::ZERO);
         let fresh = Fresh {
@@ -125,8 +125,7 @@ impl<L: F32xN> Island<L> {
         });
     }
 
-    /// Ready for the first sweep: with effective masses, a substep's forces, and the impulses that contacts start with. The merit of the
-    /// free motion, √J.
+    /// Prepares the first sweep: effective masses, the forces of a substep, and the warm start. Returns the merit of the free motion, √J.
     pub fn start(
         &mut self,
         problem: &PatchProblem,
@@ -143,7 +142,7 @@ impl<L: F32xN> Island<L> {
         self.warm_start().sqrt()
     }
 
-    /// Gives the problem what was found; loads at rest follow by so large a share.
+    /// Stores the results in the problem. Loads at rest follow them by the share `rate`.
     pub fn store(&self, problem: &mut PatchProblem, rate: f32) {
         L::run(End {
             island: self,

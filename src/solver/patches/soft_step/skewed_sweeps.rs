@@ -1,12 +1,12 @@
 //! Skewed sweeps: several sweeps at once, side by side in the lanes of one block.
 //!
-//! Where contacts stand in a row, as in a stack, no two of them may be relaxed side by side in one sweep. Yet the next sweep may follow
-//! this one up the row, in the lanes beside it: the sequence of blocks is cut into *laps* ([`Batches::skewed`]), each of which is a sweep
-//! behind the one before it. In a *turn* every block is visited once, and each lap does its part of the sweep that it is in: contacts that
-//! share a body come in the same order as in sweeps one after the other, those of one lap because they do so in the turn, those of two
-//! because a lap is no shorter than a body's first and last contact are apart. What is done to a body between two sweeps is done right
-//! after the last block that holds it. Hands stand before a block, in one of its laps ([`edges`](super::edges)). So the result
-//! is that of sweeps one after the other, to the bit.
+//! Where contacts stand in a row, as in a stack, no two of them can be relaxed side by side in one sweep. But the next sweep can follow
+//! this one up the row, in the lanes beside it. The sequence of blocks is cut into *laps* ([`Batches::skewed`]), each of which is one sweep
+//! behind the lap before it. In a *turn* every block is visited once, and each lap does its part of its own sweep. Contacts that share a
+//! body come in the same order as in sweeps one after the other: those of one lap because the turn keeps their order, those of two laps
+//! because a lap is at least as long as the distance between the first and the last contact of a body. The work on a body between two
+//! sweeps is done right after the last block that holds it. Hands stand before a block, in one of its laps ([`edges`](super::edges)). So
+//! the result is that of sweeps one after the other, to the bit.
 
 use super::block::Pass;
 use super::island::Island;
@@ -15,7 +15,7 @@ use crate::solver::PatchProblem;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use std::cell::Cell;
 
-/// After which visits bodies are done with a sweep, found once for the blocks of an island.
+/// The visits after which a sweep has finished with bodies, found once for the blocks of an island.
 #[derive(Default)]
 pub struct SkewedSweeps {
     /// Bodies that move, in the order of the last block of their last lap.
@@ -26,10 +26,10 @@ pub struct SkewedSweeps {
     changes: Vec<f32>,
 }
 
-/// The passes that laps are in, where they are at work.
+/// By lap: the pass that it is in; none if it is idle.
 type AtWork<'a> = [Option<&'a Pass>; MOST];
 
-/// Laps, at most: one lane each.
+/// Upper bound of laps: one lane each.
 const MOST: usize = 8;
 
 /// A body, and the lap of the last of its contacts.
@@ -42,7 +42,7 @@ struct Last {
 impl SkewedSweeps {
     pub fn new<L: F32xN>(island: &Island<L>, problem: &PatchProblem) -> Self {
         let batches = &island.batches;
-        // A body without contacts is done with at once.
+        // A sweep has finished at once with a body without contacts.
         let mut last = vec![(0, 0); problem.bodies.len()];
         for (block, lanes) in (0..).zip(batches.iter()) {
             for (lane, patch) in lanes {
@@ -71,7 +71,7 @@ impl SkewedSweeps {
         }
     }
 
-    /// The bodies that are done with after a block.
+    /// The bodies with which a sweep has finished after a block.
     #[inline(always)]
     fn done(&self, block: usize) -> &[Last] {
         let first = match block {
@@ -82,14 +82,14 @@ impl SkewedSweeps {
     }
 }
 
-/// The sweep that a lap is in, if any.
+/// The sweep that a lap is in during a turn; none if it is idle.
 fn sweep_of(lap: usize, turn: usize, passes: &[Pass]) -> Option<usize> {
     let sweep = turn.checked_sub(lap)?;
     (sweep < passes.len()).then_some(sweep)
 }
 
 impl<L: F32xN> Island<L> {
-    /// All sweeps. Tells Σ Wᵢᵢ Δλᵢ² of each, J.
+    /// Runs all sweeps. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
     pub fn sweep_skewed(
         &mut self,
         skewed: &mut SkewedSweeps,
@@ -118,7 +118,7 @@ impl<L: F32xN> Island<L> {
         skewed.changes.iter().copied().for_each(tell);
     }
 
-    /// One visit to each block. Σ Wᵢᵢ Δλᵢ², J, by lane, and that of hands by lap.
+    /// Visits each block once. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of hands by lap.
     fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MOST]) {
         let mine = &passes[..self.batches.laps()];
         let all = |is: fn(&Pass) -> bool| mine.iter().all(|pass| pass.is_some_and(is));
@@ -152,7 +152,7 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// One visit to each block. Σ Wᵢᵢ Δλᵢ², J, by lane, and that of hands by lap.
+/// One visit to each block. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of hands by lap.
 struct Visits<'a, L: F32xN, K> {
     island: &'a mut Island<L>,
     skewed: &'a SkewedSweeps,
@@ -178,7 +178,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
         } = self.island;
         let states: [&[Cell<State>]; 3] = [cells(velocities), cells(before), cells(motions)];
         let [velocities, before, motions] = states;
-        // What differs between passes is said by kinds of lanes, and after visits.
+        // The passes differ only in the kinds of their lanes and in the work after visits, so any of them will do.
         let Some(any) = self.passes.iter().flatten().next() else {
             return (L::ZERO, [0.0; MOST]);
         };

@@ -1,67 +1,67 @@
-//! How many sweeps a step gets, and how stiff springs may be with them.
+//! The number of sweeps in a step, and the stiffness of springs that it allows.
 //!
-//! Springs are as stiff as sweeps come often ([`SoftStep::sweeps_per_period`]), and how stiff they must be is the structure's matter,
-//! not the step's: a column on springs buckles below a frequency that grows with its courses and with √(load / (mass · size)), as
-//! Euler's does. So sweeps come at a rate, and a long step has more of them. The rate follows what the structure is and what it has
-//! carried for long; one that followed impulses of the moment would excite what they shake.
+//! The stiffness of springs follows the rate of sweeps ([`SoftStep::sweeps_per_period`]). The stiffness that is needed depends on the
+//! structure and not on the step: like Euler's column, a column on springs buckles below a frequency that grows with its courses and with
+//! √(load / (mass · size)). So sweeps come at a rate, and a long step has more of them. The rate follows the shape of the structure and its
+//! loads at rest. A rate that followed the current impulses would amplify their shaking.
 
 use super::SoftStep;
 use super::load_statistics::{BodyLoad, LoadStatistics};
 use crate::solver::PatchProblem;
 
-/// Substeps to one rigid sweep: most, and where so many courses stand on each other. Soft sweeps let disturbances grow from course
-/// to course: a pyramid of 100 trembles by 50 mm/s with three, and one of 50 by 2; of 20 it is steadier with three.
+/// Number of substeps per rigid sweep: the usual one, and the one for at least [`TALL`] courses. Soft sweeps let disturbances grow from
+/// course to course: a pyramid of 100 trembles by 50 mm/s with three, and one of 50 by 2; of 20 it is steadier with three.
 const SUBSTEPS_PER_RIGID_SWEEP: usize = 3;
 const TALL: usize = 40;
 const SUBSTEPS_PER_RIGID_SWEEP_IF_TALL: usize = 2;
 
-/// Where so many courses stand on each other, rigid sweeps go down.
+/// Number of courses from which on rigid sweeps go down.
 ///
-/// A sweep up hands what it finds on to all that stands above, and to one course below. With velocities extrapolated from substep to
-/// substep, what goes down so grows from course to course where bodies stand on several others: in a linear model (walls of 60 and 120
-/// courses) by e¹¹ and e²⁶ before it leaves, so that rounding lets a tower of planks of 60 layers tremble by 11 mm/s. A sweep down before
-/// the next substep takes it back: e¹ and e¹·⁵. Walls of 50 courses are steady without, and sweeps that all go up may follow each other on
-/// several threads.
+/// A sweep up passes its changes on to all bodies above, and to one course below. With velocities extrapolated from substep to substep, a
+/// change that travels down therefore grows from course to course where bodies stand on several others: in a linear model (walls of 60 and
+/// 120 courses) by e¹¹ and e²⁶ before it leaves, so that rounding lets a tower of planks of 60 layers tremble by 11 mm/s. A sweep down
+/// before the next substep limits this growth to e¹ and e¹·⁵. Walls of 50 courses are steady without it, and only sweeps that all go up can
+/// be pipelined on several threads.
 const VERY_TALL: usize = 52;
 
-/// There are so many times as many contacts as bodies. Nothing grows in a single column, which stands the better for sweeps that go up.
+/// Contacts per body from which on rigid sweeps may go down. Nothing grows in a single column, which stands better with sweeps that go up.
 const BRANCHED: f32 = 1.5;
 
-/// The frequency of springs, Hz, is at least so many times courses · √(load / (mass · size)), SI units. A column of 100
-/// cubes under a noise of ±2 mm stands with it, now that it starts in equilibrium; before, it needed twice as much.
+/// The smallest frequency of springs, Hz, as a factor of courses · √(load / (mass · size)), SI units. With it a column of 100 cubes under a
+/// noise of ±2 mm stands, now that it starts in equilibrium; before, it needed twice as much.
 const STABLE: f32 = 0.02;
 
-/// Fewer courses count as so many: a cube under a thousand of its weight needs as much as a tower.
+/// Structures with fewer courses count as having this many: a cube under a thousand of its weight needs as much as a tower.
 const FEW: f32 = 24.0;
 
-/// Where things are not as they were, sweeps come more often than usual by this share.
+/// Additional sweeps for structures that are not settled, as a share of the usual rate.
 const UNSETTLED: f32 = 0.5;
 
-/// They are not where so much of what contacts carry is new. Piles of round things are always so: nothing is held for them. Where a
-/// tenth more was nothing yet, arches slid 3 % before their limits.
+/// Share of new load from which on a structure counts as fully unsettled. Piles of round bodies always do, since they have no loads at
+/// rest. When a tenth more did not count yet, arches slid 3 % before their limits.
 const NEW: f32 = 0.25;
 
-/// What is too much for sweeps that come so many times as often as usual is too much.
+/// Upper bound of the rate of sweeps, as a factor of the usual rate.
 const MOST: f32 = 4.0;
 
-/// A step that is longer by this share of a round is no reason for a round more.
+/// A step gets another round only if it is longer by more than this share of a round.
 const A_LITTLE: f32 = 0.1;
 
-/// A step's sweeps.
+/// The sweeps of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepBudget {
-    /// One soft sweep each.
+    /// Number of substeps; each has one soft sweep.
     pub substeps: usize,
-    /// A rigid sweep follows so many.
+    /// Number of substeps per rigid sweep.
     pub substeps_per_rigid_sweep: usize,
     /// Rigid sweeps go from the last contact to the first.
     pub downwards: bool,
-    /// Sweeps that springs may count on, 1/s.
+    /// The rate of sweeps that sets the stiffness of springs, 1/s.
     pub rate: f32,
 }
 
 impl SweepBudget {
-    /// An order in which those that are the same stand together.
+    /// An order that puts equal budgets side by side.
     pub fn compare(&self, other: &Self) -> std::cmp::Ordering {
         let whole = |budget: &Self| {
             let &Self {
@@ -77,7 +77,7 @@ impl SweepBudget {
             .then(self.rate.total_cmp(&other.rate))
     }
 
-    /// What a problem needs whose impulses are those it starts from.
+    /// The budget for a problem with its warm-start impulses.
     pub fn new(
         settings: &SoftStep,
         problem: &PatchProblem,
@@ -108,7 +108,7 @@ impl SweepBudget {
                 .max(settings.min_sweeps)
                 .min(settings.max_sweeps)
         };
-        // Not all of what whole rounds come to, or stiffness would jump with their number.
+        // This is not the rate of whole rounds, or stiffness would jump with their number.
         let rate = rate.max(settings.min_sweeps as f32 / problem.longest);
         Self {
             substeps: substeps(sweeps(problem.dt), soft),
@@ -118,20 +118,20 @@ impl SweepBudget {
         }
     }
 
-    /// How many sweeps a step takes, rigid ones included.
+    /// Number of sweeps in a step, rigid ones included.
     pub fn sweeps(&self) -> usize {
         self.substeps + self.substeps.div_ceil(self.substeps_per_rigid_sweep)
     }
 }
 
-/// How many substeps, with the rigid sweeps between them and the one that ends the step, make so many sweeps. At least one.
+/// Number of substeps that, with the rigid sweeps between them and the one that ends the step, make `sweeps` sweeps; at least one.
 fn substeps(sweeps: usize, per_rigid_sweep: usize) -> usize {
     let round = per_rigid_sweep + 1;
     let rest = sweeps % round;
     (sweeps / round * per_rigid_sweep + rest.saturating_sub(1)).max(1)
 }
 
-/// The frequency that the springs of a structure must have, Hz, where this much is pressed (see [`LoadStatistics::pressed`]).
+/// The smallest frequency of the springs of a structure, Hz; for `pressed`, see [`LoadStatistics::pressed`].
 fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
     let mut above = 0.0;
     let mut most = pressed;
@@ -147,14 +147,14 @@ fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Course {
     bodies: usize,
-    /// kg
+    /// Total mass, kg.
     mass: f32,
-    /// Of the one that gives way most among those that bear others, 1/(kg·m). A ball that leans on a wall does not carry the load of
-    /// its course.
+    /// The largest [`BodyLoad::yielding`] among the bodies that support others, 1/(kg·m). A ball that leans on a wall does not carry the
+    /// load of its course.
     yielding: f32,
 }
 
-/// From the ground up.
+/// Finds the courses, from the ground up.
 fn find_courses(problem: &PatchProblem, body_loads: &[BodyLoad], courses: &mut Vec<Course>) {
     courses.clear();
     let bodies = problem.bodies.iter().zip(body_loads);

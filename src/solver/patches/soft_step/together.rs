@@ -1,8 +1,8 @@
-//! Small islands side by side, in the blocks of one problem.
+//! Small islands solved together: their patches lie side by side in the blocks of one problem.
 //!
-//! What lies alone on the ground fills one lane of four. So the small islands of a step that get the same sweeps are put into one problem,
-//! where their patches lie beside each other. They share no body that moves, and each island's patches keep their order: what is found
-//! of each is what would be found of it alone, to the bit, but for the sign of zeros.
+//! A body that lies alone on the ground fills one lane of four. So the small islands of a step that get the same sweeps form one problem.
+//! They share no body that moves, and each island's patches keep their order: the result for each is what it would be alone, to the bit,
+//! but for the sign of zeros.
 
 use super::gaps::Gaps;
 use super::island::{Island, batches};
@@ -11,13 +11,13 @@ use super::{Bounces, PatchSolver, SoftStep, blows, parting};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
 
-/// Several problems in one.
+/// Several problems, joined into one.
 #[derive(Default)]
 struct Joint {
     bodies: Vec<Body>,
     patches: Vec<PatchConstraint>,
     points: Vec<PatchPoint>,
-    /// By patch: which of the problems it is of.
+    /// By patch: the number of its problem.
     owners: Vec<u32>,
 }
 
@@ -39,7 +39,7 @@ impl Joint {
         joint
     }
 
-    /// Solved under what holds for all of them.
+    /// The joint problem, with the settings of `like`.
     fn problem<'a>(&'a mut self, like: &PatchProblem, memory: &'a mut Memory) -> PatchProblem<'a> {
         PatchProblem {
             bodies: &mut self.bodies,
@@ -52,7 +52,7 @@ impl Joint {
         }
     }
 
-    /// Gives each problem what was found of it.
+    /// Copies the results back to the problems.
     fn give_back<'a, 'p: 'a>(&self, problems: impl Iterator<Item = &'a mut PatchProblem<'p>>) {
         let (mut bodies, mut patches) = (&*self.bodies, &*self.patches);
         let mut points = &*self.points;
@@ -75,15 +75,15 @@ impl Joint {
     }
 }
 
-/// One of the problems, ready for its sweeps.
+/// A problem that is ready for its sweeps.
 struct Begun {
-    /// Which of them.
+    /// Its index.
     number: usize,
     budget: SweepBudget,
     bounces: Option<Bounces>,
 }
 
-/// Takes so many off the front.
+/// Takes the first `count` items from a list.
 fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
     let (first, rest) = list.split_at(count);
     *list = rest;
@@ -91,7 +91,7 @@ fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
 }
 
 impl SoftStep {
-    /// Solves each: those that get the same sweeps together, and those in which bodies hit each other by themselves.
+    /// Solves each problem: those that get the same sweeps together, and those with blows or deep overlaps alone.
     pub(super) fn solve_together<L: F32xN>(
         &self,
         problems: &mut [PatchProblem],
@@ -104,7 +104,7 @@ impl SoftStep {
                 reports[number] = self.solve(problem);
                 continue;
             }
-            // What was kept of it alone is not what it will be after this step.
+            // The kept state will be out of date after this step.
             problem.memory.forget();
             let (budget, bounces) = self.begin::<L>(problem, &mut Default::default());
             begun.push(Begun {
@@ -168,7 +168,7 @@ impl SoftStep {
 }
 
 impl<L: F32xN> Island<L> {
-    /// What stands in the lanes, summed up over the patches of each problem.
+    /// Sums of the values in lanes over the patches of each problem.
     fn by_owner(&self, lanes: &[L], owners: &[u32], count: usize) -> Vec<f32> {
         let mut sums = vec![0.0; count];
         for (found, patches) in lanes.iter().zip(self.batches.iter()) {

@@ -1,55 +1,55 @@
-//! One visit to a block: what its rows find, and what that does to the bodies.
+//! One visit to a block: relaxes its rows and applies their impulses to the bodies.
 
 use super::block::{Block, Pass, Points, on_normals_local};
 use super::kinds::Kinds;
 use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN, square_length, squared};
 use std::cell::Cell;
 
-/// What rolls or slips faster than this (m/s) does not creep.
+/// Rolling and slipping slower than this (m/s) count as creep.
 const CREEP: f32 = 0.1;
 
-/// Faster than this (m/s) a patch is landing, not resting.
+/// A patch with a normal velocity above this (m/s) is landing, not resting.
 const LANDING: f32 = 0.25;
 
-/// How often the points of a patch that lands are visited.
+/// Number of visits to the points of a landing patch.
 const LANDING_VISITS: usize = 8;
 
-/// What a point is held to carry is at most so many times what its patch carries now: where a load is taken away at once, the slow
-/// mean would throw what has borne it.
+/// The held load of a point is at most its load at rest times this times the share of its load that the patch still carries. Where a load
+/// is removed at once, the slow mean would throw the body that carried it.
 const UNLOADED: f32 = 3.0;
 
-/// How far beyond its spring a patch slips before it takes its anchor along, m. Impulses that have not converged yet let what rests slip by
-/// less; without it walls that settle drift half as far again.
+/// Slip beyond the reach of its spring at which a patch takes its anchor along, m. Impulses that have not converged yet let resting bodies
+/// slip by less; without this margin, walls that settle drift half as far again.
 const PLAY: f32 = 1e-3;
 
-/// Friction may exceed the cone of normals that were relaxed after it by this factor. Where it may by 1.05 only, what slides and
-/// trembles loses some of its friction in every visit, and boxes that bounce begin to turn.
+/// Factor by which friction may exceed the cone of normals that were relaxed after it. At 1.05, bodies that slide and tremble lose some of
+/// their friction in every visit, and boxes that bounce begin to turn.
 const STALE: f32 = 2.0;
 
-/// A visit on its way.
+/// The state of a visit.
 struct Visit<L> {
     /// Relative velocity in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
     velocity: SpatialVec<L>,
-    /// What the rows have found so far, in the same frame.
+    /// Sum of the wrenches of its rows so far, in the same frame.
     wrench: SpatialVec<L>,
     /// Σ W Δλ² of the normals, J.
     change: L,
 }
 
-/// What the normals of a patch carry.
+/// The impulses of a patch's normals.
 #[derive(Clone, Copy)]
 pub(super) struct Carried<L> {
     /// Σλ_n, N·s.
     pub(super) all: L,
-    /// The same times the distances from the centre, N·m·s.
+    /// Σλ_n times the distances from the centre, N·m·s.
     lever: L,
 }
 
-/// How friction is held: as a spring about its anchor, where it has one.
+/// Coefficients of friction rows: a spring about the anchor, if friction is anchored.
 struct Hold<L> {
     mass_scale: L,
     impulse_scale: L,
-    /// Velocities that take the slip back, along the tangents and about the normal.
+    /// Velocities that correct the slip, along the tangents and about the normal.
     back: [L; 2],
     back_twist: L,
 }
@@ -57,26 +57,26 @@ struct Hold<L> {
 /// The springs of a patch's points in one visit.
 #[derive(Clone, Copy, Default)]
 struct Springs<L> {
-    /// How far the patch has moved since detection, as normals see it.
+    /// Motion of the patch since detection, in the coordinates of normals.
     moved: Vec3xN<L>,
     bias_rate: L,
-    /// The fastest correction, negative, m/s.
+    /// The fastest correction, as a negative velocity, m/s.
     fastest: L,
     mass_scale: L,
     impulse_scale: L,
-    /// The share of its load that the patch still carries, 1 at most.
+    /// The share of its load that the patch still carries, at most 1.
     left: L,
-    /// What a point holds of its load, and what of that it has lost; times `impulse_scale`.
+    /// Factors of the load that a point holds, and of the part of its load that it has lost; both include `impulse_scale`.
     held: L,
     preload: L,
-    /// What a spring's load times this is, is its reach times its mass, s.
+    /// Factor from the load of a spring to its reach times its mass, s.
     reach: L,
 }
 
 impl<L: F32xN> Block<L> {
-    /// One projected Gauss–Seidel visit. Where lanes are soft, rows are springs and take errors back, friction before normals, which matter
-    /// more. Where they are rigid, rows only stop the motion, normals before friction, which so ends in its cone. The change
-    /// of the normals, Σ W Δλ², J.
+    /// One projected Gauss–Seidel visit. In soft lanes, rows are springs and correct errors; friction comes before normals, which matter
+    /// more. In rigid lanes, rows only stop the motion; normals come before friction, which therefore ends inside its cone. Returns the
+    /// change of the normals, Σ W Δλ², J.
     #[inline(always)]
     pub fn relax<K: Kinds<L>>(
         &mut self,
@@ -135,7 +135,7 @@ impl<L: F32xN> Block<L> {
         visit.change
     }
 
-    /// Closes a substep's account: what impulses have given in it is given, and they begin to give it again.
+    /// Adds the impulses of the last substep to the sums over the step.
     #[inline(always)]
     pub fn account<K: Kinds<L>>(&mut self, kinds: K, points: &mut [Points<L>]) {
         for (given, now) in self.given.iter_mut().zip(self.tangential) {
@@ -146,7 +146,7 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Anchored friction is a spring about where it began to stick; any other is rigid.
+    /// Coefficients of friction: anchored friction is a spring about its anchor, other friction is rigid.
     #[inline(always)]
     fn spring<K: Kinds<L>>(&self, kinds: K, moved: &SpatialVec<L>) -> Hold<L> {
         let soft = &self.softness;
@@ -167,16 +167,16 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// The most moment about the normal that friction gives, N·m·s.
+    /// The largest moment about the normal that friction can give, N·m·s.
     #[inline(always)]
     pub(super) fn most_twist(&self, carried: &Carried<L>) -> L {
         self.friction
             .mul_add(carried.lever, self.rolling_lever * carried.all)
     }
 
-    /// What slides takes its anchor along. The springs of friction, or their place where none is set yet, stretch no farther than the
-    /// patch can hold them with what it carries. Else what slides and stops inside one step, and so counts as sticking, would be
-    /// drawn back by all that it slid.
+    /// Moves the anchor of a sliding patch along. The springs of friction (or their anchor position where none is set yet) stretch no
+    /// farther than the friction of the carried load can hold. Otherwise a body that slides and stops within one step, and so counts as
+    /// sticking, would be drawn back by the whole slide.
     #[inline(always)]
     fn drag<K: Kinds<L>>(&mut self, kinds: K, carried: &Carried<L>, moved: &SpatialVec<L>) {
         let pull = [
@@ -200,7 +200,8 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Twist, then both tangents, within what the normals carry now, of lanes that are `SOFT` or those that are not.
+    /// Relaxes twist, then both tangents, within the friction of the current normal impulses, in lanes that are soft (`SOFT`) or in those
+    /// that are rigid.
     #[inline(always)]
     fn relax_friction<K: Kinds<L>, const SOFT: bool>(
         &mut self,
@@ -240,7 +241,7 @@ impl<L: F32xN> Block<L> {
             true => [hold.mass_scale * excess[0], hold.mass_scale * excess[1]],
             false => excess,
         };
-        // The exact step where it stays inside the cone, else an isotropic one, projected (see `points/constraint.rs`).
+        // The exact step if it stays inside the cone, else an isotropic one, projected (see `points/constraint.rs`).
         let [xx, yy, xy] = self.tangent_mass;
         let mut found = [
             xy.neg_mul_add(excess[1], xx.neg_mul_add(excess[0], start[0])),
@@ -268,8 +269,8 @@ impl<L: F32xN> Block<L> {
         visit.wrench.angular.x += twist;
     }
 
-    /// Soft friction was found for what normals carried before them. Where they have let go since, as after a blow, friction of the
-    /// blow would be given twice.
+    /// Limits soft friction to the normal impulses after their relaxation. Soft friction was relaxed before them; where they have dropped
+    /// since, as after a blow, the friction of the blow would be applied twice.
     #[inline(always)]
     fn confine<K: Kinds<L>>(&mut self, kinds: K, carried: L, visit: &mut Visit<L>) {
         let limit = L::splat(STALE) * self.friction * carried;
@@ -285,7 +286,7 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Rigid lanes have springs that give way by nothing and hold nothing, and what rests has none.
+    /// The springs of the normals. In rigid lanes they do not yield and hold nothing; in idle lanes they have no effect.
     #[inline(always)]
     fn springs<K: Kinds<L>>(
         &self,
@@ -297,7 +298,7 @@ impl<L: F32xN> Block<L> {
         let soft = &self.softness;
         let impulse_scale = kinds.given_back(soft.impulse_scale);
         let left = carried.all * self.share * self.inverse_load;
-        // Of the load, held at most.
+        // The largest share of a load that is held.
         let most = (left * L::splat(UNLOADED)).min(L::ONE);
         Springs {
             moved: on_normals_local(moved),
@@ -313,23 +314,23 @@ impl<L: F32xN> Block<L> {
     }
 }
 
-/// The rows of a patch's normals.
+/// The normal rows of a patch.
 #[derive(Clone, Copy)]
 struct Rows<L, K> {
     kinds: K,
-    /// Of lanes that are soft.
+    /// The springs of soft lanes.
     springs: Springs<L>,
-    /// 1/s: of one substep.
+    /// Inverse length of a substep, 1/s.
     rate: L,
 }
 
 impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
-    /// What is to be taken from a point's impulse is mass · approach + constant.
+    /// Returns (mass, constant). A visit takes mass · approach + constant from the point's impulse.
     #[inline(always)]
     fn row(&self, point: &mut Points<L>) -> (L, L) {
         match K::SOFT {
             true => self.spring(point),
-            // It only stops motion, or brings together what a spring no longer reaches.
+            // A rigid row only stops motion, or closes the gap beyond the reach of its spring.
             false => {
                 let mass = self.kinds.if_rigid(point.mass);
                 (mass, mass * point.gap * self.rate)
@@ -349,7 +350,7 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
             .neg_mul_add(point.load, springs.impulse_scale * point.impulse);
         let held = springs.preload.mul_add(lost, held);
         let closed = soft_mass.mul_add((springs.bias_rate * s).max(springs.fastest), held);
-        // The spring rests where the surfaces meet, with all of its load, and reaches as far beyond as that stretches it.
+        // The spring with all of its load rests where the surfaces meet, and reaches as far beyond as that load stretches it.
         let (stretch, reach) = (s * point.mass, springs.reach * point.load);
         let gap = stretch.select_above(reach, s, L::ZERO);
         point.gap = self.kinds.visited(gap, point.gap);
@@ -362,7 +363,7 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
     #[inline(always)]
     fn relax_normals(&self, points: &mut [Points<L>], mut visit: Visit<L>) -> Visit<L> {
         if K::LANDS {
-            // The patches beside it must find what they would find alone.
+            // Other lanes must get the result that they would get without this one.
             let u = visit.velocity.linear.x;
             let lands = self.kinds.soft(u.max(-u), L::ZERO);
             let landing = L::splat(LANDING);
@@ -382,7 +383,7 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
     }
 }
 
-/// `new` in lanes that are `SOFT`, or in those that are not, else `old`.
+/// `new` in lanes that are soft (`SOFT`) or in those that are rigid, else `old`.
 #[inline(always)]
 fn of<L: F32xN, K: Kinds<L>, const SOFT: bool>(kinds: K, new: L, old: L) -> L {
     match SOFT {
@@ -391,7 +392,8 @@ fn of<L: F32xN, K: Kinds<L>, const SOFT: bool>(kinds: K, new: L, old: L) -> L {
     }
 }
 
-/// Visits the points of a patch one after another. By fours, and the same for a point however many its block has.
+/// Visits the points of a patch one after another, in groups of four. The result for a point does not depend on the number of points in its
+/// block.
 #[inline(always)]
 fn relax_points<L: F32xN, K: Kinds<L>, const ON: bool>(
     rows: &Rows<L, K>,
@@ -401,23 +403,23 @@ fn relax_points<L: F32xN, K: Kinds<L>, const ON: bool>(
 ) {
     while points.len() > 4 {
         let (some, others) = points.split_at_mut(4);
-        relax_so_many::<_, _, 4, true>(rows, some, normals, visit);
+        relax_n::<_, _, 4, true>(rows, some, normals, visit);
         points = others;
     }
     match points.len() {
-        4 => relax_so_many::<_, _, 4, ON>(rows, points, normals, visit),
-        3 => relax_so_many::<_, _, 3, ON>(rows, points, normals, visit),
-        2 => relax_so_many::<_, _, 2, ON>(rows, points, normals, visit),
-        1 => relax_so_many::<_, _, 1, ON>(rows, points, normals, visit),
+        4 => relax_n::<_, _, 4, ON>(rows, points, normals, visit),
+        3 => relax_n::<_, _, 3, ON>(rows, points, normals, visit),
+        2 => relax_n::<_, _, 2, ON>(rows, points, normals, visit),
+        1 => relax_n::<_, _, 1, ON>(rows, points, normals, visit),
         _ => (),
     }
 }
 
-/// What a point gives is told at once to the impulses that those after it shall have: each then waits for three operations of the one
-/// before, where it would wait for seven by way of the patch's motion. A stack, in which nothing else is to be done meanwhile, feels it.
-/// The motion itself follows where somebody goes `ON` with it.
+/// Visits N points. Each impulse is passed at once to the wanted impulses of the later points: each then waits for three operations of the
+/// one before, instead of seven by way of the patch's motion. This pays in a stack, in which no other work fills the wait. The motion
+/// itself is updated only if more visits follow (`ON`).
 #[inline(always)]
-fn relax_so_many<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
+fn relax_n<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
     rows: &Rows<L, K>,
     points: &mut [Points<L>],
     normals: &mut Vec3xN<L>,
@@ -457,7 +459,7 @@ fn relax_so_many<L: F32xN, K: Kinds<L>, const N: usize, const ON: bool>(
     }
 }
 
-/// See [`Block::drag`].
+/// The rare part of [`Block::drag`].
 struct Drag<'a, L: F32xN, K> {
     block: &'a mut Block<L>,
     kinds: K,
@@ -485,7 +487,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
             .mul_add(limit, play * block.radius.inverse());
         let angle = pull_twist.max(-pull_twist);
         let cut = (reach * angle.inverse()).min(L::ONE) - L::ONE;
-        // The patches beside what slips must find what they would find alone.
+        // Other lanes must get the result that they would get without the sliding one.
         let cut = (angle * block.radius).select_above(play, cut, L::ZERO);
         let cut = kinds.soft(cut, L::ZERO);
         block.slip_twist = cut.neg_mul_add(pull_twist, block.slip_twist);
@@ -503,7 +505,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
     }
 }
 
-/// Friction that slides in some lane: there an isotropic step, projected.
+/// Friction that slides in some lane: those lanes take an isotropic step, projected.
 struct Slide<L> {
     found: [L; 2],
     limit: L,
@@ -532,7 +534,7 @@ impl<L: F32xN> Kernel for Slide<L> {
     }
 }
 
-/// See [`shorten`].
+/// [`shorten`] as a kernel.
 struct Shorten<L> {
     vector: [L; 2],
     limit: L,
@@ -547,7 +549,7 @@ impl<L: F32xN> Kernel for Shorten<L> {
     }
 }
 
-/// A vector no longer than that.
+/// The vector, shortened to `limit` where it is longer.
 #[inline(always)]
 fn shorten<L: F32xN>(vector: [L; 2], limit: L) -> [L; 2] {
     let length = square_length(vector).sqrt();
@@ -555,7 +557,7 @@ fn shorten<L: F32xN>(vector: [L; 2], limit: L) -> [L; 2] {
     [vector[0] * shorten, vector[1] * shorten]
 }
 
-/// What creeps is stopped: Ω_1 and Ω_2 together, within what the normals carry now, and less where it is faster.
+/// Stops creep: relaxes Ω_1 and Ω_2 together, within the limit of the current normal impulses. The limit decreases with speed.
 struct Roll<'a, L: F32xN, K> {
     block: &'a mut Block<L>,
     kinds: K,
@@ -607,13 +609,13 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Roll<'_, L, K> {
     }
 }
 
-/// What lands on a face, or still has the impulse of landing, would be turned by the point that is visited first. So all its
-/// points are stopped together before, and visited more often.
+/// Relaxes a patch that lands on a face, or still has the impulse of landing. The first visited point would turn the body, so all points
+/// are stopped together first, and visited more often.
 struct Land<'a, L: F32xN, K> {
     rows: Rows<L, K>,
     points: &'a mut [Points<L>],
     visit: Visit<L>,
-    /// 1 where it does.
+    /// 1 in landing lanes, else 0.
     lands: L,
 }
 
@@ -641,7 +643,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Land<'_, L, K> {
                 visit.change = taken.mul_add(approach, visit.change);
                 most = most.max(taken.max(-taken));
             }
-            // Then it would be so every time, as where what comes is not there yet.
+            // If the points change nothing now, further visits change nothing either; this is so for a body that has not arrived yet.
             if !most.any_above(L::ZERO) {
                 break;
             }
@@ -675,7 +677,8 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
         }
     }
 
-    /// The share of a point in what stops the patch, in proportion to what it lacks or gives already; and what it lacks, m/s.
+    /// The share of a point in the impulse that stops the patch, in proportion to its missing velocity or its impulse; and that missing
+    /// velocity, m/s.
     #[inline(always)]
     fn lack(&self, point: &Points<L>, normals: &Vec3xN<L>, lands: L) -> (L, L) {
         let s = point.separation + point.approach(&self.springs.moved);
@@ -687,7 +690,7 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
 }
 
 impl<L: F32xN> Visit<L> {
-    /// What friction sees of what the normals have found.
+    /// Adds the response of the tangents to the impulses of the normals.
     #[inline(always)]
     fn follow_normals(&mut self, block: &Block<L>) {
         let given = Vec3xN {
@@ -700,7 +703,7 @@ impl<L: F32xN> Visit<L> {
         self.velocity.angular.x += block.twist_to_normals.dot(given);
     }
 
-    /// What normals see of what friction has found.
+    /// Adds the response of the normals to the impulses of friction.
     #[inline(always)]
     fn follow_friction(&mut self, block: &Block<L>) {
         let before = on_normals_local(&self.velocity);
@@ -717,8 +720,8 @@ impl<L: F32xN> Visit<L> {
 }
 
 impl<L: F32xN> Points<L> {
-    /// Takes from λ_n, which stays ≥ 0; what of it was taken. To the last bit what the impulse has lost: differences too small for it
-    /// would be felt by the bodies alone, and make boxes that bounce straight begin to turn.
+    /// Takes from λ_n, which stays ≥ 0, and returns the amount. The amount is the difference of the rounded impulses: differences too small
+    /// for λ_n would otherwise act on the bodies alone, and make boxes that bounce straight begin to turn.
     #[inline(always)]
     fn take(&mut self, step: L, normals: &mut Vec3xN<L>, wrench: &mut SpatialVec<L>) -> L {
         let left = (self.impulse - step).max(L::ZERO);

@@ -1,30 +1,31 @@
-//! What lanes hold of pairs of bodies, of their patches and of their points.
+//! The data of pairs of bodies, their patches and their points, in lanes.
 
 use super::Cone;
 use crate::solver::lanes::{F32xN, Frame, Symmetric, Vec3xN};
 use crate::solver::{Body, PointConstraint};
 use std::ops::Range;
 
-/// Several pairs of bodies, of which no two share one that moves.
+/// Several pairs of bodies. No two of them share a body that moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Block<L: F32xN> {
     pub(super) bodies: [L::Bodies; 2],
-    /// Where their velocities are written to: `nowhere` for bodies that nothing moves, or visits that share one would wait for each other.
+    /// Indices to which velocities are written. Bodies that nothing moves get `null_target`, or visits that share one would wait for each
+    /// other.
     pub(super) targets: [L::Bodies; 2],
-    /// Of A and B together, 1/kg: what an impulse does to the velocity of A against B.
+    /// Inverse mass of A and B together, 1/kg: response of the velocity of A against B to an impulse.
     pub(super) inverse_mass: L,
-    /// The parts of A and B in it.
+    /// The shares of A and B in it.
     pub(super) shares: [L; 2],
     first: u32,
     end: u32,
 }
 
-/// The i-th patch of each pair: points with one normal, between bodies that are seen in its frame.
+/// The i-th patch of each pair: points with one normal, and the inertias of the bodies in its frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Patches<L> {
     pub(super) normal: Vec3xN<L>,
     pub(super) tangent: Vec3xN<L>,
-    /// Of A and B, 1/(kg·m²).
+    /// Inverse inertias of A and B, 1/(kg·m²).
     pub(super) inverse_inertia: [Symmetric<L>; 2],
     first: u32,
     count: u32,
@@ -39,22 +40,22 @@ pub struct Points<L> {
     pub(super) target: Vec3xN<L>,
     /// λ, N·s.
     pub(super) impulse: Vec3xN<L>,
-    /// μ
+    /// Coefficient of friction μ.
     pub(super) friction: L,
-    /// That of W, 1/kg.
+    /// Diagonal of W, 1/kg.
     pub(super) diagonal: Vec3xN<L>,
     /// 1/W_nn, kg.
     pub(super) normal_mass: L,
-    /// What the shape of the friction cone wants of the tangential block.
+    /// Coefficients of the tangential block, as the friction cone needs them.
     pub(super) tangential: [L; 4],
 }
 
-/// What lies so far below the diagonal of a matrix of single precision is none. Normals that are an axis to rounding leave numbers
-/// there that are subnormal, which is slow: stacks of cubes took twice as long.
+/// Smallest ratio of an off-diagonal element of a matrix to its trace; smaller ones are set to zero. Normals that are an axis up to
+/// rounding leave subnormal elements, which are slow: stacks of cubes took twice as long.
 const NONE: f32 = 1e-12;
 
 #[inline(always)]
-fn of_some_size<L: F32xN>(m: Symmetric<L>) -> Symmetric<L> {
+fn flush_small_elements<L: F32xN>(m: Symmetric<L>) -> Symmetric<L> {
     let least = L::splat(NONE) * (m.xx + m.yy + m.zz);
     Symmetric {
         xy: m.xy.max(-m.xy).select_above(least, m.xy, L::ZERO),
@@ -65,17 +66,17 @@ fn of_some_size<L: F32xN>(m: Symmetric<L>) -> Symmetric<L> {
 }
 
 impl<L: F32xN> Block<L> {
-    /// An empty block whose lanes read a body that nothing moves, and write where nothing reads; and where its patches begin.
-    pub fn new(nobody: u32, nowhere: u32, first: usize) -> Self {
+    /// An empty block, whose patches begin at `first`. Its lanes read a body that nothing moves, and write to an entry that nothing reads.
+    pub fn new(null_body: u32, null_target: u32, first: usize) -> Self {
         Self {
-            bodies: [L::bodies(nobody); 2],
-            targets: [L::bodies(nowhere); 2],
+            bodies: [L::bodies(null_body); 2],
+            targets: [L::bodies(null_target); 2],
             first: first as u32,
             ..Default::default()
         }
     }
 
-    /// Puts a pair into a lane.
+    /// Loads a pair into a lane.
     pub fn load(&mut self, lane: usize, pair: [u32; 2], bodies: &[Body]) {
         let masses = pair.map(|body| bodies[body as usize].inverse_mass);
         let both = masses[0] + masses[1];
@@ -93,12 +94,12 @@ impl<L: F32xN> Block<L> {
         self.first as usize
     }
 
-    /// Where its patches end.
+    /// Sets the end of its patches.
     pub fn close(&mut self, end: usize) {
         self.end = end as u32;
     }
 
-    /// The indices of its patches.
+    /// The range of its patches.
     #[inline(always)]
     pub fn patches(&self) -> Range<usize> {
         self.first as usize..self.end as usize
@@ -106,23 +107,23 @@ impl<L: F32xN> Block<L> {
 }
 
 impl<L: F32xN> Patches<L> {
-    /// Makes room for so many points of a patch.
+    /// Makes room for a patch of `count` points.
     pub fn widen(&mut self, count: usize) {
         self.count = self.count.max(count as u32);
     }
 
-    /// Where its points begin.
+    /// Sets the index of its first point.
     pub fn place(&mut self, first: usize) {
         self.first = first as u32;
     }
 
-    /// The indices of its points.
+    /// The range of its points.
     #[inline(always)]
     pub fn points(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 
-    /// Puts a patch of so many points into a lane, in world axes until it is [prepared](Self::prepare).
+    /// Loads a patch into a lane, in world axes until it is [prepared](Self::prepare).
     pub fn load(&mut self, lane: usize, points: &[PointConstraint], bodies: &[Body]) {
         assert!(lane < L::LANES);
         let [point, ..] = points else { return };
@@ -133,14 +134,14 @@ impl<L: F32xN> Patches<L> {
         }
     }
 
-    /// Turns it into its frame.
+    /// Transforms the patch and its points into its frame.
     #[inline(always)]
     pub fn prepare(&mut self, points: &mut [Points<L>]) {
         let frame = self.frame();
         let [a, b] = self.inverse_inertia;
         self.inverse_inertia = [
-            of_some_size(frame.local_matrix(&a)),
-            of_some_size(frame.local_matrix(&b)),
+            flush_small_elements(frame.local_matrix(&a)),
+            flush_small_elements(frame.local_matrix(&b)),
         ];
         for point in points {
             let [a, b] = point.arms;
@@ -155,7 +156,7 @@ impl<L: F32xN> Patches<L> {
 }
 
 impl<L: F32xN> Points<L> {
-    /// Puts a point into a lane, its arms in world axes.
+    /// Loads a point into a lane, with arms in world axes.
     pub fn load<C: Cone>(&mut self, lane: usize, constraint: &PointConstraint) {
         assert!(lane < L::LANES);
         self.arms[0].set(lane, constraint.arms[0]);

@@ -1,19 +1,19 @@
-//! The set that friction impulses are projected to, one type for each [`FrictionCone`](crate::solver::FrictionCone).
+//! The sets to which friction impulses are projected, one type for each [`FrictionCone`](crate::solver::FrictionCone).
 
 use crate::solver::PointConstraint;
 use crate::solver::lanes::{F32xN, Kernel, square_length, squared};
 use crate::solver::points::constraint::inverse;
 
-/// A shape of the friction cone: how the friction of a point is limited.
+/// A shape of the friction cone: the limit of the friction of a point.
 pub trait Cone: 'static {
-    /// What a step wants of the tangential block of a point.
+    /// The coefficients of a point's tangential block that a step needs.
     fn tangential(constraint: &PointConstraint) -> [f32; 4];
 
     /// The tangential impulse after a step from `before` (N·s), against a residual velocity (m/s), within a limit.
     fn step<L: F32xN>(tangential: &[L; 4], before: [L; 2], residual: [L; 2], limit: L) -> [L; 2];
 }
 
-/// The exact step where it stays inside, else an isotropic one, projected; see `constraint.rs`.
+/// The circular cone: the exact step if it stays inside, else an isotropic one, projected; see `constraint.rs`.
 pub struct Disc;
 
 impl Cone for Disc {
@@ -33,7 +33,7 @@ impl Cone for Disc {
             xy.neg_mul_add(residual[1], xx.neg_mul_add(residual[0], before[0])),
             yy.neg_mul_add(residual[1], xy.neg_mul_add(residual[0], before[1])),
         ];
-        // Many points carry nothing, and then have no friction: for them alone nobody need slide.
+        // Many points carry nothing and have no friction. They alone do not call for the rare path.
         let found = [
             limit.select_above(L::ZERO, exact[0], L::ZERO),
             limit.select_above(L::ZERO, exact[1], L::ZERO),
@@ -79,7 +79,7 @@ impl<L: F32xN> Kernel for Slide<L> {
     }
 }
 
-/// One axis after the other.
+/// The square cone: one axis after the other.
 pub struct Square;
 
 impl Cone for Square {

@@ -1,8 +1,8 @@
 //! Sweeps with a conjugate direction between them, for [`Nncg`](crate::solver::Nncg).
 //!
-//! A step along the direction, λ ← λ + β p, is put off until a sweep comes to the point; bodies make it at once, by a direction of
-//! their own: v is linear in λ, so q = M⁻¹Jᵀp follows from what each sweep has changed of v, as p does from what it has changed of λ. So
-//! a direction costs no further pass over the contacts.
+//! A step of the impulses along the direction, λ ← λ + β p, is postponed until a sweep visits the point. Bodies make the step at once,
+//! along a direction of their own: v is linear in λ, so q = M⁻¹Jᵀp follows from the changes of v in each sweep, as p does from the changes
+//! of λ. So a direction costs no further pass over the contacts.
 
 use super::visit::{Masses, Motion, Relax};
 use super::{Blocks, Cone, Points};
@@ -19,16 +19,16 @@ pub struct Conjugate<L: F32xN, C> {
     motions: Vec<[State; 2]>,
     /// By hand: p, N·s and N·m·s, and λ before the last sweep.
     grips: Vec<[[Vec3; 2]; 2]>,
-    /// The share of the direction that points have yet to go.
+    /// Share of the direction by which points still have to move.
     beta: f32,
 }
 
-/// Of the points of a [`Points`].
+/// The steps of the points of a [`Points`].
 #[derive(Clone, Copy, Default)]
 struct Steps<L> {
     /// p, N·s.
     direction: Vec3xN<L>,
-    /// r: what the last sweep has changed, N·s.
+    /// r: change in the last sweep, N·s.
     gradient: Vec3xN<L>,
 }
 
@@ -49,7 +49,7 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
         }
     }
 
-    /// One sweep, the normal and the friction of one point after the other: Σ Wᵢᵢ Δλᵢ², J.
+    /// One sweep, the normal and the friction of one point after the other. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction) -> f32 {
         let relax = PointByPoint {
             beta: self.beta,
@@ -59,7 +59,7 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
         self.blocks.sweep_by(direction, relax)
     }
 
-    /// Goes β of the way along the direction, and makes it β times itself and what the last sweep has changed.
+    /// Moves by β along the direction. The new direction is β times itself plus the change of the last sweep.
     pub fn turn(&mut self, beta: f32) {
         self.beta = beta;
         for (held, [direction, before]) in self.blocks.grips.iter_mut().zip(&mut self.grips) {
@@ -84,7 +84,7 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
         }
     }
 
-    /// See [`Blocks::store`].
+    /// Stores impulses and velocities in the problem, as [`Blocks::store`].
     pub fn store(&self, problem: &mut PointProblem) {
         self.blocks.store(problem);
     }

@@ -1,10 +1,10 @@
 //! Pairs of bodies side by side: the sweeps of [`Pgs`](super::Pgs) and [`Nncg`](super::Nncg).
 //!
 //! A lane is a pair of bodies with all of its points, which are relaxed one after the other, in the order and by the rows of
-//! [`PointProblem::sweep`]; pairs that share a body keep their order ([`Batches`]). So the sweep is the sequential one to rounding, and
-//! converges as it does. Bodies are read and written once a visit. In between, the motion of a pair is that of A against B
-//! and both spins, seen in the frame of a patch ([`Patches`]): there a normal row has five numbers that are not zero, a
-//! tangential one as many, and nothing is multiplied that is none of its own.
+//! [`PointProblem::sweep`]. Pairs that share a body keep their order ([`Batches`]). So the sweep equals the sequential one up to rounding,
+//! and converges in the same way. Bodies are read and written once per visit. In between, the motion of a pair is that of A against B and
+//! both spins, in the frame of a patch ([`Patches`]): there a normal row has five nonzero numbers, a tangential one as many, and no zero is
+//! multiplied.
 
 mod block;
 mod cone;
@@ -29,14 +29,14 @@ mod tests;
 /// A problem in lanes.
 pub struct Blocks<L: F32xN, C> {
     batches: Batches,
-    /// By pair: its constraints.
+    /// By pair: the range of its constraints.
     pairs: Vec<Range<u32>>,
     blocks: Vec<Block<L>>,
     patches: Vec<Patches<L>>,
     points: Vec<Points<L>>,
-    /// By body; behind them one that nothing moves, for lanes without a pair, and one that nothing reads.
+    /// By body. Then one entry that nothing moves, for lanes without a pair, and one that nothing reads.
     velocities: Vec<State>,
-    /// Hands, visited before the blocks: what they press against has the last word.
+    /// Hands. They are visited before the blocks, so that the contacts they press against decide last.
     grips: Vec<Held>,
     cone: PhantomData<C>,
 }
@@ -46,12 +46,12 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
         let (bodies, constraints) = (&*problem.bodies, &*problem.constraints);
         let pairs: Vec<_> = pairs(constraints).collect();
         let batches = batches(L::LANES, problem);
-        let (nobody, nowhere) = (bodies.len() as u32, bodies.len() as u32 + 1);
+        let (null_body, null_target) = (bodies.len() as u32, bodies.len() as u32 + 1);
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut patches: Vec<Patches<L>> = Vec::with_capacity(batches.blocks());
         let mut points = Vec::with_capacity(constraints.len() / L::LANES * 5 / 4);
         for block_pairs in batches.iter() {
-            let mut block = Block::<L>::new(nobody, nowhere, patches.len());
+            let mut block = Block::<L>::new(null_body, null_target, patches.len());
             for (lane, pair) in block_pairs.clone() {
                 let runs = runs(&constraints[range(&pairs[pair as usize])]);
                 for (run, number) in runs.zip(block.first_patch()..) {
@@ -101,7 +101,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
         }
     }
 
-    /// One sweep over all pairs, their normals first: Σ Wᵢᵢ Δλᵢ², J.
+    /// One sweep over all pairs, the normals of each first. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction) -> f32 {
         self.sweep_by(direction, PairByPair)
     }
@@ -118,7 +118,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
         held + swept
     }
 
-    /// Gives impulses and velocities back.
+    /// Stores impulses and velocities in the problem.
     pub fn store(&self, problem: &mut PointProblem) {
         for (block, block_pairs) in self.blocks.iter().zip(self.batches.iter()) {
             for (lane, pair) in block_pairs {
@@ -143,14 +143,14 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
     }
 }
 
-/// The pairs of a problem, in blocks of so many lanes.
+/// The pairs of a problem, in blocks of `lanes` lanes.
 pub fn batches(lanes: usize, problem: &PointProblem) -> Batches {
     let constraints = &*problem.constraints;
     let ends = pairs(constraints).map(|pair| constraints[pair.start as usize].bodies);
     Batches::of(lanes, ends, problem.bodies)
 }
 
-/// The constraints of each pair of bodies.
+/// The range of constraints of each pair of bodies.
 fn pairs(constraints: &[PointConstraint]) -> impl Iterator<Item = Range<u32>> {
     let mut end = 0;
     let pairs = constraints.chunk_by(|a, b| a.bodies == b.bodies);
@@ -161,7 +161,7 @@ fn pairs(constraints: &[PointConstraint]) -> impl Iterator<Item = Range<u32>> {
     })
 }
 
-/// Of a pair, those of each patch.
+/// The constraints of each patch of a pair.
 fn runs(pair: &[PointConstraint]) -> impl Iterator<Item = &[PointConstraint]> {
     pair.chunk_by(of_one_patch)
 }
@@ -175,7 +175,7 @@ fn range(pair: &Range<u32>) -> Range<usize> {
     pair.start as usize..pair.end as usize
 }
 
-/// Turns all patches into their frames.
+/// Transforms all patches into their frames.
 struct Prepare<'a, L> {
     patches: &'a mut [Patches<L>],
     points: &'a mut [Points<L>],
@@ -192,7 +192,7 @@ impl<L: F32xN> Kernel for Prepare<'_, L> {
     }
 }
 
-/// One sweep from the first block to the last. Σ Wᵢᵢ Δλᵢ², J.
+/// One sweep from the first block to the last. Returns Σ Wᵢᵢ Δλᵢ², J.
 struct Sweep<'a, L: F32xN, C, R> {
     blocks: &'a mut Blocks<L, C>,
     forwards: bool,

@@ -1,4 +1,4 @@
-//! Against the rows of [`PointConstraint`], relaxed one by one.
+//! Tests blocks against the rows of [`PointConstraint`], relaxed one by one.
 
 use super::{Blocks, Cone, Conjugate, Disc, Square};
 #[cfg(target_arch = "x86_64")]
@@ -10,8 +10,8 @@ use glam::{Mat3, Quat, Vec3};
 
 const SWEEPS: usize = 5;
 
-/// Bodies, the first of which nothing moves, and contacts between them. Pairs touch in one to three patches of one to six points, with
-/// arms that need not meet.
+/// Bodies, the first of which is fixed, and contacts between them. Pairs touch in one to three patches of one to six points, with arms that
+/// need not meet.
 fn problem(rng: &mut fastrand::Rng) -> (Vec<Body>, Vec<PointConstraint>) {
     let mut bodies = vec![Body::default()];
     bodies.extend((0..30).map(|_| {
@@ -54,7 +54,7 @@ fn vector(rng: &mut fastrand::Rng, size: f32) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| size * (2.0 * rng.f32() - 1.0)))
 }
 
-/// What is left of a problem, and the merits of its sweeps.
+/// The final state of a problem, and the merits of its sweeps.
 struct Solved {
     bodies: Vec<Body>,
     constraints: Vec<PointConstraint>,
@@ -96,12 +96,12 @@ impl Solved {
     }
 }
 
-/// Back and forth.
+/// The directions of sweeps back and forth.
 fn directions() -> impl Iterator<Item = Direction> {
     (0..SWEEPS).map(|k| Direction::of_sweep(k, SWEEPS))
 }
 
-/// β after each sweep: with a restart.
+/// β after each sweep, with a restart.
 const BETAS: [f32; SWEEPS] = [0.0, 0.7, 0.9, 0.0, 0.4];
 
 fn pgs<L: F32xN, C: Cone>(problem: &mut PointProblem) -> Vec<f32> {
@@ -120,7 +120,7 @@ fn nncg<L: F32xN, C: Cone>(problem: &mut PointProblem) -> Vec<f32> {
         changes.push(blocks.sweep(direction));
         blocks.turn(beta);
     }
-    // What is put off until a sweep comes is made up for by one.
+    // One more sweep makes the steps that are postponed until a sweep comes.
     changes.push(blocks.sweep(Direction::Forwards));
     blocks.store(problem);
     changes
@@ -161,13 +161,13 @@ fn check<L: F32xN>() {
 }
 
 #[test]
-fn four_lanes_find_what_rows_find_one_by_one() {
+fn four_lanes_give_the_results_of_single_rows() {
     check::<F32x4>();
 }
 
 #[cfg(target_arch = "x86_64")]
 #[test]
-fn eight_lanes_find_what_rows_find_one_by_one() {
+fn eight_lanes_give_the_results_of_single_rows() {
     if F32x8::is_available() {
         check::<F32x8>();
     }

@@ -1,33 +1,33 @@
-//! One visit to a block: what its rows find, and what that does to the bodies.
+//! One visit to a block: relaxes its rows and applies their impulses to the bodies.
 
 use super::Cone;
 use super::block::{Block, Patches, Points};
 use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
-/// How two bodies move, on their way through a visit.
+/// The motion of two bodies during a visit.
 #[derive(Clone, Copy)]
 pub struct Motion<L> {
-    /// Of the centre of A against that of B, m/s.
+    /// Velocity of the centre of A against that of B, m/s.
     linear: Vec3xN<L>,
-    /// Of A and B, rad/s.
+    /// Spins of A and B, rad/s.
     angular: [Vec3xN<L>; 2],
 }
 
-/// What an impulse meets, in the frame of a patch.
+/// Inverse masses and inertias, in the frame of a patch.
 pub struct Masses<'a, L> {
-    /// Of A and B together, 1/kg.
+    /// Inverse mass of A and B together, 1/kg.
     inverse_mass: L,
-    /// Of A and B, 1/(kg·m²).
+    /// Inverse inertias of A and B, 1/(kg·m²).
     inverse_inertia: &'a [Symmetric<L>; 2],
 }
 
 /// The order in which the rows of a pair are relaxed.
 pub trait Relax<L: F32xN>: Sized {
-    /// How often a visit goes through the points of a pair.
+    /// Number of passes of a visit through the points of a pair.
     const PASSES: u32;
 
-    /// Relaxes what is due of one point, of all the `number`-th; adds Wᵢᵢ Δλᵢ² to `change`.
+    /// Relaxes the rows of a point that are due in this pass, for the `number`-th of all points; adds Wᵢᵢ Δλᵢ² to `change`.
     fn relax<C: Cone>(
         &mut self,
         pass: u32,
@@ -64,7 +64,7 @@ impl<L: F32xN> Relax<L> for PairByPair {
 }
 
 impl<L: F32xN> Block<L> {
-    /// One projected Gauss–Seidel visit; Σ Wᵢᵢ Δλᵢ², J.
+    /// One projected Gauss–Seidel visit. Returns Σ Wᵢᵢ Δλᵢ², J.
     #[inline(always)]
     pub fn visit<C: Cone, R: Relax<L>>(
         &self,
@@ -112,11 +112,11 @@ impl<L: F32xN> Block<L> {
     }
 }
 
-/// A visit on its way.
+/// The state of a visit.
 struct Visit<'a, L, R> {
-    /// Of A and B together, 1/kg.
+    /// Inverse mass of A and B together, 1/kg.
     inverse_mass: L,
-    /// Of all blocks.
+    /// The points of all blocks.
     points: &'a mut [Points<L>],
     forwards: bool,
     relax: &'a mut R,
@@ -124,7 +124,7 @@ struct Visit<'a, L, R> {
 }
 
 impl<L: F32xN, R: Relax<L>> Visit<'_, L, R> {
-    /// All passes over one patch; what the motion gains, world axes.
+    /// All passes over one patch. Returns the change of the motion, in world axes.
     #[inline(always)]
     fn all_of<C: Cone>(&mut self, patch: &Patches<L>, start: &Motion<L>) -> Motion<L> {
         let local = start.local(patch);
@@ -135,7 +135,7 @@ impl<L: F32xN, R: Relax<L>> Visit<'_, L, R> {
         motion.less(&local).world(patch)
     }
 
-    /// All points of a patch once.
+    /// One pass over all points of a patch.
     #[inline(always)]
     fn pass<C: Cone>(&mut self, pass: u32, patch: &Patches<L>, motion: &mut Motion<L>) {
         let masses = Masses {
@@ -154,7 +154,7 @@ impl<L: F32xN, R: Relax<L>> Visit<'_, L, R> {
     }
 }
 
-/// A visit to pairs that touch in several patches, which have to be seen in one frame after the other.
+/// A visit to pairs that touch in several patches, so that the motion is transformed into one frame after the other.
 struct Several<'a, 'b, L, R, C> {
     visit: &'a mut Visit<'b, L, R>,
     patches: &'a [Patches<L>],
@@ -236,11 +236,11 @@ impl<L: F32xN> Motion<L> {
     }
 }
 
-/// What an impulse does to a spin, by its arm: I⁻¹ (r × axis).
+/// Response of a spin to an impulse at an arm: I⁻¹ (r × axis).
 mod effect {
     use super::*;
 
-    /// r × n = (0, r₂, −r₁)
+    /// Arm r × n = (0, r₂, −r₁).
     #[inline(always)]
     pub fn of_normal<L: F32xN>(i: &Symmetric<L>, arm: &Vec3xN<L>) -> Vec3xN<L> {
         Vec3xN {
@@ -250,7 +250,7 @@ mod effect {
         }
     }
 
-    /// r × t1 = (−r₂, 0, r_n)
+    /// Arm r × t1 = (−r₂, 0, r_n).
     #[inline(always)]
     pub fn of_first<L: F32xN>(i: &Symmetric<L>, arm: &Vec3xN<L>) -> Vec3xN<L> {
         Vec3xN {
@@ -260,7 +260,7 @@ mod effect {
         }
     }
 
-    /// r × t2 = (r₁, −r_n, 0)
+    /// Arm r × t2 = (r₁, −r_n, 0).
     #[inline(always)]
     pub fn of_second<L: F32xN>(i: &Symmetric<L>, arm: &Vec3xN<L>) -> Vec3xN<L> {
         Vec3xN {
@@ -272,7 +272,7 @@ mod effect {
 }
 
 impl<L: F32xN> Points<L> {
-    /// See [`PointConstraint::relax_normal`](crate::solver::PointConstraint::relax_normal).
+    /// The normal row; see [`PointConstraint::relax_normal`](crate::solver::PointConstraint::relax_normal).
     #[inline(always)]
     pub fn relax_normal(&mut self, masses: &Masses<L>, motion: &mut Motion<L>, change: &mut L) {
         let [arm_a, arm_b] = &self.arms;
@@ -293,7 +293,7 @@ impl<L: F32xN> Points<L> {
         *change = (self.diagonal.x * step).mul_add(step, *change);
     }
 
-    /// See [`PointConstraint::relax_friction`](crate::solver::PointConstraint::relax_friction).
+    /// The friction rows; see [`PointConstraint::relax_friction`](crate::solver::PointConstraint::relax_friction).
     #[inline(always)]
     pub fn relax_friction<C: Cone>(
         &mut self,

@@ -1,4 +1,4 @@
-//! The end of a substep in which bodies took a blow: the next begins without it.
+//! The end of a substep with a blow: the next substep begins without the impulses of the blow.
 
 use super::Blows;
 use crate::solver::lanes::{F32xN, Kernel, SpatialVec, cells};
@@ -6,11 +6,11 @@ use crate::solver::patches::soft_step::block::{Block, Points, wrench};
 use crate::solver::patches::soft_step::island::Island;
 use crate::solver::patches::soft_step::visit::Carried;
 
-/// Lets the next substep, or step, begin without the blow.
+/// Removes the impulses of a blow before the next substep or step.
 pub(super) struct Forget<'a, L: F32xN> {
     pub(super) island: &'a mut Island<L>,
     pub(super) blows: &'a Blows<L>,
-    /// Velocities are those with which a substep begins.
+    /// Velocities are those of the beginning of a substep, so the removed impulses are taken from them as well.
     pub(super) pushes: bool,
 }
 
@@ -39,8 +39,8 @@ impl<L: F32xN> Kernel for Forget<'_, L> {
 }
 
 impl<L: F32xN> Block<L> {
-    /// Ends a substep in which some lanes took a blow, 1 there and 0 in others: the next begins with no more than the `earlier` impulses of
-    /// its points, or what they carry at rest. What is cut off counts as given. The wrench that the next substep shall not begin with.
+    /// Ends a substep with a blow in the lanes where `lanes` is 1: the next begins with no more than the `earlier` impulses of its points,
+    /// or their impulses at rest. The removed impulses still count as given. Returns the wrench by which the warm start changes.
     #[inline(always)]
     pub fn forget_blow(
         &mut self,
@@ -59,7 +59,7 @@ impl<L: F32xN> Block<L> {
             point.push(kept - point.impulse, &mut cut);
             point.impulse = kept;
         }
-        // Friction in proportion, and a twist that the points which are left can bear.
+        // Friction decreases in proportion; twist is limited by the remaining impulses.
         let gone = (all - left) * all.inverse();
         let most = self.most_twist(&Carried::by(points));
         let twist = (L::ONE - gone) * self.twist;

@@ -1,11 +1,12 @@
-//! Hands down the momentum of bodies that fall: from the top, each body is stopped by what it lies on, as if that could not give way,
-//! and hands on what that takes.
+//! Hands down the momentum of falling bodies. From the top, each body is stopped by the bodies below it as if those could not yield, and
+//! passes on the impulse that this takes.
 //!
-//! Sweeps go from the ground up, and take a blow down a column by one body a sweep; where something heavy falls on something light they
-//! need as many more as it is heavier. Handed down, one pass stops a column of any masses. Elsewhere it is where the sweeps begin.
+//! Sweeps go from the ground up, and carry a blow down a column by one body per sweep. Where a heavy body falls on a light one, they need
+//! more sweeps by the ratio of the masses. Handing down stops a column of any masses in one pass. In other structures it gives the sweeps
+//! their start.
 //!
-//! Only what comes from above is handed down. A ball that hits a wall from the side wedges bricks between their neighbours; stopped
-//! as if those could not give way, they would drag the courses along.
+//! Only momentum from above is handed down. A ball that hits a wall from the side wedges bricks between their neighbours. Stopped as if
+//! those could not yield, the bricks would drag the courses along.
 
 use super::hot::{Hot, Place};
 use super::{BLOW, SETTLED};
@@ -16,35 +17,35 @@ use crate::solver::patches::soft_step::upright::{up, upper};
 use crate::solver::{Body, PatchProblem};
 use glam::{Vec3, Vec4};
 
-/// A body falls if this share of the square of its velocity is downwards.
+/// A body falls if at least this share of its squared velocity is downwards.
 const DOWNWARDS: f32 = 0.5;
 
-/// Visits to the points under one body, at most.
+/// Upper bound of visits to the points under one body.
 const VISITS: usize = 8;
 
-/// They end when none has changed its velocity by more than this, m/s.
+/// Visits end when none changes the velocity by more than this, m/s.
 const SHARED: f32 = 1e-3;
 
-/// What is kept from substep to substep.
+/// Data that is kept from substep to substep.
 #[derive(Default)]
 pub struct HandDown {
-    /// Bodies that lie on something, from the top. Found in the first blow of a step.
+    /// Bodies that lie on another one, from the top. Found in the first blow of a step.
     order: Option<Vec<u32>>,
-    /// By body: it is stopped, and hands on what that takes.
+    /// By body: it is stopped, and passes on the impulse.
     stops: Vec<bool>,
-    /// By body: the velocity that it will have then.
+    /// By body: its velocity after the stop.
     stopped: Vec<State>,
     rows: Vec<Row>,
-    /// Velocities and impulses before, which come back where momentum that is handed down gains energy.
+    /// Velocities and impulses before the pass. They are restored where handing down has gained energy.
     before: Vec<State>,
     impulses: Vec<Before>,
-    /// Bodies that have handed something to each other.
+    /// Groups of bodies that have handed impulses to each other.
     linked: Groups,
-    /// By the first body of each of them: what energy they have gained, J.
+    /// By the first body of each group: gain of energy, J.
     gains: Vec<f64>,
 }
 
-/// The impulse of a point before, N·s.
+/// The impulse of a point before the pass, N·s.
 struct Before {
     body: u32,
     point: u32,
@@ -52,32 +53,32 @@ struct Before {
     impulse: f32,
 }
 
-/// A point under a body.
+/// A point of contact under a body.
 struct Row {
-    /// Into the body.
+    /// Points into the body.
     normal: Vec3,
-    /// From the centres of mass of the body and of what it lies on, m.
+    /// From the centres of mass of the body and of the body below, m.
     arms: [Vec3; 2],
     below: u32,
-    /// Where its impulse is.
+    /// The index of the point that holds its impulse.
     point: u32,
     lane: u32,
-    /// Inverse effective mass, if what is below could not give way, 1/kg.
+    /// Inverse effective mass for a body below that cannot yield, 1/kg.
     response: f32,
-    /// The least velocity along the normal that the body may have there, m/s.
+    /// The smallest velocity along the normal that the point allows the body, m/s.
     least: f32,
-    /// N·s
+    /// Its impulse, N·s.
     impulse: f32,
     before: f32,
 }
 
 impl Row {
-    /// What the body's velocity lacks there, m/s.
+    /// The velocity that the body lacks at the point, m/s.
     fn lack(&self, [linear, angular]: [Vec3; 2]) -> f32 {
         self.least - self.normal.dot(linear + angular.cross(self.arms[0]))
     }
 
-    /// Adds to its impulse, which stays ≥ 0; how much was added, N·s.
+    /// Adds to its impulse, which stays ≥ 0. Returns the amount that was added, N·s.
     fn give(&mut self, impulse: f32, body: &Body, velocity: &mut [Vec3; 2]) -> f32 {
         let found = (self.impulse + impulse).max(0.0);
         let given = found - self.impulse;
@@ -96,7 +97,7 @@ fn beneath<'a, L: F32xN>(
     body: u32,
 ) -> impl Iterator<Item = (&'a Place, u32)> {
     let up = up(problem);
-    // What nothing moves hands nothing down.
+    // Bodies that nothing moves hand nothing down.
     let moves = problem.bodies[body as usize].inverse_mass > 0.0;
     let places = hot.places_of(body).iter().filter(move |_| moves);
     places.filter_map(move |place| {
@@ -106,7 +107,7 @@ fn beneath<'a, L: F32xN>(
     })
 }
 
-/// Bodies that lie on something, from the top; none of those that lie on each other in a ring.
+/// Bodies that lie on another one, from the top, without those that lie on each other in a ring.
 fn from_the_top<L: F32xN>(hot: &Hot<L>, problem: &PatchProblem) -> Vec<u32> {
     let count = problem.bodies.len() as u32;
     let mut above = vec![0u32; count as usize];
@@ -131,7 +132,7 @@ fn from_the_top<L: F32xN>(hot: &Hot<L>, problem: &PatchProblem) -> Vec<u32> {
 }
 
 impl HandDown {
-    /// For a step whose contacts are new.
+    /// Begins a step whose contacts are new.
     pub fn begin(&mut self) {
         self.order = None;
     }
@@ -144,7 +145,7 @@ impl HandDown {
         hot: &mut Hot<L>,
         rate: f32,
     ) {
-        if !self.find_what_stops(problem, island, hot) {
+        if !self.find_stopping_bodies(problem, island, hot) {
             return;
         }
         let order = self
@@ -175,7 +176,7 @@ impl HandDown {
         self.take_back(problem, island);
     }
 
-    /// Takes back what has gained energy: where what is below can give way after all, bodies would be thrown.
+    /// Undoes the pass in groups that have gained energy. The bodies below can yield after all, and the gain would throw bodies.
     fn take_back<L: F32xN>(&mut self, problem: &PatchProblem, island: &mut Island<L>) {
         self.gains.clear();
         self.gains.resize(problem.bodies.len(), 0.0);
@@ -199,8 +200,8 @@ impl HandDown {
         }
     }
 
-    /// Bodies that fall onto something hot, or are hot themselves. Whether there are any.
-    fn find_what_stops<L: F32xN>(
+    /// Finds the falling bodies that are hot or lie on a hot body. Returns whether there are any.
+    fn find_stopping_bodies<L: F32xN>(
         &mut self,
         problem: &PatchProblem,
         island: &Island<L>,
@@ -223,7 +224,7 @@ impl HandDown {
         any
     }
 
-    /// The velocity that each body will have: from the ground up, hot ones below those that fall included.
+    /// Finds the velocity of each body after the stop, from the ground up. Hot bodies below a falling one are included.
     fn find_stopped<L: F32xN>(
         &mut self,
         order: &[u32],
@@ -254,7 +255,7 @@ impl HandDown {
         }
     }
 
-    /// Gives the impulses of the rows to their points and to the bodies below.
+    /// Applies the impulses of the rows to their points and to the bodies below.
     fn hand_on<L: F32xN>(&mut self, body: u32, problem: &PatchProblem, island: &mut Island<L>) {
         for row in &self.rows {
             let given = row.impulse - row.before;
@@ -281,7 +282,7 @@ impl HandDown {
         }
     }
 
-    /// The points under a body.
+    /// Finds the points under a body.
     fn find_rows<L: F32xN>(
         &mut self,
         body: u32,
@@ -313,7 +314,7 @@ impl HandDown {
                     point,
                     lane: place.lane,
                     response,
-                    // It may still come as near as it is apart.
+                    // The body may still close the gap.
                     least: normal.dot(linear + angular.cross(arms[1])) - found.gap[lane] * rate,
                     impulse: found.impulse[lane],
                     before: found.impulse[lane],
@@ -323,16 +324,16 @@ impl HandDown {
     }
 }
 
-/// J
+/// Kinetic energy, J.
 fn kinetic_energy(body: &Body, velocity: &State) -> f64 {
     let [linear, angular] = velocity.map(|v| v.truncate().as_dvec3());
     let inertia = body.inverse_inertia.as_dmat3().inverse();
     0.5 * (linear.length_squared() / body.inverse_mass as f64 + angular.dot(inertia * angular))
 }
 
-/// Stops a body by the rows under it.
+/// Stops a body by the points under it.
 fn stop(rows: &mut [Row], body: &Body, velocity: &mut [Vec3; 2]) {
-    // First by the same impulse at all points that lack something: visited one by one, the first would turn it.
+    // All points that lack velocity first get the same impulse. Visits alone would let the first point turn the body.
     let was = *velocity;
     let lacking = |row: &Row| row.lack(was) > 0.0;
     let (mut missing, mut force, mut moment) = (0.0, Vec3::ZERO, Vec3::ZERO);

@@ -1,4 +1,4 @@
-//! Which bodies take a blow, and the lanes of their patches.
+//! Hot bodies, which take a blow, and the lanes of their patches.
 
 use super::SETTLED;
 use crate::solver::PatchProblem;
@@ -11,46 +11,47 @@ use fixedbitset::FixedBitSet;
 /// A patch is steep if the cosine of its normal to the vertical is less than this.
 const STEEP: f32 = 0.5;
 
-/// A change of the relative velocity at a patch from which on all patches of its bodies are visited, m/s. Where it is less, only the steep ones are:
-/// on the others momentum is handed down, and sweeps over all make a falling heap a fifth dearer. At 0.25, or if all changes count as less, piles of round
-/// bodies come to rest with deeper overlaps: 4.0 and 4.2 mm in the mean instead of 3.4.
+/// Change of the relative velocity at a patch from which on all patches of its bodies are visited, m/s. For smaller changes, only the steep
+/// patches are visited: on the others momentum is handed down, and sweeps over all patches make a falling heap a fifth more expensive. At
+/// 0.25, or if all changes count as smaller, piles of round bodies come to rest with deeper overlaps: 4.0 and 4.2 mm in the mean instead of
+/// 3.4.
 const MUCH: f32 = 0.1;
 
-/// A patch of a body, and where it is in the blocks.
+/// A patch of a body, and its place in the blocks.
 #[derive(Clone, Copy, Default)]
 pub struct Place {
     pub patch: u32,
     pub block: u32,
     pub lane: u32,
-    /// On which side of the patch the body is.
+    /// The side of the patch on which the body is.
     pub side: u32,
-    /// It is steep, or a hand holds a body of it: sweeps visit it however little has changed.
+    /// The patch is steep, or a hand holds one of its bodies: sweeps visit it after any change.
     is_steep: bool,
 }
 
-/// What is said of the lanes of a block.
+/// Masks of the lanes of a block.
 #[derive(Clone, Copy)]
 struct HotLanes<L> {
-    /// 1 where a body is hot, else 0.
+    /// 1 where one of its bodies is hot, else 0.
     hot: L,
-    /// 1 where a body of a steep patch is hot, else 0.
+    /// 1 where the patch is steep and one of its bodies is hot, else 0.
     hot_and_steep: L,
-    /// 1 where a body has been stirred, else 0: they are to be visited.
+    /// 1 where the last sweep has stirred one of its bodies, so that the next sweep visits it; else 0.
     stirred: L,
-    /// 0 where springs hold all that they give, else 1.
+    /// 0 where springs hold all that they give, 1 where they yield.
     gives: L,
 }
 
-/// Lanes of a block that are visited: 1 where they are, else 0.
+/// A block to visit, with a mask of its lanes.
 #[derive(Clone, Copy)]
 pub struct Visit<L> {
     pub block: u32,
     pub lanes: L,
-    /// 0 where springs hold all that they give, else 1.
+    /// 0 where springs hold all that they give, 1 where they yield.
     pub gives: L,
 }
 
-/// Which patches of a body are to be visited.
+/// The patches of a body that the next sweep visits.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Stirred {
     None,
@@ -58,29 +59,29 @@ enum Stirred {
     All,
 }
 
-/// Bodies that take a blow.
+/// The bodies that take a blow, and the blocks of their patches.
 #[derive(Default)]
 pub struct Hot<L> {
-    /// By body.
+    /// By body: it is hot.
     is: Vec<bool>,
     pub bodies: Vec<u32>,
-    /// By body.
+    /// By body: the patches of it that the next sweep visits.
     stirs: Vec<Stirred>,
     stirred: Vec<u32>,
     places: ByBody<Place>,
-    /// By block.
+    /// By block: its masks.
     lanes: Vec<HotLanes<L>>,
-    /// Blocks with hot lanes, and with stirred ones.
+    /// Blocks with hot lanes, and blocks with stirred lanes.
     hot_blocks: FixedBitSet,
     stirred_blocks: FixedBitSet,
-    /// What the next sweep visits, in the order of the blocks.
+    /// The visits of the next sweep, in the order of the blocks.
     pub visits: Vec<Visit<L>>,
-    /// Blocks that the last sweep has changed much, and by how much: squares of velocities, m²/s².
+    /// Blocks in which the last sweep changed a velocity by more than [`SETTLED`], with the squares of the changes, m²/s².
     pub changes: Vec<(u32, L)>,
 }
 
 impl<L: F32xN> Hot<L> {
-    /// For a step in which nothing is hot yet.
+    /// Begins a step in which no body is hot yet.
     pub fn begin(&mut self, problem: &PatchProblem, batches: &Batches) {
         self.is.clear();
         self.is.resize(problem.bodies.len(), false);
@@ -100,7 +101,7 @@ impl<L: F32xN> Hot<L> {
             blocks.grow(batches.blocks());
         }
         let up = up(problem);
-        // Hands are visited in every sweep: what they press against must answer.
+        // Sweeps visit hands every time, so contacts that a hand presses against must respond every time.
         let is_held = |body: u32| problem.grips.iter().any(|grip| grip.body == body);
         let places = (0..).zip(batches.iter()).flat_map(|(block, patches)| {
             patches.flat_map(move |(lane, patch)| {
@@ -148,7 +149,7 @@ impl<L: F32xN> Hot<L> {
         }
     }
 
-    /// Makes a body hot, and lets the next sweep visit these of its patches.
+    /// Makes a body hot, and lets the next sweep visit its steep patches or all of them.
     fn stir(&mut self, body: u32, stirs: Stirred) {
         let before = self.stirs[body as usize];
         if before >= stirs {
@@ -167,14 +168,14 @@ impl<L: F32xN> Hot<L> {
         }
     }
 
-    /// Makes the springs of a body's patches hold all that they give.
+    /// Lets the springs of a body's patches hold all that they give.
     pub fn hold(&mut self, body: u32) {
         for place in self.places.of(body) {
             self.lanes[place.block as usize].gives[place.lane as usize] = 0.0;
         }
     }
 
-    /// Nothing is hot any more.
+    /// Ends the heat of all bodies.
     pub fn clear(&mut self) {
         for body in self.bodies.drain(..) {
             self.is[body as usize] = false;
@@ -188,12 +189,12 @@ impl<L: F32xN> Hot<L> {
         self.visits.clear();
     }
 
-    /// Selects all patches of hot bodies.
+    /// The next sweep visits all patches of hot bodies.
     pub fn visit_all(&mut self) {
         self.visit(|lanes| lanes.hot);
     }
 
-    /// Selects the steep patches of hot bodies.
+    /// The next sweep visits the steep patches of hot bodies.
     pub fn visit_steep(&mut self) {
         self.visit(|lanes| lanes.hot_and_steep);
     }
@@ -211,7 +212,7 @@ impl<L: F32xN> Hot<L> {
         self.visits.extend(visits);
     }
 
-    /// The next sweep visits patches of those bodies that the last one has stirred; they become hot. Whether there are any.
+    /// The next sweep visits the patches of bodies that the last sweep has stirred; these bodies become hot. Returns whether there are any.
     pub fn visit_stirred(&mut self, problem: &PatchProblem, batches: &Batches) -> bool {
         let mut changes = std::mem::take(&mut self.changes);
         for (block, square) in changes.drain(..) {

@@ -1,21 +1,21 @@
-//! Blows: substeps in which contacts stop bodies, or set them going, at once.
+//! Blows: substeps in which contacts stop bodies abruptly, or set them in motion.
 //!
-//! One soft sweep leaves a part of a blow's speed. The springs store it and give it back in later substeps, and the next substep would
-//! begin with the blow's impulses once more, because impulses carry over. A stack would hop when something falls on it. So a
-//! substep in which contacts change the velocity of some body by more than [`BLOW`] goes on after its soft sweep:
+//! One soft sweep leaves a part of the speed of a blow. The springs store it and give it back in later substeps. Since impulses carry over,
+//! the next substep would also begin with the impulses of the blow. A stack would hop when a body falls on it. So a substep in which
+//! contacts change the velocity of some body by more than [`BLOW`] continues after its soft sweep:
 //!
 //! 1. Bodies that take the blow are [hot](hot); bodies become hot as the blow reaches them.
 //! 2. The momentum of falling bodies is [handed down](hand_down) to the ground, which stops a column in one pass.
-//! 3. Up to 12 soft sweeps, first over steep patches, on which little is handed down. Where momentum was handed down, springs hold all that
-//!    they give, since they would give way by more than they can take back: the load is far above the one at rest. Elsewhere they give way as usual: with
-//!    rigid rows a ball that is shot through a wall drags two to three times as many bricks along.
+//! 3. Up to 12 soft sweeps follow, first over steep patches, on which little is handed down. Where momentum was handed down, springs hold
+//!    all that they give, since they would yield by more than they can take back: the load is far above the one at rest. Elsewhere they
+//!    yield as usual: with rigid rows, a ball that is shot through a wall drags two to three times as many bricks along.
 //! 4. Bodies drift, so that overlap is corrected with the velocities of the springs.
-//! 5. Up to 16 rigid sweeps over normals take away what springs have left. Before the drift they would undo the correction of overlap, and
-//!    heaps would jam; with friction they would drag along what lies beside a shot.
-//! 6. The next substep, or step, begins without the blow: with no more than the impulses that contacts had before it or carry at rest.
+//! 5. Up to 16 rigid sweeps over normals remove the velocities that springs have left. Before the drift they would undo the correction of
+//!    overlap, and heaps would jam; with friction they would drag along the bodies beside a shot.
+//! 6. The next substep, or step, begins without the blow: with no more than the impulses that contacts had before it or have at rest.
 //!
-//! The rigid sweeps are over-relaxed. All of them visit what the one before has changed, and end when that is little. A step goes this way
-//! if its free motion [tells](expected) that bodies will hit each other.
+//! The rigid sweeps are over-relaxed. All of these sweeps visit the patches that the one before has changed, and end when the changes are
+//! small. A step goes this way if its free motion [predicts](expected) that bodies will hit each other.
 
 mod forget;
 mod hand_down;
@@ -34,44 +34,44 @@ use hand_down::HandDown;
 use hot::Hot;
 use std::cell::Cell;
 
-/// A change of a body's velocity in one substep from which on it counts as a blow, m/s.
+/// A change of a body's velocity in one substep counts as a blow from this value on, m/s.
 const BLOW: f32 = 0.25;
 
-/// Sweeps end, and a blow spreads no farther, where they change the relative velocity at a patch by no more than this, m/s.
+/// A change of the relative velocity at a patch below which sweeps end and a blow spreads no farther, m/s.
 const SETTLED: f32 = 0.02;
 
-/// What turns by more than this in a step takes no blow, rad: arms are frozen in a step, and more sweeps over arms that are wrong gain
+/// A body that turns by more than this in a step takes no blow, rad: arms are frozen during a step, and more sweeps over wrong arms gain
 /// energy.
 const TURNED: f32 = 0.75;
 
-/// Nor does what is so slender, as a ratio of radii of gyration: the ends of a beam of 10 × 0.2 × 0.2 m (20) move by its thickness where it
-/// turns by a hundredth.
+/// A body that is more slender than this takes no blow, as a ratio of radii of gyration: the ends of a beam of 10 × 0.2 × 0.2 m (20) move
+/// by its thickness when it turns by a hundredth.
 const SLENDER: f32 = 6.0;
 
-/// Additional sweeps at most, soft and rigid.
+/// Upper bounds of additional soft and rigid sweeps.
 const SOFT_SWEEPS: usize = 12;
 const RIGID_SWEEPS: usize = 16;
 
-/// The share of the change of each normal impulse that a rigid one of them adds to it.
+/// Over-relaxation: the share of the change of each normal impulse that a rigid sweep adds to it.
 const OVER: f32 = 0.55;
 
-/// Whether some bodies will hit each other in this step, as far as their free motion tells.
+/// Whether the free motion predicts that some bodies will hit each other in this step.
 pub fn expected(problem: &PatchProblem, gaps: &Gaps) -> bool {
-    // Two bodies approach each other with no more than the sum of their speeds, and a body at rest gathers speed only over a gap.
+    // The approach speed of two bodies is at most the sum of their speeds, and a body at rest gains speed only over a gap.
     let gap = 0.5 * BLOW * BLOW / problem.gravity.length();
     (problem.bodies.iter().any(is_fast) || gaps.widest > gap)
         && problem.patches.iter().any(|patch| hits(problem, patch))
 }
 
-/// Whether a body moves or turns, before this step's forces, with half of the speed of a blow.
+/// Whether a body moves or turns with at least half of the speed of a blow, before the forces of this step.
 fn is_fast(body: &Body) -> bool {
     let [linear, angular] = body.start.map(Vec3::length_squared);
     let limit = 0.25 * BLOW * BLOW;
     linear + angular * body.square_gyration() > limit
 }
 
-/// Whether the free motion of its bodies closes a patch in this step with the speed of a blow. Not of one that bounces: its bodies are
-/// thrown back after the substeps.
+/// Whether the free motion closes a patch in this step with the speed of a blow. Patches that bounce are left out: their bodies are thrown
+/// back after the substeps.
 fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
     let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
     let points = &problem.points[patch.range()];
@@ -85,7 +85,7 @@ fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
             let before = along(bodies.map(|body| body.start));
             let gained = along(bodies.map(Body::push));
             let apart = point.separation.max(0.0);
-            // With a steady force, over the way to the surface.
+            // The squared speed gained by a constant force on the way to the surface.
             let gathered = 2.0 * gained.max(0.0) / problem.dt * apart;
             before.max(0.0).powi(2) + gathered > BLOW * BLOW
                 && apart < (before + gained) * problem.dt
@@ -97,20 +97,20 @@ fn longest_square_gyration(body: &Body) -> f32 {
     0.5 * trace(&body.inverse_inertia.inverse()) * body.inverse_mass
 }
 
-/// What an island keeps for its blows.
+/// The state of blows in an island.
 #[derive(Default)]
 pub struct Blows<L> {
     hot: Hot<L>,
     hand_down: HandDown,
-    /// By body: the square of its mean radius of gyration, m²; 0 of what takes no blow.
+    /// By body: the square of its mean radius of gyration, m²; 0 for a body that takes no blow.
     square_gyrations: Vec<f32>,
-    /// Bodies that may take a blow: those that hit others in this step, and those beside bodies that have taken one.
+    /// Bodies that may take a blow: those that hit others in this step, and the neighbours of bodies that have taken one.
     candidates: Vec<u32>,
-    /// By body.
+    /// By body: it is in `candidates`.
     is_candidate: Vec<bool>,
-    /// By point: the impulse with which the substep began, N·s.
+    /// By point: its impulse at the beginning of the substep, N·s.
     earlier: Vec<L>,
-    /// Room for the impulses before a patch is visited, by point, N·s.
+    /// By point: its impulse before the visit to its patch, N·s.
     was: Vec<L>,
 }
 
@@ -140,7 +140,7 @@ impl<L: F32xN> Blows<L> {
         }
     }
 
-    /// A body may take a blow.
+    /// Adds a body to the candidates.
     fn add(&mut self, body: u32) {
         if self.square_gyrations[body as usize] > 0.0
             && !std::mem::replace(&mut self.is_candidate[body as usize], true)
@@ -149,9 +149,9 @@ impl<L: F32xN> Blows<L> {
         }
     }
 
-    /// Finds the bodies that take a blow in this substep; whether there are any.
+    /// Finds the bodies that take a blow in this substep. Returns whether there are any.
     fn find(&mut self, problem: &PatchProblem, island: &Island<L>) -> bool {
-        // Those that took one in the last substep may have handed it on.
+        // Bodies that took a blow in the last substep may have passed it on.
         for i in 0..self.hot.bodies.len() {
             let body = self.hot.bodies[i];
             self.add(body);
@@ -175,7 +175,8 @@ impl<L: F32xN> Blows<L> {
 }
 
 impl<L: F32xN> Island<L> {
-    /// All sweeps, one after the other, and more of them where there are blows. Tells Σ Wᵢᵢ Δλᵢ² of each but those, J.
+    /// Runs all sweeps one after the other, with additional ones where there are blows. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each regular sweep,
+    /// J.
     pub fn sweep_through_blows(
         &mut self,
         blows: &mut Blows<L>,
@@ -223,7 +224,7 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Sweeps over patches of hot bodies until none changes much.
+    /// Sweeps over patches of hot bodies until the changes are small.
     fn sweep_more(
         &mut self,
         problem: &PatchProblem,
@@ -240,7 +241,7 @@ impl<L: F32xN> Island<L> {
                 island: self,
                 hot,
                 was,
-                // The last one must leave nothing to be taken back.
+                // The last sweep is not over-relaxed, since no sweep corrects it.
                 over: if sweep < sweeps { OVER } else { 0.0 },
                 pass,
             });
@@ -267,12 +268,12 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// One more sweep over patches of hot bodies.
+/// One additional sweep over patches of hot bodies.
 struct SweepMore<'a, L: F32xN> {
     island: &'a mut Island<L>,
     hot: &'a mut Hot<L>,
     was: &'a [Cell<L>],
-    /// The share of the change of each normal impulse that a rigid one adds to it.
+    /// Over-relaxation of rigid sweeps.
     over: f32,
     pass: &'a Pass,
 }
@@ -312,7 +313,7 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
                     block.relax(kinds, points, velocities, motions, pass)
                 }
             };
-            // Σ W Δλ² times W: the square of a change of the relative velocity.
+            // Σ W Δλ² times W is the square of a change of the relative velocity.
             let square = change * block.normals.xx;
             if square.any_above(limit) {
                 self.hot.changes.push((visit.block, square));

@@ -1,10 +1,10 @@
-//! Forces that weight makes which grows slowly from zero.
+//! Contact forces under a weight that grows slowly from zero.
 //!
-//! Statics lets bodies that are wedged into each other press on each other with any force, and friction then holds what in truth slides:
-//! a tongue in a groove stood 12° beyond the slope on which it slides. What contacts really carry follows from how bodies give way
-//! (Kao et al. 2022, "Coupled Rigid-Block Analysis"): they press where they close, and rub against where they slide. So here
-//! contacts are the solver's own springs, without load, friction slides as Coulomb's does, and bodies move under a weight that grows,
-//! until they rest or are seen to go. Nothing of where they come is kept, only the forces.
+//! Statics allows any force between bodies that are wedged into each other, and friction of that force then holds bodies that slide in
+//! reality: a tongue in a groove stood 12° beyond the slope on which it slides. The real forces follow from how bodies yield (Kao et al.
+//! 2022, "Coupled Rigid-Block Analysis"): bodies press where they close, and rub against the surfaces where they slide. So here contacts
+//! are the solver's own springs without loads at rest, friction slides as Coulomb's does, and bodies move under a growing weight until they
+//! rest, or clearly slide or fall. Only the forces are kept, not the motion.
 
 use super::super::SoftStep;
 use super::super::block::{Pass, Spring};
@@ -18,41 +18,40 @@ use std::f32::consts::TAU;
 /// Length of a substep, s.
 const SUBSTEP: f32 = 1.0 / 720.0;
 
-/// Soft sweeps in a round, which a rigid one ends.
+/// Soft sweeps in a round; one rigid sweep ends it.
 const SOFT_SWEEPS: usize = 3;
 const SWEEPS: usize = SOFT_SWEEPS + 1;
 
-/// Rounds in which weight grows, and in which it then stays what it is, at most.
+/// Number of rounds in which weight grows, and upper bound of rounds with the full weight after that.
 const GROWING: usize = 130;
 const HOLDING: usize = 480;
 
-/// After so many of them it is seen whether bodies rest.
+/// Number of rounds between checks whether bodies rest.
 const LOOK: usize = 10;
 
-/// What is slower than gravity makes in so many seconds rests.
+/// Bodies rest below the speed that gravity gives in this time, s.
 const RESTS: f32 = 2e-5;
 
-/// What is faster than gravity makes in so many seconds, and has not lost this share of its speed in half of the time in which it might,
-/// goes.
+/// Bodies slide or fall if they are faster than the speed that gravity gives in this time, s, and have not lost this share of their speed
+/// in the second half of the rounds.
 const GOES: f32 = 5e-4;
 const LOST: f32 = 0.5;
 
-/// Visits to patches at most: no step of a large structure may take seconds.
+/// Upper bound of visits to patches: no step of a large structure may take seconds.
 const PATCH_VISITS: usize = 20_000_000;
 
-/// What becomes of bodies under weight that grows.
+/// The result for bodies under growing weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grown {
-    /// Forces hold them, which are found but for a little.
+    /// The forces hold them, up to a small remaining error.
     Rest,
-    /// They slide or fall, against the forces that are found.
+    /// They slide or fall in spite of the forces.
     Go,
-    /// They are too many: nothing was done.
+    /// The problem is too large; nothing was done.
     Unknown,
 }
 
-/// Gives contacts the impulses that weight makes, and makes them the loads at rest, whatever they carried. Points farther apart than
-/// `closed` m get none.
+/// Replaces the impulses and loads at rest of contacts by those that growing weight causes. Points farther apart than `closed` m get none.
 pub fn grow<L: F32xN>(problem: &mut PatchProblem, closed: f32) -> Grown {
     if problem.patches.len() * SWEEPS * (GROWING + HOLDING) > PATCH_VISITS {
         return Grown::Unknown;
@@ -87,7 +86,7 @@ pub fn grow<L: F32xN>(problem: &mut PatchProblem, closed: f32) -> Grown {
     }
 }
 
-/// Takes from contacts what they carry.
+/// Removes all impulses and loads from contacts.
 fn clear(problem: &mut PatchProblem) {
     for patch in problem.patches.iter_mut() {
         patch.warm_tangential = Default::default();
@@ -118,7 +117,7 @@ fn passes() -> [Pass; SWEEPS] {
 }
 
 impl<L: F32xN> Island<L> {
-    /// As if everything stood still without weight, touched where it is not open, and stuck there.
+    /// An island at rest and without weight. Points that are not open touch, and friction is anchored where they are.
     fn on_springs(problem: &PatchProblem, closed: f32) -> Self {
         let rate = SWEEPS as f32 / (SOFT_SWEEPS as f32 * SUBSTEP);
         let default = SoftStep::default();

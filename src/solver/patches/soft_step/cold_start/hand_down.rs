@@ -1,29 +1,29 @@
-//! Loads go down: from the top, each body hands its own weight and what it has been given to what it lies on, as if that could not
-//! give way. One pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
+//! Hands loads down. From the top, each body passes its own weight and the load on it to its supports, as if those could not yield. One
+//! pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
 
 use super::super::upright::{up, upper};
 use crate::solver::{Body, PatchPoint, PatchProblem};
 use glam::Vec3;
 
-/// Visits to the supports of one body, which share its load, at most.
+/// Upper bound of visits to the supports of one body, which share its load.
 const VISITS: usize = 200;
 
-/// Visits end when they change less than this share of what the body carries.
+/// Visits end when they change less than this share of the body's load.
 const SHARED: f32 = 1e-5;
 
-/// What moves by less than this share of what gravity would do to it is in balance; turns on an arm of a metre.
+/// A body is in balance if it moves by less than this share of its motion under gravity. Rotations count on an arm of a metre.
 const BALANCED: f32 = 1e-3;
 
-/// What lies on what.
+/// The supports of each body.
 struct Supports {
-    /// For each body the patches it lies on, and on which side of them it is.
+    /// By body: the patches it lies on, and its side of each.
     of: Vec<Vec<(usize, usize)>>,
-    /// How many patches lie on each body and have not handed down their load.
+    /// By body: the number of patches on it that have not handed down their load.
     above: Vec<usize>,
 }
 
-/// Whether a way down to what nothing moves leads from each body through closed patches. They come in the order of their level, so
-/// that one pass finds all.
+/// By body: whether a path of closed patches leads down to a fixed body. Patches come in the order of their level, so that one pass finds
+/// all.
 pub fn standing(problem: &PatchProblem, closed: f32) -> Vec<bool> {
     let up = up(problem);
     let fixed = |body: &Body| body.inverse_mass == 0.0;
@@ -58,16 +58,16 @@ impl Supports {
     }
 }
 
-/// A direction along which something is pushed.
+/// A direction in which a support pushes a body.
 struct Row {
     direction: Vec3,
     /// From the centre of the body, m.
     arm: Vec3,
-    /// Inverse effective mass, if what is below could not give way, 1/kg.
+    /// Inverse effective mass for a body below that cannot yield, 1/kg.
     response: f32,
-    /// N·s
+    /// Its impulse, N·s.
     impulse: f32,
-    /// What it was.
+    /// The impulse before the pass, N·s.
     before: f32,
 }
 
@@ -82,17 +82,17 @@ impl Row {
         }
     }
 
-    /// What would stop the body along it.
+    /// The impulse that would stop the body in its direction, N·s.
     fn wanted(&self, [linear, angular]: [Vec3; 2]) -> f32 {
         self.impulse - self.direction.dot(linear + angular.cross(self.arm)) / self.response
     }
 
-    /// What has come to it, N·s.
+    /// The impulse that the pass has added, N·s.
     fn gained(&self) -> Vec3 {
         self.direction * (self.impulse - self.before)
     }
 
-    /// Makes its impulse that; by how much it changes.
+    /// Sets its impulse. Returns the absolute change, N·s.
     fn set(&mut self, impulse: f32, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
         let change = impulse - self.impulse;
         self.impulse = impulse;
@@ -101,18 +101,18 @@ impl Row {
     }
 }
 
-/// A patch that a body stands on.
+/// A patch on which a body stands.
 struct Foot {
-    /// Among the problem's.
+    /// Its index in the problem.
     patch: usize,
-    /// On which side of it the body is.
+    /// The side of the body.
     side: usize,
     normals: Vec<(usize, Row)>,
     tangents: [Row; 2],
 }
 
 impl Foot {
-    /// Where any of its points is closed.
+    /// A foot, if any of its points is closed or carries an impulse.
     fn new(problem: &PatchProblem, (index, side): (usize, usize), closed: f32) -> Option<Self> {
         let patch = &problem.patches[index];
         let body = &problem.bodies[patch.bodies[side] as usize];
@@ -139,7 +139,7 @@ impl Foot {
         })
     }
 
-    /// Lets its points stop the body; by how much an impulse has changed at most, N·s.
+    /// Lets its points stop the body. Returns the largest change of an impulse, N·s.
     fn push(&mut self, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
         let mut changed = 0f32;
         for (_, row) in &mut self.normals {
@@ -149,7 +149,7 @@ impl Foot {
         changed
     }
 
-    /// The same of its friction, within what its points carry.
+    /// Lets its friction stop the body, within the friction of its normal impulses. Returns the largest change, N·s.
     fn hold(&mut self, friction: f32, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
         let carried: f32 = self.normals.iter().map(|(_, row)| row.impulse).sum();
         let [x, y] = [0, 1].map(|i| self.tangents[i].wanted(*motion));
@@ -165,7 +165,7 @@ impl Foot {
     }
 }
 
-/// What each body would do in this step under its forces and what its contacts start with.
+/// The motion of each body in this step under its forces and the warm-start impulses.
 fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
     let mut motions: Vec<[Vec3; 2]> = problem.bodies.iter().map(Body::push).collect();
     for patch in problem.patches.iter() {
@@ -182,7 +182,7 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
     motions
 }
 
-/// Whether what contacts start with leaves hardly anything of what forces do.
+/// Whether the warm-start impulses balance the forces almost completely.
 pub fn is_balanced(problem: &PatchProblem) -> bool {
     let most = BALANCED * problem.gravity.length() * problem.dt;
     let motions = unbalanced(problem);
@@ -192,13 +192,13 @@ pub fn is_balanced(problem: &PatchProblem) -> bool {
         .all(|(_, motion)| motion.iter().all(|part| part.length() <= most))
 }
 
-/// Hands down what is not balanced of bodies that are new, or have lost what lay on them. The bodies below keep what they carry where that is
-/// enough. Through how many bodies the longest way led.
+/// Hands down the unbalanced loads of bodies that are new or from which load was removed. The bodies below keep their impulses where those
+/// are sufficient. Returns the number of bodies on the longest path.
 pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize {
     let down = -up(problem);
     let mut supports = Supports::new(problem);
-    // Of the others only what comes to them: what they lack or have too much is motion, and not new. Handed down with the rest it would
-    // push a wall that trembles out of its plane.
+    // The imbalance of other bodies is motion and no new load, so they pass on only the load that comes to them. Handed down as well, it
+    // would push a trembling wall out of its plane.
     let mut motions = unbalanced(problem);
     for (motion, _) in motions.iter_mut().zip(new).filter(|(_, new)| !**new) {
         *motion = [Vec3::ZERO; 2];
@@ -231,7 +231,7 @@ pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize
     courses.into_iter().max().unwrap_or(0)
 }
 
-/// Shares what has come to a body among its feet.
+/// Distributes the load of a body over its feet.
 fn share(
     problem: &PatchProblem,
     index: usize,
@@ -241,8 +241,7 @@ fn share(
 ) {
     let body = &problem.bodies[index];
     let pressed = motion[0].dot(down) / body.inverse_mass;
-    // Equal shares of what comes, and of what goes the same share of each first: visits alone would let the foot visited first carry
-    // the most, or the least.
+    // Added load is first divided equally, and removed load in proportion. Visits alone would give the first foot the most, or the least.
     let rows = || feet.iter().flat_map(|foot| &foot.normals);
     let equal = pressed.max(0.0) / rows().count() as f32;
     let borne: f32 = rows().map(|(_, row)| row.impulse).sum();
@@ -254,7 +253,7 @@ fn share(
     for (_, row) in feet.iter_mut().flat_map(|foot| &mut foot.normals) {
         row.set(left * row.impulse + equal, body, motion);
     }
-    // Friction only where there is no rest without: it would be held by springs.
+    // Friction is used only where normals give no balance, since springs would have to hold it.
     for with_friction in [false, true] {
         for _ in 0..VISITS {
             let mut changed = 0f32;
@@ -277,7 +276,7 @@ impl Foot {
         problem.patches[self.patch].bodies[1 - self.side] as usize
     }
 
-    /// To the problem, and to what is below.
+    /// Stores the impulses, and applies them to the body below.
     fn hand_on(self, problem: &mut PatchProblem, motions: &mut [[Vec3; 2]]) {
         let patch = &mut problem.patches[self.patch];
         let (sign, other) = if self.side == 0 { (1.0, 1) } else { (-1.0, 0) };
@@ -297,7 +296,7 @@ impl Foot {
         for (i, row) in &self.normals {
             let point = &mut problem.points[*i];
             load(row, patch.arms[other] + point.offset);
-            // Its impulse of the moment may be more or less than what it carries at rest.
+            // The current impulse may differ from the load at rest, so only the change is added.
             point.load = (point.load + (row.impulse - row.before)).max(0.0);
             point.warm_normal = row.impulse;
         }

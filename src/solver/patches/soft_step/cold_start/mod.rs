@@ -1,11 +1,12 @@
-//! What contacts carry that have carried nothing yet, of a structure that was just built or of a brick that was put on one.
+//! Cold start: impulses and loads at rest for contacts that have none yet, in a structure that was just built or under a brick that was
+//! just placed.
 //!
-//! Without impulses to start from, sweeps need a number that grows with the height squared to find the load at the foot of a
-//! tower, and where joints carry moments with a higher power of it; until then it sinks and leans. So loads are [handed
-//! down](hand_down). What was built as a whole, and is not in balance with them, carries instead what [weight that grows](grow) would
-//! make: statics alone would let it lean on a squeeze that nobody made. If that holds it, it is [brought to rest](statics): impulses
-//! that keep it still are what it carries at rest, and so they are held. What lies on something and vanishes is handed down in the same
-//! way as what is new, or what bore it would be thrown.
+//! Without warm-start impulses, the number of sweeps to find the load at the foot of a tower grows with the height squared, and with a
+//! higher power of it where joints carry moments; until then the tower sinks and leans. So loads are [handed down](hand_down). A structure
+//! that was built as a whole, and is not in balance with these loads, gets those under a [growing weight](grow) instead: statics alone
+//! would let it lean on a squeeze that does not exist. If these forces hold the structure, it is [brought to rest](statics): impulses that
+//! keep it still become its loads at rest, and so they are held. The removal of a body from the top is handed down like a new load;
+//! otherwise its supports would be thrown.
 
 mod grow;
 mod hand_down;
@@ -16,30 +17,30 @@ use crate::solver::lanes::F32xN;
 use crate::solver::{Body, PatchProblem};
 use grow::Grown;
 
-/// What is faster than this has not been put there, but thrown, m/s.
+/// Upper bound of the speed of a body that was placed, m/s; a faster one was thrown.
 const PUT: f32 = 0.01;
 
-/// What is faster than this is not at rest, m/s: the parts of a pile take up their loads and leave them as they come.
+/// Upper bound of the speed of a body at rest, m/s: the bodies of a pile take up loads and leave them as they move.
 const RESTS: f32 = 0.001;
 
-/// What is built is put where it will rest to so much at least, m.
+/// Accuracy with which new bodies are placed at their rest position, m.
 const PLACED: f32 = 0.005;
 
-/// Sweeps to and fro in which a structure is brought to rest, at most, for each of its courses.
+/// Upper bound of sweeps back and forth that bring a structure to rest, per course.
 const SWEEPS_PER_COURSE: usize = 150;
 
-/// And so many visits to patches: no step of a large structure that never comes to rest may take seconds.
+/// Upper bound of visits to patches in these sweeps: no step of a large structure that never comes to rest may take seconds.
 const PATCH_VISITS: usize = 1_000_000;
 
-/// Which bodies stand on something and carry nothing yet, or still carry what is gone.
+/// Bodies that stand on another one and carry nothing yet, or from which load was removed.
 struct New {
     bodies: Vec<bool>,
-    /// They are most, and nothing else moves: it was built as a whole.
+    /// More than half of the bodies are new, and none of the others moves: the structure was built as a whole.
     all: bool,
 }
 
 impl New {
-    /// None in most steps, which one pass over the points finds.
+    /// Finds new bodies. In most steps there are none, which one pass over the points finds.
     fn find(problem: &PatchProblem, closed: f32, body_loads: &[BodyLoad]) -> Option<Self> {
         let fall = problem.gravity.length() * problem.dt;
         let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
@@ -79,9 +80,9 @@ impl New {
     }
 }
 
-/// Gives contacts that carry nothing yet the load they will carry, as impulses and as what they carry at rest. True where there were any.
+/// Gives contacts that carry nothing yet their impulses and loads at rest in equilibrium. Returns whether there were any.
 pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> bool {
-    // What falls from rest gets so far in a step.
+    // The distance that a body falls from rest in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     let closed = fallen.max(PLACED);
     let Some(new) = New::find(problem, closed, body_loads) else {

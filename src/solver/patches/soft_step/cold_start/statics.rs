@@ -1,10 +1,10 @@
-//! Impulses that keep everything still: statics, where there is any.
+//! Impulses that keep everything still: static equilibrium, if there is one.
 //!
-//! Rigid sweeps over closed contacts, a whole step long, in which nothing moves but by its forces. To and fro, since a structure has
-//! no preferred way, and then the differences that sweeps make are search directions of a merit function, as in
-//! [`Nncg`](crate::solver::Nncg), which has the reasons: an arch of 15 needs a tenth of the sweeps. It begins with loads handed
-//! down, or with those that weight makes as it grows, and hardly changes these: of all the forces that statics allows only what
-//! follows from how bodies give way is real. What stands without friction stays without.
+//! The search uses rigid sweeps over closed contacts for a whole step, in which bodies move only by their forces. Sweeps go back and forth,
+//! since a structure has no preferred direction; the changes that sweeps make are then search directions of a merit function, as in
+//! [`Nncg`](crate::solver::Nncg), which explains the method: an arch of 15 needs a tenth of the sweeps. The search starts from the loads
+//! that were handed down, or from those of a growing weight, and hardly changes these: of all the forces that statics allows, only those
+//! that follow from how bodies yield are real. Structures that stand without friction get none.
 
 use super::super::block::{Pass, Spring};
 use super::super::island::{Island, batches};
@@ -12,7 +12,7 @@ use super::super::kinds::Rigid;
 use crate::solver::PatchProblem;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 
-/// It ends when a sweep makes less than this share of the difference that gravity makes.
+/// The search ends when a sweep makes less than this share of the change that gravity makes.
 const STILL: f32 = 3e-4;
 
 /// Impulses, or changes of them, N·s and N·m·s.
@@ -50,7 +50,7 @@ impl<L: F32xN> Impulses<L> {
         }
     }
 
-    /// Adds others so many times.
+    /// Adds `times` times the others.
     #[inline(always)]
     fn add(&mut self, times: f32, others: &Self) {
         let times = L::splat(times);
@@ -63,7 +63,7 @@ impl<L: F32xN> Impulses<L> {
         }
     }
 
-    /// Σ W Δλ², J.
+    /// Their energy Σ W Δλ², J.
     #[inline(always)]
     fn energy(&self, island: &Island<L>) -> f32 {
         let mut sum = L::ZERO;
@@ -80,8 +80,8 @@ impl<L: F32xN> Impulses<L> {
     }
 }
 
-/// Changes impulses by what is missing to keep all still, in so many sweeps to and fro at most, and makes them the loads at rest. Points
-/// farther apart than `closed` m stay without.
+/// Changes the impulses towards equilibrium, in at most `most` sweeps back and forth, and makes them the loads at rest. Points farther
+/// apart than `closed` m get none.
 pub fn settle<L: F32xN>(problem: &mut PatchProblem, closed: f32, most: usize) {
     let pass = Pass::whole(problem.dt);
     let (mut island, free) = Island::<L>::at_rest(problem, closed, &pass);
@@ -97,10 +97,10 @@ pub fn settle<L: F32xN>(problem: &mut PatchProblem, closed: f32, most: usize) {
 /// The search for an equilibrium.
 struct Settle<'a, L: F32xN> {
     island: &'a mut Island<L>,
-    /// What the forces do unopposed, J.
+    /// Merit of the free motion, J.
     free: f32,
     pass: Pass,
-    /// Sweeps to and fro.
+    /// Upper bound of sweeps back and forth.
     most: usize,
 }
 
@@ -127,7 +127,7 @@ impl<L: F32xN> Kernel for Settle<'_, L> {
             }
             let beta = energy / last;
             last = energy;
-            // Above 1 it has gone stale, and begins anew.
+            // Above 1 the direction is stale, and the search starts anew.
             if let Some(mut along) = direction.take()
                 && beta <= 1.0
             {
@@ -137,7 +137,7 @@ impl<L: F32xN> Kernel for Settle<'_, L> {
             }
             direction = Some(step);
         }
-        // What was added may have left the cone.
+        // The added direction may have left the cone.
         island.sweep_rigidly(&pass);
     }
 }
@@ -169,7 +169,7 @@ impl<L: F32xN> Kernel for SweepBack<'_, L> {
 }
 
 impl Pass {
-    /// All of a step at once.
+    /// A rigid pass over a whole step.
     fn whole(dt: f32) -> Self {
         Self {
             soft: false,
@@ -184,7 +184,7 @@ impl Pass {
 }
 
 impl<L: F32xN> Island<L> {
-    /// As if everything stood still and touched where it is not open; and what the forces do unopposed, J.
+    /// An island at rest whose points touch unless they are open; and the merit of the free motion, J.
     fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
         let mut island = Self::new(problem, batches(L::LANES, problem));
         island.begin(problem, &[], 1);

@@ -14,7 +14,7 @@ impl Masonry {
         cold_start::<F32x4>(&mut problem, &body_loads);
     }
 
-    /// The greatest acceleration that is left, as a share of gravity; turns on an arm of a metre.
+    /// The largest remaining acceleration, as a share of gravity; rotations count on an arm of a metre.
     fn unbalanced(&self) -> f32 {
         let mut bodies = self.bodies.clone();
         for patch in &self.patches {
@@ -36,7 +36,8 @@ impl Masonry {
         bodies.iter().map(speed).fold(0.0, f32::max) / (G * DT)
     }
 
-    /// Asserts that a cold start keeps it still, with pushes and friction that contacts can give, and holds what is pushed with.
+    /// Asserts that the impulses of a cold start keep the structure still, that contacts can give them, and that they are the loads at
+    /// rest.
     #[track_caller]
     fn rests(mut self) {
         self.start();
@@ -91,7 +92,7 @@ fn tongue(tilt: f32) -> Masonry {
     masonry
 }
 
-/// Its friction of 0.9 holds it up to 42°. Beyond that only its sides could, on which nothing presses.
+/// Friction of 0.9 holds the tongue up to 42°. Beyond that only its sides could hold it, and nothing presses on them.
 #[test]
 fn a_tongue_is_not_squeezed_by_its_groove() {
     for (degrees, stands) in [(30.0f32, true), (40.0, true), (44.0, false), (54.0, false)] {
@@ -112,7 +113,7 @@ fn a_tongue_is_not_squeezed_by_its_groove() {
     }
 }
 
-/// Its weight goes down to the ground, and nothing else changes.
+/// The weight of the brick goes down to the ground, and nothing else changes.
 #[test]
 fn a_brick_put_on_a_stack_is_carried_by_all_below() {
     let mut masonry = Masonry::stack(5, 0.05);
@@ -135,7 +136,7 @@ fn a_brick_put_on_a_stack_is_carried_by_all_below() {
 }
 
 #[test]
-fn what_falls_or_hangs_in_the_air_hands_nothing_down() {
+fn falling_and_hanging_bodies_hand_nothing_down() {
     let mut thrown = Masonry::stack(2, 0.0);
     thrown.bodies[2].start[0] = -Vec3::Y;
     thrown.bodies[2].linear -= Vec3::Y;
@@ -149,10 +150,10 @@ fn what_falls_or_hangs_in_the_air_hands_nothing_down() {
     }
 }
 
-/// What is round holds no load, and yet it weighs: what bears it has lost nothing, although its impulses of the moment, which shake,
-/// come short of it.
+/// Round bodies have no loads at rest and still weigh. Their supports have lost no load, although their current impulses shake and are
+/// smaller than the loads at rest.
 #[test]
-fn what_bears_something_round_is_not_relieved() {
+fn supports_of_round_bodies_keep_their_loads() {
     let mut masonry = Masonry::stack(4, 0.0);
     masonry.start();
     for point in &mut masonry.points[4..] {

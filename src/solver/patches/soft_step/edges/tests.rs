@@ -32,7 +32,7 @@ fn an_edge_stands_before_the_first_block_of_its_bodies() {
 #[test]
 fn edges_that_share_a_body_keep_their_order_in_one_group() {
     let visits = visits(5, &[[0, 0], [0, 2], [1, 4], [3, 6], [5, 9]]);
-    // The last joins the first two.
+    // The last edge joins the first two.
     let places = EdgePlaces::new(&[vec![3], vec![1], vec![4], vec![1, 3]], &visits);
     let [one, other] = places.groups() else {
         panic!("{places:?}");
@@ -41,6 +41,6 @@ fn edges_that_share_a_body_keep_their_order_in_one_group() {
     assert_eq!(places.bodies_of(other), [1, 3]);
     assert_eq!((other.block, other.lap), (0, 0));
     assert_eq!((one.block, one.lap), (0, 1));
-    // From visit 0 to 6: a next lap would come to it after 5.
+    // The visits go from 0 to 6, but the next lap would come after 5.
     assert!(!places.fits_laps);
 }

@@ -5,7 +5,7 @@ use crate::solver::lanes::F32x8;
 use crate::solver::lanes::{F32x4, F32xN};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
 
-/// Velocities after a step on a slope in which nothing carries anything yet, one contact after another or in rounds.
+/// Compares the velocities after a step on a slope, with contacts relaxed one after another and in rounds. No contact carries anything yet.
 fn almost_equal<L: F32xN>() {
     let mut plate = Masonry::plate(12, 0.1);
     let mut memory = Memory::default();

@@ -3,9 +3,9 @@ use crate::solver::lanes::F32x4;
 use crate::solver::patches::soft_step::masonry::Masonry;
 use crate::solver::{Lanes, Memory, PatchProblem};
 
-/// What a hand holds touches bodies that a sweep comes to long before or after it.
+/// A hand holds a body whose neighbours are visited long before and after it, so the blocks must not be skewed.
 #[test]
-fn what_is_held_where_a_lap_is_short_is_not_folded() {
+fn blocks_are_not_skewed_if_laps_are_too_short_for_a_hand() {
     let mut stack = Masonry::stack(9, 0.0);
     let mut memory = Memory::default();
     let problem = stack.problem(&mut memory);

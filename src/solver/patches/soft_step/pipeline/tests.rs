@@ -9,7 +9,7 @@ use crate::solver::patches::soft_step::island::{Island, batches, skewed};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
 use std::time::Duration;
 
-/// All that sweeps change, and what they tell.
+/// The bits of all results of the sweeps.
 fn bits<L: F32xN>(island: &Island<L>, bodies: usize, changes: &[f32]) -> Vec<u32> {
     let mut bits: Vec<u32> = changes.iter().map(|change| change.to_bits()).collect();
     for states in [&island.velocities, &island.before, &island.motions] {
@@ -30,7 +30,7 @@ fn equal<L: F32xN>(masonry: Masonry, batches: fn(usize, &PatchProblem) -> Batche
     let count = problem.bodies.len();
     let (mut alone, passes) = started::<L>(&problem, batches(L::LANES, &problem));
     let changes: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
-    // What hands change is added up in another order.
+    // The changes of hands are added up in another order.
     let told = |changes: Vec<f32>| match problem.grips.is_empty() {
         true => changes,
         false => Vec::new(),
@@ -46,7 +46,7 @@ fn equal<L: F32xN>(masonry: Masonry, batches: fn(usize, &PatchProblem) -> Batche
                 let (mut island, passes) = started::<L>(&problem, batches(L::LANES, &problem));
                 let pipeline = island.find_pipeline(&problem);
                 let calls = AtomicUsize::new(seed);
-                // Sometimes somebody else gets the processor.
+                // Lets another thread run now and then.
                 let delay = || {
                     let call = calls.fetch_add(1, Relaxed) as u64;
                     match fastrand::Rng::with_seed(call).u8(..) {
@@ -82,7 +82,7 @@ fn equal<L: F32xN>(masonry: Masonry, batches: fn(usize, &PatchProblem) -> Batche
 fn sweeps_that_follow_each_other_are_sweeps_one_by_one() {
     let wall = || Masonry::wall(40, 12, 0.1);
     let held = || wall().held([5, 100, 101, 300]);
-    // In rounds.
+    // Problems with rounds.
     let plate = || Masonry::plate(12, 0.1);
     equal::<F32x4>(wall(), batches);
     equal::<F32x4>(plate(), skewed);
@@ -99,7 +99,7 @@ fn sweeps_that_follow_each_other_are_sweeps_one_by_one() {
 
 #[test]
 fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
-    // Body 0 is not moved; 3 is in no block.
+    // Body 0 does not move, and body 3 is in no block.
     let blocks = [vec![0, 1], vec![0, 2], vec![1, 2], vec![2, 4]];
     let blocks = blocks.iter().map(|bodies| bodies.iter().copied());
     let pipeline = Pipeline::new(blocks, 5, |body| body != 0, Default::default());
@@ -111,7 +111,7 @@ fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
 }
 
 #[test]
-fn a_long_wall_gains_by_threads_and_what_fits_their_caches_does_not() {
+fn a_long_wall_gains_by_threads_and_one_that_fits_their_caches_does_not() {
     let mut wall = Masonry::wall(200, 20, 0.0);
     let mut memory = Memory::default();
     let problem = wall.problem(&mut memory);

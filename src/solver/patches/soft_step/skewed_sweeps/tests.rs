@@ -8,7 +8,7 @@ use crate::solver::patches::soft_step::island::{Island, batches, skewed};
 use crate::solver::patches::soft_step::masonry::{Masonry, started};
 use glam::Vec3;
 
-/// All that sweeps find; what a zero's sign is says nothing.
+/// All results of the sweeps, without the signs of zeros.
 fn found<L: F32xN>(island: &Island<L>, mut masonry: Masonry) -> Vec<f32> {
     let mut memory = Memory::default();
     island.store(&mut masonry.problem(&mut memory), 0.01);
@@ -94,7 +94,7 @@ fn sweeps_in_laps_are_sweeps_one_by_one() {
 }
 
 #[test]
-fn what_fills_its_lanes_is_not_folded() {
+fn blocks_with_full_lanes_are_not_skewed() {
     let mut wall = Masonry::wall(40, 12, 0.0);
     let mut memory = Memory::default();
     let problem = wall.problem(&mut memory);
@@ -104,7 +104,7 @@ fn what_fills_its_lanes_is_not_folded() {
 }
 
 #[test]
-fn nothing_is_folded_beside_what_moves_by_itself() {
+fn blocks_are_not_skewed_beside_a_driven_body() {
     let mut stack = Masonry::stack(20, 0.0);
     stack.bodies[0].start[0] = Vec3::X;
     let mut memory = Memory::default();

@@ -154,10 +154,10 @@ impl Solve<'_> {
             order,
             islands,
             velocities,
+            outside,
             ..
         } = problems;
         velocities.resize(self.table.slots(), None);
-        velocities.fill(None);
         for (entity, index, velocity, _) in bodies {
             if !self.table.holds(entity, *index) {
                 continue;
@@ -176,7 +176,10 @@ impl Solve<'_> {
                     body.linear = velocity.linear;
                     body.angular = velocity.angular;
                 }
-                None => velocities[index.0 as usize] = Some(*velocity),
+                None => {
+                    velocities[index.0 as usize] = Some(*velocity);
+                    outside.push(index.0);
+                }
             }
         }
         for (slot, copy) in islands.iter_mut().flat_map(Island::copies) {
@@ -185,6 +188,10 @@ impl Solve<'_> {
                 (copy.linear, copy.angular) = (linear, angular);
                 copy.start = [linear, angular];
             }
+        }
+        // There are few of them, and many slots.
+        for slot in outside.drain(..) {
+            velocities[slot as usize] = None;
         }
     }
 

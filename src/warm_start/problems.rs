@@ -23,6 +23,8 @@ pub(crate) struct ProblemSet<R> {
     pub islands: Vec<Island<R>>,
     /// Scratch of *solve*, by slot: the velocity of a body that is not in a problem.
     pub velocities: Vec<Option<Velocity>>,
+    /// Scratch of *solve*: the slots of those bodies.
+    pub outside: Vec<u32>,
     /// The bodies that are held, in the order of islands and of their grips.
     pub held: Vec<Held>,
 }

@@ -7,7 +7,7 @@
 use super::ConstraintGraph;
 use super::activation::activate;
 use super::edges::EdgeKind;
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::broadphase::Broadphase;
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, LostPairs, Manifold,
@@ -85,7 +85,7 @@ pub fn pair_changes(
             graph.changes.gone.push(slot);
         }
         let overlaps = found.overlaps.into_iter().chain(again);
-        begin(world, &mut graph, overlaps.collect());
+        begin(world, &mut graph, overlaps);
     });
     let told = lost.0.iter().filter(|(_, pair)| pair.announced);
     let told = told.map(|(_, pair)| (pair.spawn_orders, pair.bodies));
@@ -117,19 +117,21 @@ fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> 
 }
 
 /// Spawns pairs and their edges for overlaps that have none.
-fn begin(world: &mut World, graph: &mut ConstraintGraph, mut overlaps: Vec<[u32; 2]>) {
-    overlaps.retain(|&slots| !graph.knows(EdgeKind::Contact, slots));
+fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator<Item = [u32; 2]>) {
+    let table = world.resource::<BodyTable>();
+    let overlaps = overlaps.filter(|&slots| !graph.knows(EdgeKind::Contact, slots));
+    let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = overlaps
+        .filter_map(|slots| Some((table.both(slots)?.map(|body| body.spawn_order), slots)))
+        .collect();
     if overlaps.is_empty() {
         return;
     }
-    let table = world.resource::<BodyTable>();
-    // The tree's shape depends on its history; the order of pairs must not.
-    overlaps.sort_unstable_by_key(|slots| {
-        slots.map(|slot| table.get(slot).map(|body| body.spawn_order))
-    });
+    // The tree's shape depends on its history; the order of pairs must not. Two bodies that have both left their boxes are there twice.
+    overlaps.sort_unstable();
+    overlaps.dedup();
     let mut warnings = Vec::new();
     let mut new: Vec<ContactPair> = Vec::new();
-    for slots in overlaps {
+    for (_, slots) in overlaps {
         if let Some(bodies) = table.both(slots)
             && let Some(edge) = graph.insert(EdgeKind::Contact, slots)
         {

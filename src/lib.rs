@@ -128,6 +128,7 @@ pub mod stability;
 pub mod stabilization;
 #[deny(missing_debug_implementations)]
 pub mod state;
+mod version;
 pub mod warm_start;
 
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of

@@ -8,7 +8,7 @@ use super::{
     Velocity,
 };
 use crate::collider::Collider;
-use crate::state::next_version;
+use crate::version::next_version;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;

@@ -12,7 +12,7 @@ use super::partition::Partition;
 use crate::body::{BodyState, BodyTable, Inactive, Sleeping, SpawnOrder};
 use crate::contact::{ContactPair, LostPairs, Manifold};
 use crate::settings::StepTime;
-use crate::state::next_version;
+use crate::version::next_version;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;

@@ -4,9 +4,13 @@
 //! `docs/data-flow.md` says what each is and which stage writes it. All other data is derived from these or has no effect on the simulation:
 //! scratch memory, times, reports, and unread messages.
 //!
-//! Components and resources that refer to entities map them with [`Component::map_entities`].
+//! Components and resources that refer to entities map them with [`Component::map_entities`](bevy_ecs::component::Component::map_entities).
 //!
 //! The list is read with a [`Visitor`].
+
+mod visitor;
+
+pub use visitor::Visitor;
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, Teleport};
 use crate::broadphase::Broadphase;
@@ -26,21 +30,7 @@ use crate::warm_start::IslandProblems;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::name::Name;
-use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// A visitor of the types on the list.
-pub trait Visitor {
-    /// A component that is part of the state.
-    fn component<T: Component + Clone>(&mut self);
-
-    /// A resource that is part of the state. It is missing in the world if its plugin was not added.
-    fn resource<T: Resource + Clone>(&mut self);
-
-    /// A resource that is derived from the state. Code that replaces the state must reset it to its default.
-    fn derived<T: Resource + Default>(&mut self);
-}
 
 /// Passes every type on the list to a visitor. Components come before resources, because inserting some components changes counters in
 /// resources.
@@ -68,11 +58,4 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);
 
     list!(derived: Pending, IslandProblems);
-}
-
-/// A version number that has not been used before in this process. So data that is derived from one version is never taken for data of
-/// another, not even after the state of one world was copied over that of another.
-pub(crate) fn next_version() -> u64 {
-    static LAST: AtomicU64 = AtomicU64::new(0);
-    LAST.fetch_add(1, Ordering::Relaxed) + 1
 }

@@ -1,6 +1,7 @@
 //! Part of the stage *prepare*: restores components that every body must have if the user removed them.
 
-use super::{Incomplete, Pose, essentials, local_pose};
+use super::listed::{Incomplete, essentials};
+use super::{Pose, local_pose};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 

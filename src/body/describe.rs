@@ -1,6 +1,7 @@
 //! Copies the rarely changed properties of a body into the table: kind, shape, mass, surface, layers.
 
-use super::{BodyState, DescribedItem, MassProperties, RigidBody, limits};
+use super::listed::DescribedItem;
+use super::{BodyState, MassProperties, RigidBody, limits};
 use crate::collider::Collider;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;

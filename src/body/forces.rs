@@ -1,8 +1,7 @@
 //! External forces, gravity scale and damping of a body, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
 use super::{
-    BodyIndex, BodyProperty, BodyState, BodyTable, Inactive, MassProperties, Pose, Quarantined,
-    Velocity, limits,
+    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Pose, Quarantined, Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};
@@ -70,22 +69,6 @@ pub struct GravityScale(pub f32);
 impl Default for GravityScale {
     fn default() -> Self {
         Self(1.0)
-    }
-}
-
-impl BodyProperty for ExternalForce {
-    fn is_known(&self, body: &BodyState) -> bool {
-        body.force == *self
-    }
-}
-
-impl BodyProperty for ExternalImpulse {}
-
-impl BodyProperty for Damping {}
-
-impl BodyProperty for GravityScale {
-    fn is_known(&self, body: &BodyState) -> bool {
-        body.gravity_scale == self.0
     }
 }
 

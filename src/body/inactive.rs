@@ -5,8 +5,10 @@
 //! changed, those of rows. A hook reports inactive bodies that were despawned. Bodies that left in another way, such as disabled ones, are
 //! found by comparing the number of inactive bodies with the number that has been marked.
 
+use super::listed::Written;
 use super::placement::{Placed, user_pose};
-use super::{BodyIndex, BodyProperty, BodyTable, Pose, Quarantined, Written};
+use super::rows::Rows;
+use super::{BodyTable, Pose, Quarantined};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
@@ -61,63 +63,6 @@ pub(super) fn find_written(
         columns.find(rows, &mut found);
     }
     found
-}
-
-/// The bodies of one table of the ECS.
-#[derive(Clone, Copy)]
-pub(super) struct Rows<'a> {
-    table: &'a BodyTable,
-    entities: &'a [Entity],
-    slots: &'a [BodyIndex],
-    since: Option<Tick>,
-}
-
-impl Rows<'_> {
-    /// Finds the bodies whose row of a column was written with a value that differs from the table.
-    pub(super) fn compare<T: BodyProperty>(
-        self,
-        column: ContiguousRef<T>,
-        found: &mut Vec<Entity>,
-    ) {
-        let Self {
-            table,
-            entities,
-            slots,
-            since,
-        } = self;
-        look(column, since, |row, value| {
-            let body = table.get(slots[row].0);
-            let known = body.filter(|body| body.entity == entities[row]);
-            if !known.is_some_and(|body| value.is_known(body)) {
-                found.push(entities[row]);
-            }
-        });
-    }
-}
-
-/// Calls `written` with the index and the value of each row of a column that has been written.
-fn look<T>(column: ContiguousRef<T>, since: Option<Tick>, mut written: impl FnMut(usize, &T)) {
-    /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
-    const CHUNK: usize = 64;
-    let (last, this) = (column.last_run_tick(), column.this_run_tick());
-    let last = since
-        .filter(|since| since.is_newer_than(last, this))
-        .unwrap_or(last);
-    let rows = column.changed_ticks_slice();
-    let (values, ticks) = ContiguousRef::split(column);
-    if ticks.summary_tick_is_changed() == Some(false) {
-        return;
-    }
-    let is_new = |tick: &Tick| tick.is_newer_than(last, this);
-    for (chunk, rows) in rows.chunks(CHUNK).enumerate() {
-        if rows.iter().fold(false, |any, row| any | is_new(row)) {
-            let new = rows
-                .iter()
-                .zip(CHUNK * chunk..)
-                .filter(|(row, _)| is_new(row));
-            new.for_each(|(_, row)| written(row, &values[row]));
-        }
-    }
 }
 
 /// Finds bodies whose `Transform` was written and differs from their pose. Interpolation writes the transforms of all bodies in every frame,

@@ -1,6 +1,6 @@
 //! Mass, inertia and centre of mass: computed from shape and density, or set by hand.
 
-use super::{BodyProperty, RigidBody, limits, table};
+use super::{RigidBody, limits, table};
 use crate::collider::Collider;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -43,14 +43,6 @@ pub struct AngularInertia {
 #[reflect(Component, Debug)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct CenterOfMass(pub Vec3);
-
-impl BodyProperty for Density {}
-
-impl BodyProperty for Mass {}
-
-impl BodyProperty for AngularInertia {}
-
-impl BodyProperty for CenterOfMass {}
 
 /// Mass, centre of mass and inertia of a body, as the solver uses them. This component is computed: set [`Density`], [`Mass`],
 /// [`AngularInertia`] or [`CenterOfMass`] to change it.

@@ -11,14 +11,18 @@ mod complete;
 mod describe;
 mod forces;
 mod inactive;
+mod kept;
+mod kept_property;
 pub mod limits;
+mod list;
+mod listed;
 mod mass;
 mod motion;
 mod pending;
 mod placement;
 mod prepare;
-mod properties;
 mod quarantine;
+mod rows;
 mod sleeping;
 mod spawn_order;
 mod table;
@@ -26,6 +30,8 @@ mod table;
 pub use complete::complete;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
+pub use kept::BodyProperties;
+pub(crate) use kept_property::KeptProperty;
 pub(crate) use listed::{copy_description, properties_of, visit};
 pub(crate) use mass::weigh;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
@@ -34,83 +40,46 @@ pub use pending::{Pending, refresh};
 pub use placement::Teleport;
 pub(crate) use placement::local_pose;
 pub use prepare::{prepare, strays};
-pub(crate) use properties::{BodyProperty, KeptProperty};
 pub use quarantine::{Quarantined, lift, quarantine};
 pub use sleeping::Sleeping;
 pub use spawn_order::SpawnOrder;
 pub use table::{BodyIndex, BodyState, BodyTable};
 pub(crate) use table::{is_body, lost_description, lost_parent};
 
-use crate::collider::{
-    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
-};
-use crate::contact::ContactEvents;
-use crate::grab::Grab;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
-use listed::{Changes, Described, DescribedItem, Incomplete, Written, essentials};
-use properties::body_properties;
+use list::body_properties;
 
-body_properties! {
-    /// The kind of a body: whether forces and contacts move it. It may be changed at any time.
-    #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-    #[reflect(Component, Debug, Default)]
-    #[component(summary_tick)]
-    pub enum RigidBody {
-        /// Moved by forces and contacts. The default.
-        #[default]
-        Dynamic,
-        /// Infinitely heavy, and never moved by the simulation. A change of its `Transform` moves it at once and does not carry other bodies
-        /// along. Its [`Velocity`] is that of its surface, as on a conveyor belt.
-        Static,
-        /// Infinitely heavy, and moved only by the user: by its [`Velocity`], or by a change of its `Transform`. In the step after that change
-        /// it has the velocity that takes it to the new pose, and carries the bodies that stand on it. See [`Teleport`].
-        Kinematic,
-    }
-
-    essential {
-        pose: Pose,
-        velocity: Velocity,
-        sleeping: Sleeping,
-        spawn_order: SpawnOrder,
-        index: BodyIndex,
-    }
-    computed {
-        motion: Motion,
-        mass_properties: MassProperties,
-    }
-    pushing {
-        force: ExternalForce,
-        impulse: ExternalImpulse,
-        damping: Damping,
-        gravity_scale: GravityScale,
-    }
-    optional {
-        grab: Grab,
-    }
-    described {
-        collider: Collider,
-        density: Density,
-        mass: Mass,
-        inertia: AngularInertia,
-        center: CenterOfMass,
-        events: ContactEvents,
-    }
-    kept {
-        /// Coefficient of friction of the surface.
-        friction: Friction,
-        /// Coefficient of restitution.
-        restitution: Restitution,
-        /// Rolling resistance.
-        rolling: RollingFriction,
-        /// Layers that the body is in, and layers that it collides with.
-        layers: CollisionLayers,
-        /// Bodies that it does not collide with.
-        exceptions: CollisionExceptions,
-    }
+macro_rules! rigid_body {
+    (
+        essential { $($essential:ident: $Essential:ident $(= $_essential_known:expr)?,)* }
+        computed { $($computed:ident: $Computed:ident,)* }
+        pushing { $($pushing:ident: $Pushing:ident $(= $_pushing_known:expr)?,)* }
+        optional { $($_optional:tt)* }
+        described { $($_described:tt)* }
+        kept { $($_kept:tt)* }
+    ) => {
+        /// The kind of a body: whether forces and contacts move it. It may be changed at any time.
+        #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+        #[reflect(Component, Debug, Default)]
+        #[component(summary_tick)]
+        #[require($($Essential,)* $($Computed,)* $($Pushing,)* Transform)]
+        pub enum RigidBody {
+            /// Moved by forces and contacts. The default.
+            #[default]
+            Dynamic,
+            /// Infinitely heavy, and never moved by the simulation. A change of its `Transform` moves it at once and does not carry other bodies
+            /// along. Its [`Velocity`] is that of its surface, as on a conveyor belt.
+            Static,
+            /// Infinitely heavy, and moved only by the user: by its [`Velocity`], or by a change of its `Transform`. In the step after that change
+            /// it has the velocity that takes it to the new pose, and carries the bodies that stand on it. See [`Teleport`].
+            Kinematic,
+        }
+    };
 }
+body_properties!(rigid_body);
 
 /// Position and orientation of a body in the world. Default: the origin, without rotation.
 ///
@@ -211,20 +180,5 @@ impl Velocity {
     #[inline]
     pub fn is_within_limits(&self) -> bool {
         limits::within(self.linear, limits::SPEED) && limits::within(self.angular, limits::SPIN)
-    }
-}
-
-impl BodyProperty for RigidBody {
-    fn is_known(&self, body: &BodyState) -> bool {
-        body.kind == *self
-    }
-}
-
-impl BodyProperty for Pose {}
-
-impl BodyProperty for Velocity {
-    /// Inactive bodies have velocity zero.
-    fn is_known(&self, _: &BodyState) -> bool {
-        *self == Self::default()
     }
 }

@@ -7,10 +7,11 @@
 
 use super::describe::describe;
 use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_written};
+use super::listed::{Changes, Described};
 use super::placement::{Placed, user_pose};
 use super::{
-    BodyIndex, BodyState, BodyTable, Changes, Described, Inactive, Pose, Quarantined, RigidBody,
-    SpawnOrder, Velocity, limits,
+    BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined, RigidBody, SpawnOrder, Velocity,
+    limits,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};

@@ -2,11 +2,12 @@
 
 use super::describe::describe;
 use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
+use super::listed::{Changes, Described};
 use super::placement::{Placed, user_pose};
 use super::{
-    BodyIndex, BodyProperties, BodyState, BodyTable, Changes, Damping, Described, ExternalForce,
-    ExternalImpulse, GravityScale, Inactive, MassProperties, Pose, Quarantined, RigidBody,
-    Sleeping, SpawnOrder, Teleport, Velocity, limits,
+    BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,
+    GravityScale, Inactive, MassProperties, Pose, Quarantined, RigidBody, Sleeping, SpawnOrder,
+    Teleport, Velocity, limits,
 };
 use crate::collider::Collider;
 use crate::diagnosis::{BodyProblem, Suspects, Told};

@@ -5,11 +5,12 @@
 //! their contacts with it. The stage runs before the broadphase and again after *forces*, before the solve.
 
 use super::describe::describe;
+use super::listed::Described;
 use super::placement::{Placed, user_pose};
 use super::prepare::{Pushed, check};
 use super::{
-    BodyIndex, BodyState, BodyTable, Damping, Described, ExternalForce, ExternalImpulse,
-    GravityScale, Inactive, MassProperties, Pose, RigidBody, Sleeping, Velocity,
+    BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
+    Inactive, MassProperties, Pose, RigidBody, Sleeping, Velocity,
 };
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use bevy_ecs::entity::{EntityMapper, MapEntities};

@@ -1,6 +1,5 @@
 //! The component that says whether a body sleeps. The stage *sleeping* puts islands to sleep, and the stage *islands* wakes them.
 
-use super::{BodyProperty, BodyState};
 use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -34,12 +33,6 @@ impl Default for Sleeping {
             still_for: 0.0,
             allowed: true,
         }
-    }
-}
-
-impl BodyProperty for Sleeping {
-    fn is_known(&self, body: &BodyState) -> bool {
-        body.asleep == self.asleep
     }
 }
 

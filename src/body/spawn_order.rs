@@ -1,6 +1,6 @@
 //! The order in which bodies were spawned.
 
-use super::{BodyProperty, BodyTable};
+use super::BodyTable;
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_reflect::Reflect;
 
@@ -24,8 +24,6 @@ impl Default for SpawnOrder {
         Self::NONE
     }
 }
-
-impl BodyProperty for SpawnOrder {}
 
 /// Numbers a body when it is spawned, because the next step cannot recover the order of spawning. Bodies that are spawned before the plugins
 /// are added get their numbers in *prepare*.

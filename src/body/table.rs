@@ -3,10 +3,7 @@
 //! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
 //! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a step.
 
-use super::{
-    BodyProperties, BodyProperty, ExternalForce, MassProperties, Pose, RigidBody, SpawnOrder,
-    Velocity,
-};
+use super::{BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, SpawnOrder, Velocity};
 use crate::collider::Collider;
 use crate::version::next_version;
 use bevy_ecs::change_detection::Tick;
@@ -32,8 +29,6 @@ impl Default for BodyIndex {
         Self::NONE
     }
 }
-
-impl BodyProperty for BodyIndex {}
 
 /// Hook of components that describe a body: after a removal *prepare* reads the body again, as after a change. A hook is needed because Bevy
 /// clears the list of removed components in every frame, and a step may come after several frames.

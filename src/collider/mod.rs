@@ -15,7 +15,7 @@ pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 pub use polyhedron::{Edge, Face, Moments, Polyhedron};
 
-use crate::body::{BodyProperty, BodyState, MassProperties};
+use crate::body::MassProperties;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
@@ -35,13 +35,6 @@ use std::fmt;
 pub struct Collider {
     shape: SharedShape,
     solid: Solid,
-}
-
-impl BodyProperty for Collider {
-    fn is_known(&self, body: &BodyState) -> bool {
-        let known = body.collider.as_ref();
-        known.is_some_and(|known| known.is_same(self))
-    }
 }
 
 /// Why a shape cannot be made.

@@ -2,7 +2,7 @@
 //! have [`ContactEvents`].
 
 use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair};
-use crate::body::{BodyProperty, BodyTable, Inactive, SpawnOrder};
+use crate::body::{BodyTable, Inactive, SpawnOrder};
 use crate::settings::StepTime;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -13,8 +13,6 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ContactEvents;
-
-impl BodyProperty for ContactEvents {}
 
 /// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope. As
 /// an entity event its target is `body`; as a message `body` is A of the pair.

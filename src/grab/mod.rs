@@ -5,7 +5,7 @@ mod hand;
 
 pub use hand::{Grasp, Hand, HandPlugin, hands};
 
-use crate::body::{BodyProperty, BodyState, Pose, limits};
+use crate::body::{BodyState, Pose, limits};
 use crate::solver::Grip;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
@@ -68,8 +68,6 @@ pub struct Grab {
     /// Maximum torque, N·m. With 0 the body swings freely about the held point.
     pub max_torque: f32,
 }
-
-impl BodyProperty for Grab {}
 
 /// Force and torque of the hand on a body in the last step. Zero if the body is not held.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]

@@ -1,6 +1,7 @@
 //! Detection: computes the contact points of a pair anew.
 
 use super::Rules;
+use super::candidates::{Candidate, Candidates, max_points, push};
 use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{
     Axis, Contact, FeatureId, Placement, Search, Solid, across, meet, meet_plane, touch_along,
@@ -8,9 +9,9 @@ use super::polyhedra::{
 use super::round::{self, Part};
 use super::{parry, passing, rolling};
 use crate::body::BodyState;
-use crate::contact::{ContactPoint, Manifold, ManifoldPatch, NarrowphaseCache};
+use crate::contact::{Manifold, NarrowphaseCache};
 use glam::{DVec3, Quat, Vec3};
-use smallvec::{SmallVec, smallvec};
+use smallvec::smallvec;
 
 /// Distance below which two centres coincide, as a share of the smaller radius.
 const COINCIDENT: f32 = 1e-6;
@@ -39,52 +40,6 @@ fn scattered(number: u64) -> Vec3 {
         (bits >> 1) as f32 / (1u64 << 63) as f32
     };
     Vec3::from_array(std::array::from_fn(coordinate))
-}
-
-/// A contact point on its way into the manifold.
-#[derive(Clone, Copy)]
-pub(super) struct Candidate {
-    /// World, m.
-    pub position: Vec3,
-    /// m
-    pub distance: f32,
-    pub feature: FeatureId,
-}
-
-pub(super) type Candidates = SmallVec<[Candidate; 8]>;
-
-/// Adds a patch, its deepest point first.
-///
-/// The solver visits points in this order. With few iterations, the points visited first take more than their share of the load. If that is
-/// always the same corner, the body leans over it; if it is the deepest point, the body is righted. This reduces the drift of walls and stacks
-/// by a factor of 4 to 10 (`docs/findings.md`).
-pub(super) fn push(
-    manifold: &mut Manifold,
-    bodies: [&BodyState; 2],
-    normal: Vec3,
-    curved: bool,
-    mut points: Candidates,
-) {
-    if points.is_empty() {
-        return;
-    }
-    points.sort_by(|x, y| x.distance.total_cmp(&y.distance));
-    let arm = |point: &Candidate| point.position - bodies[0].center;
-    manifold.patches.push(ManifoldPatch {
-        normal,
-        center: points.iter().map(arm).sum::<Vec3>() / points.len() as f32,
-        first: manifold.points.len() as u32,
-        count: points.len() as u32,
-        curved,
-    });
-    manifold
-        .points
-        .extend(points.iter().map(|point| ContactPoint {
-            arm: arm(point),
-            distance: point.distance,
-            detected: point.distance,
-            feature: point.feature,
-        }));
 }
 
 /// Fills an empty manifold with the points no further apart than `reach`, m. `old` is the last manifold. Returns a lower bound of the distance
@@ -155,8 +110,8 @@ pub(super) fn detect(
     let known = |feature| old.points.iter().any(|point| point.feature == feature);
     let radius = a.rolling_radius().min(b.rolling_radius());
     match radius.is_finite() {
-        true => round::simplify(&mut contact, most(rules), radius, known),
-        false => contact.simplify(most(rules), known),
+        true => round::simplify(&mut contact, max_points(rules), radius, known),
+        false => contact.simplify(max_points(rules), known),
     }
     let (origin, turn) = at(frame);
     let (origin, turn) = (origin.as_dvec3(), turn.as_dquat().normalize());
@@ -171,14 +126,6 @@ pub(super) fn detect(
     let rolls = radius.is_finite() && rolling::rolls(&points, radius, size());
     push(manifold, [a, b], normal, rolls, points);
     apart
-}
-
-/// Maximum number of points of a patch.
-pub(super) fn most(rules: &Rules) -> usize {
-    match rules.manifolds.reduce_manifolds {
-        true => 4,
-        false => usize::MAX,
-    }
 }
 
 /// The last normal, from A to B, in the current frame of A. A normal rotates less than the surfaces do.

@@ -1,7 +1,7 @@
 //! The shapes whose contacts drystone computes itself.
 
 use super::polyhedra::{Cuboid, Solid, Triangle};
-use super::round::Frustum;
+use super::round::frustum::Frustum;
 use crate::body::BodyState;
 use crate::collider::Polyhedron;
 use parry3d::shape::{Shape, TypedShape};

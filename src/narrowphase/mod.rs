@@ -4,6 +4,7 @@
 //! kept (recycled) while the two bodies hardly move relative to each other, which costs a tenth of computing it anew. Pairs at rest
 //! (asleep or static) keep theirs unchanged.
 
+mod candidates;
 mod capsules;
 mod crowd;
 mod detect;

@@ -1,7 +1,7 @@
 //! Contacts computed by parry: of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
 
 use super::Rules;
-use super::detect::{Candidate, Candidates, most, push};
+use super::candidates::{Candidate, Candidates, max_points, push};
 use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::{reduction, rolling};
@@ -42,7 +42,7 @@ pub(super) fn detect(
     let dispatcher = Dispatcher {
         bodies: [a, b],
         graze: rules.stabilization.outer_distance(),
-        most: most(rules),
+        most: max_points(rules),
     };
     let found =
         dispatcher.contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace);
@@ -111,7 +111,7 @@ pub(super) fn detect(
         if curved && reduction::is_line(&candidates, size) {
             reduction::keep_ends(&mut candidates);
         }
-        if candidates.len() > most(rules) {
+        if candidates.len() > max_points(rules) {
             reduction::reduce(&mut candidates, normal);
         }
         let radius = a.rolling_radius().min(b.rolling_radius());

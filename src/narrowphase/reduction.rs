@@ -4,7 +4,7 @@
 //! the side with more points is stiffer, and the body on it leans: a stack of 20 with 0.01 rad of yaw fell because of that alone. The corners that
 //! matter are the two points farthest from each other, and the farthest point on either side of the line between them.
 
-use super::detect::Candidates;
+use super::candidates::Candidates;
 use glam::Vec3;
 
 /// A patch narrower than this share of the smaller face's size is a line.

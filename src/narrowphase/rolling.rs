@@ -5,7 +5,7 @@
 //! between two slopes a cylinder stands on one point of its rim on either side. It rocked for minutes while its end, some millimetres above,
 //! counted as a face in contact.
 
-use super::detect::Candidates;
+use super::candidates::Candidates;
 use super::reduction::is_line;
 
 /// Points that are farther away than the nearest by this share of the radius carry no load.

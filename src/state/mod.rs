@@ -8,7 +8,7 @@
 //!
 //! The list is read with a [`Visitor`].
 
-mod visitor;
+pub(crate) mod visitor;
 
 pub use visitor::Visitor;
 

@@ -4,7 +4,7 @@
 //! one clipped by that of the other; otherwise it is the point at which the two are nearest.
 
 mod face;
-mod frustum;
+pub(super) mod frustum;
 mod nearest;
 mod normal;
 mod part;

@@ -1,0 +1,73 @@
+//! The list of the properties of a body. To add a property, write its component in a file of its own, and add a line here.
+//!
+//! A property is a component that a user may write. From the list follow
+//! - the required components of a [`RigidBody`](super::RigidBody), and the components that are restored when they are removed,
+//! - the change detection of active bodies (`Changes`) and of inactive ones (`Written`),
+//! - the properties that the [`BodyTable`](super::BodyTable) copies ([`BodyProperties`](super::BodyProperties)),
+//! - the components that a preview copies and those that belong to the [state](crate::state) of a world.
+//!
+//! A component whose removal must be noticed has the hook [`lost_description`](super::lost_description).
+
+/// Passes the list to a macro, which generates items from it. The names of the components are resolved where the macro is used.
+///
+/// | group | required | restored when removed | checked when written |
+/// |---|---|---|---|
+/// | `essential` | yes | yes | on inactive bodies; the stages read it of active ones in every step |
+/// | `computed` | yes | yes | no: stages write it |
+/// | `pushing` | yes | no | like `essential` |
+/// | `optional` | no | no | like `essential` |
+/// | `described` | no | no | on all; [`describe`](super::describe) reads it |
+/// | `kept` | no | no | on all; the table keeps a copy |
+///
+/// The expression of a line returns true if the table has the value already: writing an equal value does not activate an inactive body. Without
+/// an expression every write does.
+macro_rules! body_properties {
+    ($macro:ident) => {
+        $macro! {
+            essential {
+                pose: Pose,
+                // Inactive bodies have velocity zero.
+                velocity: Velocity = |_, velocity| *velocity == Velocity::default(),
+                sleeping: Sleeping = |body, sleeping| body.asleep == sleeping.asleep,
+                spawn_order: SpawnOrder,
+                index: BodyIndex,
+            }
+            computed {
+                motion: Motion,
+                mass_properties: MassProperties,
+            }
+            pushing {
+                force: ExternalForce = |body, force| body.force == *force,
+                impulse: ExternalImpulse,
+                damping: Damping,
+                gravity_scale: GravityScale = |body, scale| body.gravity_scale == scale.0,
+            }
+            optional {
+                grab: Grab,
+            }
+            described {
+                collider: Collider = |body, collider| {
+                    body.collider.as_ref().is_some_and(|known| known.is_same(collider))
+                },
+                density: Density,
+                mass: Mass,
+                inertia: AngularInertia,
+                center: CenterOfMass,
+                events: ContactEvents,
+            }
+            kept {
+                /// Coefficient of friction of the surface.
+                friction: Friction,
+                /// Coefficient of restitution.
+                restitution: Restitution,
+                /// Rolling resistance.
+                rolling: RollingFriction,
+                /// Layers that the body is in, and layers that it collides with.
+                layers: CollisionLayers,
+                /// Bodies that it does not collide with.
+                exceptions: CollisionExceptions,
+            }
+        }
+    };
+}
+pub(super) use body_properties;

@@ -1,0 +1,185 @@
+//! What follows from the [list](super::list) of the properties of a body: queries, filters, and copies of components.
+
+use super::kept_property::KeptProperty;
+use super::list::body_properties;
+use super::rows::Rows;
+use super::{
+    AngularInertia, BodyIndex, BodyProperties, CenterOfMass, Damping, Density, ExternalForce,
+    ExternalImpulse, GravityScale, Mass, MassProperties, Motion, Pose, RigidBody, Sleeping,
+    SpawnOrder, Velocity,
+};
+use crate::collider::{
+    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+};
+use crate::contact::ContactEvents;
+use crate::diagnosis::BodyProblem;
+use crate::grab::Grab;
+use crate::state::visitor::Visitor;
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_transform::components::Transform;
+
+/// Whether the table has a value already: the expression of a line of the list.
+macro_rules! known {
+    () => {
+        |_, _| false
+    };
+    ($known:expr) => {
+        $known
+    };
+}
+
+macro_rules! listed {
+    (
+        essential { $($essential:ident: $Essential:ident $(= $essential_known:expr)?,)* }
+        computed { $($computed:ident: $Computed:ident,)* }
+        pushing { $($pushing:ident: $Pushing:ident $(= $pushing_known:expr)?,)* }
+        optional { $($optional:ident: $Optional:ident $(= $optional_known:expr)?,)* }
+        described { $($described:ident: $Described:ident $(= $described_known:expr)?,)* }
+        kept { $($(#[$_doc:meta])* $kept:ident: $Kept:ident,)* }
+    ) => {
+        /// Filter for bodies that lack a component that every body must have.
+        pub type Incomplete = (
+            With<RigidBody>,
+            Or<($(Without<$Essential>,)* $(Without<$Computed>,)* Without<Transform>)>,
+        );
+
+        /// The components that every body must have, except `Transform`.
+        pub fn essentials() -> impl Bundle {
+            ($(<$Essential>::default(),)* $(<$Computed>::default(),)*)
+        }
+
+        /// Filter for bodies whose description was written or removed ([`lost_description`](super::lost_description)).
+        pub type Changes = Or<(
+            Changed<RigidBody>,
+            Changed<BodyIndex>,
+            Or<($(Changed<$Described>,)*)>,
+            Or<($(Changed<$Kept>,)*)>,
+        )>;
+
+        /// The components that describe a body.
+        #[derive(QueryData)]
+        #[query_data(mutable)]
+        pub struct Described {
+            pub kind: &'static RigidBody,
+            $(pub $described: Option<&'static $Described>,)*
+            $($kept: Option<&'static $Kept>,)*
+            pub properties: &'static mut MassProperties,
+        }
+
+        impl DescribedItem<'_, '_> {
+            /// The properties that the table copies.
+            ///
+            /// # Errors
+            /// If one of them is invalid.
+            pub fn kept(&self) -> Result<BodyProperties, BodyProblem> {
+                let kept = BodyProperties {
+                    $($kept: self.$kept.cloned().unwrap_or_default(),)*
+                };
+                $(KeptProperty::check(&kept.$kept)?;)*
+                Ok(kept)
+            }
+        }
+
+        /// All components that a user may write to an inactive body.
+        #[derive(QueryData)]
+        #[query_data(contiguous(all))]
+        pub struct Written {
+            pub entity: Entity,
+            pub slot: &'static BodyIndex,
+            pub at: &'static Pose,
+            pub transform: Ref<'static, Transform>,
+            pub parent: Option<&'static ChildOf>,
+            kind: Ref<'static, RigidBody>,
+            $($essential: Ref<'static, $Essential>,)*
+            $($pushing: Option<Ref<'static, $Pushing>>,)*
+            $($optional: Option<Ref<'static, $Optional>>,)*
+            $($described: Option<Ref<'static, $Described>>,)*
+            $($kept: Option<Ref<'static, $Kept>>,)*
+        }
+
+        impl WrittenContiguousItem<'_, '_> {
+            /// Finds the bodies whose properties were written with values that differ from the table; once for each property.
+            pub(super) fn find(self, rows: Rows, found: &mut Vec<Entity>) {
+                rows.compare(self.kind, |body, kind| body.kind == *kind, found);
+                $(rows.compare(self.$essential, known!($($essential_known)?), found);)*
+                $(if let Some(column) = self.$pushing {
+                    rows.compare(column, known!($($pushing_known)?), found);
+                })*
+                $(if let Some(column) = self.$optional {
+                    rows.compare(column, known!($($optional_known)?), found);
+                })*
+                $(if let Some(column) = self.$described {
+                    rows.compare(column, known!($($described_known)?), found);
+                })*
+                $(if let Some(column) = self.$kept {
+                    rows.compare(column, |body, value| body.properties.$kept == *value, found);
+                })*
+            }
+        }
+
+        /// The components of a body besides pose, motion and sleep, for spawning a copy. This bundle has the components of most bodies,
+        /// and those whose absence has a meaning.
+        pub fn properties_of(body: EntityRef) -> impl Bundle + use<> {
+            (
+                ($(body.get::<$Pushing>().cloned().unwrap_or_default(),)*),
+                ($(body.get::<$Kept>().cloned().unwrap_or_default(),)*),
+            )
+        }
+
+        /// Inserts the components that only some bodies have into a copy.
+        pub fn copy_description(body: EntityRef, copy: &mut EntityWorldMut) {
+            $(if let Some(property) = body.get::<$Described>()
+                && !copy.contains::<$Described>()
+            {
+                copy.insert(property.clone());
+            })*
+        }
+
+        /// Passes every component of the list to a visitor.
+        pub fn visit(visitor: &mut impl Visitor) {
+            visitor.component::<RigidBody>();
+            $(visitor.component::<$Essential>();)*
+            $(visitor.component::<$Computed>();)*
+            $(visitor.component::<$Pushing>();)*
+            $(visitor.component::<$Optional>();)*
+            $(visitor.component::<$Described>();)*
+            $(visitor.component::<$Kept>();)*
+        }
+    };
+}
+body_properties!(listed);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DrystonePlugins;
+
+    macro_rules! kept {
+        (
+            essential { $($_essential:tt)* }
+            computed { $($_computed:tt)* }
+            pushing { $($_pushing:tt)* }
+            optional { $($_optional:tt)* }
+            described { $($_described:tt)* }
+            kept { $($(#[$_doc:meta])* $_kept:ident: $Kept:ident,)* }
+        ) => {
+            /// Removing a property counts as writing it.
+            #[test]
+            fn removing_a_property_marks_the_body_as_changed() {
+                let mut app = bevy_app::App::new();
+                app.add_plugins(DrystonePlugins::default());
+                let world = app.world_mut();
+                $({
+                    let body = world.spawn((RigidBody::Static, <$Kept>::default())).id();
+                    world.clear_trackers();
+                    world.entity_mut(body).remove::<$Kept>();
+                    let index = world.entity(body).get_ref::<BodyIndex>();
+                    assert!(index.unwrap().is_changed(), stringify!($Kept));
+                })*
+            }
+        };
+    }
+    body_properties!(kept);
+}

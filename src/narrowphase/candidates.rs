@@ -1,0 +1,61 @@
+//! Contact points on their way into a manifold.
+
+use super::Rules;
+use crate::body::BodyState;
+use crate::contact::{ContactPoint, FeatureId, Manifold, ManifoldPatch};
+use glam::Vec3;
+use smallvec::SmallVec;
+
+/// A contact point on its way into the manifold.
+#[derive(Clone, Copy)]
+pub(super) struct Candidate {
+    /// World, m.
+    pub position: Vec3,
+    /// m
+    pub distance: f32,
+    pub feature: FeatureId,
+}
+
+pub(super) type Candidates = SmallVec<[Candidate; 8]>;
+
+/// Adds a patch, its deepest point first.
+///
+/// The solver visits points in this order. With few iterations, the points visited first take more than their share of the load. If that is
+/// always the same corner, the body leans over it; if it is the deepest point, the body is righted. This reduces the drift of walls and stacks
+/// by a factor of 4 to 10 (`docs/findings.md`).
+pub(super) fn push(
+    manifold: &mut Manifold,
+    bodies: [&BodyState; 2],
+    normal: Vec3,
+    curved: bool,
+    mut points: Candidates,
+) {
+    if points.is_empty() {
+        return;
+    }
+    points.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+    let arm = |point: &Candidate| point.position - bodies[0].center;
+    manifold.patches.push(ManifoldPatch {
+        normal,
+        center: points.iter().map(arm).sum::<Vec3>() / points.len() as f32,
+        first: manifold.points.len() as u32,
+        count: points.len() as u32,
+        curved,
+    });
+    manifold
+        .points
+        .extend(points.iter().map(|point| ContactPoint {
+            arm: arm(point),
+            distance: point.distance,
+            detected: point.distance,
+            feature: point.feature,
+        }));
+}
+
+/// Maximum number of points of a patch.
+pub(super) fn max_points(rules: &Rules) -> usize {
+    match rules.manifolds.reduce_manifolds {
+        true => 4,
+        false => usize::MAX,
+    }
+}

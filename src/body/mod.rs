@@ -1,6 +1,6 @@
 //! Bodies: the components that define kind, pose, velocity, mass, surface and applied forces of a body, and the table of all bodies.
 //!
-//! A body is an entity with a [`RigidBody`], and with a [`Collider`] if it can touch other bodies. All other
+//! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it can touch other bodies. All other
 //! components are added with their defaults. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
 //! [`prepare`] fills it once a step.
 //!

@@ -1,4 +1,4 @@
-//! What a hand costs: a wall by itself, with a brick that is held over it, and with its top brick held.
+//! Measures the cost of a hand: a wall alone, the wall with a brick held over it, and the wall with its top brick held.
 //!
 //! ```text
 //! cargo run --release --example held -- [--scene wall:100x50] [--steps 60] [--threads 1]
@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// Measures what a hand costs.
 #[derive(Parser)]
 struct Arguments {
-    /// What stands there.
+    /// The scene.
     #[arg(long, default_value = "wall:100x50")]
     scene: Scene,
     /// Steps of a sixtieth of a second that are timed.
@@ -82,7 +82,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// What a hand holds.
+/// Place of the brick that a hand holds.
 #[derive(Clone, Copy)]
 enum Place {
     /// Nothing.

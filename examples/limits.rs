@@ -19,7 +19,7 @@ use support::masonry::slope::{FAST, NEAR, SLOW, STEPS, Slope, Structure};
 /// Where something falls, as a share of its limit.
 struct Found {
     at: f64,
-    /// What just stands does not come to rest.
+    /// True if a structure near its limit does not come to rest.
     shakes: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What a heavy ball does to a wall, at short and long steps: the same.
+//! A heavy ball that hits a wall, at short and long steps: it must move the wall equally far.
 //!
 //! `cargo run --release --example shots` writes `target/shots.md`; it fails where a wall is moved too far or too little.
 
@@ -28,7 +28,7 @@ const FROM: [Vec3; 5] = [
     Vec3::new(-0.4, 1.83, -2.0),
 ];
 
-/// What became of a shot.
+/// The result of a shot.
 #[derive(Clone, Copy)]
 struct Shot {
     /// How far bricks are from where they were, three seconds after: their mean, and the farthest, mm.

@@ -297,7 +297,7 @@ pub(crate) fn collapses(
         };
         let island = islands.id(index.0);
         let Some((place, structure)) = stands.at else {
-            // What is held still stands on nothing.
+            // A body that a hand holds does not count as standing, even if it is still.
             let still = grab.is_none()
                 && velocity.linear.length() < sleep.linear_speed
                 && velocity.angular.length() < sleep.angular_speed;

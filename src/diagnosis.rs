@@ -247,7 +247,7 @@ impl MapEntities for Suspects {
     }
 }
 
-/// What users have been told and will not be told again while it goes on.
+/// Reports that users have got, and that are not repeated while their cause lasts.
 #[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 pub struct Told {

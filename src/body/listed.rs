@@ -1,4 +1,4 @@
-//! What follows from the [list](super::list) of the properties of a body: queries, filters, and copies of components.
+//! Items generated from the [list](super::list) of the properties of a body: queries, filters, and copies of components.
 
 use super::kept_property::KeptProperty;
 use super::list::body_properties;

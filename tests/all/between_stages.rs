@@ -132,7 +132,7 @@ fn despawn_pairs(mut commands: Commands, pairs: Query<(Entity, &ContactPair)>) {
 }
 
 #[test]
-fn a_pair_that_is_despawned_between_islands_and_solve_is_missed_by_its_bodies_alone() {
+fn a_pair_despawned_between_islands_and_solve_affects_only_its_bodies() {
     let play = |gap: Option<[PhysicsSystems; 2]>| {
         let mut lab = Lab::new();
         if let Some([earlier, later]) = gap {
@@ -418,7 +418,7 @@ fn contacts_put_between_two_islands_wait_for_the_next_step() {
     }
 }
 
-/// Anything is done to anybody.
+/// Random edits of bodies and pairs.
 fn fuzz(world: &mut World) {
     let mut dice = world.resource::<Dice>().0.clone();
     let mut pairs = world.query_filtered::<Entity, With<ContactPair>>();
@@ -475,7 +475,7 @@ fn fuzz(world: &mut World) {
 
 /// Bodies and pairs that come, go, change their kind, are held and let go between any two stages.
 #[test]
-fn whatever_is_done_between_two_stages_nobody_panics_or_is_taken_for_another() {
+fn edits_between_two_stages_never_panic_or_confuse_bodies() {
     for solver in [
         SolverSettings::default(),
         SolverSettings::new(Nncg::default()),

@@ -621,7 +621,7 @@ fn a_contact_ends_when_either_body_excepts_the_other_and_begins_when_none_does()
 }
 
 #[test]
-fn exceptions_of_others_disturb_nobody() {
+fn exceptions_between_other_bodies_change_nothing() {
     let (mut lab, [_, cube]) = sleeper();
     let stranger = lab.world.spawn_empty().id();
     let far = lab.cube(Vec3::new(20.0, 0.5, 0.0));

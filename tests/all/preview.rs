@@ -172,9 +172,9 @@ fn a_shadow_goes_where_its_world_goes() {
     }
 }
 
-/// What sleeps in a shadow sleeps on, and goes where it goes in the world once something happens to it.
+/// Bodies that sleep in the world sleep in its shadow too, and after an edit of both they have the same poses.
 #[test]
-fn what_sleeps_in_a_shadow_goes_where_its_world_goes() {
+fn sleeping_bodies_of_a_shadow_match_those_of_its_world() {
     for scene in ["wall:8x6", "arch:9", "cardhouse:3", "heap:60"] {
         let mut run = settled(scene);
         run.world.resource_mut::<SleepSettings>().enabled = true;

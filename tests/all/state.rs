@@ -29,7 +29,7 @@ struct Run {
     bodies: Vec<Entity>,
 }
 
-/// What somebody does to a world before a step, be it the original or the copy. The function tells which entity an original is there.
+/// An edit of a world before a step, applied to the original and to the copy. The function maps an entity of the original to that of the world.
 type Act<'a> = &'a dyn Fn(&mut World, &dyn Fn(Entity) -> Entity, usize);
 
 const NOTHING: Act = &|_, _, _| {};
@@ -44,7 +44,7 @@ fn empty() -> World {
     std::mem::take(app.world_mut())
 }
 
-/// What observers were told.
+/// The events that observers received.
 #[derive(Resource, Default)]
 struct Heard(Vec<(Entity, f32)>);
 
@@ -129,7 +129,7 @@ impl Run {
     }
 }
 
-/// The bits of how a body is and moves.
+/// The bits of a body's state and motion.
 fn motion(world: &World, body: Entity) -> Option<(Vec<u32>, bool, bool)> {
     let (pose, velocity) = (world.get::<Pose>(body)?, world.get::<Velocity>(body)?);
     let sleeping = world.get::<Sleeping>(body)?;
@@ -153,14 +153,14 @@ fn motion(world: &World, body: Entity) -> Option<(Vec<u32>, bool, bool)> {
     ))
 }
 
-/// How many bodies there are, and how many sleep.
+/// Number of bodies, and number of sleeping bodies.
 fn bodies(world: &World) -> (usize, usize) {
     let table = world.resource::<BodyTable>();
     let asleep = table.iter().filter(|(_, body)| body.asleep).count();
     (table.count(), asleep)
 }
 
-/// What the contacts of pairs give, in the order in which their bodies were spawned.
+/// The impulses of all pairs, in the spawn order of their bodies.
 fn impulses(world: &mut World) -> Vec<([SpawnOrder; 2], Vec<u32>)> {
     let mut pairs = world.query::<(&ContactPair, &ContactImpulses)>();
     let mut found: Vec<_> = pairs
@@ -177,7 +177,7 @@ fn impulses(world: &mut World) -> Vec<([SpawnOrder; 2], Vec<u32>)> {
     found
 }
 
-/// Takes what a world has told, with entities as they are called in the original. Those that came after the copy are `None`.
+/// Takes the messages and events of a world, with its entities mapped to those of the original. Entities added after the copy are `None`.
 fn tell(world: &mut World, name: &dyn Fn(Entity) -> Option<Entity>) -> Vec<String> {
     fn drain<T: Message>(world: &mut World) -> Vec<T> {
         world.resource_mut::<Messages<T>>().drain().collect()
@@ -237,7 +237,7 @@ fn tell(world: &mut World, name: &dyn Fn(Entity) -> Option<Entity>) -> Vec<Strin
     told
 }
 
-/// All that sleeps is at rest, and some does.
+/// Checks that some bodies sleep, and that all of them are inactive.
 fn assert_rests(run: &Run) {
     let rests = |&&body: &&Entity| run.world.get::<Inactive>(body).is_some();
     assert!(run.bodies.iter().filter(rests).count() > 3);
@@ -284,7 +284,7 @@ fn a_wall_that_sleeps() {
     });
 }
 
-/// The copy is taken of bodies that have not come to rest all: some sleep and lie in one island with none that is awake.
+/// The copies are taken around the step in which the bodies fall asleep, so some sleeping bodies are still active.
 #[test]
 fn a_wall_that_falls_asleep() {
     for steps in [25, 28, 29, 30, 31, 32, 33] {
@@ -320,7 +320,7 @@ fn a_brick_in_a_hand() {
 }
 
 #[test]
-fn what_a_carrier_takes_along() {
+fn bodies_on_a_kinematic_carrier() {
     let mut run = Run::new();
     let carrier = run.body(Collider::cuboid(3.0, 0.2, 3.0), 0.0, 1.0, ());
     run.world.entity_mut(carrier).insert(RigidBody::Kinematic);
@@ -378,7 +378,7 @@ fn compounds_and_a_floor_of_triangles() {
 }
 
 #[test]
-fn the_solvers_of_points_in_steps_of_a_tenth() {
+fn point_solvers_with_steps_of_a_tenth() {
     let solvers: [ContactSolver; 2] = [Pgs::default().into(), Nncg::default().into()];
     for solver in solvers {
         for scene in ["wall:4x4", "arch:9"] {
@@ -396,7 +396,7 @@ fn the_solvers_of_points_in_steps_of_a_tenth() {
 }
 
 #[test]
-fn steps_in_parts() {
+fn steps_with_outer_substeps() {
     let mut run = Run::scene("wall:4x4");
     run.world.resource_mut::<SolverSettings>().outer_substeps = 3;
     let run = run.steps(20, NOTHING);
@@ -425,9 +425,9 @@ fn bodies_that_are_disabled_or_have_invalid_input() {
     });
 }
 
-/// The table does not know yet of what came and went since the last step.
+/// The table does not contain the bodies added since the last step, and still contains the removed ones.
 #[test]
-fn what_came_and_went_since_the_last_step() {
+fn bodies_added_and_removed_since_the_last_step() {
     let mut run = Run::scene("wall:5x4").steps(100, NOTHING);
     assert_rests(&run);
     let taken = run.bodies[2];
@@ -468,7 +468,7 @@ fn count(told: &[String], kind: &str) -> usize {
     told.iter().filter(|line| line.contains(&kind)).count()
 }
 
-/// A collapse has been told, and not its end.
+/// The collapse was reported before the copy, its end was not.
 #[test]
 fn the_end_of_a_collapse() {
     let mut run = Run::scene("wall:6x5");
@@ -488,9 +488,9 @@ fn the_end_of_a_collapse() {
     );
 }
 
-/// Bodies on which nothing is the default, under settings that are not.
+/// No component of the bodies and no setting has its default value.
 #[test]
-fn what_is_not_the_default() {
+fn values_that_are_not_the_default() {
     let mut run = Run::new();
     run.world.resource_mut::<Gravity>().0 = Vec3::new(0.5, -6.0, 0.0);
     run.world.resource_mut::<SleepSettings>().delay = 0.2;
@@ -545,7 +545,7 @@ fn what_is_not_the_default() {
 
 /// A wall that is spawned asleep stands as soon as it is at rest.
 #[test]
-fn a_collapse_of_what_was_spawned_asleep() {
+fn a_collapse_of_a_wall_spawned_asleep() {
     let mut run = Run::scene("wall:6x5");
     for &body in &run.bodies {
         let mut body = run.world.entity_mut(body);
@@ -565,7 +565,7 @@ fn a_collapse_of_what_was_spawned_asleep() {
     run.goes_on_in_a_copy("spawned asleep", NOTHING);
 }
 
-/// So many bricks in one place that only the deepest contacts count.
+/// There are so many bricks in one place that only the deepest pairs have contacts.
 #[test]
 fn a_crowd() {
     let mut run = Run::new();

@@ -14,6 +14,12 @@ use glam::{Quat, Vec3};
 use std::cell::RefCell;
 use support::Lab;
 
+/// The copies of bodies in a shadow.
+fn copies(shadow: &Shadow, bodies: &[Entity]) -> Vec<Entity> {
+    let copies = bodies.iter().map(|&body| shadow.copy_of(body).unwrap());
+    copies.collect()
+}
+
 /// The scene after a second.
 fn settled(scene: &str) -> Run {
     let mut run = Experiment::new(scene.parse().unwrap(), Preset::Default).start();
@@ -154,11 +160,7 @@ fn a_shadow_goes_where_its_world_goes() {
             run.step();
         }
         let mut shadow = Shadow::around(&run.world, &run.bodies).unwrap();
-        let copies: Vec<Entity> = run
-            .bodies
-            .iter()
-            .map(|&body| shadow.copy_of(body).unwrap())
-            .collect();
+        let copies = copies(&shadow, &run.bodies);
         run.world.despawn(run.bodies[1]);
         shadow.world_mut().despawn(copies[1]);
         for _ in 0..120 {
@@ -182,11 +184,7 @@ fn sleeping_bodies_of_a_shadow_match_those_of_its_world() {
             run.step();
         }
         let mut shadow = Shadow::around(&run.world, &run.bodies).unwrap();
-        let copies: Vec<Entity> = run
-            .bodies
-            .iter()
-            .map(|&body| shadow.copy_of(body).unwrap())
-            .collect();
+        let copies = copies(&shadow, &run.bodies);
         let mut asleep = 0;
         for step in 0..150 {
             if step == 30 {

@@ -141,7 +141,7 @@ fn solvers(criterion: &mut Criterion) {
                         let mut problem = PointProblem {
                             bodies,
                             constraints,
-                            grips: &mut [],
+                            grabs: &mut [],
                             dt: DT,
                             free_merit,
                             record_history: false,
@@ -206,7 +206,7 @@ fn soft_step(criterion: &mut Criterion) {
             bodies,
             patches,
             points,
-            grips: &mut [],
+            grabs: &mut [],
             dt: DT,
             longest: DT,
             gravity: Vec3::NEG_Y * 9.81,

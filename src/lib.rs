@@ -154,7 +154,7 @@ pub mod prelude {
         ContactStarted, Contacts, FaceForce, Load, NotABody, Supports, contacts, supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
-    pub use crate::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, HeldBy};
+    pub use crate::grab::{Grab, GrabForce, Hand, HandPlugin, HandState, HeldBy};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,
         preview_task,

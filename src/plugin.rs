@@ -16,7 +16,7 @@ use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
 };
 use crate::settings::{
-    Gravity, InForce, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings,
+    ActiveSettings, Gravity, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings,
     SpeedLimits, StabilizationSettings, StepTime, uses_point_solver,
 };
 use crate::solve::SolveReports;
@@ -99,7 +99,7 @@ impl Plugin for StepPlugin {
             .init_resource::<SolverSettings>()
             .init_resource::<SleepSettings>()
             .init_resource::<SpeedLimits>()
-            .init_resource::<InForce>()
+            .init_resource::<ActiveSettings>()
             .init_resource::<PhysicsThreads>()
             .init_resource::<StepTime>()
             .init_resource::<Profile>()

@@ -43,12 +43,12 @@ pub(crate) fn within(v: Vec3, bound: f32) -> bool {
 }
 
 /// Smaller numbers count as zero, in any unit: their squares are subnormal, and processors take a hundred times as long for subnormal numbers.
-const DUST: f32 = 1e-18;
+const NEGLIGIBLE: f32 = 1e-18;
 
 /// Replaces tiny components by zero. Bodies at rest have such velocities by rounding.
 #[inline]
 pub(crate) fn flush_to_zero(v: Vec4) -> Vec4 {
-    Vec4::select(v.abs().cmplt(Vec4::splat(DUST)), Vec4::ZERO, v)
+    Vec4::select(v.abs().cmplt(Vec4::splat(NEGLIGIBLE)), Vec4::ZERO, v)
 }
 
 /// Returns true if the rotation can be normalized.

@@ -20,7 +20,7 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhWorkspace};
 
 /// The tree is refitted and optimized after one in this many of its boxes was changed.
-const TIDY: usize = 16;
+const REFIT_SHARE: usize = 16;
 
 /// The bodies that differ from those of the [`BodyTable`]: spawned, moved or changed since the last step.
 #[derive(Resource, Default)]
@@ -33,7 +33,7 @@ pub struct Pending {
     /// The boxes, by index in `bodies`.
     tree: Bvh,
     workspace: BvhWorkspace,
-    untidy: usize,
+    changed_boxes: usize,
     /// Indices of half-spaces.
     unbounded: Vec<u32>,
 }
@@ -79,7 +79,7 @@ impl Pending {
         self.bodies.clear();
         self.places.clear();
         self.tree = Bvh::new();
-        self.untidy = 0;
+        self.changed_boxes = 0;
         self.unbounded.clear();
     }
 
@@ -96,7 +96,7 @@ impl Pending {
             if body.radius.is_finite() {
                 let aabb = shape.compute_aabb(&body.pose.to_parry());
                 self.tree.insert(aabb, place);
-                self.untidy += 1;
+                self.changed_boxes += 1;
             } else {
                 self.unbounded.push(place);
             }
@@ -118,8 +118,8 @@ impl Pending {
     }
 
     fn tidy(&mut self) {
-        if self.untidy * TIDY > self.tree.leaf_count() as usize {
-            self.untidy = 0;
+        if self.changed_boxes * REFIT_SHARE > self.tree.leaf_count() as usize {
+            self.changed_boxes = 0;
             self.tree.refit(&mut self.workspace);
             self.tree.optimize_incremental(&mut self.workspace);
         }

@@ -12,7 +12,7 @@ use super::{
 use crate::collider::Collider;
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::grab::Grab;
-use crate::settings::{InForce, SpeedLimits, StepTime};
+use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
@@ -79,7 +79,7 @@ pub fn prepare(
     for body in &mut bodies.p3() {
         joining.extend(visitor.visit(body, &mut described, placed));
     }
-    let mut dirty = match rules.in_force.changed {
+    let mut dirty = match rules.active_settings.changed {
         true => bodies.p1().iter().map(|of| of.entity).collect(),
         false => find_written(visitor.table, bodies.p1(), None),
     };
@@ -146,7 +146,7 @@ pub fn prepare(
 pub struct Rules<'w> {
     time: Res<'w, StepTime>,
     speeds: Res<'w, SpeedLimits>,
-    in_force: Res<'w, InForce>,
+    active_settings: Res<'w, ActiveSettings>,
     ticks: SystemChangeTick,
 }
 
@@ -226,7 +226,7 @@ impl Visitor<'_, '_, '_> {
         }
         // This comes after `describe`, because the radius may be new.
         body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
-        body.disturbed = self.rules.in_force.changed
+        body.disturbed = self.rules.active_settings.changed
             || body.put_from.is_some()
             || body.renewed
             || (force, gravity_scale) != (body.force, body.gravity_scale)

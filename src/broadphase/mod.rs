@@ -24,7 +24,7 @@ const FAT: f32 = 0.05;
 const AHEAD: f32 = 2.0;
 
 /// The tree is refitted and optimized after one in this many of its boxes was changed. The cost is proportional to the number of boxes.
-const TIDY: usize = 16;
+const REFIT_SHARE: usize = 16;
 
 /// The tree, and the overlaps that were found in it.
 #[derive(Resource, Clone, Default)]
@@ -38,7 +38,7 @@ pub struct Broadphase {
     /// The changes of this step, until the pairs are updated.
     pub(crate) found: Found,
     /// Number of boxes that were changed since the tree was last refitted.
-    untidy: usize,
+    changed_boxes: usize,
     /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
     escaped_aabb: Vec<u32>,
 }
@@ -130,7 +130,7 @@ pub fn broadphase(
         fat,
         unbounded,
         found,
-        untidy,
+        changed_boxes,
         escaped_aabb: _,
     } = &mut *broadphase;
     let Found {
@@ -192,9 +192,9 @@ pub fn broadphase(
         return;
     }
     disturbed.extend(&moved);
-    *untidy += moved.len();
-    if *untidy * TIDY >= tree.leaf_count() as usize {
-        *untidy = 0;
+    *changed_boxes += moved.len();
+    if *changed_boxes * REFIT_SHARE >= tree.leaf_count() as usize {
+        *changed_boxes = 0;
         tree.refit(workspace);
         tree.optimize_incremental(workspace);
     }

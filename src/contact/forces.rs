@@ -294,7 +294,7 @@ impl PatchForce {
         let points = impulses.points.get(range.clone()).unwrap_or_default();
         let normal = points.iter().map(|point| match per_second {
             Some(per_second) => point.normal * per_second,
-            None => point.warm_normal,
+            None => point.normal_force,
         });
         let normal: SmallVec<[f32; 4]> = normal.collect();
         let of_patch = impulses.patches.get(number).copied().unwrap_or_default();
@@ -305,15 +305,15 @@ impl PatchForce {
                 (of_patch.tangential + points) * per_second
             }
             None => {
-                let points: Vec3 = of_points.iter().map(|point| point.warm_tangential).sum();
-                of_patch.warm_tangential + points
+                let points: Vec3 = of_points.iter().map(|point| point.friction_force).sum();
+                of_patch.friction_force + points
             }
         };
         Self {
             normal_force: normal.iter().sum(),
             normal,
             tangential,
-            twist: of_patch.warm_twist,
+            twist: of_patch.twist_moment,
         }
     }
 }

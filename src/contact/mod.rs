@@ -310,9 +310,9 @@ pub struct Impulse {
     /// λ_n ≥ 0, N·s.
     pub normal: f32,
     /// The normal force at the end of the last solve, N. The next solve starts from it, whatever the length of its step.
-    pub warm_normal: f32,
+    pub normal_force: f32,
     /// A slow mean of the normal force, N: the static load of the point. Zero under solvers that do not use it.
-    pub load: f32,
+    pub rest_force: f32,
 }
 
 /// The friction impulse on A at a contact point. B gets the opposite.
@@ -321,7 +321,7 @@ pub struct PointFriction {
     /// λ_t, N·s, world axes.
     pub tangential: Vec3,
     /// The friction force at the end of the last solve, N, world axes.
-    pub warm_tangential: Vec3,
+    pub friction_force: Vec3,
 }
 
 /// The friction state of a patch, under patch solvers. Zero under point solvers.
@@ -330,15 +330,15 @@ pub struct PatchImpulse {
     /// λ_t of the step on A, N·s, world axes.
     pub tangential: Vec3,
     /// The friction force on A at the centre of the patch at the end of the last solve, N, world axes.
-    pub warm_tangential: Vec3,
+    pub friction_force: Vec3,
     /// The moment of friction on A about the normal at the end of the last solve, N·m.
-    pub warm_twist: f32,
+    pub twist_moment: f32,
     /// The moment of rolling friction on A at the end of the last solve, N·m, world axes.
-    pub warm_rolling: Vec3,
+    pub rolling_moment: Vec3,
     /// A slow mean of the friction force on A, N, world axes.
-    pub load_tangential: Vec3,
+    pub rest_friction_force: Vec3,
     /// A slow mean of the moment of friction on A about the normal, N·m.
-    pub load_twist: f32,
+    pub rest_twist_moment: f32,
     /// The permanent slip of the last solve, until the anchor takes it over.
     pub dragged: Slip,
 }

@@ -225,7 +225,7 @@ fn contacts(
                 if show.impulses
                     && let Some(impulse) = impulses.points.get(i)
                 {
-                    let force = impulse.warm_normal * show.metres_per_newton;
+                    let force = impulse.normal_force * show.metres_per_newton;
                     gizmos.ray(point, force * patch.normal, PRESSES);
                 }
             }
@@ -233,7 +233,7 @@ fn contacts(
             if show.impulses
                 && let Some(impulse) = impulses.patches.get(number)
             {
-                let force = impulse.warm_tangential * show.metres_per_newton;
+                let force = impulse.friction_force * show.metres_per_newton;
                 gizmos.ray(center, force, RUBS);
             }
             if show.anchors

@@ -34,9 +34,9 @@ impl Plugin for HandPlugin {
     }
 }
 
-fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {
+fn any_closes(hands: Query<(&Hand, &HandState)>) -> bool {
     let mut hands = hands.iter();
-    hands.any(|(hand, grasp)| hand.closed && *grasp == Grasp::Open && hand.ray.is_some())
+    hands.any(|(hand, grasp)| hand.closed && *grasp == HandState::Open && hand.ray.is_some())
 }
 
 /// A hand that points along a ray of a camera, a player or a pointer. When it is closed it grabs the first dynamic body that the ray hits, and
@@ -60,10 +60,10 @@ fn any_closes(hands: Query<(&Hand, &Grasp)>) -> bool {
 /// let pointer = Ray3d::new(Vec3::new(0.0, 0.3, 5.0), Dir3::NEG_Z);
 /// let hand = world.spawn(Hand { ray: Some(pointer), closed: true, ..Hand::new(10_000.0) }).id();
 /// # drystone::step(world, 1.0 / 60.0).unwrap();
-/// assert_eq!(world.get::<Grasp>(hand).unwrap().held(), Some(brick));
+/// assert_eq!(world.get::<HandState>(hand).unwrap().held(), Some(brick));
 /// ```
 #[derive(Component, Clone, Copy, Debug)]
-#[require(Grasp)]
+#[require(HandState)]
 pub struct Hand {
     /// The ray that it points along. With `None` the body is held where it is.
     pub ray: Option<Ray3d>,
@@ -88,7 +88,7 @@ pub struct Hand {
 /// The body that a [`Hand`] holds. The clone of a hand holds nothing.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(on_remove = let_go, clone_behavior = Ignore, map_entities)]
-pub enum Grasp {
+pub enum HandState {
     /// The hand is open.
     #[default]
     Open,
@@ -98,7 +98,7 @@ pub enum Grasp {
     Holds(Entity, Vec3),
 }
 
-impl MapEntities for Grasp {
+impl MapEntities for HandState {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         if let Self::Holds(body, _) = self {
             body.map_entities(mapper);
@@ -123,7 +123,7 @@ impl Hand {
     }
 }
 
-impl Grasp {
+impl HandState {
     /// The body that is held.
     pub fn held(&self) -> Option<Entity> {
         match *self {
@@ -136,7 +136,7 @@ impl Grasp {
 /// Releases the body when the hand is removed.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
     let hand = context.entity;
-    let held = world.get::<Grasp>(hand).and_then(Grasp::held);
+    let held = world.get::<HandState>(hand).and_then(HandState::held);
     if let Some(body) = held.filter(|&body| world.get::<HeldBy>(body) == Some(&HeldBy(hand))) {
         world.commands().entity(body).try_remove::<Grab>();
     }
@@ -158,7 +158,7 @@ type Bodies<'w, 's> = Query<
 pub fn hands(
     mut commands: Commands,
     world: SpatialQuery,
-    mut hands: Query<(Entity, &mut Hand, &mut Grasp)>,
+    mut hands: Query<(Entity, &mut Hand, &mut HandState)>,
     mut bodies: Bodies,
     mut told: ResMut<Told>,
 ) {
@@ -166,14 +166,14 @@ pub fn hands(
     let mut freed = EntityHashSet::default();
     let mut taken = EntityHashSet::default();
     for (entity, hand, mut grasp) in &mut hands {
-        if hand.closed || *grasp == Grasp::Open {
+        if hand.closed || *grasp == HandState::Open {
             continue;
         }
         if let Some(body) = grasp.held().filter(|&body| holds(&bodies, entity, body)) {
             commands.entity(body).try_remove::<Grab>();
             freed.insert(body);
         }
-        *grasp = Grasp::Open;
+        *grasp = HandState::Open;
         told.hands.remove(&entity);
     }
     for (entity, mut hand, mut grasp) in &mut hands {
@@ -181,8 +181,8 @@ pub fn hands(
             continue;
         }
         match (*grasp, hand.ray) {
-            (Grasp::Open, Some(ray)) => {
-                *grasp = Grasp::Empty;
+            (HandState::Open, Some(ray)) => {
+                *grasp = HandState::Empty;
                 let hit = match world.cast_ray(ray, hand.reach, &QueryFilter::default()) {
                     Ok(Some(hit)) => hit,
                     Ok(None) => continue,
@@ -206,14 +206,14 @@ pub fn hands(
                     tracing::error!("the hand {entity} takes hold of nothing: {INVALID}");
                     continue;
                 }
-                *grasp = Grasp::Holds(body, local);
+                *grasp = HandState::Holds(body, local);
                 hand.distance = hit.distance;
                 commands.entity(body).try_insert((grab, HeldBy(entity)));
             }
-            (Grasp::Holds(body, local), ray) => {
+            (HandState::Holds(body, local), ray) => {
                 // The body may have been despawned, or its `Grab` removed or replaced.
                 if !holds(&bodies, entity, body) {
-                    *grasp = Grasp::Empty;
+                    *grasp = HandState::Empty;
                     continue;
                 }
                 let Ok((_, Some(mut grab), _)) = bodies.get_mut(body) else {
@@ -228,7 +228,7 @@ pub fn hands(
                     tracing::error!("the hand {entity} holds on to {body} as before: {INVALID}");
                 }
             }
-            (Grasp::Open | Grasp::Empty, _) => {}
+            (HandState::Open | HandState::Empty, _) => {}
         }
     }
 }

@@ -3,10 +3,10 @@
 
 mod hand;
 
-pub use hand::{Grasp, Hand, HandPlugin, hands};
+pub use hand::{Hand, HandPlugin, HandState, hands};
 
 use crate::body::{BodyState, Pose, limits};
-use crate::solver::Grip;
+use crate::solver::GrabConstraint;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -40,13 +40,13 @@ use glam::{BVec3, Quat, Vec3};
 /// }
 /// let height = world.get::<Transform>(brick).unwrap().translation.y;
 /// assert!((height - 2.0).abs() < 1e-3);
-/// let force = world.get::<HandForce>(brick).unwrap().force.y;
+/// let force = world.get::<GrabForce>(brick).unwrap().force.y;
 /// assert!((force - 500.0 * 9.81).abs() < 1.0);
 /// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[component(on_remove = let_go, clone_behavior = Ignore)]
-#[require(HandForce)]
+#[require(GrabForce)]
 pub struct Grab {
     /// The position that the held point is pulled to, world, m.
     pub target: Vec3,
@@ -73,7 +73,7 @@ pub struct Grab {
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
-pub struct HandForce {
+pub struct GrabForce {
     /// Force at the held point, N, world axes.
     pub force: Vec3,
     /// Torque in addition to that of the force, N·m, world axes.
@@ -94,8 +94,8 @@ impl HeldBy {
 
 /// Resets the force, so that the next hand that holds the body starts from zero.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
-    if let Some(mut force) = world.get_mut::<HandForce>(context.entity) {
-        *force = HandForce::default();
+    if let Some(mut force) = world.get_mut::<GrabForce>(context.entity) {
+        *force = GrabForce::default();
     }
     let mut commands = world.commands();
     commands.entity(context.entity).try_remove::<HeldBy>();
@@ -146,8 +146,13 @@ impl Grab {
             && numbers.into_iter().all(|number| number >= 0.0)
     }
 
-    /// The grip as the solver uses it, on the body with index `of` in a problem.
-    pub(crate) fn grip(&self, of: u32, body: &BodyState, force: &HandForce) -> Grip {
+    /// The constraint of the solver, on the body with index `of` in a problem.
+    pub(crate) fn constraint(
+        &self,
+        of: u32,
+        body: &BodyState,
+        force: &GrabForce,
+    ) -> GrabConstraint {
         let Pose { rotation, .. } = body.pose;
         let point = body.pose.transform_point(self.local_point);
         let turn = self.rotation.map_or(Vec3::ZERO, |wanted| {
@@ -159,7 +164,7 @@ impl Grab {
             // Of the two rotations to the same orientation, the shorter one.
             (turn * turn.w.signum()).to_scaled_axis()
         });
-        Grip {
+        GrabConstraint {
             body: of,
             arm: point - body.center,
             error: point - self.target,

@@ -10,7 +10,7 @@ use crate::contact::{
 };
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::settings::{
-    Gravity, InForce, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
+    ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
 use bevy_app::App;
@@ -21,7 +21,7 @@ use bevy_transform::components::Transform;
 
 /// State of the original world besides components of bodies, keyed by the copies. The shadow starts from it.
 #[derive(Resource, Default)]
-pub(super) struct Taken {
+pub(super) struct OriginalState {
     pub contacts: HashMap<[Entity; 2], Contact>,
     /// By body: its pose, and whether it moved in the last step.
     pub poses: HashMap<Entity, (Pose, bool)>,
@@ -60,7 +60,7 @@ pub(super) fn contact(
 /// Sets bodies and pairs of the shadow to the state of the originals, so that the first step does not treat them as new.
 fn take_over(
     mut commands: Commands,
-    mut taken: ResMut<Taken>,
+    mut taken: ResMut<OriginalState>,
     mut table: ResMut<BodyTable>,
     mut pairs: Query<(
         &mut ContactPair,
@@ -71,7 +71,7 @@ fn take_over(
         &mut NarrowphaseCache,
     )>,
 ) {
-    let Taken { contacts, poses } = &mut *taken;
+    let OriginalState { contacts, poses } = &mut *taken;
     for slot in 0..table.slots() as u32 {
         let Some(body) = table.get_mut(slot) else {
             continue;
@@ -101,7 +101,7 @@ fn take_over(
             body.disturbed |= parted.contains(&body.entity);
         }
     }
-    commands.remove_resource::<Taken>();
+    commands.remove_resource::<OriginalState>();
 }
 
 /// An empty world with the settings of another.
@@ -111,7 +111,7 @@ pub(super) fn empty(world: &World) -> World {
     app.add_systems(
         PhysicsSchedule,
         take_over
-            .run_if(resource_exists::<Taken>)
+            .run_if(resource_exists::<OriginalState>)
             .after(PhysicsSystems::Broadphase)
             .before(PhysicsSystems::Narrowphase),
     );
@@ -122,7 +122,7 @@ pub(super) fn empty(world: &World) -> World {
     shadow.insert_resource(*world.resource::<SpeedLimits>());
     shadow.insert_resource(*world.resource::<StepTime>());
     shadow.insert_resource(world.resource::<SolverSettings>().clone());
-    shadow.insert_resource(world.resource::<InForce>().clone());
+    shadow.insert_resource(world.resource::<ActiveSettings>().clone());
     // If the settings do not allow sleeping, no copy falls asleep, but the time for which it has been still is recorded all the same.
     let sleeping = *world.resource::<SleepSettings>();
     shadow.insert_resource(SleepSettings {
@@ -139,26 +139,31 @@ pub(super) fn empty(world: &World) -> World {
 
 /// The initial activity of a copy.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Lies {
+pub(super) enum Activity {
     /// Asleep if the body sleeps.
-    AsItIs,
+    AsOriginal,
     /// Asleep if the body does not move, for bodies near the structures that are not part of them.
-    UntilHit,
+    Asleep,
     /// Awake, for bodies that have lost a contact.
-    Falls,
+    Awake,
 }
 
 /// A copy of a body.
-pub(super) fn copy(world: &World, body: &BodyState, shadow: &mut World, lies: Lies) -> Entity {
+pub(super) fn copy(
+    world: &World,
+    body: &BodyState,
+    shadow: &mut World,
+    activity: Activity,
+) -> Entity {
     let original = world.entity(body.entity);
     let pose = original.get::<Pose>().copied().unwrap_or(body.pose);
     let velocity = original.get::<Velocity>().copied().unwrap_or_default();
     let mut sleeping = original.get::<Sleeping>().copied().unwrap_or_default();
     let still = body.is_dynamic() && velocity == Velocity::default();
-    match lies {
-        Lies::AsItIs => (),
-        Lies::UntilHit => sleeping.asleep |= still,
-        Lies::Falls => sleeping = Sleeping::default(),
+    match activity {
+        Activity::AsOriginal => (),
+        Activity::Asleep => sleeping.asleep |= still,
+        Activity::Awake => sleeping = Sleeping::default(),
     }
     // Insert most components at once: each further insertion moves the entity to another table.
     let parts = (

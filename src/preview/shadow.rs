@@ -1,6 +1,6 @@
 //! The shadow: a copy of part of a world.
 
-use super::copy::{Lies, Taken, copy, empty, to_transform};
+use super::copy::{Activity, OriginalState, copy, empty, to_transform};
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
@@ -21,12 +21,12 @@ const STILL: f32 = 0.25;
 /// A body counts as not falling if it has hardly moved since the beginning and its speed is below this share of the speed limits of sleeping.
 /// Before the time [`STILL`] has passed, the share is proportionally lower. To fall nevertheless, the body would have to accelerate faster than
 /// a tipping body does.
-const HARDLY: f32 = 0.4;
+const SPEED_SHARE: f32 = 0.4;
 
-/// Before the time [`STILL`] has passed, the full share [`HARDLY`] holds for a body whose speed is below this multiple of that in the step
+/// Before the time [`STILL`] has passed, the full share [`SPEED_SHARE`] holds for a body whose speed is below this multiple of that in the step
 /// before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies away with
 /// some mm/s, and a quarter less in each step.
-const FADES: f32 = 0.9;
+const SLOWING: f32 = 0.9;
 
 /// A copy of part of a world, which can be stepped on its own and sent to another thread.
 #[derive(Debug)]
@@ -156,23 +156,23 @@ impl Shadow {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
             let passed = time as f32;
-            let hardly = HARDLY * (passed / STILL).min(1.0);
+            let share_now = SPEED_SHARE * (passed / STILL).min(1.0);
             rests = true;
             for (body, kind, sleeping, pose) in bodies.iter(&self.world) {
                 if *kind != RigidBody::Dynamic || sleeping.asleep {
                     continue;
                 }
                 // Bodies that were awake before the edit may have been still for a long time already.
-                let lies = passed >= STILL && sleeping.still_for >= STILL;
+                let was_still = passed >= STILL && sleeping.still_for >= STILL;
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {
                         let seen = entry.get_mut();
                         let now = way(&seen.last, pose);
                         seen.last = *pose;
                         let before = seen.way.replace(now).unwrap_or_default();
-                        let share = |i: usize| match now[i] < FADES * before[i] {
-                            true => HARDLY,
-                            false => hardly,
+                        let share = |i: usize| match now[i] < SLOWING * before[i] {
+                            true => SPEED_SHARE,
+                            false => share_now,
                         };
                         is_slower(&slow, dt, [now[0] / share(0), now[1] / share(1)])
                             && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
@@ -186,7 +186,7 @@ impl Shadow {
                         false
                     }
                 };
-                rests &= lies || stays;
+                rests &= was_still || stays;
             }
         }
         let others = self.bodies.iter();
@@ -221,16 +221,16 @@ impl Shadow {
         let (mut copies, mut poses) = (HashMap::default(), HashMap::default());
         for &slot in &region.slots {
             let body = region.table.get(slot).expect("it is in the region");
-            let lies = match (
+            let activity = match (
                 region.bereft.contains(&slot),
                 region.structure.contains(&slot),
             ) {
-                (true, _) => Lies::Falls,
-                (false, true) => Lies::AsItIs,
-                (false, false) => Lies::UntilHit,
+                (true, _) => Activity::Awake,
+                (false, true) => Activity::AsOriginal,
+                (false, false) => Activity::Asleep,
             };
             let from = world.get::<Pose>(body.entity).copied().unwrap_or(body.pose);
-            let copy = shadow.add(world, body, from, lies);
+            let copy = shadow.add(world, body, from, activity);
             copies.insert(body.entity, copy);
             poses.insert(copy, (from, from != body.pose));
         }
@@ -239,7 +239,9 @@ impl Shadow {
             shadow.bring_up_to_date(world, body);
         }
         shadow.copy_exceptions(world);
-        shadow.world.insert_resource(Taken { contacts, poses });
+        shadow
+            .world
+            .insert_resource(OriginalState { contacts, poses });
         Ok(shadow)
     }
 
@@ -259,8 +261,8 @@ impl Shadow {
     }
 
     /// Adds a copy of a body that starts at a pose.
-    fn add(&mut self, world: &World, body: &BodyState, from: Pose, lies: Lies) -> Entity {
-        let copy = copy(world, body, &mut self.world, lies);
+    fn add(&mut self, world: &World, body: &BodyState, from: Pose, activity: Activity) -> Entity {
+        let copy = copy(world, body, &mut self.world, activity);
         self.bodies.push(Copied {
             original: body.entity,
             copy,
@@ -279,7 +281,7 @@ impl Shadow {
                 copied.from = body.pose;
                 copied.copy
             }
-            None => self.add(world, body, body.pose, Lies::AsItIs),
+            None => self.add(world, body, body.pose, Activity::AsOriginal),
         };
         let transform = to_transform(body.pose);
         self.world.entity_mut(copy).insert(transform);

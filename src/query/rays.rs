@@ -133,7 +133,7 @@ impl SpatialQuery<'_, '_> {
     ) -> Result<Vec<Option<RayHit>>, QueryError> {
         let cast = |&ray: &Ray3d| self.cast_ray(ray, max_distance, filter);
         let weight = WEIGHT * rays.len();
-        match self.threads.share(weight) {
+        match self.threads.runs_in_parallel(weight) {
             true => (self.threads).run(weight, || rays.par_iter().map(cast).collect()),
             false => rays.iter().map(cast).collect(),
         }

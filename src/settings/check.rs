@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
 #[derive(Resource, Clone, Default, Debug)]
-pub struct InForce {
+pub struct ActiveSettings {
     gravity: Gravity,
     stabilization: StabilizationSettings,
     narrowphase: NarrowphaseSettings,
@@ -34,7 +34,7 @@ trait Checked: Resource + Clone {
 
 /// Sets back settings that are invalid or were removed, and notes whether any have changed.
 pub(crate) fn check(world: &mut World) {
-    let mut last = world.resource::<InForce>().clone();
+    let mut last = world.resource::<ActiveSettings>().clone();
     let changed = [
         take_over(world, &mut last.gravity),
         take_over(world, &mut last.stabilization),

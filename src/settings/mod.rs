@@ -13,7 +13,7 @@ mod stabilization;
 mod threads;
 mod time;
 
-pub use check::InForce;
+pub use check::ActiveSettings;
 pub(crate) use check::check;
 pub use narrowphase::NarrowphaseSettings;
 pub use preset::Preset;

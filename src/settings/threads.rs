@@ -8,14 +8,14 @@ use std::sync::Arc;
 #[derive(Resource, Clone, Debug)]
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
-    share_from: usize,
+    min_items: usize,
 }
 
 impl Default for PhysicsThreads {
     fn default() -> Self {
         Self {
             pool: None,
-            share_from: Self::SHARE_FROM,
+            min_items: Self::DEFAULT_MIN_ITEMS,
         }
     }
 }
@@ -32,11 +32,11 @@ impl PhysicsThreads {
         })
     }
 
-    /// Sets the minimum number of items (pairs or contact points) for which work is divided among threads. Default: [`Self::SHARE_FROM`].
+    /// Sets the minimum number of items (pairs or contact points) for which work is divided among threads. Default: [`Self::DEFAULT_MIN_ITEMS`].
     /// Results do not depend on it.
     #[must_use]
-    pub fn sharing_from(mut self, items: usize) -> Self {
-        self.share_from = items;
+    pub fn with_min_items(mut self, items: usize) -> Self {
+        self.min_items = items;
         self
     }
 
@@ -49,15 +49,15 @@ impl PhysicsThreads {
     }
 
     /// Returns true if work on this many items is divided among threads.
-    pub fn share(&self, items: usize) -> bool {
-        items >= self.share_from && self.count() > 1
+    pub fn runs_in_parallel(&self, items: usize) -> bool {
+        items >= self.min_items && self.count() > 1
     }
 
     /// Runs work in the thread pool, or on the calling thread if there are too few items to divide. In the latter case `work` must not
     /// use parallel iterators of rayon, which would run in the global pool.
     pub(crate) fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
-            Some(pool) if self.share(items) => pool.install(work),
+            Some(pool) if self.runs_in_parallel(items) => pool.install(work),
             _ => work(),
         }
     }
@@ -65,8 +65,8 @@ impl PhysicsThreads {
     /// Does work on each row of some columns, in parallel if there are enough rows.
     pub(crate) fn each<C: Columns>(&self, columns: C, work: impl Fn(C::Row) + Sync) {
         let rows = columns.rows();
-        match self.share(rows) {
-            true => self.run(rows, || columns.share((self.share_from / 8).max(1), &work)),
+        match self.runs_in_parallel(rows) {
+            true => self.run(rows, || columns.share((self.min_items / 8).max(1), &work)),
             false => columns.for_each(&work),
         }
     }
@@ -74,5 +74,5 @@ impl PhysicsThreads {
     /// Default minimum number of items for which work is divided. Handing work over takes 20 µs if the other threads are awake and 100 µs
     /// if they are not, as much as a thousand pairs at rest. With a minimum of 128 items, walls of 10 × 10 took 2.5 times as long on two
     /// threads.
-    pub const SHARE_FROM: usize = 4096;
+    pub const DEFAULT_MIN_ITEMS: usize = 4096;
 }

@@ -39,7 +39,7 @@ impl StepTime {
     /// The time of the next substep, in a step of `dt` s that has `substeps` of them.
     pub(crate) fn next(&self, dt: f32, substep: usize, substeps: usize) -> Self {
         let dt = dt / substeps as f32;
-        let faded = self.max_recent_dt * ops::exp(-dt / Self::FADES);
+        let faded = self.max_recent_dt * ops::exp(-dt / Self::FADE_TIME);
         Self {
             dt,
             previous_dt: if self.dt > 0.0 { self.dt } else { dt },
@@ -56,7 +56,7 @@ impl StepTime {
     }
 
     /// Time in which the longest recent step fades to 1/e of its length, s.
-    const FADES: f32 = 0.5;
+    const FADE_TIME: f32 = 0.5;
 
     /// Length of the whole step, s.
     #[inline]

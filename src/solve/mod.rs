@@ -21,11 +21,11 @@ mod store;
 
 use crate::body::{BodyIndex, BodyTable, Inactive, Motion, Quarantined, Velocity, limits};
 use crate::contact::{ContactImpulses, Manifold};
-use crate::grab::HandForce;
+use crate::grab::GrabForce;
 use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::SolvePart;
 use crate::settings::Method;
-use crate::solver::{Body, Grip, SolveReport};
+use crate::solver::{Body, GrabConstraint, SolveReport};
 use crate::warm_start::{Island, IslandProblems, LARGE, Pairs, ProblemSet, Rows, SolveContext};
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
@@ -48,8 +48,8 @@ type Bodies<'w, 's> = Query<
     (Without<Quarantined>, Without<Inactive>),
 >;
 
-type Hands<'w, 's> =
-    Query<'w, 's, &'static mut HandForce, (Without<Quarantined>, Without<Inactive>)>;
+type Grabs<'w, 's> =
+    Query<'w, 's, &'static mut GrabForce, (Without<Quarantined>, Without<Inactive>)>;
 
 /// The contacts of an island, for one kind of solver.
 trait SolveRows: Rows {
@@ -62,14 +62,14 @@ trait SolveRows: Rows {
         &mut self,
         solver: &Self::Solver,
         bodies: &mut [Body],
-        grips: &mut [Grip],
+        grabs: &mut [GrabConstraint],
         context: &SolveContext,
     ) -> SolveReport;
 
     /// Returns true if an island with this many contacts is best solved together with others.
     fn is_small(&self, contacts: usize) -> bool;
 
-    /// Solves several small islands without hands.
+    /// Solves several small islands without grabs.
     fn solve_each(
         solver: &Self::Solver,
         islands: &mut [(&mut Self, &mut [Body])],
@@ -93,7 +93,7 @@ pub fn solve(
     (mut problems, mut reports): (ResMut<IslandProblems>, ReportWriter),
     mut pairs: Pairs,
     mut bodies: Bodies,
-    mut hands: Hands,
+    mut grabs: Grabs,
 ) {
     let stage = Solve {
         table: &table,
@@ -110,12 +110,12 @@ pub fn solve(
     match solver.method() {
         Method::Points(solver) => {
             let problems = &mut problems.by_points;
-            stage.run(solver, problems, &mut pairs, &mut bodies, &mut hands);
+            stage.run(solver, problems, &mut pairs, &mut bodies, &mut grabs);
             reports.report(problems);
         }
         Method::Patches(solver) => {
             let problems = &mut problems.by_patches;
-            stage.run(solver, problems, &mut pairs, &mut bodies, &mut hands);
+            stage.run(solver, problems, &mut pairs, &mut bodies, &mut grabs);
             reports.report(problems);
         }
     }
@@ -136,13 +136,13 @@ impl Solve<'_> {
         problems: &mut ProblemSet<R>,
         pairs: &mut Pairs,
         bodies: &mut Bodies,
-        hands: &mut Hands,
+        grabs: &mut Grabs,
     ) {
         let start = Instant::now();
         self.take_velocities(problems, bodies);
         self.solve_each(solver, &mut problems.islands);
         let solved = Instant::now();
-        self.store(problems, pairs, bodies, hands);
+        self.store(problems, pairs, bodies, grabs);
         let profile = &self.context.profile;
         profile.add_part(SolvePart::Sweeps, solved - start);
         profile.add_part(SolvePart::Store, solved.elapsed());
@@ -202,20 +202,20 @@ impl Solve<'_> {
         let many = islands.len() > 1;
         let work = islands.iter_mut().filter(|island| island.is_solved());
         let solve = |island: &mut Island<R>| {
-            let (bodies, grips) = (&mut island.bodies, &mut island.grips);
-            island.report = island.rows.solve(solver, bodies, grips, context);
+            let (bodies, grabs) = (&mut island.bodies, &mut island.grabs);
+            island.report = island.rows.solve(solver, bodies, grabs, context);
             take_back_if_wrong(island);
         };
         let threads = &context.threads;
         if many {
             let (mut small, large): (Vec<_>, Vec<_>) = work.partition(|island| {
-                island.grips.is_empty() && island.rows.is_small(island.contacts())
+                island.grabs.is_empty() && island.rows.is_small(island.contacts())
             });
             let solve_small = |some: &mut [&mut Island<R>]| match some {
                 [island] => solve(island),
                 _ => solve_together(solver, some, context),
             };
-            if threads.share(points) {
+            if threads.runs_in_parallel(points) {
                 threads.run(points, || {
                     rayon::join(
                         || large.into_par_iter().with_max_len(1).for_each(solve),
@@ -226,7 +226,7 @@ impl Solve<'_> {
                 large.into_iter().for_each(solve);
                 small.chunks_mut(TOGETHER).for_each(solve_small);
             }
-        } else if threads.share(points / LARGE) {
+        } else if threads.runs_in_parallel(points / LARGE) {
             threads.run(points, || work.for_each(solve));
         } else {
             work.for_each(solve);
@@ -258,8 +258,8 @@ fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
             [body.linear, body.angular] = body.start;
             body.motion = Some([Vec3::ZERO; 2]);
         }
-        for grip in &mut island.grips {
-            (grip.force, grip.torque) = (Vec3::ZERO, Vec3::ZERO);
+        for grab in &mut island.grabs {
+            (grab.force, grab.torque) = (Vec3::ZERO, Vec3::ZERO);
         }
     }
 }

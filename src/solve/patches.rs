@@ -3,7 +3,8 @@
 use super::SolveRows;
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::solver::{
-    Body, FEW, Grip, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport, patches,
+    Body, FEW, GrabConstraint, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
+    patches,
 };
 use crate::warm_start::{LARGE, PatchRows, SolveContext};
 
@@ -15,10 +16,10 @@ impl SolveRows for PatchRows {
         &mut self,
         solver: &dyn PatchSolver,
         bodies: &mut [Body],
-        grips: &mut [Grip],
+        grabs: &mut [GrabConstraint],
         context: &SolveContext,
     ) -> SolveReport {
-        solver.solve(&mut problem(self, bodies, grips, context))
+        solver.solve(&mut problem(self, bodies, grabs, context))
     }
 
     fn is_small(&self, contacts: usize) -> bool {
@@ -68,23 +69,24 @@ pub(super) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveC
     // The impulses of all substeps, because later substeps leave these contacts as they are.
     let whole = context.time.substeps as f32;
     for patch in &mut rows.patches {
-        patch.tangential = whole * patch.warm_tangential;
+        patch.tangential = whole * patch.friction_impulse;
     }
     for point in &mut rows.points {
-        point.normal = whole * point.warm_normal;
+        point.normal = whole * point.normal_impulse;
     }
-    let finite =
-        |patch: &PatchConstraint| patch.warm_tangential.is_finite() && patch.warm_twist.is_finite();
+    let finite = |patch: &PatchConstraint| {
+        patch.friction_impulse.is_finite() && patch.twist_impulse.is_finite()
+    };
     rows.patches.iter().all(finite) && rows.points.iter().all(|point| point.normal.is_finite())
 }
 
 fn problem<'a>(
     rows: &'a mut PatchRows,
     bodies: &'a mut [Body],
-    grips: &'a mut [Grip],
+    grabs: &'a mut [GrabConstraint],
     context: &SolveContext,
 ) -> PatchProblem<'a> {
-    let threads = match context.threads.share(rows.points.len() / LARGE) {
+    let threads = match context.threads.runs_in_parallel(rows.points.len() / LARGE) {
         true => context.threads.count(),
         false => 1,
     };
@@ -92,7 +94,7 @@ fn problem<'a>(
         bodies,
         patches: &mut rows.patches,
         points: &mut rows.points,
-        grips,
+        grabs,
         dt: context.time.dt,
         longest: context.time.max_recent_dt,
         gravity: context.gravity.0,
@@ -113,18 +115,18 @@ fn store(
     let rate = 1.0 / dt;
     *kept = PatchImpulse {
         tangential: found.tangential,
-        warm_tangential: found.warm_tangential * rate,
-        warm_twist: found.warm_twist * rate,
-        warm_rolling: found.warm_rolling * rate,
-        load_tangential: found.load_tangential * rate,
-        load_twist: found.load_twist * rate,
+        friction_force: found.friction_impulse * rate,
+        twist_moment: found.twist_impulse * rate,
+        rolling_moment: found.rolling_impulse * rate,
+        rest_friction_force: found.rest_friction_impulse * rate,
+        rest_twist_moment: found.rest_twist_impulse * rate,
         dragged: found.dragged,
     };
     for (impulse, point) in impulses.iter_mut().zip(points) {
         *impulse = Impulse {
             normal: point.normal,
-            warm_normal: point.warm_normal * rate,
-            load: point.load * rate,
+            normal_force: point.normal_impulse * rate,
+            rest_force: point.rest_impulse * rate,
         };
     }
 }

@@ -2,7 +2,7 @@
 
 use super::SolveRows;
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse, PointFriction};
-use crate::solver::{Body, Grip, PointProblem, PointSolver, SolveReport};
+use crate::solver::{Body, GrabConstraint, PointProblem, PointSolver, SolveReport};
 use crate::warm_start::{PointRows, SolveContext};
 
 impl SolveRows for PointRows {
@@ -13,13 +13,13 @@ impl SolveRows for PointRows {
         &mut self,
         solver: &dyn PointSolver,
         bodies: &mut [Body],
-        grips: &mut [Grip],
+        grabs: &mut [GrabConstraint],
         context: &SolveContext,
     ) -> SolveReport {
         let mut problem = PointProblem {
             bodies,
             constraints: &mut self.constraints,
-            grips,
+            grabs,
             dt: context.time.dt,
             free_merit: 0.0,
             record_history: context.solver.record_history,
@@ -69,12 +69,12 @@ impl SolveRows for PointRows {
             let tangential = constraint.world(tangential);
             points[i] = Impulse {
                 normal,
-                warm_normal: normal / dt,
-                load: 0.0,
+                normal_force: normal / dt,
+                rest_force: 0.0,
             };
             friction[i] = PointFriction {
                 tangential,
-                warm_tangential: tangential / dt,
+                friction_force: tangential / dt,
             };
         }
         solved.next().is_none()

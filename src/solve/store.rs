@@ -1,10 +1,10 @@
-//! Storing the results of a solve in the components of bodies, pairs and hands, which are found by their entities.
+//! Storing the results of a solve in the components of bodies, pairs and grabs, which are found by their entities.
 
-use super::{Bodies, Hands, Solve, SolveRows};
+use super::{Bodies, Grabs, Solve, SolveRows};
 use crate::body::{Motion, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
-use crate::grab::HandForce;
-use crate::solver::Grip;
+use crate::grab::GrabForce;
+use crate::solver::GrabConstraint;
 use crate::warm_start::{Island, LARGE, Pairs, ProblemSet, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
 use glam::Vec3;
@@ -15,11 +15,11 @@ impl Solve<'_> {
         problems: &mut ProblemSet<R>,
         pairs: &mut Pairs,
         bodies: &mut Bodies,
-        hands: &mut Hands,
+        grabs: &mut Grabs,
     ) {
         self.store_impulses(problems, pairs);
         self.store_bodies(problems, bodies);
-        store_hands(problems, hands);
+        store_grabs(problems, grabs);
         let diverged = problems.islands.iter_mut();
         for island in diverged.filter(|island| island.diverged) {
             island.rows.clear();
@@ -31,7 +31,7 @@ impl Solve<'_> {
         let ProblemSet { order, islands, .. } = problems;
         let points: usize = islands.iter().map(Island::points).sum();
         let threads = &*self.context.threads;
-        let threads = threads.share(points / LARGE).then_some(threads);
+        let threads = threads.runs_in_parallel(points / LARGE).then_some(threads);
         order.store_each(pairs, threads, |stored: Stored| {
             let Stored {
                 place,
@@ -85,15 +85,15 @@ impl Solve<'_> {
     }
 }
 
-/// Stores the forces of hands.
-fn store_hands<R: SolveRows>(problems: &ProblemSet<R>, hands: &mut Hands) {
+/// Stores the forces of grabs.
+fn store_grabs<R: SolveRows>(problems: &ProblemSet<R>, grabs: &mut Grabs) {
     for held in &problems.held {
-        let mut grips = problems.islands[held.island].grips.iter();
-        if let Some(grip) = grips.find(|grip| grip.body == held.local)
-            && let Ok(mut hand) = hands.get_mut(held.entity)
+        let mut solved = problems.islands[held.island].grabs.iter();
+        if let Some(grab) = solved.find(|grab| grab.body == held.local)
+            && let Ok(mut kept) = grabs.get_mut(held.entity)
         {
-            let &Grip { force, torque, .. } = grip;
-            hand.set_if_neq(HandForce { force, torque });
+            let &GrabConstraint { force, torque, .. } = grab;
+            kept.set_if_neq(GrabForce { force, torque });
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Contact solvers on plain slices: this folder depends neither on the ECS nor on shapes.
 //!
-//! A problem is one island: bodies with velocities and inverse inertias, and the contacts and hands that act on them. There are two kinds
+//! A problem is one island: bodies with velocities and inverse inertias, and the contacts and grabs that act on them. There are two kinds
 //! of problems, and each solver works on one of them: [`points`], as the paper's [`Pgs`] and [`Nncg`] do, or [`patches`], as the default
 //! [`SoftStep`] does.
 
 mod batches;
 mod body;
 mod by_body;
-mod grip;
+mod grab;
 mod groups;
 mod lanes;
 pub mod patches;
@@ -18,7 +18,7 @@ mod walls;
 mod width;
 
 pub use body::Body;
-pub use grip::Grip;
+pub use grab::GrabConstraint;
 pub use patches::{
     FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
 };

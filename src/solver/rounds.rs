@@ -124,7 +124,7 @@ impl Rounds {
         let mut current = vec![(0u32, 0u32, 0u32); self.bodies.len()];
         let mut ends = Vec::new();
         let end = |body: usize, (_, block, contacts): (u32, u32, u32)| {
-            let taken = Taken {
+            let taken = RoundEnd {
                 body: self.bodies[body],
                 first: first_seat + (body * ROUND) as u32,
                 count: contacts,
@@ -183,12 +183,12 @@ impl Waits {
 pub struct RoundEnds {
     /// By block: start of the rounds that end after it; then the end of the list. Empty if no body has rounds.
     starts: Vec<u32>,
-    taken: Vec<Taken>,
+    taken: Vec<RoundEnd>,
 }
 
 /// A body that takes the changes in its seats.
 #[derive(Clone, Copy, Debug)]
-struct Taken {
+struct RoundEnd {
     body: u32,
     /// Index of the first seat among the velocities.
     first: u32,

@@ -1,6 +1,6 @@
-//! Walls: bodies through which no hand can pull a held body. These are fixed bodies, and bodies that lean against one on their other side.
+//! Walls: bodies through which no grab can pull a held body. These are fixed bodies, and bodies that lean against one on their other side.
 //!
-//! Contacts are springs, or come from sweeps that have not converged; a strong hand overcomes both. So a hand does not ask for motions that
+//! Contacts are springs, or come from sweeps that have not converged; a strong grab overcomes both. So a grab does not ask for motions that
 //! contacts cannot resist: before it pulls, its wanted velocity is projected onto those that lead its body no farther into a wall than
 //! [`PRESSED`]. At this depth, the body presses as hard as contacts resist there.
 
@@ -10,14 +10,14 @@ use super::{Body, PatchProblem, PointConstraint};
 use glam::{Vec3, Vec4};
 use std::cell::Cell;
 
-/// Depth to which a hand presses its body into a wall whose contacts are springs, m. With those of Soft Step it presses a cube of 1 m with
+/// Depth to which a grab presses its body into a wall whose contacts are springs, m. With those of Soft Step it presses a cube of 1 m with
 /// 50 to 550 times its weight: more with time, because springs take over their load at rest.
 const PRESSED: f32 = 1e-3;
 
-/// Share of that distance that a hand wants to move in a substep. Contacts respond in some 20 substeps; faster, and the body would swing.
+/// Share of that distance that a grab wants to move in a substep. Contacts respond in some 20 substeps; faster, and the body would swing.
 const SHARE: f32 = 0.05;
 
-/// Distance that a hand wants to move in one step against rigid contacts, m. Every sweep adds the impulse of that speed; with conjugate
+/// Distance that a grab wants to move in one step against rigid contacts, m. Every sweep adds the impulse of that speed; with conjugate
 /// gradients about a quarter of the distance remains as overlap.
 const PRESSED_RIGIDLY: f32 = 2e-3;
 
@@ -61,7 +61,7 @@ impl Wall {
 }
 
 /// Changes the wanted linear and angular velocity (m/s, rad/s) as little as possible so that the body does not go through walls. Returns
-/// whether it has changed them. The hand pulls with the impulse `pull`.
+/// whether it has changed them. The grab pulls with the impulse `pull`.
 pub(super) fn project(
     walls: &mut [Wall],
     wanted: &mut [Vec3; 2],
@@ -77,7 +77,7 @@ pub(super) fn project(
                 wall.impulse = 0.0;
             }
             let [linear, angular] = other(wall.other);
-            // The wall pushes the body out only if the hand presses the body in.
+            // The wall pushes the body out only if the grab presses the body in.
             let least = match wall.normal.dot(pull) < 0.0 {
                 true => wall.least,
                 false => wall.least.min(0.0),

@@ -132,7 +132,7 @@ fn faces(
         let normal = patch.normal.as_dvec3().normalize();
         let (one, other) = normal.any_orthonormal_pair();
         let pressures = impulses.points.get(range).unwrap_or_default();
-        let pressures = pressures.iter().map(|point| point.warm_normal as f64);
+        let pressures = pressures.iter().map(|point| point.normal_force as f64);
         (!points.is_empty()).then(|| Joint {
             between: pair.bodies,
             ends,

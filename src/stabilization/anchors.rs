@@ -215,5 +215,5 @@ fn holds(
     let sum = ContactImpulse { normal, tangential };
     let each = given(impulses, patch, range, number);
     sticks(rule, pair.friction, &sum, each, was)
-        && holds_twist(pair.friction, of_patch.warm_twist * dt, lever)
+        && holds_twist(pair.friction, of_patch.twist_moment * dt, lever)
 }

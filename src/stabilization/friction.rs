@@ -10,7 +10,7 @@ use crate::contact::{
 };
 use crate::graph::Islands;
 use crate::settings::{
-    AnchorRule, Classifier, InForce, PhysicsThreads, SolverSettings, StabilizationSettings,
+    ActiveSettings, AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings,
     StepTime,
 };
 use crate::solver::Slip;
@@ -233,7 +233,7 @@ pub fn friction_error(
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     solver: Res<SolverSettings>,
-    (threads, in_force): (Res<PhysicsThreads>, Res<InForce>),
+    (threads, active_settings): (Res<PhysicsThreads>, Res<ActiveSettings>),
     mut pairs: Query<
         (
             &ContactPair,
@@ -251,7 +251,7 @@ pub fn friction_error(
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
     {
-        let edited = in_force.changed || is_edited!(manifolds) || is_edited!(anchors);
+        let edited = active_settings.changed || is_edited!(manifolds) || is_edited!(anchors);
         let activate = edited || islands.woke();
         let always = edited || by_points || !by_pose;
         let columns = (

@@ -20,10 +20,10 @@ use crate::contact::{
     Load, LostPairs, Manifold, NarrowphaseCache, Untriggered,
 };
 use crate::diagnosis::{Suspects, Told};
-use crate::grab::{Grasp, Hand, HandForce, HeldBy};
+use crate::grab::{GrabForce, Hand, HandState, HeldBy};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
-    Gravity, InForce, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
+    ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
 use crate::warm_start::IslandProblems;
@@ -42,10 +42,10 @@ pub fn visit(visitor: &mut impl Visitor) {
     }
     // Of bodies, written by users and stages.
     body::visit(visitor);
-    list!(component: Inactive, Quarantined, Teleport, HandForce, HeldBy);
+    list!(component: Inactive, Quarantined, Teleport, GrabForce, HeldBy);
     list!(component: ContactForceEvents, Load, Watch, Stands);
     // Of hands.
-    list!(component: Grasp, Hand);
+    list!(component: HandState, Hand);
     // Of any entity: components of Bevy that drystone reads.
     list!(component: Transform, ChildOf, Name, Disabled);
     // Of pairs.
@@ -53,7 +53,7 @@ pub fn visit(visitor: &mut impl Visitor) {
 
     list!(resource: Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings);
     list!(resource: SleepSettings, SpeedLimits, CollapseSettings);
-    list!(resource: InForce, StepTime);
+    list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);
 

@@ -33,7 +33,7 @@ impl Impulse {
     /// The normal impulse to start from, N·s.
     #[inline]
     pub(super) fn start_normal(&self, time: &StepTime) -> f32 {
-        start_impulse(self.warm_normal, self.load, time)
+        start_impulse(self.normal_force, self.rest_force, time)
     }
 }
 

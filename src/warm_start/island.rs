@@ -1,8 +1,8 @@
-//! The problem of one island: its bodies, contacts and hands.
+//! The problem of one island: its bodies, contacts and grabs.
 
 use super::{SolveContext, SolverContact};
 use crate::body::{BodyState, BodyTable, Velocity};
-use crate::solver::{Body, Grip, SolveReport};
+use crate::solver::{Body, GrabConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
 use std::ops::Range;
 
@@ -47,8 +47,8 @@ pub(crate) struct Island<R> {
     ends: Vec<[u32; 2]>,
     /// Slots of the static and kinematic bodies. Impulses cannot change them, so several islands may have copies.
     copies: Vec<u32>,
-    /// The hands that hold some of the bodies.
-    pub grips: Vec<Grip>,
+    /// The grabs that hold some of the bodies.
+    pub grabs: Vec<GrabConstraint>,
     pub rows: R,
     pub report: SolveReport,
     /// Whether the solve diverged and was undone.
@@ -70,7 +70,7 @@ impl<R: Rows> Island<R> {
 
     /// Returns true if some of its bodies touch something or are held.
     pub fn is_solved(&self) -> bool {
-        !self.ends.is_empty() || !self.grips.is_empty()
+        !self.ends.is_empty() || !self.grabs.is_empty()
     }
 
     pub fn members(&self) -> Range<usize> {
@@ -85,7 +85,7 @@ impl<R: Rows> Island<R> {
     /// Empties the problem, except for the data of the last step that is kept while no contact begins or ends.
     pub fn begin(&mut self, kept: bool) {
         self.bodies.clear();
-        self.grips.clear();
+        self.grabs.clear();
         self.diverged = false;
         self.members = 0..0;
         if !kept {

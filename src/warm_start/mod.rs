@@ -1,6 +1,6 @@
 //! The stage **warm start**: updates the problem of every awake island and sets the impulses that its contacts start from.
 //!
-//! The problem of an island consists of its bodies, its contacts and the hands on its bodies. It is kept from step to step: while no contact
+//! The problem of an island consists of its bodies, its contacts and the grabs on its bodies. It is kept from step to step: while no contact
 //! begins or ends, only bodies that moved and contacts that were detected anew are updated. Then each contact gets the impulse that it starts
 //! from. It follows from the forces at the end of the last step, whatever the length of that step was. The stage [solve](crate::solve)
 //! computes the impulses and stores them.
@@ -23,7 +23,7 @@ mod problems;
 
 use crate::body::{BodyIndex, BodyTable, Inactive, Quarantined};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
-use crate::grab::{Grab, HandForce};
+use crate::grab::{Grab, GrabForce};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::{Profile, SolvePart};
 use crate::settings::{
@@ -37,7 +37,7 @@ pub(crate) use island::{GatherContext, Island, Rows};
 pub(crate) use order::{Member, Order, Stored};
 pub(crate) use patches::PatchRows;
 pub(crate) use points::PointRows;
-pub(crate) use problems::{Held, ProblemSet};
+pub(crate) use problems::{GrabbedBody, ProblemSet};
 pub use problems::{IslandProblem, IslandProblems};
 use rayon::prelude::*;
 
@@ -70,14 +70,14 @@ pub(crate) type Pairs<'w, 's> = Query<
     Without<Inactive>,
 >;
 
-type Hands<'w, 's> = Query<
+type Grabs<'w, 's> = Query<
     'w,
     's,
     (
         Entity,
         &'static BodyIndex,
         &'static Grab,
-        &'static HandForce,
+        &'static GrabForce,
     ),
     (Without<Quarantined>, Without<Inactive>),
 >;
@@ -92,7 +92,7 @@ pub fn warm_start(
     ),
     mut problems: ResMut<IslandProblems>,
     mut pairs: Pairs,
-    hands: Hands,
+    grabs: Grabs,
 ) {
     let stage = WarmStart {
         table: &table,
@@ -104,11 +104,11 @@ pub fn warm_start(
     match context.solver.solver.method() {
         Method::Points(_) => {
             problems.by_patches.order.forget();
-            stage.run(&mut problems.by_points, &mut pairs, &hands);
+            stage.run(&mut problems.by_points, &mut pairs, &grabs);
         }
         Method::Patches(_) => {
             problems.by_points.order.forget();
-            stage.run(&mut problems.by_patches, &mut pairs, &hands);
+            stage.run(&mut problems.by_patches, &mut pairs, &grabs);
         }
     }
     problems.prepared = Some(context.solver.solver.clone());
@@ -123,12 +123,12 @@ struct WarmStart<'a> {
 }
 
 impl WarmStart<'_> {
-    fn run<R: Rows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs, hands: &Hands) {
+    fn run<R: Rows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs, grabs: &Grabs) {
         let start = Instant::now();
         let kept = problems.order.keep(self.table, self.graph, self.islands);
         let (contacts, complete) = problems.order.contacts(pairs);
         self.gather_bodies(problems, kept && complete);
-        self.gather_hands(problems, hands);
+        self.gather_grabs(problems, grabs);
         let ProblemSet { order, islands, .. } = problems;
         let points = contacts.iter();
         let points = points.map(|contact| contact.manifold.points.len()).sum();
@@ -163,8 +163,8 @@ impl WarmStart<'_> {
         }
     }
 
-    /// Gathers the hands on awake bodies, in the order of the bodies.
-    fn gather_hands<R: Rows>(&self, problems: &mut ProblemSet<R>, hands: &Hands) {
+    /// Gathers the grabs on awake bodies, in the order of the bodies.
+    fn gather_grabs<R: Rows>(&self, problems: &mut ProblemSet<R>, grabs: &Grabs) {
         let ProblemSet {
             order,
             islands,
@@ -172,24 +172,24 @@ impl WarmStart<'_> {
             ..
         } = problems;
         held.clear();
-        let mut grips: Vec<_> = hands
+        let mut grabs: Vec<_> = grabs
             .iter()
             .filter_map(|(entity, index, grab, force)| {
                 let body = self.table.get(index.0);
                 let body = body.filter(|body| body.entity == entity)?;
                 let local = order.local[index.0 as usize];
                 let island = self.islands.of(index.0).filter(|_| local != u32::MAX)?;
-                let held = Held {
+                let held = GrabbedBody {
                     island,
                     local,
                     entity,
                 };
-                Some((held, grab.grip(local, body, force)))
+                Some((held, grab.constraint(local, body, force)))
             })
             .collect();
-        grips.sort_unstable_by_key(|(held, _)| (held.island, held.local));
-        for (body, grip) in grips {
-            islands[body.island].grips.push(grip);
+        grabs.sort_unstable_by_key(|(held, _)| (held.island, held.local));
+        for (body, grab) in grabs {
+            islands[body.island].grabs.push(grab);
             held.push(body);
         }
     }
@@ -210,10 +210,10 @@ impl WarmStart<'_> {
             island.first_contact = first;
             (first, rest) = (first + count as u32, others);
             // A body that touches nothing and is not held needs no solver.
-            (count > 0 || !island.grips.is_empty()).then_some((island, contacts))
+            (count > 0 || !island.grabs.is_empty()).then_some((island, contacts))
         });
         let threads = &self.context.threads;
-        if threads.share(points) {
+        if threads.runs_in_parallel(points) {
             let parts: Vec<_> = parts.collect();
             let parts = parts.into_par_iter();
             threads.run(points, || {

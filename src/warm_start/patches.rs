@@ -59,7 +59,7 @@ impl Rows for PatchRows {
     fn start_impulse(&self, contact: usize) -> f32 {
         let patches = &self.patches[self.patches_of(contact)];
         let points = patches.iter().flat_map(|patch| &self.points[patch.range()]);
-        points.map(|point| point.warm_normal).sum()
+        points.map(|point| point.normal_impulse).sum()
     }
 }
 
@@ -136,18 +136,18 @@ fn refresh(
     rate: f32,
     ideal: f32,
 ) {
-    kept.warm_tangential *= rate;
-    kept.warm_twist *= rate;
-    kept.warm_rolling *= rate;
-    kept.load_tangential *= rate;
-    kept.load_twist *= rate;
+    kept.friction_impulse *= rate;
+    kept.twist_impulse *= rate;
+    kept.rolling_impulse *= rate;
+    kept.rest_friction_impulse *= rate;
+    kept.rest_twist_impulse *= rate;
     kept.dragged = Default::default();
     kept.tangential = Vec3::ZERO;
     for (kept, point) in points.iter_mut().zip(found) {
         kept.separation = point.distance - ideal;
-        kept.warm_normal *= rate;
+        kept.normal_impulse *= rate;
         kept.normal = 0.0;
-        kept.load *= rate;
+        kept.rest_impulse *= rate;
     }
 }
 
@@ -161,16 +161,16 @@ fn warm_start(
     // Without an anchor the static load of friction is discarded.
     let held = if patch.slip.is_some() { time.dt } else { 0.0 };
     let carried = time.carried();
-    patch.warm_tangential *= carried;
-    patch.warm_twist *= carried;
-    patch.warm_rolling *= carried;
-    patch.load_tangential *= held;
-    patch.load_twist *= held;
+    patch.friction_impulse *= carried;
+    patch.twist_impulse *= carried;
+    patch.rolling_impulse *= carried;
+    patch.rest_friction_impulse *= held;
+    patch.rest_twist_impulse *= held;
     // A body that rolls has its load elsewhere in the next step. The mean load would push it on.
     let held = if curved { 0.0 } else { time.dt };
     for point in points {
-        point.warm_normal = start_impulse(point.warm_normal, point.load, time);
-        point.load *= held;
+        point.normal_impulse = start_impulse(point.normal_impulse, point.rest_impulse, time);
+        point.rest_impulse *= held;
     }
 }
 
@@ -197,16 +197,16 @@ impl SolverContact<'_> {
             restitution: self.pair.restitution,
             slip: self.slip(i),
             count: points.len() as u32,
-            warm_tangential: impulse.warm_tangential,
-            warm_twist: impulse.warm_twist,
+            friction_impulse: impulse.friction_force,
+            twist_impulse: impulse.twist_moment,
             rolling_friction: match patch.curved {
                 true => self.pair.rolling_friction,
                 false => 0.0,
             },
             rolling_radius: self.pair.rolling_radius,
-            warm_rolling: impulse.warm_rolling,
-            load_tangential: impulse.load_tangential,
-            load_twist: impulse.load_twist,
+            rolling_impulse: impulse.rolling_moment,
+            rest_friction_impulse: impulse.rest_friction_force,
+            rest_twist_impulse: impulse.rest_twist_moment,
             ..Default::default()
         };
         let solved = &self.impulses.points[range];
@@ -214,9 +214,9 @@ impl SolverContact<'_> {
         let points = points.map(move |(point, impulse)| PatchPoint {
             offset: point.arm - patch.center,
             separation: point.distance - ideal,
-            warm_normal: impulse.warm_normal,
+            normal_impulse: impulse.normal_force,
             normal: 0.0,
-            load: impulse.load,
+            rest_impulse: impulse.rest_force,
         });
         (constraint, points)
     }

@@ -48,7 +48,7 @@ impl Rows for PointRows {
                 }
             };
         let threads = &*context.threads;
-        if threads.share(contacts.len()) {
+        if threads.runs_in_parallel(contacts.len()) {
             let shares = contacts.par_chunks(SHARE).zip(ends.par_chunks(SHARE));
             let constraints = shares.flat_map_iter(|(contacts, ends)| {
                 let mut constraints = Vec::new();
@@ -70,7 +70,7 @@ impl Rows for PointRows {
             for (i, constraint) in points.zip(&mut constraints) {
                 let impulse = &contact.impulses.points[i];
                 let friction = contact.impulses.friction.get(i).copied();
-                let friction = friction.unwrap_or_default().warm_tangential * time.carried();
+                let friction = friction.unwrap_or_default().friction_force * time.carried();
                 let [t1, t2] = constraint.tangents;
                 let normal = impulse.start_normal(time);
                 constraint.impulse = Vec3::new(normal, t1.dot(friction), t2.dot(friction));

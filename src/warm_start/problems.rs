@@ -25,13 +25,13 @@ pub(crate) struct ProblemSet<R> {
     pub velocities: Vec<Option<Velocity>>,
     /// Scratch of *solve*: the slots of those bodies.
     pub outside: Vec<u32>,
-    /// The bodies that are held, in the order of islands and of their grips.
-    pub held: Vec<Held>,
+    /// The bodies that are held, in the order of islands and of their grabs.
+    pub held: Vec<GrabbedBody>,
 }
 
-/// A body that a hand holds.
+/// A body that a grab holds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Held {
+pub(crate) struct GrabbedBody {
     pub island: usize,
     /// Its index in the island.
     pub local: u32,
@@ -70,7 +70,7 @@ impl<R: Rows> ProblemSet<R> {
                 bodies: &self.order.bodies[island.members()],
                 contacts: pairs.zip(impulses).collect(),
                 points: island.points(),
-                hands: island.grips.len(),
+                grabs: island.grabs.len(),
             }
         })
     }
@@ -82,7 +82,7 @@ pub struct IslandProblem<'a> {
     bodies: &'a [Member],
     contacts: Vec<(Entity, f32)>,
     points: usize,
-    hands: usize,
+    grabs: usize,
 }
 
 impl IslandProblem<'_> {
@@ -102,8 +102,8 @@ impl IslandProblem<'_> {
         self.points
     }
 
-    /// Number of its bodies that are held by a hand.
-    pub fn hands(&self) -> usize {
-        self.hands
+    /// Number of its bodies that are held by a grab.
+    pub fn grabs(&self) -> usize {
+        self.grabs
     }
 }

@@ -210,7 +210,7 @@ struct Seen {
 fn problems_can_be_looked_at_between_warm_start_and_solve() {
     fn look(problems: Res<IslandProblems>, mut seen: ResMut<Seen>) {
         let islands = problems.iter().map(|problem| {
-            assert!(problem.points() >= 4 && problem.hands() == 0);
+            assert!(problem.points() >= 4 && problem.grabs() == 0);
             let contacts: Vec<_> = problem.contacts().collect();
             let sum = contacts.iter().map(|(_, impulse)| impulse).sum();
             (problem.bodies().collect(), contacts.len(), sum)

@@ -239,7 +239,7 @@ impl PatchSolver for Wrong {
         let report = SoftStep::default().solve(problem);
         if problem.bodies.len() > 10 {
             problem.bodies[3].linear.x = f32::NAN;
-            problem.points[0].warm_normal = f32::NAN;
+            problem.points[0].normal_impulse = f32::NAN;
         }
         report
     }

@@ -12,7 +12,7 @@ fn play(threads: usize, seconds: f32, build: impl Fn(&mut Lab)) -> Vec<[u32; 13]
     let mut lab = Lab::new();
     let threads = PhysicsThreads::new(threads).expect("threads are to be had");
     // All that can be shared is, however little it is.
-    let threads = threads.sharing_from(1);
+    let threads = threads.with_min_items(1);
     lab.world.insert_resource(threads);
     lab.world.resource_mut::<SleepSettings>().enabled = false;
     build(&mut lab);

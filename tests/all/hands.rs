@@ -8,7 +8,7 @@ use drystone::DrystonePlugins;
 use drystone::body::{ExternalForce, ExternalImpulse, GravityScale, Mass, RigidBody};
 use drystone::collider::Collider;
 use drystone::contact::Load;
-use drystone::grab::{Grab, Grasp, Hand, HandForce, HandPlugin, hands};
+use drystone::grab::{Grab, GrabForce, Hand, HandPlugin, HandState, hands};
 use drystone::masonry::EditLog;
 use drystone::query::{Dir3, Ray3d};
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -23,8 +23,8 @@ fn hold(lab: &mut Lab, body: Entity, grab: Grab) {
     lab.world.entity_mut(body).insert(grab);
 }
 
-fn force(lab: &Lab, body: Entity) -> HandForce {
-    *lab.world.get::<HandForce>(body).unwrap()
+fn force(lab: &Lab, body: Entity) -> GrabForce {
+    *lab.world.get::<GrabForce>(body).unwrap()
 }
 
 /// Worlds with each solver and with short and long steps.
@@ -380,7 +380,7 @@ fn what_is_let_go_falls_from_rest() {
         );
         lab.run(1.0);
         lab.world.entity_mut(cube).remove::<Grab>();
-        assert_eq!(force(&lab, cube), HandForce::default());
+        assert_eq!(force(&lab, cube), GrabForce::default());
         lab.step();
         let velocity = lab.velocity(cube).linear;
         let fallen = velocity.distance(Vec3::NEG_Y * G * lab.dt);
@@ -459,7 +459,7 @@ fn a_held_plate_bears_a_stack() {
 fn what_is_held_moves_alike_on_any_number_of_threads() {
     let run = |threads: usize| {
         let mut lab = Lab::with_preset(Preset::Default);
-        let pool = PhysicsThreads::new(threads).unwrap().sharing_from(1);
+        let pool = PhysicsThreads::new(threads).unwrap().with_min_items(1);
         lab.world.insert_resource(pool);
         lab.ground();
         let mut wall = Vec::new();
@@ -505,7 +505,7 @@ fn hand<'a>(lab: &'a mut Lab, entity: Entity) -> Mut<'a, Hand> {
 }
 
 fn held(lab: &Lab, hand: Entity) -> Option<Entity> {
-    lab.world.get::<Grasp>(hand).unwrap().held()
+    lab.world.get::<HandState>(hand).unwrap().held()
 }
 
 #[test]

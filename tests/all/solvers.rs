@@ -123,7 +123,7 @@ fn solve_recording(graph: &Graph, solver: &dyn PointSolver, record_history: bool
     let report = solver.solve(&mut PointProblem {
         bodies: &mut bodies,
         constraints: &mut contacts,
-        grips: &mut [],
+        grabs: &mut [],
         dt: 1.0 / 60.0,
         free_merit,
         record_history,
@@ -385,7 +385,7 @@ impl Patches {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
-            grips: &mut [],
+            grabs: &mut [],
             dt: DT,
             longest: DT,
             gravity: self.gravity,
@@ -427,10 +427,10 @@ impl Patches {
             let [v, w] = body.motion.unwrap_or_default();
             [body.linear, body.angular, v, w]
         });
-        let patches = self.patches.iter().map(|patch| patch.warm_tangential);
-        let points = self.points.iter().map(|point| point.warm_normal);
+        let patches = self.patches.iter().map(|patch| patch.friction_impulse);
+        let points = self.points.iter().map(|point| point.normal_impulse);
         let vectors = bodies.chain(patches).flat_map(|v| v.to_array());
-        let twists = self.patches.iter().map(|patch| patch.warm_twist);
+        let twists = self.patches.iter().map(|patch| patch.twist_impulse);
         let numbers = vectors.chain(twists).chain(points);
         numbers.map(|x| (x + 0.0).to_bits()).collect()
     }
@@ -465,8 +465,8 @@ fn touch() -> impl Strategy<Value = Touch> {
                     shift: flat(shift),
                     twist,
                 }),
-                warm_tangential: flat(start.0),
-                warm_twist: start.1,
+                friction_impulse: flat(start.0),
+                twist_impulse: start.1,
                 ..Default::default()
             };
             // A single one is the centre.
@@ -476,9 +476,9 @@ fn touch() -> impl Strategy<Value = Touch> {
                 .map(move |(offset, separation, impulse, load)| PatchPoint {
                     offset: spread * flat(offset),
                     separation,
-                    warm_normal: impulse.max(0.0),
+                    normal_impulse: impulse.max(0.0),
                     normal: 0.0,
-                    load,
+                    rest_impulse: load,
                 });
             (a, b, centre, patch, points.collect())
         })
@@ -573,7 +573,7 @@ fn part(whole: &Patches, (shift, mine): &(usize, Vec<usize>), group: &Patches) -
         let from = &whole.patches[from];
         let points = &mut part.points[patch.range()];
         points.copy_from_slice(&whole.points[from.range()]);
-        (patch.warm_tangential, patch.warm_twist) = (from.warm_tangential, from.warm_twist);
+        (patch.friction_impulse, patch.twist_impulse) = (from.friction_impulse, from.twist_impulse);
     }
     part
 }
@@ -587,10 +587,10 @@ proptest! {
     ) {
         let solved = problem.solved(iterations);
         for point in &solved.points {
-            prop_assert!(point.warm_normal >= 0.0 && point.warm_normal.is_finite() && point.load.is_finite(), "{point:?}");
+            prop_assert!(point.normal_impulse >= 0.0 && point.normal_impulse.is_finite() && point.rest_impulse.is_finite(), "{point:?}");
         }
         for patch in &solved.patches {
-            prop_assert!(patch.warm_tangential.is_finite() && patch.warm_twist.is_finite(), "{patch:?}");
+            prop_assert!(patch.friction_impulse.is_finite() && patch.twist_impulse.is_finite(), "{patch:?}");
         }
         for (before, body) in problem.bodies.iter().zip(&solved.bodies) {
             prop_assert!(body.linear.is_finite() && body.angular.is_finite());
@@ -610,17 +610,17 @@ proptest! {
         let solved = problem.solved(iterations);
         for patch in &solved.patches {
             let points = &solved.points[patch.range()];
-            let carried: f32 = points.iter().map(|p| p.warm_normal).sum();
+            let carried: f32 = points.iter().map(|p| p.normal_impulse).sum();
             let [a, b] = [0, 1].map(|i| &solved.bodies[patch.bodies[i] as usize]);
             let along = a.response(patch.normal, patch.arms[0]) + b.response(patch.normal, patch.arms[1]);
             let about = patch.normal.dot((a.inverse_inertia + b.inverse_inertia) * patch.normal);
             // A point is a spot of 0.003 of the radius of gyration.
             let spot = 0.003 * (along / about).sqrt();
-            let lever: f32 = points.iter().map(|p| p.warm_normal * p.offset.length().max(spot)).sum();
-            let (force, limit) = (patch.warm_tangential.length(), patch.friction * carried);
+            let lever: f32 = points.iter().map(|p| p.normal_impulse * p.offset.length().max(spot)).sum();
+            let (force, limit) = (patch.friction_impulse.length(), patch.friction * carried);
             prop_assert!(force <= limit * (1.0 + 1e-4) + 1e-4, "{force} of {limit} N s");
             let limit = patch.friction * lever;
-            prop_assert!(patch.warm_twist.abs() <= limit * (1.0 + 1e-4) + 1e-4, "{} of {limit} N m s", patch.warm_twist);
+            prop_assert!(patch.twist_impulse.abs() <= limit * (1.0 + 1e-4) + 1e-4, "{} of {limit} N m s", patch.twist_impulse);
         }
     }
 
@@ -720,12 +720,12 @@ fn what_friction_carries_outlasts_a_step_without_an_anchor() {
     let mut problem = falling(0.0, 1.0, 0.0);
     let patch = &mut problem.patches[0];
     patch.slip = None;
-    (patch.load_tangential, patch.load_twist) = (Vec3::new(2.0, 0.0, -1.0), 0.5);
+    (patch.rest_friction_impulse, patch.rest_twist_impulse) = (Vec3::new(2.0, 0.0, -1.0), 0.5);
     let before = *patch;
     for lanes in widths() {
         let after = problem.solved_in(lanes, 24).patches[0];
-        assert!((after.load_tangential - before.load_tangential).length() < 0.05);
-        assert!((after.load_twist - before.load_twist).abs() < 0.05);
+        assert!((after.rest_friction_impulse - before.rest_friction_impulse).length() < 0.05);
+        assert!((after.rest_twist_impulse - before.rest_twist_impulse).abs() < 0.05);
     }
 }
 
@@ -797,7 +797,12 @@ fn soft_step_leaves_a_body_that_reaches_nothing_to_its_forces() {
     assert!((cube.linear + Vec3::Y * (3.0 + fall)).length() < 1e-5);
     assert!((moved + Vec3::Y * (3.0 + fall * (n + 1.0) / (2.0 * n))).length() < 1e-5);
     assert_eq!([cube.angular, turned], [Vec3::ZERO; 2]);
-    assert!(solved.points.iter().all(|point| point.warm_normal == 0.0));
+    assert!(
+        solved
+            .points
+            .iter()
+            .all(|point| point.normal_impulse == 0.0)
+    );
 }
 
 /// To less than what a body gains by falling for a step, 0.16 m/s: the corners are not yet of one mind.

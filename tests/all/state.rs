@@ -169,7 +169,7 @@ fn impulses(world: &mut World) -> Vec<([SpawnOrder; 2], Vec<u32>)> {
             let normal = impulses
                 .points
                 .iter()
-                .flat_map(|p| [p.normal, p.warm_normal, p.load]);
+                .flat_map(|p| [p.normal, p.normal_force, p.rest_force]);
             (pair.spawn_orders, normal.map(f32::to_bits).collect())
         })
         .collect();
@@ -304,7 +304,10 @@ fn a_brick_in_a_hand() {
     };
     let hand = run.world.spawn(hand).id();
     let run = run.steps(20, NOTHING);
-    assert_eq!(run.world.get::<Grasp>(hand).unwrap().held(), Some(above));
+    assert_eq!(
+        run.world.get::<HandState>(hand).unwrap().held(),
+        Some(above)
+    );
     run.goes_on_in_a_copy("hand", &|world, here, step| {
         let mut hand = world.get_mut::<Hand>(here(hand)).unwrap();
         let down = 0.02 * step as f32;

@@ -22,19 +22,19 @@ pub struct PatchConstraint {
     /// Number of its points.
     pub count: u32,
     /// λ_t at the centre, N·s over the whole step. In: the warm start. Out: that of the next step.
-    pub warm_tangential: Vec3,
-    /// Moment about the normal, N·m·s; in and out as `warm_tangential`.
-    pub warm_twist: f32,
+    pub friction_impulse: Vec3,
+    /// Moment about the normal, N·m·s; in and out as `friction_impulse`.
+    pub twist_impulse: f32,
     /// Rolling friction, as a share of the radius; 0 if the patch does not roll.
     pub rolling_friction: f32,
     /// Rolling radius, m.
     pub rolling_radius: f32,
-    /// Moment against rolling, N·m·s; in and out as `warm_tangential`.
-    pub warm_rolling: Vec3,
+    /// Moment against rolling, N·m·s; in and out as `friction_impulse`.
+    pub rolling_impulse: Vec3,
     /// Slow mean of λ_t: its load at rest, N·s over the step.
-    pub load_tangential: Vec3,
+    pub rest_friction_impulse: Vec3,
     /// Slow mean of the twist: its load at rest, N·m·s over the step.
-    pub load_twist: f32,
+    pub rest_twist_impulse: f32,
     /// Result: impulse of λ_t over the whole step, N·s.
     pub tangential: Vec3,
     /// Result: permanent slip in this step, by which its anchor is to be moved.
@@ -66,11 +66,11 @@ pub struct PatchPoint {
     /// Distance of the surfaces beyond the ideal one, m; negative: too near.
     pub separation: f32,
     /// λ_n, N·s over the whole step. In: the warm start. Out: that of the next step.
-    pub warm_normal: f32,
+    pub normal_impulse: f32,
     /// Result: impulse of λ_n over the whole step, N·s.
     pub normal: f32,
     /// Slow mean of λ_n: its load at rest, N·s over the step.
-    pub load: f32,
+    pub rest_impulse: f32,
 }
 
 /// The sizes matter, since a step passes over these lists five times.

@@ -9,7 +9,7 @@ mod memory;
 mod restitution;
 mod soft_step;
 
-use super::{Body, Grip, SolveReport};
+use super::{Body, GrabConstraint, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 pub use memory::Memory;
@@ -32,7 +32,7 @@ pub trait PatchSolver: Send + Sync {
     /// Finds impulses, velocities and motions.
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport;
 
-    /// Solves several problems of [few](FEW) patches each, without hands. The result of each must be that of [`Self::solve`].
+    /// Solves several problems of [few](FEW) patches each, without grabs. The result of each must be that of [`Self::solve`].
     fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
         problems
             .iter_mut()
@@ -49,8 +49,8 @@ pub struct PatchProblem<'a> {
     pub patches: &'a mut [PatchConstraint],
     /// The points of all patches.
     pub points: &'a mut [PatchPoint],
-    /// Hands that hold some of the bodies.
-    pub grips: &'a mut [Grip],
+    /// Grabs that hold some of the bodies.
+    pub grabs: &'a mut [GrabConstraint],
     /// Length of the step, s.
     pub dt: f32,
     /// The longest of recent steps, s; at least `dt`. It sets a stiffness that must not increase for a step that is short by chance.

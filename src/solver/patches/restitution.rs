@@ -144,10 +144,10 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
         point.normal += row.impulse;
         if row.leave > 0.0 {
             // The point has left the surface and carries nothing.
-            point.warm_normal = 0.0;
+            point.normal_impulse = 0.0;
             let patch = &mut problem.patches[row.patch];
-            (patch.warm_tangential, patch.warm_twist) = (Vec3::ZERO, 0.0);
-            patch.warm_rolling = Vec3::ZERO;
+            (patch.friction_impulse, patch.twist_impulse) = (Vec3::ZERO, 0.0);
+            patch.rolling_impulse = Vec3::ZERO;
         }
     }
 }
@@ -230,7 +230,7 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
                 leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
                 least: match bounces {
                     Some(_) => 0.0,
-                    None => -point.warm_normal / substeps as f32,
+                    None => -point.normal_impulse / substeps as f32,
                 },
                 impulse: 0.0,
             });

@@ -43,13 +43,13 @@ pub mod merit;
 mod nncg;
 mod pgs;
 
-use super::grip::Held;
+use super::grab::ActiveGrab;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
 use super::lanes::{F32x4, F32xN};
 use super::walls::{self, Walls};
 use super::width::Width;
-use super::{Body, Grip, Lanes, SolveReport};
+use super::{Body, GrabConstraint, Lanes, SolveReport};
 use blocks::{Cone, Disc, Square};
 pub(crate) use constraint::PatchFrame;
 pub use constraint::{PointConstraint, PointInput, tangents};
@@ -151,8 +151,8 @@ pub struct PointProblem<'a> {
     pub bodies: &'a mut [Body],
     /// All contact points, in the order in which they are swept.
     pub constraints: &'a mut [PointConstraint],
-    /// Hands that hold some of the bodies.
-    pub grips: &'a mut [Grip],
+    /// Grabs that hold some of the bodies.
+    pub grabs: &'a mut [GrabConstraint],
     /// Length of the step, s.
     pub dt: f32,
     /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].
@@ -165,30 +165,30 @@ impl PointProblem<'_> {
     /// Scales the impulses of the constraints by `share` and applies them to the bodies. Measures the free motion before.
     pub fn warm_start(&mut self, share: f32) {
         let contacts = merit::free_merit(self.bodies, self.constraints);
-        let alone = |grip: &Grip| {
-            let body = &self.bodies[grip.body as usize];
-            Held::new(grip, body, self.dt).missing([body.linear, body.angular])
+        let alone = |grab: &GrabConstraint| {
+            let body = &self.bodies[grab.body as usize];
+            ActiveGrab::new(grab, body, self.dt).missing([body.linear, body.angular])
         };
-        let hands: f32 = self.grips.iter().map(alone).sum();
-        self.free_merit = (contacts * contacts + hands).sqrt();
+        let grabs: f32 = self.grabs.iter().map(alone).sum();
+        self.free_merit = (contacts * contacts + grabs).sqrt();
         for constraint in &mut *self.constraints {
             constraint.impulse *= share;
             if share != 0.0 {
                 constraint.push(self.bodies, constraint.world(constraint.impulse));
             }
         }
-        for grip in &mut *self.grips {
-            grip.force *= share;
-            grip.torque *= share;
-            let body = &mut self.bodies[grip.body as usize];
-            let held = Held::new(grip, body, self.dt);
+        for grab in &mut *self.grabs {
+            grab.force *= share;
+            grab.torque *= share;
+            let body = &mut self.bodies[grab.body as usize];
+            let held = ActiveGrab::new(grab, body, self.dt);
             body.add(held.warm_start());
         }
     }
 
-    /// The hands, ready to be visited, with the walls of their bodies.
-    fn held(&self) -> Vec<Held> {
-        if self.grips.is_empty() {
+    /// The grabs, ready to be visited, with the walls of their bodies.
+    fn held(&self) -> Vec<ActiveGrab> {
+        if self.grabs.is_empty() {
             return Vec::new();
         }
         let points = &*self.constraints;
@@ -196,12 +196,12 @@ impl PointProblem<'_> {
         let of_bodies = walls::by_body(self.bodies.len(), pairs);
         let contact = |point: usize| (points[point].bodies, points[point].normal);
         let walls = Walls::new(&of_bodies, self.bodies, contact);
-        let held = |grip: &Grip| {
-            let held = Held::new(grip, &self.bodies[grip.body as usize], self.dt);
-            let walls = walls.among_points(grip.body, points, self.dt);
+        let held = |grab: &GrabConstraint| {
+            let held = ActiveGrab::new(grab, &self.bodies[grab.body as usize], self.dt);
+            let walls = walls.among_points(grab.body, points, self.dt);
             held.in_step(self.dt, walls)
         };
-        self.grips.iter().map(held).collect()
+        self.grabs.iter().map(held).collect()
     }
 
     /// A report to record sweeps in.
@@ -209,7 +209,7 @@ impl PointProblem<'_> {
         SolveReport::new(self.free_merit, self.record_history)
     }
 
-    /// One projected Gauss–Seidel sweep over all hands and then all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
+    /// One projected Gauss–Seidel sweep over all grabs and then all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
         let mut change = 0.0;
         for (i, mut held) in self.held().into_iter().enumerate() {
@@ -217,10 +217,10 @@ impl PointProblem<'_> {
                 let body = &self.bodies[body as usize];
                 [body.linear, body.angular]
             };
-            let (moved, changed) = held.relax(of(held.grip.body), of);
-            self.bodies[held.grip.body as usize].add(moved);
+            let (moved, changed) = held.relax(of(held.grab.body), of);
+            self.bodies[held.grab.body as usize].add(moved);
             change += changed;
-            self.grips[i] = held.found();
+            self.grabs[i] = held.found();
         }
         let bodies = &mut *self.bodies;
         for pair in self.constraints.chunk_by_mut(|a, b| a.bodies == b.bodies) {

@@ -13,7 +13,7 @@ pub(super) fn spawn(mut commands: Commands, strength: Res<Strength>) {
 }
 
 pub(super) fn hold(
-    mut hand: Single<(&mut Hand, &Grasp)>,
+    mut hand: Single<(&mut Hand, &HandState)>,
     (tool, strength, pointer): (Res<Tool>, Res<Strength>, Res<Pointer>),
     (buttons, keys): (Res<ButtonInput<MouseButton>>, Res<ButtonInput<KeyCode>>),
     scroll: Res<AccumulatedMouseScroll>,
@@ -60,8 +60,8 @@ pub(super) fn hold(
 /// From the held point to where the hand is.
 pub(super) fn draw(
     mut gizmos: Gizmos,
-    hand: Single<(&Hand, &Grasp)>,
-    bodies: Query<(&Transform, &Grab, &HandForce)>,
+    hand: Single<(&Hand, &HandState)>,
+    bodies: Query<(&Transform, &Grab, &GrabForce)>,
 ) {
     let (hand, grasp) = *hand;
     let Some((at, grab, force)) = grasp.held().and_then(|body| bodies.get(body).ok()) else {

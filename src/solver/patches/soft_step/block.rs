@@ -190,7 +190,7 @@ pub struct Points<L> {
     /// Impulses of the substeps before this one, summed, N·s.
     pub(super) given: L,
     /// Impulse at rest, N·s.
-    pub(super) load: L,
+    pub(super) rest_impulse: L,
     /// Effective mass 1/W, kg.
     pub(super) mass: L,
     /// Response of (u_n, Ω_1, Ω_2) to a unit impulse.

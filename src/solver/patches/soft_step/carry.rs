@@ -22,7 +22,7 @@ struct Beginning<L> {
     twist: L,
     rolling: Vec3xN<L>,
     load: Vec3xN<L>,
-    load_twist: L,
+    rest_twist_impulse: L,
 }
 
 /// The state of patches at the end of a step, by lane.
@@ -110,7 +110,7 @@ impl<L: F32xN> Block<L> {
         self.slip_twist = found.slip_twist;
         let held = share * found.anchored;
         self.held = [held * t1.dot(found.load), held * t2.dot(found.load)];
-        self.held_twist = held * found.load_twist;
+        self.held_twist = held * found.rest_twist_impulse;
         let tangential = found.tangential;
         self.tangential = [share * t1.dot(tangential), share * t2.dot(tangential)];
         self.twist = share * found.twist;
@@ -121,10 +121,10 @@ impl<L: F32xN> Block<L> {
         let deepest = L::splat(deepest);
         for point in points {
             point.separation = point.separation.max(deepest);
-            point.load = share * point.load;
+            point.rest_impulse = share * point.rest_impulse;
             point.impulse = share * point.impulse;
             point.given = L::ZERO;
-            load += point.load;
+            load += point.rest_impulse;
         }
         self.inverse_load = (self.share * load).inverse();
         (self.given, self.dragged) = ([L::ZERO; 2], [L::ZERO; 2]);
@@ -161,7 +161,7 @@ impl<L: F32xN> Block<L> {
         }
         let (mut held, mut mean) = (L::ZERO, L::ZERO);
         for point in points {
-            held += point.load;
+            held += point.rest_impulse;
             mean += point.impulse;
         }
         let to_whole = self.share * whole;
@@ -169,7 +169,7 @@ impl<L: F32xN> Block<L> {
         let (rate, aside) = (L::splat(rate), L::splat(ASIDE));
         for (number, point) in points.iter().enumerate() {
             let normal = point.given + point.impulse;
-            let (warm, load) = (whole * point.impulse, whole * point.load);
+            let (warm, load) = (whole * point.impulse, whole * point.rest_impulse);
             let off = aside * ((warm - mean) - (load - held));
             let load = rate.mul_add((mean - held) + off, load).max(L::ZERO);
             for (lane, patch) in patches.clone() {
@@ -177,8 +177,8 @@ impl<L: F32xN> Block<L> {
                 if number < patch.count as usize {
                     let to = &mut problem.points[patch.first as usize + number];
                     to.normal = normal[lane];
-                    to.warm_normal = warm[lane];
-                    to.load = load[lane];
+                    to.normal_impulse = warm[lane];
+                    to.rest_impulse = load[lane];
                 }
             }
         }
@@ -229,17 +229,17 @@ impl<L: F32xN> Beginning<L> {
             self.slip.set(lane, slip.shift);
             self.slip_twist[lane] = slip.twist;
         }
-        self.tangential.set(lane, patch.warm_tangential);
-        self.twist[lane] = patch.warm_twist;
+        self.tangential.set(lane, patch.friction_impulse);
+        self.twist[lane] = patch.twist_impulse;
         if patch.rolling_friction > 0.0 {
-            self.rolling.set(lane, patch.warm_rolling);
+            self.rolling.set(lane, patch.rolling_impulse);
         }
-        self.load.set(lane, patch.load_tangential);
-        self.load_twist[lane] = patch.load_twist;
+        self.load.set(lane, patch.rest_friction_impulse);
+        self.rest_twist_impulse[lane] = patch.rest_twist_impulse;
         for (to, point) in points.iter_mut().zip(&problem.points[patch.range()]) {
-            to.load[lane] = point.load;
+            to.rest_impulse[lane] = point.rest_impulse;
             to.separation[lane] = point.separation;
-            to.impulse[lane] = point.warm_normal;
+            to.impulse[lane] = point.normal_impulse;
         }
     }
 }
@@ -251,11 +251,12 @@ impl<L: F32xN> Found<L> {
     fn write(&self, lane: usize, patch: &mut PatchConstraint, rate: f32) {
         assert!(lane < L::LANES);
         patch.tangential = self.given.get(lane);
-        patch.warm_tangential = self.tangential.get(lane);
-        patch.warm_twist = self.twist[lane];
-        patch.warm_rolling = self.rolling.get(lane);
-        patch.load_tangential += rate * (patch.warm_tangential - patch.load_tangential);
-        patch.load_twist += rate * (patch.warm_twist - patch.load_twist);
+        patch.friction_impulse = self.tangential.get(lane);
+        patch.twist_impulse = self.twist[lane];
+        patch.rolling_impulse = self.rolling.get(lane);
+        patch.rest_friction_impulse +=
+            rate * (patch.friction_impulse - patch.rest_friction_impulse);
+        patch.rest_twist_impulse += rate * (patch.twist_impulse - patch.rest_twist_impulse);
         patch.dragged = Slip {
             shift: self.dragged.get(lane),
             twist: self.dragged_twist[lane],

@@ -1,11 +1,11 @@
 //! An island during a step. Its blocks live as long as its contacts do.
 
 use super::block::{Block, Pass, Points};
-use super::hands::Hands;
+use super::grabs::GrabPlaces;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::pipeline::{Pipeline, Work};
 use crate::solver::batches::Batches;
-use crate::solver::grip::Held;
+use crate::solver::grab::ActiveGrab;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use crate::solver::rounds::{ROUND, RoundEnds, Rounds};
 use crate::solver::{Body, Lanes, PatchConstraint, PatchProblem};
@@ -74,17 +74,17 @@ pub struct Island<L: F32xN> {
     pub(super) missing: Vec<L>,
     /// By block: Σ W Δλ² of the last sweep, J.
     pub(super) changes: Vec<L>,
-    /// Hands. They are visited before the contacts of their bodies, so that the contacts they press against decide last.
-    pub(super) grips: Vec<Held>,
-    pub(super) hands: Hands,
+    /// Grabs. They are visited before the contacts of their bodies, so that the contacts they press against decide last.
+    pub(super) grabs: Vec<ActiveGrab>,
+    pub(super) grab_places: GrabPlaces,
     /// Present once there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
 }
 
 impl<L: F32xN> Island<L> {
-    /// Finds the places of hands among the blocks.
+    /// Finds the places of grabs among the blocks.
     pub fn place_hands(&mut self, problem: &PatchProblem) {
-        if self.hands.place(&self.batches, problem) {
+        if self.grab_places.place(&self.batches, problem) {
             self.pipeline = None;
         }
     }
@@ -155,8 +155,8 @@ impl<L: F32xN> Island<L> {
             motions: Vec::new(),
             missing: Vec::new(),
             changes: Vec::new(),
-            grips: Vec::new(),
-            hands: Hands::default(),
+            grabs: Vec::new(),
+            grab_places: GrabPlaces::default(),
             pipeline: None,
         }
     }
@@ -192,9 +192,9 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Applies the warm-start impulses of contacts and hands, in the order of the sweep. Returns the merit of the free motion, J.
+    /// Applies the warm-start impulses of contacts and grabs, in the order of the sweep. Returns the merit of the free motion, J.
     pub fn warm_start(&mut self) -> f32 {
-        for held in &self.grips {
+        for held in &self.grabs {
             held.start(cells(&mut self.velocities));
         }
         let mut missing = 0.0;
@@ -273,11 +273,11 @@ impl<L: F32xN> Island<L> {
         })
     }
 
-    /// Visits each hand once. Returns Σ W Δλ², J.
+    /// Visits each grab once. Returns Σ W Δλ², J.
     pub fn visit_grips(&mut self) -> f32 {
         let mut change = 0.0;
         let [velocities, motions] = [&mut self.velocities, &mut self.motions].map(|l| cells(l));
-        for held in &mut self.grips {
+        for held in &mut self.grabs {
             change += held.visit_among(velocities, motions, self.fastest);
         }
         change
@@ -290,7 +290,7 @@ impl<L: F32xN> Island<L> {
 
     pub fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {
         let bodies = |(_, patch): (usize, u32)| problem.patches[patch as usize].bodies;
-        let places = &self.hands.places;
+        let places = &self.grab_places.places;
         let blocks = self.batches.iter().enumerate();
         let blocks = blocks.map(|(block, patches)| {
             let groups = places.before(block).iter();
@@ -314,8 +314,8 @@ impl<L: F32xN> Island<L> {
             velocities: &mut self.velocities,
             before: &mut self.before,
             motions: &mut self.motions,
-            hands: &self.hands.places,
-            grips: &mut self.grips,
+            grab_places: &self.grab_places.places,
+            grabs: &mut self.grabs,
             fastest: self.fastest,
         }
     }

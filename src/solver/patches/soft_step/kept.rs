@@ -15,7 +15,7 @@ pub struct Kept<L: F32xN> {
     pub island: Island<L>,
     /// The blocks are not skewed and have no rounds, though another step might use both.
     straight: bool,
-    /// The bodies whose hands are the reason for that.
+    /// The bodies whose grabs are the reason for that.
     straight_for: Vec<u32>,
     /// Present if blocks are skewed.
     skewed: Option<SkewedSweeps>,
@@ -42,15 +42,15 @@ impl<L: F32xN> Kept<L> {
         straight: bool,
     ) -> (Box<Self>, Vec<u32>) {
         let alone = stands_by_itself(problem);
-        let held = || problem.grips.iter().map(|grip| grip.body);
+        let held = || problem.grabs.iter().map(|grab| grab.body);
         let may_be = |kept: &Self, changed: &[u32]| {
             let batches = &kept.island.batches;
             match straight {
                 true => batches.laps() == 1 && !batches.has_rounds(),
                 // A body with a new mass has new patches.
                 false => {
-                    let for_hands = || kept.straight_for.iter().copied();
-                    (!kept.straight || !kept.straight_for.is_empty() && for_hands().eq(held()))
+                    let for_grabs = || kept.straight_for.iter().copied();
+                    (!kept.straight || !kept.straight_for.is_empty() && for_grabs().eq(held()))
                         && (changed.is_empty() || *batches.rounds() == rounds(problem))
                 }
             }
@@ -71,7 +71,7 @@ impl<L: F32xN> Kept<L> {
                 (Box::new(kept), Vec::new())
             });
         kept.island.place_hands(problem);
-        if kept.island.batches.laps() > 1 && !kept.island.hands.fit_laps() {
+        if kept.island.batches.laps() > 1 && !kept.island.grab_places.fit_laps() {
             let batches = batches(L::LANES, problem);
             *kept = Self::new(Island::new(problem, batches));
             kept.straight = true;

@@ -44,8 +44,8 @@ impl LoadStatistics {
             bounces |= patch.restitution > 0.0;
             let (mut load, mut impulse) = (0.0, 0.0);
             for point in &problem.points[patch.range()] {
-                load += point.load;
-                impulse += point.warm_normal;
+                load += point.rest_impulse;
+                impulse += point.normal_impulse;
             }
             new += (impulse - load).abs();
             all += larger(impulse, load);
@@ -54,8 +54,8 @@ impl LoadStatistics {
             let lower = patch.bodies[usize::from(levels[1] < levels[0])];
             body_loads[lower as usize].bears |= levels[0] != levels[1];
             let along = up.dot(patch.normal);
-            let long = along * load + up.dot(patch.load_tangential);
-            let now = along * impulse + up.dot(patch.warm_tangential);
+            let long = along * load + up.dot(patch.rest_friction_impulse);
+            let now = along * impulse + up.dot(patch.friction_impulse);
             for (body, sign) in patch.bodies.into_iter().zip([1.0, -1.0]) {
                 let (long, now) = (sign * long, sign * now);
                 let body_loads = &mut body_loads[body as usize];

@@ -5,7 +5,7 @@ use super::island::Island;
 use super::{SoftStep, SweepBudget};
 use crate::solver::batches::Batches;
 use crate::solver::lanes::F32xN;
-use crate::solver::{Body, Grip, Memory, PatchConstraint, PatchPoint, PatchProblem};
+use crate::solver::{Body, GrabConstraint, Memory, PatchConstraint, PatchPoint, PatchProblem};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::PI;
 
@@ -19,7 +19,7 @@ pub struct Masonry {
     pub patches: Vec<PatchConstraint>,
     pub points: Vec<PatchPoint>,
     pub gravity: Vec3,
-    pub grips: Vec<Grip>,
+    pub grabs: Vec<GrabConstraint>,
 }
 
 impl Masonry {
@@ -31,7 +31,7 @@ impl Masonry {
             patches: Vec::new(),
             points: Vec::new(),
             gravity: G * (tilt.sin() * towards - tilt.cos() * Vec3::Y),
-            grips: Vec::new(),
+            grabs: Vec::new(),
         }
     }
 
@@ -158,16 +158,16 @@ impl Masonry {
         }
         for point in &mut self.points {
             point.separation = random(2e-3);
-            point.warm_normal = 5.0 + random(5.0);
+            point.normal_impulse = 5.0 + random(5.0);
         }
         self
     }
 
-    /// Adds hands that pull bodies sideways, strong enough to lift some of the load on them.
+    /// Adds grabs that pull bodies sideways, strong enough to lift some of the load on them.
     pub fn held(mut self, bodies: impl IntoIterator<Item = usize>) -> Self {
         for body in bodies {
             let mass = 1.0 / self.bodies[body].inverse_mass;
-            self.grips.push(Grip {
+            self.grabs.push(GrabConstraint {
                 body: body as u32,
                 arm: Vec3::new(0.2, 0.1, 0.0),
                 error: Vec3::new(0.1, -0.2, 0.1),
@@ -188,7 +188,7 @@ impl Masonry {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
-            grips: &mut self.grips,
+            grabs: &mut self.grabs,
             dt: DT,
             longest: DT,
             gravity: self.gravity,

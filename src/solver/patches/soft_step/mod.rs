@@ -39,8 +39,8 @@ mod carry;
 mod cold_start;
 mod edges;
 mod gaps;
+mod grabs;
 mod halves;
-mod hands;
 mod island;
 mod kept;
 mod kinds;
@@ -76,7 +76,7 @@ use sweep_budget::SweepBudget;
 /// Factor by which loads at rest follow more slowly in very tall structures ([`SweepBudget::downwards`]). Such structures sway slowly, and
 /// loads that follow the sway amplify it: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or
 /// stiffer springs, and drifts by 3 mm in a minute if they follow a tenth as fast.
-const SLOWER: f32 = 40.0;
+const TALL_SLOWDOWN: f32 = 40.0;
 
 /// Upper bound of the settings for sweeps per step.
 const SWEEPS: usize = 1_000_000;
@@ -266,7 +266,7 @@ impl SoftStep {
     /// The share by which loads at rest follow the impulses of this step.
     fn followed(&self, budget: SweepBudget) -> f32 {
         let slower = match budget.downwards {
-            true => SLOWER,
+            true => TALL_SLOWDOWN,
             false => 1.0,
         };
         (budget.sweeps() as f32 / (slower * self.preload_sweeps)).min(1.0)

@@ -4,7 +4,7 @@
 //! soon as sweep k is past its reach: no block that sweep k has yet to visit shares a body with it, so the visit finds the values that it
 //! would find after the whole of sweep k, and changes nothing that sweep k has yet to read. The work on a body between two sweeps is done
 //! right after the last block that holds it. So the result is that of sweeps one after the other, to the bit, on any number of threads.
-//! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind. Hands are visited with the
+//! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind. Grabs are visited with the
 //! block before which they stand ([`edges`](super::edges)), and that block counts their bodies as its own.
 //!
 //! Sweeps form groups, and those of one group follow each other on one thread: one sweep per thread would move every block from cache to
@@ -22,7 +22,7 @@
 use super::block::{Block, Pass, Points};
 use super::edges::EdgePlaces;
 use super::kinds::{Rigid, Soft};
-use crate::solver::grip::Held;
+use crate::solver::grab::ActiveGrab;
 use crate::solver::lanes::{F32xN, Kernel, State};
 use crate::solver::rounds::RoundEnds;
 use std::cell::Cell;
@@ -72,8 +72,8 @@ pub struct Work<'a, L: F32xN> {
     pub velocities: &'a mut [State],
     pub before: &'a mut [State],
     pub motions: &'a mut [State],
-    pub hands: &'a EdgePlaces,
-    pub grips: &'a mut [Held],
+    pub grab_places: &'a EdgePlaces,
+    pub grabs: &'a mut [ActiveGrab],
     /// The fastest correction, m/s.
     pub fastest: f32,
 }
@@ -160,8 +160,8 @@ impl Pipeline {
             velocities: Handed::new(work.velocities),
             before: Handed::new(work.before),
             motions: Handed::new(work.motions),
-            hands: work.hands,
-            grips: Handed::new(work.grips),
+            grab_places: work.grab_places,
+            grabs: Handed::new(work.grabs),
             fastest: work.fastest,
             groups: &groups,
             apart: shares.apart,
@@ -245,8 +245,8 @@ struct Shared<'a, L: F32xN> {
     velocities: Handed<'a, State>,
     before: Handed<'a, State>,
     motions: Handed<'a, State>,
-    hands: &'a EdgePlaces,
-    grips: Handed<'a, Held>,
+    grab_places: &'a EdgePlaces,
+    grabs: Handed<'a, ActiveGrab>,
     fastest: f32,
     groups: &'a [Group<'a, L>],
     apart: usize,
@@ -254,7 +254,7 @@ struct Shared<'a, L: F32xN> {
 
 /// One group, from its first visit to its last.
 ///
-/// Its sweeps access a block, its points, its hands and its moving bodies only after the sweep before is past the block's reach. So no
+/// Its sweeps access a block, its points, its grabs and its moving bodies only after the sweep before is past the block's reach. So no
 /// other thread accesses any of them at that time, nor until this sweep has passed them, which the counter tells the next group.
 struct PipelinedSweeps<'a, 'b, L: F32xN, D: Fn()> {
     shared: &'b Shared<'a, L>,
@@ -360,7 +360,7 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
             velocities,
             before,
             motions,
-            hands,
+            grab_places,
             ..
         } = self.shared;
         // SAFETY: see `PipelinedSweeps`.
@@ -368,7 +368,7 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
             let block = &mut blocks.range(number, number + 1)[0];
             (block, velocities.cells(), motions.cells(), before.cells())
         };
-        let held = match hands.is_empty() {
+        let held = match grab_places.is_empty() {
             true => 0.0,
             false => self.visit_hands(number),
         };
@@ -399,25 +399,25 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
         change
     }
 
-    /// Visits the hands that stand before a block. Returns Σ W Δλ², J.
+    /// Visits the grabs that stand before a block. Returns Σ W Δλ², J.
     #[inline(never)]
     fn visit_hands(&self, block: usize) -> f32 {
         let Shared {
             velocities,
             motions,
-            hands,
-            grips,
+            grab_places,
+            grabs,
             fastest,
             ..
         } = self.shared;
-        // SAFETY: see `PipelinedSweeps`: the block holds all bodies that its hands read or change.
+        // SAFETY: see `PipelinedSweeps`: the block holds all bodies that its grabs read or change.
         let (velocities, motions) = unsafe { (velocities.cells(), motions.cells()) };
         let mut change = 0.0;
-        for group in hands.before(block) {
-            for &hand in hands.edges_of(group) {
-                let hand = hand as usize;
-                // SAFETY: see `PipelinedSweeps`; no other block has this hand.
-                let held = unsafe { &mut grips.range(hand, hand + 1)[0] };
+        for group in grab_places.before(block) {
+            for &grab in grab_places.edges_of(group) {
+                let grab = grab as usize;
+                // SAFETY: see `PipelinedSweeps`; no other block has this grab.
+                let held = unsafe { &mut grabs.range(grab, grab + 1)[0] };
                 change += held.visit_among(velocities, motions, *fastest);
             }
         }

@@ -137,7 +137,7 @@ impl<L: F32xN> Island<L> {
         self.begin(problem, changed, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
         let h = problem.dt / substeps as f32;
-        self.hands.begin(problem, h, &mut self.grips);
+        self.grab_places.begin(problem, h, &mut self.grabs);
         self.refresh(problem, spring, &passes[0], f32::INFINITY);
         self.warm_start().sqrt()
     }
@@ -149,8 +149,8 @@ impl<L: F32xN> Island<L> {
             problem,
             rate,
         });
-        for (grip, held) in problem.grips.iter_mut().zip(&self.grips) {
-            *grip = held.found();
+        for (grab, held) in problem.grabs.iter_mut().zip(&self.grabs) {
+            *grab = held.found();
         }
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {

@@ -5,7 +5,7 @@
 //! behind the lap before it. In a *turn* every block is visited once, and each lap does its part of its own sweep. Contacts that share a
 //! body come in the same order as in sweeps one after the other: those of one lap because the turn keeps their order, those of two laps
 //! because a lap is at least as long as the distance between the first and the last contact of a body. The work on a body between two
-//! sweeps is done right after the last block that holds it. Hands stand before a block, in one of its laps ([`edges`](super::edges)). So
+//! sweeps is done right after the last block that holds it. Grabs stand before a block, in one of its laps ([`edges`](super::edges)). So
 //! the result is that of sweeps one after the other, to the bit.
 
 use super::block::Pass;
@@ -118,7 +118,7 @@ impl<L: F32xN> Island<L> {
         skewed.changes.iter().copied().for_each(tell);
     }
 
-    /// Visits each block once. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of hands by lap.
+    /// Visits each block once. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by lap.
     fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MOST]) {
         let mine = &passes[..self.batches.laps()];
         let all = |is: fn(&Pass) -> bool| mine.iter().all(|pass| pass.is_some_and(is));
@@ -152,7 +152,7 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// One visit to each block. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of hands by lap.
+/// One visit to each block. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by lap.
 struct Visits<'a, L: F32xN, K> {
     island: &'a mut Island<L>,
     skewed: &'a SkewedSweeps,
@@ -171,8 +171,8 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
             velocities,
             before,
             motions,
-            hands,
-            grips,
+            grab_places,
+            grabs,
             fastest,
             ..
         } = self.island;
@@ -184,16 +184,19 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
         };
         let mut change = L::ZERO;
         let mut held = [0.0; MOST];
-        let groups = hands.places.groups();
+        let groups = grab_places.places.groups();
         let mut group = 0;
         for (number, block) in blocks.iter_mut().enumerate() {
             while group < groups.len() && groups[group].block as usize == number {
                 let lap = groups[group].lap as usize;
                 if self.passes[lap].is_some() {
-                    held[lap] +=
-                        hands
-                            .places
-                            .visit(&groups[group], grips, velocities, motions, *fastest);
+                    held[lap] += grab_places.places.visit(
+                        &groups[group],
+                        grabs,
+                        velocities,
+                        motions,
+                        *fastest,
+                    );
                 }
                 group += 1;
             }

@@ -45,7 +45,7 @@ impl Joint {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
-            grips: &mut [],
+            grabs: &mut [],
             memory,
             threads: 1,
             ..*like

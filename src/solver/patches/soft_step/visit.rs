@@ -343,15 +343,18 @@ impl<L: F32xN, K: Kinds<L>> Rows<L, K> {
         let springs = &self.springs;
         let s = point.separation + point.approach(&springs.moved);
         let s = self.kinds.distance(s, point.gap);
-        let lost = point.load.mul_sub(springs.left, point.impulse).max(L::ZERO);
+        let lost = point
+            .rest_impulse
+            .mul_sub(springs.left, point.impulse)
+            .max(L::ZERO);
         let soft_mass = springs.mass_scale * point.mass;
         let held = springs
             .held
-            .neg_mul_add(point.load, springs.impulse_scale * point.impulse);
+            .neg_mul_add(point.rest_impulse, springs.impulse_scale * point.impulse);
         let held = springs.preload.mul_add(lost, held);
         let closed = soft_mass.mul_add((springs.bias_rate * s).max(springs.fastest), held);
         // The spring with all of its load rests where the surfaces meet, and reaches as far beyond as that load stretches it.
-        let (stretch, reach) = (s * point.mass, springs.reach * point.load);
+        let (stretch, reach) = (s * point.mass, springs.reach * point.rest_impulse);
         let gap = stretch.select_above(reach, s, L::ZERO);
         point.gap = self.kinds.visited(gap, point.gap);
         (

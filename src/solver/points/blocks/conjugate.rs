@@ -17,8 +17,8 @@ pub struct Conjugate<L: F32xN, C> {
     steps: Vec<Steps<L>>,
     /// By body: q, and v before the last sweep.
     motions: Vec<[State; 2]>,
-    /// By hand: p, N·s and N·m·s, and λ before the last sweep.
-    grips: Vec<[[Vec3; 2]; 2]>,
+    /// By grab: p, N·s and N·m·s, and λ before the last sweep.
+    grabs: Vec<[[Vec3; 2]; 2]>,
     /// Share of the direction by which points still have to move.
     beta: f32,
 }
@@ -39,8 +39,8 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
         Self {
             steps: vec![Steps::default(); blocks.points.len()],
             motions: velocities.map(|&v| [State::default(), v]).collect(),
-            grips: blocks
-                .grips
+            grabs: blocks
+                .grabs
                 .iter()
                 .map(|held| [[Vec3::ZERO; 2], held.impulse])
                 .collect(),
@@ -62,7 +62,7 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
     /// Moves by β along the direction. The new direction is β times itself plus the change of the last sweep.
     pub fn turn(&mut self, beta: f32) {
         self.beta = beta;
-        for (held, [direction, before]) in self.blocks.grips.iter_mut().zip(&mut self.grips) {
+        for (held, [direction, before]) in self.blocks.grabs.iter_mut().zip(&mut self.grabs) {
             for i in 0..2 {
                 let gradient = held.impulse[i] - before[i];
                 let step = beta * direction[i];

@@ -13,7 +13,7 @@ mod visit;
 
 use super::{Direction, PointConstraint, PointProblem};
 use crate::solver::batches::Batches;
-use crate::solver::grip::Held;
+use crate::solver::grab::ActiveGrab;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use block::{Block, Patches, Points};
 pub use cone::{Cone, Disc, Square};
@@ -36,8 +36,8 @@ pub struct Blocks<L: F32xN, C> {
     points: Vec<Points<L>>,
     /// By body. Then one entry that nothing moves, for lanes without a pair, and one that nothing reads.
     velocities: Vec<State>,
-    /// Hands. They are visited before the blocks, so that the contacts they press against decide last.
-    grips: Vec<Held>,
+    /// Grabs. They are visited before the blocks, so that the contacts they press against decide last.
+    grabs: Vec<ActiveGrab>,
     cone: PhantomData<C>,
 }
 
@@ -88,7 +88,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
             patches: &mut patches,
             points: &mut points,
         });
-        let grips = problem.held();
+        let grabs = problem.held();
         Self {
             batches,
             pairs,
@@ -96,7 +96,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
             patches,
             points,
             velocities,
-            grips,
+            grabs,
             cone: PhantomData,
         }
     }
@@ -107,9 +107,9 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
     }
 
     fn sweep_by<R: Relax<L>>(&mut self, direction: Direction, relax: R) -> f32 {
-        let grips = self.grips.iter_mut();
+        let grabs = self.grabs.iter_mut();
         let velocities = cells(&mut self.velocities);
-        let held: f32 = grips.map(|held| held.visit(velocities)).sum();
+        let held: f32 = grabs.map(|held| held.visit(velocities)).sum();
         let swept = L::run(Sweep {
             blocks: self,
             forwards: direction == Direction::Forwards,
@@ -132,8 +132,8 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
                 }
             }
         }
-        for (grip, held) in problem.grips.iter_mut().zip(&self.grips) {
-            *grip = held.found();
+        for (grab, held) in problem.grabs.iter_mut().zip(&self.grabs) {
+            *grab = held.found();
         }
         for (body, velocity) in problem.bodies.iter_mut().zip(&self.velocities) {
             if body.inverse_mass > 0.0 {

@@ -67,7 +67,7 @@ impl Solved {
         let changes = solve(&mut PointProblem {
             bodies: &mut bodies,
             constraints: &mut constraints,
-            grips: &mut [],
+            grabs: &mut [],
             dt: 0.1,
             free_merit: 1.0,
             record_history: false,

@@ -51,7 +51,7 @@ impl<L: F32xN> Block<L> {
         let (mut all, mut left) = (L::ZERO, L::ZERO);
         let mut cut = SpatialVec::default();
         for (point, &earlier) in points.iter_mut().zip(earlier) {
-            let kept = point.impulse.min(earlier.max(point.load));
+            let kept = point.impulse.min(earlier.max(point.rest_impulse));
             let kept = lanes.select_above(L::ZERO, kept, point.impulse);
             all += point.impulse;
             left += kept;

@@ -25,7 +25,7 @@ pub struct Place {
     pub lane: u32,
     /// The side of the patch on which the body is.
     pub side: u32,
-    /// The patch is steep, or a hand holds one of its bodies: sweeps visit it after any change.
+    /// The patch is steep, or a grab holds one of its bodies: sweeps visit it after any change.
     is_steep: bool,
 }
 
@@ -101,8 +101,8 @@ impl<L: F32xN> Hot<L> {
             blocks.grow(batches.blocks());
         }
         let up = up(problem);
-        // Sweeps visit hands every time, so contacts that a hand presses against must respond every time.
-        let is_held = |body: u32| problem.grips.iter().any(|grip| grip.body == body);
+        // Sweeps visit grabs every time, so contacts that a grab presses against must respond every time.
+        let is_held = |body: u32| problem.grabs.iter().any(|grab| grab.body == body);
         let places = (0..).zip(batches.iter()).flat_map(|(block, patches)| {
             patches.flat_map(move |(lane, patch)| {
                 let found = &problem.patches[patch as usize];

@@ -89,13 +89,13 @@ pub fn grow<L: F32xN>(problem: &mut PatchProblem, closed: f32) -> Grown {
 /// Removes all impulses and loads from contacts.
 fn clear(problem: &mut PatchProblem) {
     for patch in problem.patches.iter_mut() {
-        patch.warm_tangential = Default::default();
-        patch.warm_rolling = Default::default();
-        patch.load_tangential = Default::default();
-        (patch.warm_twist, patch.load_twist) = (0.0, 0.0);
+        patch.friction_impulse = Default::default();
+        patch.rolling_impulse = Default::default();
+        patch.rest_friction_impulse = Default::default();
+        (patch.twist_impulse, patch.rest_twist_impulse) = (0.0, 0.0);
     }
     for point in problem.points.iter_mut() {
-        (point.warm_normal, point.load) = (0.0, 0.0);
+        (point.normal_impulse, point.rest_impulse) = (0.0, 0.0);
     }
 }
 

@@ -122,11 +122,11 @@ impl Foot {
             let PatchPoint {
                 offset,
                 separation,
-                warm_normal,
+                normal_impulse,
                 ..
             } = problem.points[i];
-            let row = Row::new(body, patch.normal * sign, arm + offset, warm_normal);
-            let carries = separation <= closed || warm_normal > 0.0;
+            let row = Row::new(body, patch.normal * sign, arm + offset, normal_impulse);
+            let carries = separation <= closed || normal_impulse > 0.0;
             (carries && row.response > 0.0).then_some((i, row))
         };
         let normals: Vec<_> = patch.range().filter_map(point).collect();
@@ -135,7 +135,8 @@ impl Foot {
             patch: index,
             side,
             normals,
-            tangents: [t1, t2].map(|t| Row::new(body, t * sign, arm, t.dot(patch.warm_tangential))),
+            tangents: [t1, t2]
+                .map(|t| Row::new(body, t * sign, arm, t.dot(patch.friction_impulse))),
         })
     }
 
@@ -172,9 +173,14 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let index = patch.bodies[side] as usize;
             let (body, arm) = (&problem.bodies[index], patch.arms[side]);
-            push(body, &mut motions[index], sign * patch.warm_tangential, arm);
+            push(
+                body,
+                &mut motions[index],
+                sign * patch.friction_impulse,
+                arm,
+            );
             for point in &problem.points[patch.range()] {
-                let impulse = sign * point.warm_normal * patch.normal;
+                let impulse = sign * point.normal_impulse * patch.normal;
                 push(body, &mut motions[index], impulse, arm + point.offset);
             }
         }
@@ -290,15 +296,15 @@ impl Foot {
             )
         };
         for row in &self.tangents {
-            patch.warm_tangential += sign * row.gained();
+            patch.friction_impulse += sign * row.gained();
             load(row, patch.arms[other]);
         }
         for (i, row) in &self.normals {
             let point = &mut problem.points[*i];
             load(row, patch.arms[other] + point.offset);
             // The current impulse may differ from the load at rest, so only the change is added.
-            point.load = (point.load + (row.impulse - row.before)).max(0.0);
-            point.warm_normal = row.impulse;
+            point.rest_impulse = (point.rest_impulse + (row.impulse - row.before)).max(0.0);
+            point.normal_impulse = row.impulse;
         }
     }
 }

@@ -217,13 +217,13 @@ impl<L: F32xN> Island<L> {
                 let t1 = block.tangent.get(lane);
                 let t2 = patch.normal.cross(t1);
                 let [x, y] = block.tangential;
-                patch.warm_tangential = whole * (t1 * x[lane] + t2 * y[lane]);
-                patch.warm_twist = whole * block.twist[lane];
-                (patch.load_tangential, patch.load_twist) =
-                    (patch.warm_tangential, patch.warm_twist);
+                patch.friction_impulse = whole * (t1 * x[lane] + t2 * y[lane]);
+                patch.twist_impulse = whole * block.twist[lane];
+                (patch.rest_friction_impulse, patch.rest_twist_impulse) =
+                    (patch.friction_impulse, patch.twist_impulse);
                 for (point, found) in problem.points[patch.range()].iter_mut().zip(found) {
-                    point.warm_normal = whole * found.impulse[lane];
-                    point.load = point.warm_normal;
+                    point.normal_impulse = whole * found.impulse[lane];
+                    point.rest_impulse = point.normal_impulse;
                 }
             }
         }

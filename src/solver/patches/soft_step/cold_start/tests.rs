@@ -23,13 +23,14 @@ impl Masonry {
                     bodies[patch.bodies[side] as usize].apply(impulse, patch.arms[side] + offset);
                 }
             };
-            push(patch.warm_tangential, Vec3::ZERO);
+            push(patch.friction_impulse, Vec3::ZERO);
             for point in &self.points[patch.range()] {
-                push(point.warm_normal * patch.normal, point.offset);
+                push(point.normal_impulse * patch.normal, point.offset);
             }
             for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
                 let body = &mut bodies[patch.bodies[side] as usize];
-                body.angular += sign * (body.inverse_inertia * (patch.warm_twist * patch.normal));
+                body.angular +=
+                    sign * (body.inverse_inertia * (patch.twist_impulse * patch.normal));
             }
         }
         let speed = |body: &Body| body.linear.length().max(body.angular.length());
@@ -46,13 +47,13 @@ impl Masonry {
         assert!(unbalanced < 0.01, "{unbalanced} of gravity is left");
         for patch in &self.patches {
             let points = &self.points[patch.range()];
-            let carried: f32 = points.iter().map(|point| point.warm_normal).sum();
+            let carried: f32 = points.iter().map(|point| point.normal_impulse).sum();
             assert!(
                 points
                     .iter()
-                    .all(|p| p.warm_normal >= 0.0 && p.load == p.warm_normal)
+                    .all(|p| p.normal_impulse >= 0.0 && p.rest_impulse == p.normal_impulse)
             );
-            assert!(patch.warm_tangential.length() <= 1.001 * patch.friction * carried);
+            assert!(patch.friction_impulse.length() <= 1.001 * patch.friction * carried);
         }
     }
 }
@@ -104,7 +105,7 @@ fn a_tongue_is_not_squeezed_by_its_groove() {
             stands,
             "at {degrees}° {unbalanced} of gravity is left"
         );
-        let sides = masonry.points[4..].iter().map(|point| point.warm_normal);
+        let sides = masonry.points[4..].iter().map(|point| point.normal_impulse);
         let squeezed = sides.sum::<f32>() / (250.0 * G * DT);
         assert!(
             squeezed < 0.01,
@@ -125,7 +126,8 @@ fn a_brick_put_on_a_stack_is_carried_by_all_below() {
     let unbalanced = masonry.unbalanced();
     assert!(unbalanced < 0.01, "{unbalanced} of gravity is left");
     let weight = 1e3 * G * DT * 0.05f32.cos();
-    for points in [0..4, 16..20].map(|range| range.map(|i| masonry.points[i].load - before[i].load))
+    for points in
+        [0..4, 16..20].map(|range| range.map(|i| masonry.points[i].rest_impulse - before[i].rest_impulse))
     {
         let more: f32 = points.sum();
         assert!(
@@ -146,7 +148,11 @@ fn falling_and_hanging_bodies_hand_nothing_down() {
         .for_each(|point| point.separation = 1.0);
     for mut masonry in [thrown, hanging] {
         masonry.start();
-        assert!(masonry.points[4..].iter().all(|point| point.load == 0.0));
+        assert!(
+            masonry.points[4..]
+                .iter()
+                .all(|point| point.rest_impulse == 0.0)
+        );
     }
 }
 
@@ -157,15 +163,15 @@ fn supports_of_round_bodies_keep_their_loads() {
     let mut masonry = Masonry::stack(4, 0.0);
     masonry.start();
     for point in &mut masonry.points[4..] {
-        point.load = 0.0;
-        point.warm_normal *= 0.9;
+        point.rest_impulse = 0.0;
+        point.normal_impulse *= 0.9;
     }
     let before = masonry.points.clone();
     masonry.start();
     for (point, before) in masonry.points.iter().zip(before) {
         assert_eq!(
-            (point.load, point.warm_normal),
-            (before.load, before.warm_normal)
+            (point.rest_impulse, point.normal_impulse),
+            (before.rest_impulse, before.normal_impulse)
         );
     }
 }

@@ -3,7 +3,7 @@ use crate::solver::lanes::F32x4;
 use crate::solver::patches::soft_step::masonry::Masonry;
 use crate::solver::{Lanes, Memory, PatchProblem};
 
-/// A hand holds a body whose neighbours are visited long before and after it, so the blocks must not be skewed.
+/// A grab holds a body whose neighbours are visited long before and after it, so the blocks must not be skewed.
 #[test]
 fn blocks_are_not_skewed_if_laps_are_too_short_for_a_hand() {
     let mut stack = Masonry::stack(9, 0.0);
@@ -25,7 +25,7 @@ fn blocks_are_not_skewed_if_laps_are_too_short_for_a_hand() {
     let mut free = Masonry::stack(9, 0.0);
     let problem = free.problem(&mut memory);
     let freed = Kept::of(Some((kept, vec![])), &problem, Lanes::Four, None, false).0;
-    assert!(freed.island.batches.laps() > 1, "the hand has let go");
+    assert!(freed.island.batches.laps() > 1, "the grab has let go");
 }
 
 #[test]
@@ -42,8 +42,8 @@ fn a_hand_that_takes_hold_or_lets_go_leaves_the_blocks_as_they_are() {
             kept = Kept::of(Some((kept, vec![])), &problem, Lanes::Four, None, false).0;
             assert_eq!(kept.island.blocks.as_ptr(), first);
             assert_eq!(
-                kept.island.hands.places.is_empty(),
-                problem.grips.is_empty()
+                kept.island.grab_places.places.is_empty(),
+                problem.grabs.is_empty()
             );
         }
     }

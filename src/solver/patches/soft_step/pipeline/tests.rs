@@ -16,8 +16,8 @@ fn bits<L: F32xN>(island: &Island<L>, bodies: usize, changes: &[f32]) -> Vec<u32
         let states = states[..bodies].as_flattened();
         bits.extend(states.iter().flat_map(|v| v.to_array()).map(f32::to_bits));
     }
-    let grips = island.grips.iter().flat_map(|held| held.impulse);
-    bits.extend(grips.flat_map(|v| v.to_array()).map(f32::to_bits));
+    let grabs = island.grabs.iter().flat_map(|held| held.impulse);
+    bits.extend(grabs.flat_map(|v| v.to_array()).map(f32::to_bits));
     let impulses = island.points.iter().map(|point| point.impulse);
     bits.extend(impulses.flat_map(|impulse| (0..L::LANES).map(move |i| impulse[i].to_bits())));
     bits
@@ -30,8 +30,8 @@ fn equal<L: F32xN>(masonry: Masonry, batches: fn(usize, &PatchProblem) -> Batche
     let count = problem.bodies.len();
     let (mut alone, passes) = started::<L>(&problem, batches(L::LANES, &problem));
     let changes: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
-    // The changes of hands are added up in another order.
-    let told = |changes: Vec<f32>| match problem.grips.is_empty() {
+    // The changes of grabs are added up in another order.
+    let told = |changes: Vec<f32>| match problem.grabs.is_empty() {
         true => changes,
         false => Vec::new(),
     };

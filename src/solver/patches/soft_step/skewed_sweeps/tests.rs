@@ -19,12 +19,20 @@ fn found<L: F32xN>(island: &Island<L>, mut masonry: Masonry) -> Vec<f32> {
         add(&body.motion.unwrap());
     }
     for patch in &masonry.patches {
-        let twists = Vec3::new(patch.warm_twist, patch.dragged.twist, 0.0);
-        add(&[patch.tangential, patch.warm_tangential, patch.warm_rolling]);
-        add(&[patch.load_tangential, patch.dragged.shift, twists]);
+        let twists = Vec3::new(patch.twist_impulse, patch.dragged.twist, 0.0);
+        add(&[
+            patch.tangential,
+            patch.friction_impulse,
+            patch.rolling_impulse,
+        ]);
+        add(&[patch.rest_friction_impulse, patch.dragged.shift, twists]);
     }
     for point in &masonry.points {
-        add(&[Vec3::new(point.normal, point.warm_normal, point.load)]);
+        add(&[Vec3::new(
+            point.normal,
+            point.normal_impulse,
+            point.rest_impulse,
+        )]);
     }
     numbers
 }
@@ -45,7 +53,11 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
     let one_by_one: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
     let (mut skewed, passes) = started::<L>(&problem, skewed(L::LANES, &problem));
     assert!(skewed.batches.laps() > 1, "{name} in {} lanes", L::LANES);
-    assert!(skewed.hands.fit_laps(), "{name} in {} lanes", L::LANES);
+    assert!(
+        skewed.grab_places.fit_laps(),
+        "{name} in {} lanes",
+        L::LANES
+    );
     assert!(skewed.blocks.len() < alone.blocks.len());
     let mut at_once = Vec::new();
     let mut found_once = SkewedSweeps::new(&skewed, &problem);
@@ -59,7 +71,7 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
         );
     }
     assert_eq!(one_by_one.len(), at_once.len());
-    for (one, other) in alone.grips.iter().zip(&skewed.grips) {
+    for (one, other) in alone.grabs.iter().zip(&skewed.grabs) {
         assert_eq!(one.impulse, other.impulse, "{name}");
         assert!(one.impulse[0].length() > 0.0);
     }

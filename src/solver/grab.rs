@@ -1,9 +1,9 @@
-//! A grip: a hand on a body, solved with its contacts. It consists of two constraints to the world, on the velocity of a held point and on
-//! the spin, with limited impulses.
+//! A grab holds a body with limited force and is solved with its contacts. It consists of two constraints to the world, on the velocity of a
+//! held point and on the spin, with limited impulses.
 //!
-//! A hand pulls its point towards a target. It asks for the speed with which the point gets there in time, by a law of first order, but no
+//! A grab pulls its point towards a target. It asks for the speed with which the point gets there in time, by a law of first order, but no
 //! faster than it could still brake. It holds that speed with any force up to its own limit, so a load does not make it sag at any step
-//! length. A body that is pressed against others stays where it is: the hand does not ask for motions that [walls](super::walls) do not
+//! length. A body that is pressed against others stays where it is: the grab does not ask for motions that [walls](super::walls) do not
 //! allow.
 
 use super::Body;
@@ -13,10 +13,10 @@ use super::walls::{self, Wall};
 use glam::{Mat3, Vec3, Vec4};
 use std::cell::Cell;
 
-/// The share of a hand's strength that it reserves for braking; the rest may carry a load.
+/// The share of a grab's strength that it reserves for braking; the rest may carry a load.
 const BRAKES: f32 = 0.5;
 
-/// The largest rotation of a body by a pull in one step, rad, if the torque of the hand cannot stop as much. Within a step a rotating body
+/// The largest rotation of a body by a pull in one step, rad, if the torque of the grab cannot stop as much. Within a step a rotating body
 /// moves as if along a tangent; with larger rotations, a body that is pulled by a corner would be thrown back and forth.
 const TURN: f32 = 0.5;
 
@@ -24,18 +24,18 @@ const TURN: f32 = 0.5;
 /// were detected.
 const TURN_NEAR_WALLS: f32 = 0.25;
 
-/// The input of a solver for a hand, and its results. World axes.
+/// The input of a solver for a grab, and its results. World axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Grip {
+pub struct GrabConstraint {
     /// Index of the held body among the problem's.
     pub body: u32,
     /// From the centre of mass to the held point, m.
     pub arm: Vec3,
     /// From the target of the point to its position, m.
     pub error: Vec3,
-    /// From the target rotation of the body to its rotation, rad; zero if the hand only stops the spin.
+    /// From the target rotation of the body to its rotation, rad; zero if the grab only stops the spin.
     pub turn: Vec3,
-    /// Masks of the world axes along which the hand pulls, and about which it turns: 1 for these axes, 0 for others.
+    /// Masks of the world axes along which the grab pulls, and about which it turns: 1 for these axes, 0 for others.
     pub axes: [Vec3; 2],
     /// Time in which an error decreases to 1/e, s.
     pub response: f32,
@@ -51,10 +51,10 @@ pub struct Grip {
     pub torque: Vec3,
 }
 
-/// A grip during a step or substep of `h` s.
+/// A grab during a step or substep of `h` s.
 #[derive(Clone, Debug)]
-pub(super) struct Held {
-    pub grip: Grip,
+pub(super) struct ActiveGrab {
+    pub grab: GrabConstraint,
     h: f32,
     /// Time in which an error decreases to 1/e, s.
     time: f32,
@@ -76,30 +76,30 @@ pub(super) struct Held {
     walls: Vec<Wall>,
 }
 
-impl Held {
-    pub fn new(grip: &Grip, body: &Body, h: f32) -> Self {
-        let arm = grip.arm;
+impl ActiveGrab {
+    pub fn new(grab: &GrabConstraint, body: &Body, h: f32) -> Self {
+        let arm = grab.arm;
         let skew = Mat3::from_cols(arm.cross(Vec3::X), arm.cross(Vec3::Y), arm.cross(Vec3::Z));
         let inertia = body.inverse_inertia;
         let response =
             Mat3::from_diagonal(Vec3::splat(body.inverse_mass)) + skew.transpose() * inertia * skew;
         let eases = [body.inverse_mass, trace(&inertia) / 3.0];
-        let strengths = [grip.max_force, grip.max_torque];
-        let [reach, spin] = [(response, grip.axes[0]), (inertia, grip.axes[1])].map(within);
+        let strengths = [grab.max_force, grab.max_torque];
+        let [reach, spin] = [(response, grab.axes[0]), (inertia, grab.axes[1])].map(within);
         let mut held = Self {
-            grip: *grip,
+            grab: *grab,
             h,
-            time: grip.response.max(h),
+            time: grab.response.max(h),
             fastest_turns: [f32::INFINITY; 2],
             wanted: [Vec3::ZERO; 2],
-            masses: [(reach, grip.axes[0]), (spin, grip.axes[1])].map(inverse_within),
+            masses: [(reach, grab.axes[0]), (spin, grab.axes[1])].map(inverse_within),
             least: [reach, spin].map(|w| trace(&w).max(f32::MIN_POSITIVE).recip()),
             inverse_mass: body.inverse_mass,
             inverse_inertia: inertia,
             braking: std::array::from_fn(|i| (2.0 * BRAKES * strengths[i] * eases[i]).sqrt()),
             impulse: [
-                h * grip.force * grip.axes[0],
-                h * grip.torque * grip.axes[1],
+                h * grab.force * grab.axes[0],
+                h * grab.torque * grab.axes[1],
             ],
             walls: Vec::new(),
         };
@@ -107,7 +107,7 @@ impl Held {
         held
     }
 
-    /// Adapts the grip to a step of `dt` s, which may have several substeps, and to the walls of its body. Contacts and arms are those of
+    /// Adapts the grab to a step of `dt` s, which may have several substeps, and to the walls of its body. Contacts and arms are those of
     /// the beginning of the step, so an error takes at least `dt` to fade, and the body turns by no more than [`TURN`] or
     /// [`TURN_NEAR_WALLS`].
     pub fn in_step(self, dt: f32, walls: Vec<Wall>) -> Self {
@@ -116,7 +116,7 @@ impl Held {
             false => (TURN_NEAR_WALLS / dt, TURN_NEAR_WALLS / dt),
         };
         let ease = trace(&self.inverse_inertia) / 3.0;
-        let holds = self.grip.max_torque * ease * dt >= pulled;
+        let holds = self.grab.max_torque * ease * dt >= pulled;
         let mut held = Self {
             time: self.time.max(dt),
             fastest_turns: [if holds { f32::INFINITY } else { pulled }, turned],
@@ -130,7 +130,7 @@ impl Held {
     /// Updates the walls and the wanted velocities in a substep, from the motions of bodies since detection. Contacts correct no faster
     /// than `fastest`, m/s.
     fn aim_among(&mut self, motions: &[Cell<State>], fastest: f32) {
-        let body = self.grip.body;
+        let body = self.grab.body;
         for wall in &mut self.walls {
             wall.aim(body, motions, self.h, fastest);
         }
@@ -139,13 +139,13 @@ impl Held {
 
     /// Sets the wanted velocities, after its body has moved and turned since the step began.
     pub fn aim(&mut self, [moved, turned]: [Vec3; 2]) {
-        let Grip {
+        let GrabConstraint {
             arm,
             error,
             turn,
             axes,
             ..
-        } = self.grip;
+        } = self.grab;
         let time = self.time;
         let towards = |error: Vec3, braking: f32, fastest: f32| {
             let distance = error.length();
@@ -166,7 +166,7 @@ impl Held {
                 self.fastest_turns[1],
             ),
         };
-        let velocity = towards(error, self.braking[0], self.grip.max_speed);
+        let velocity = towards(error, self.braking[0], self.grab.max_speed);
         let turned = self.inverse_inertia * arm.cross(self.masses[0] * velocity);
         let share = match turned.length() > self.fastest_turns[0] {
             true => self.fastest_turns[0] / turned.length(),
@@ -177,7 +177,7 @@ impl Held {
 
     /// Applies its warm-start impulses to its body.
     pub fn start(&self, velocities: &[Cell<State>]) {
-        add(&velocities[self.grip.body as usize], self.warm_start());
+        add(&velocities[self.grab.body as usize], self.warm_start());
     }
 
     /// Change of the linear and angular velocity of its body by its impulses.
@@ -195,10 +195,10 @@ impl Held {
         let wanted = self.allowed([linear, angular], other);
         let spun = self.give(1, wanted[1] - angular);
         let turned = self.answer([Vec3::ZERO, spun]);
-        let velocity = linear + (angular + turned[1]).cross(self.grip.arm);
+        let velocity = linear + (angular + turned[1]).cross(self.grab.arm);
         let pushed = self.give(0, wanted[0] - velocity);
         let moved = self.answer([pushed, Vec3::ZERO]);
-        let change = spun.dot(turned[1]) + pushed.dot(moved[0] + moved[1].cross(self.grip.arm));
+        let change = spun.dot(turned[1]) + pushed.dot(moved[0] + moved[1].cross(self.grab.arm));
         ([moved[0], turned[1] + moved[1]], change)
     }
 
@@ -211,9 +211,9 @@ impl Held {
         if self.walls.is_empty() {
             return self.wanted;
         }
-        // A hand that cannot turn its body leaves its spin free, and also its motion along axes other than its own.
-        let Grip { arm, axes, .. } = self.grip;
-        let turns = match self.grip.max_torque > 0.0 {
+        // A grab that cannot turn its body leaves its spin free, and also its motion along axes other than its own.
+        let GrabConstraint { arm, axes, .. } = self.grab;
+        let turns = match self.grab.max_torque > 0.0 {
             true => axes[1],
             false => Vec3::ZERO,
         };
@@ -232,8 +232,8 @@ impl Held {
     /// [`relax`](Self::relax) with the velocities of all bodies. Returns Σ W Δλ², J.
     pub fn visit(&mut self, velocities: &[Cell<State>]) -> f32 {
         let of = |body: u32| velocities[body as usize].get().map(Vec4::truncate);
-        let (moved, change) = self.relax(of(self.grip.body), of);
-        add(&velocities[self.grip.body as usize], moved);
+        let (moved, change) = self.relax(of(self.grab.body), of);
+        add(&velocities[self.grab.body as usize], moved);
         change
     }
 
@@ -255,23 +255,23 @@ impl Held {
         self.relax(velocity, |_| [Vec3::ZERO; 2]).1
     }
 
-    /// The grip with its resulting force and torque.
-    pub fn found(&self) -> Grip {
-        Grip {
+    /// The grab with its resulting force and torque.
+    pub fn found(&self) -> GrabConstraint {
+        GrabConstraint {
             force: self.impulse[0] / self.h,
             torque: self.impulse[1] / self.h,
-            ..self.grip
+            ..self.grab
         }
     }
 
     /// Adds to an impulse to correct a missing velocity, as far as its strength allows. Returns the amount that was added.
     fn give(&mut self, i: usize, missing: Vec3) -> Vec3 {
-        let most = [self.grip.max_force, self.grip.max_torque][i] * self.h;
+        let most = [self.grab.max_force, self.grab.max_torque][i] * self.h;
         let before = self.impulse[i];
         let mut after = before + self.masses[i] * missing;
         if after.length_squared() > most * most {
             // At its limit, the impulse points in the direction of the missing velocity; an effective mass would turn it.
-            let missing = missing * self.grip.axes[i];
+            let missing = missing * self.grab.axes[i];
             after = (before + self.least[i] * missing).clamp_length_max(most);
         }
         self.impulse[i] = after;
@@ -281,7 +281,7 @@ impl Held {
     fn answer(&self, [push, twist]: [Vec3; 2]) -> [Vec3; 2] {
         [
             self.inverse_mass * push,
-            self.inverse_inertia * (self.grip.arm.cross(push) + twist),
+            self.inverse_inertia * (self.grab.arm.cross(push) + twist),
         ]
     }
 }

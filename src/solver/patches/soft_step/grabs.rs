@@ -1,17 +1,17 @@
-//! The hands on the bodies of an island, and their places among its blocks.
+//! The grabs on the bodies of an island, and their places among its blocks.
 
 use super::edges::{EdgePlaces, Group, Visits};
 use crate::solver::batches::Batches;
 use crate::solver::by_body::ByBody;
-use crate::solver::grip::Held;
+use crate::solver::grab::ActiveGrab;
 use crate::solver::lanes::State;
 use crate::solver::walls::{self, Walls};
-use crate::solver::{Grip, PatchProblem};
+use crate::solver::{GrabConstraint, PatchProblem};
 use std::cell::Cell;
 
-/// The places of hands. They are found when bodies are grabbed, and kept while the same bodies are held and the blocks live.
+/// The places of grabs. They are found when bodies are grabbed, and kept while the same bodies are held and the blocks live.
 #[derive(Default)]
-pub struct Hands {
+pub struct GrabPlaces {
     /// The bodies that are held.
     held: Vec<u32>,
     /// By body: its patches.
@@ -19,11 +19,11 @@ pub struct Hands {
     pub places: EdgePlaces,
 }
 
-impl Hands {
-    /// Finds the places of hands if other bodies are held than in the last step; returns whether it did. A hand reads its body and the
+impl GrabPlaces {
+    /// Finds the places of grabs if other bodies are held than in the last step; returns whether it did. A grab reads its body and the
     /// bodies that it touches, since it may [lean](walls) against them.
     pub fn place(&mut self, batches: &Batches, problem: &PatchProblem) -> bool {
-        let held = problem.grips.iter().map(|grip| grip.body);
+        let held = problem.grabs.iter().map(|grab| grab.body);
         if self.held.iter().copied().eq(held.clone()) {
             return false;
         }
@@ -55,10 +55,10 @@ impl Hands {
         self.places.is_empty() || self.places.fits_laps
     }
 
-    /// Prepares the hands for the first substep, of `h` s.
-    pub fn begin(&self, problem: &PatchProblem, h: f32, grips: &mut Vec<Held>) {
-        grips.clear();
-        if problem.grips.is_empty() {
+    /// Prepares the grabs for the first substep, of `h` s.
+    pub fn begin(&self, problem: &PatchProblem, h: f32, grabs: &mut Vec<ActiveGrab>) {
+        grabs.clear();
+        if problem.grabs.is_empty() {
             return;
         }
         let contact = |patch: usize| {
@@ -66,27 +66,27 @@ impl Hands {
             (patch.bodies, patch.normal)
         };
         let walls = Walls::new(&self.patches, problem.bodies, contact);
-        grips.extend(problem.grips.iter().map(|grip: &Grip| {
-            let held = Held::new(grip, &problem.bodies[grip.body as usize], h);
-            held.in_step(problem.dt, walls.among_patches(grip.body, problem))
+        grabs.extend(problem.grabs.iter().map(|grab: &GrabConstraint| {
+            let held = ActiveGrab::new(grab, &problem.bodies[grab.body as usize], h);
+            held.in_step(problem.dt, walls.among_patches(grab.body, problem))
         }));
     }
 }
 
 impl EdgePlaces {
-    /// Visits the hands of a group. Returns Σ W Δλ², J.
+    /// Visits the grabs of a group. Returns Σ W Δλ², J.
     #[inline(never)]
     pub fn visit(
         &self,
         group: &Group,
-        grips: &mut [Held],
+        grabs: &mut [ActiveGrab],
         velocities: &[Cell<State>],
         motions: &[Cell<State>],
         fastest: f32,
     ) -> f32 {
         let mut change = 0.0;
         for &edge in self.edges_of(group) {
-            change += grips[edge as usize].visit_among(velocities, motions, fastest);
+            change += grabs[edge as usize].visit_among(velocities, motions, fastest);
         }
         change
     }

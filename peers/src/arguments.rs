@@ -1,12 +1,9 @@
 //! The command line.
 
-use crate::compare::Course;
-use crate::peer::Peer;
-use crate::rapier;
-use crate::scene::Conditions;
+use crate::run::RunArguments;
 use crate::table::Table;
-use clap::{Args, Parser, Subcommand};
-use drystone_lab::scenes::{Ground, KNOWN, Scene};
+use clap::{Parser, Subcommand};
+use drystone_lab::scenes::{KNOWN, Scene};
 
 /// Simulates scenes in drystone and in other engines and prints what became of them.
 #[derive(Parser)]
@@ -35,98 +32,10 @@ pub enum Command {
     Table(Table),
 }
 
-/// How engines are run, whatever is done with what becomes of it.
-#[derive(Args, Clone)]
-pub struct RunArguments {
-    /// Another engine; may be given several times. All that this build has if none is.
-    #[arg(long, value_enum)]
-    engine: Vec<Peer>,
-    /// How many steps.
-    #[arg(long, default_value_t = 600, value_parser = count)]
-    steps: usize,
-    /// Steps that an engine takes before it is the next one's turn.
-    #[arg(long, default_value_t = 30, value_parser = count)]
-    turn: usize,
-    /// Length of a step, s.
-    #[arg(long, default_value_t = 1.0 / 60.0, value_parser = length)]
-    dt: f32,
-    /// What scenes stand on.
-    #[arg(long, default_value_t)]
-    ground: Ground,
-    /// Threads of each engine; of Rapier more than one with the feature `parallel`.
-    #[arg(long, default_value_t = 1, value_parser = threads)]
-    threads: usize,
-    /// Rapier's num_solver_iterations; its default if not given.
-    #[arg(long, value_parser = count)]
-    rapier_iterations: Option<usize>,
-    /// What Rapier gets for a half-space.
-    #[arg(long, value_enum, default_value = "slab")]
-    rapier_ground: rapier::Ground,
-}
-
-impl RunArguments {
-    pub fn conditions(&self) -> Conditions {
-        Conditions {
-            dt: self.dt,
-            threads: self.threads,
-            ground: self.ground,
-        }
-    }
-
-    pub fn course(&self) -> Course {
-        Course {
-            steps: self.steps,
-            turn: self.turn,
-        }
-    }
-
-    /// Each once, in the order in which they were named first.
-    pub fn peers(&self) -> Vec<Peer> {
-        let named = match self.engine.is_empty() {
-            true => Peer::BUILT,
-            false => &self.engine,
-        };
-        let mut peers = Vec::new();
-        for &peer in named {
-            if !peers.contains(&peer) {
-                peers.push(peer);
-            }
-        }
-        peers
-    }
-
-    pub fn rapier(&self) -> rapier::Options {
-        rapier::Options {
-            iterations: self.rapier_iterations,
-            ground: self.rapier_ground,
-        }
-    }
-}
-
-pub fn count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(n) if n > 0 => Ok(n),
-        _ => Err("must be a whole number above 0".into()),
-    }
-}
-
-fn length(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(dt) if (1e-6..=1.0).contains(&dt) => Ok(dt),
-        _ => Err("must be a number from 0.000001 to 1".into()),
-    }
-}
-
-fn threads(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(n) if (1..=256).contains(&n) => Ok(n),
-        _ => Err("must be a whole number from 1 to 256".into()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::peer::Peer;
 
     fn parsed(line: &str) -> Result<Arguments, clap::Error> {
         Arguments::try_parse_from(line.split(' '))

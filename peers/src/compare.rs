@@ -1,10 +1,10 @@
 //! One comparison: all engines from the same start, in turns.
 
-use crate::arguments::RunArguments;
 use crate::engine::{Effort, Engine};
 use crate::meter::{Metered, Outcome};
 use crate::own::Drystone;
 use crate::peer::Start;
+use crate::run::{Course, RunArguments};
 use crate::scene::{self, Conditions};
 use drystone::prelude::RigidBody;
 use drystone::settings::Gravity;
@@ -27,17 +27,6 @@ pub struct Entry {
     pub name: &'static str,
     pub effort: Option<Effort>,
     pub outcome: Outcome,
-}
-
-/// How long the engines run, and how they take turns.
-#[derive(Clone, Copy, Debug)]
-pub struct Course {
-    /// Of each engine.
-    pub steps: usize,
-    /// Steps that an engine takes before it is the next one's turn. Turns let what else the machine does meet all alike. Turns of
-    /// one step would wrong the faster engine: it finds its caches and its core cold after each long step of another, and Rapier
-    /// takes up to twice its time then.
-    pub turn: usize,
 }
 
 /// # Errors

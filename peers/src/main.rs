@@ -17,6 +17,7 @@ mod own;
 mod peer;
 mod rapier;
 mod report;
+mod run;
 mod scene;
 mod table;
 #[cfg(test)]

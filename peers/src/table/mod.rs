@@ -3,9 +3,9 @@
 mod plot;
 mod text;
 
-use crate::arguments::{RunArguments, count};
 use crate::compare::{self, Comparison};
 use crate::meter::Outcome;
+use crate::run::{RunArguments, count};
 use clap::Args;
 use drystone_lab::scenes::Scene;
 use std::fs;

@@ -1,7 +1,7 @@
 //! The table as Markdown and as CSV.
 
 use super::{Cell, Row};
-use crate::arguments::RunArguments;
+use crate::run::RunArguments;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;

@@ -139,6 +139,10 @@ impl Levels {
         }
         // A new link may have ended again since, so both lists are checked against the current links.
         for &slot in lost.iter().chain(linked.as_flattened()) {
+            // A ground is at one end of many links, and has many neighbours.
+            if kind(slot) != Kind::Dynamic {
+                continue;
+            }
             let below = graph.neighbours(slot).map(|n| levels[n as usize]);
             let below = below.min().filter(|&below| below != Self::NONE);
             queue.extend(below.map(|below| Reverse((below + 1, slot))));

@@ -105,8 +105,8 @@ fn cylinders_and_cones_cost_three_cubes_at_most() {
     }
 }
 
-/// So many cubes on a static slab each asleep, 2 m apart.
-fn sleepers(count: usize) -> (Lab, Vec<Entity>) {
+/// So many cubes on the ground, asleep, 2 m apart, before the first step.
+fn spawn_sleepers(count: usize) -> (Lab, Vec<Entity>) {
     let mut lab = lab(true);
     lab.ground();
     let side = (count as f32).sqrt().ceil() as usize;
@@ -125,6 +125,12 @@ fn sleepers(count: usize) -> (Lab, Vec<Entity>) {
     });
     let cubes: Vec<_> = cubes.collect();
     let cubes: Vec<Entity> = lab.world.spawn_batch(cubes).collect();
+    (lab, cubes)
+}
+
+/// The same after some steps.
+fn sleepers(count: usize) -> (Lab, Vec<Entity>) {
+    let (mut lab, cubes) = spawn_sleepers(count);
     lab.run(0.1);
     let rests = |&cube: &Entity| lab.world.get::<Inactive>(cube).is_some();
     assert!(cubes.iter().all(rests));
@@ -178,6 +184,20 @@ fn one_more_static_beside_many_bodies_is_cheap() {
         println!("one more beside {what}: {took:.3} ms, without {nothing:.3} ms");
         assert!(took <= 0.5, "beside {what} {took:.3} ms");
     }
+}
+
+/// The levels of support looked through all contacts of the ground for each new one.
+#[test]
+fn many_bodies_that_meet_one_ground_in_one_step_are_cheap() {
+    let (mut lab, _) = spawn_sleepers(50_000);
+    let steps = (0..3).map(|_| {
+        lab.step();
+        let profile = lab.world.resource::<Profile>();
+        profile.system("islands").expect("it ran")
+    });
+    let longest = steps.max().expect("there are three");
+    println!("islands: {:.1} ms", milliseconds(longest));
+    assert!(longest < Duration::from_secs(1), "{longest:?}");
 }
 
 /// A floor of 5 000 cubes on one plate.

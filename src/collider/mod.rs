@@ -282,7 +282,7 @@ impl Collider {
     /// parry.
     pub(crate) fn mass_properties(&self) -> parry3d::mass_properties::MassProperties {
         let solid = self.solid.moments(&self.shape);
-        let found = solid.map_or_else(|| self.shape.mass_properties(1.0), solid::rounded);
+        let found = solid.map_or_else(|| self.shape.mass_properties(1.0), solid::to_parry_mass);
         let bounds = self.shape.compute_local_aabb();
         // An open mesh encloses no volume. Its centre of mass from parry may lie anywhere, but contacts are computed relative to it.
         match self.is_surface() && !bounds.contains_local_point(found.local_com) {

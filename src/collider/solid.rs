@@ -1,4 +1,4 @@
-//! The polyhedra of a collider, beside its parry shape. The parry shape is used for ray casts, bounding boxes and round shapes.
+//! The polyhedra of a collider, which contact detection uses. The parry shape is used for ray casts, bounding boxes and round shapes.
 
 use super::{ColliderError, Moments, Polyhedron};
 use glam::DVec3;
@@ -6,19 +6,19 @@ use parry3d::mass_properties::MassProperties;
 use parry3d::shape::{ConvexPolyhedron, SharedShape};
 use std::sync::Arc;
 
-/// The polyhedra of a collider. A cuboid needs none: it is given by its half extents.
+/// The polyhedra of a collider. A cuboid has none, because its half extents are enough.
 #[derive(Clone, Debug)]
 pub(crate) enum Solid {
-    /// Parry's alone: curved, composite, a box, or flat.
+    /// No polyhedron: the shape is curved, a box, a surface, or flat.
     Other,
-    /// Of a convex hull.
+    /// The polyhedron of a convex hull.
     Hull(Arc<Polyhedron>),
-    /// Of each part of a compound.
+    /// The polyhedron of each part of a compound that is a convex hull.
     Parts(Arc<[Option<Arc<Polyhedron>>]>),
 }
 
 impl Solid {
-    /// Of a shape that was made by parry. A hull that is none but by parry's rules stays parry's.
+    /// The polyhedra of a parry shape. A hull that is valid only by parry's rules gets none.
     pub fn of(shape: &SharedShape) -> Self {
         let Some(compound) = shape.as_compound() else {
             return hull(shape).map_or(Self::Other, Self::Hull);
@@ -41,7 +41,7 @@ impl Solid {
         }
     }
 
-    /// Those of hulls, and of compounds with hulls in them; none where parry's are as good.
+    /// The moments of a hull, or of a compound with hulls in it. Returns `None` for other shapes, for which parry's are accurate.
     pub fn moments(&self, shape: &SharedShape) -> Option<Moments> {
         match self {
             Self::Other => None,
@@ -50,7 +50,9 @@ impl Solid {
                 hulls.iter().flatten().next()?;
                 let parts = shape.as_compound()?.shapes().iter().zip(&**hulls);
                 let moments = parts.map(|((at, part), hull)| {
-                    let moments = hull.as_ref().map_or_else(|| doubled(part), |h| h.moments());
+                    let moments = hull
+                        .as_ref()
+                        .map_or_else(|| parry_moments(part), |h| h.moments());
                     moments.placed(at.translation.as_dvec3(), at.rotation.as_dquat())
                 });
                 Some(Moments::sum(&moments.collect::<Vec<_>>()))
@@ -64,8 +66,8 @@ fn hull(shape: &SharedShape) -> Option<Arc<Polyhedron>> {
     Polyhedron::new(points).ok().map(Arc::new)
 }
 
-/// Parry's, in double precision.
-fn doubled(shape: &SharedShape) -> Moments {
+/// The moments that parry computes for a shape, converted to double precision.
+fn parry_moments(shape: &SharedShape) -> Moments {
     let unit = shape.mass_properties(1.0);
     let inverse = |x: f32| if x > 0.0 { f64::from(x).recip() } else { 0.0 };
     Moments::new(
@@ -76,8 +78,8 @@ fn doubled(shape: &SharedShape) -> Moments {
     )
 }
 
-/// As parry has them, in single precision.
-pub(super) fn rounded(moments: Moments) -> MassProperties {
+/// Converts moments to parry's mass properties, in single precision.
+pub(super) fn to_parry_mass(moments: Moments) -> MassProperties {
     let (principal, axes) = moments.principal();
     MassProperties {
         local_com: moments.centroid.as_vec3(),
@@ -87,11 +89,13 @@ pub(super) fn rounded(moments: Moments) -> MassProperties {
     }
 }
 
-/// Of the same corners. Parry takes facets up to 1.5° apart for one face; of what has no other edges it makes no face at all, and
-/// then panics at the first contact.
+/// Creates parry's shape with the same corners.
 ///
-/// It follows the outlines of its faces from facet to facet, which neither fails nor goes on without end where each edge has two
-/// facets that run along it in opposite ways, as those of a [`Polyhedron`] do.
+/// Parry merges facets up to 1.5° apart into one face. If all edges of a hull are that flat, parry's hull has no face and panics at the first contact,
+/// so such a hull is an error.
+///
+/// Parry follows the outlines of faces from facet to facet. This always terminates, because each edge of a [`Polyhedron`] has two facets that
+/// traverse it in opposite directions.
 pub(super) fn to_parry(polyhedron: &Polyhedron) -> Result<SharedShape, ColliderError> {
     let points = polyhedron.points.to_vec();
     let count = points.len();
@@ -110,9 +114,9 @@ mod tests {
     use parry3d::shape::SharedShape;
     use std::f32::consts::PI;
 
-    /// Two wedges, and a box beside them.
+    /// The compound consists of two wedges that form a box, and a box beside them.
     #[test]
-    fn parts_weigh_what_the_whole_does() {
+    fn a_compound_has_the_moments_of_the_whole() {
         let wedge = Collider::wedge(1.0, 0.5, 2.0).expect("a wedge");
         let turned = Quat::from_rotation_z(PI);
         let cuboid = Collider::cuboid(1.0, 0.5, 2.0);

@@ -1,4 +1,4 @@
-//! How faces join, and whether they make a polyhedron.
+//! Builds a [`Polyhedron`] from the outlines of its faces, and checks that they form a closed convex surface.
 
 use super::lattice::Lattice;
 use super::outlines::newell;
@@ -6,12 +6,15 @@ use super::{Edge, Face, Polyhedron};
 use crate::collider::ColliderError;
 use glam::{DVec3, Vec3};
 
-/// A corner may be outside a face by so many times what counts as on it: faces were each fitted to more than their corners.
+/// Tolerance for a corner outside the plane of a face, as a multiple of the lattice's slack. It is larger than 1 because a plane was fitted to
+/// more vertices than the corners that are left.
 const OFF: f64 = 2.0;
 
+/// Builds a polyhedron from the outlines of its faces.
+///
 /// # Errors
-/// [`ColliderError::TooManyCorners`]; [`ColliderError::DegenerateHull`] where the outlines are not those of a convex polyhedron
-/// thicker than what rounding makes of a flat one.
+/// [`ColliderError::TooManyCorners`] if there are too many corners. [`ColliderError::DegenerateHull`] if the outlines are not those of a convex
+/// polyhedron, or if it is so thin that only rounding gives it a volume.
 pub(super) fn join(
     points: &[Vec3],
     lattice: &Lattice,
@@ -75,7 +78,8 @@ pub(super) fn join(
     }
 }
 
-/// None where it is no polygon, or points are outside of it, or all are as good as in its plane.
+/// Returns the face with these corners. Returns `None` if they do not form a polygon, if some points are outside its plane, or if all points are
+/// almost in its plane.
 fn face(
     points: &[Vec3],
     corners: &[u16],
@@ -103,7 +107,7 @@ fn face(
     })
 }
 
-/// The edges, and for each corner of a face which of them leads on from it; none where one has not two faces.
+/// Returns the edges, and for each corner of a face the index of the edge to the next corner. Returns `None` if some edge does not have two faces.
 fn edges(faces: &[Face], corners: &[u16]) -> Option<(Box<[Edge]>, Box<[u16]>)> {
     let mut halves = Vec::with_capacity(corners.len());
     for (i, face) in faces.iter().enumerate() {
@@ -137,7 +141,7 @@ fn edges(faces: &[Face], corners: &[u16]) -> Option<(Box<[Edge]>, Box<[u16]>)> {
     Some((edges.into(), sides.into()))
 }
 
-/// The faces around each point, and where those of each begin.
+/// Returns the faces around each point, one point after another, and the index at which those of each point begin.
 fn around(faces: &[Face], corners: &[u16], points: usize) -> (Box<[u16]>, Box<[u32]>) {
     let mut pairs: Vec<(u16, u16)> = Vec::with_capacity(corners.len());
     for (i, face) in faces.iter().enumerate() {

@@ -1,18 +1,18 @@
-//! Points as whole numbers: on which side of a plane a point is, is then certain.
+//! Points with integer coordinates. Integer arithmetic decides exactly on which side of a plane a point is.
 
 use super::{outlines, quickhull};
 use glam::{DVec3, I64Vec3, Vec3};
 
-/// Steps from the middle to the furthest side. Lengths are then below 2³⁰, areas below 2⁶², and volumes fit 128 bits.
+/// Number of steps from the middle to the farthest side. With it, lengths stay below 2³⁰, areas stay below 2⁶², and volumes fit into 128 bits.
 const HALF: f64 = (1 << 29) as f64;
 
-/// Points nearer to a plane than this share of the longest extent are on it …
+/// A point is on a plane if its distance is less than this share of the longest extent, plus …
 const SHARE: f64 = 4e-6;
 
-/// …and so is what is off by less than this share of the largest coordinate: eight times what single precision rounds away.
+/// … this share of the largest coordinate, which is eight times the rounding error of single precision.
 const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
 
-/// Passes in which corners are dropped. Each drops about half of those that it should, if not all.
+/// Maximum number of passes that remove vertices. Each pass removes at least about half of the vertices that are not corners.
 const PASSES: usize = 64;
 
 /// Points on a grid around the middle of their bounding box.
@@ -25,7 +25,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    /// None where the points are too few, all in one place, or not finite.
+    /// Rounds points to a lattice. Returns `None` if there are fewer than four, if all coincide, or if some are not finite.
     pub fn new(points: &[Vec3]) -> Option<Self> {
         if points.len() < 4 || !points.iter().all(|p| p.is_finite()) {
             return None;
@@ -49,10 +49,10 @@ impl Lattice {
         })
     }
 
-    /// The outlines of the hull's faces, as indices of points, every one of them a true corner; none where there is no volume.
+    /// Computes the outlines of the hull's faces, as indices of points. Every point of an outline is a corner. Returns `None` if the points enclose
+    /// no volume.
     ///
-    /// Of a hull's vertices those are dropped that lie in a face or on an edge but for rounding, until all that are left are
-    /// corners.
+    /// Vertices that lie in a face or on an edge up to rounding are removed, and the hull is computed again, until all vertices are corners.
     pub fn faces(&self) -> Option<Vec<Vec<u32>>> {
         let mut chosen: Vec<u32> = (0..self.points.len() as u32).collect();
         for _ in 0..PASSES {

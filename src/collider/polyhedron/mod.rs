@@ -1,8 +1,8 @@
-//! Convex polyhedra: corners, edges and faces, and how they join.
+//! Convex polyhedra: corners, edges and faces, and how they are connected.
 //!
-//! Parry's hull leaves coplanar triangles, merges faces up to 1.5° apart, and panics on bad input. This one is of whole numbers
-//! ([`lattice`]), and so has no rounding to go wrong ([`quickhull`]); what single precision made of flat faces is put right
-//! after ([`outlines`]), and what comes out is checked ([`join`]).
+//! Parry's convex hull leaves coplanar triangles, merges faces up to 1.5° apart, and panics on bad input. This one uses integer coordinates
+//! ([`lattice`]), so the hull ([`quickhull`]) has no rounding errors. Faces that were flat before their corners were rounded to single precision are
+//! restored afterwards ([`outlines`]), and the result is checked ([`join`]).
 
 mod join;
 mod lattice;

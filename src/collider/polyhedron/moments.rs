@@ -1,4 +1,4 @@
-//! Volume, centroid and inertia, in double precision: what is thin has a moment of inertia that is a difference of large numbers.
+//! Volume, centroid and inertia in double precision, because a moment of inertia of a thin solid is a small difference of large numbers.
 
 use super::Polyhedron;
 use glam::{DMat3, DQuat, DVec3};
@@ -15,7 +15,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// By the divergence theorem: the sum over the tetrahedra that triangles of the surface make with one point.
+    /// The moments of a polyhedron: the sum over the tetrahedra between one point and the triangles of the surface (divergence theorem).
     pub(super) fn of(polyhedron: &Polyhedron) -> Self {
         let points = &polyhedron.points;
         let sum: DVec3 = points.iter().map(|p| p.as_dvec3()).sum();
@@ -38,7 +38,7 @@ impl Moments {
         }
     }
 
-    /// From a mass at 1 kg/m³, principal moments and the rotation to their axes.
+    /// Creates moments from the volume (m³), the centroid (m), the principal moments of inertia (m⁵) and the rotation to the principal axes.
     pub(crate) fn new(volume: f64, centroid: DVec3, principal: DVec3, axes: DQuat) -> Self {
         let moments = Self {
             volume,
@@ -51,7 +51,7 @@ impl Moments {
         }
     }
 
-    /// The same somewhere else, m.
+    /// The moments of the solid after a rotation and a translation (m).
     pub(crate) fn placed(&self, position: DVec3, rotation: DQuat) -> Self {
         let axes = DMat3::from_quat(rotation);
         Self {
@@ -61,7 +61,7 @@ impl Moments {
         }
     }
 
-    /// Of several parts together.
+    /// The moments of several parts together.
     pub(crate) fn sum(parts: &[Self]) -> Self {
         let volume: f64 = parts.iter().map(|part| part.volume).sum();
         let first: DVec3 = parts.iter().map(|part| part.volume * part.centroid).sum();
@@ -111,7 +111,7 @@ fn square(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
-/// The tensor of inertia from ∫ x xᵀ.
+/// The inertia tensor, from the second moment ∫ x xᵀ.
 fn inertia(second: DMat3) -> DMat3 {
     let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
     DMat3::from_diagonal(DVec3::splat(trace)) - second

@@ -1,11 +1,11 @@
-//! Faces from triangles: those that are in one plane but for rounding are one, and have one outline.
+//! Merges the triangles of a hull into faces: triangles that lie in one plane up to rounding become one face with one outline.
 
 use super::quickhull::Facet;
 use glam::{DVec3, I64Vec3};
 
 const NONE: u32 = u32::MAX;
 
-/// Times that a face is grown again, on the plane of what it was before.
+/// How many times a face is grown again, with the plane of its previous facets.
 const FITS: usize = 2;
 
 struct Plane {
@@ -14,7 +14,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// Through the middle of facets, each of which counts by its area: what is thin has a bad normal, and little of it.
+    /// Fits a plane to facets. Normals are weighted by area, because thin facets have inaccurate normals and small areas.
     fn of(points: &[I64Vec3], facets: &[Facet], some: &[u32]) -> Self {
         let some = some.iter().map(|&i| &facets[i as usize]);
         let normal: DVec3 = some.clone().map(|f| f.normal.as_dvec3()).sum();
@@ -31,7 +31,7 @@ impl Plane {
         }
     }
 
-    fn holds(&self, points: &[I64Vec3], facet: &Facet, slack: f64) -> bool {
+    fn contains(&self, points: &[I64Vec3], facet: &Facet, slack: f64) -> bool {
         let on = |i: u32| {
             let height = self.normal.dot(points[i as usize].as_dvec3()) - self.offset;
             height.abs() <= slack
@@ -40,10 +40,10 @@ impl Plane {
     }
 }
 
-/// The outline of each face, counterclockwise as seen from outside, with every vertex on it.
+/// Computes the outline of each face, counterclockwise as seen from outside, with every vertex on it.
 ///
-/// A face grows from its largest facet over all beside it whose corners are in its plane. That is asked of distances, not of angles:
-/// thin facets have any angle, and along what is finely curved angles are small everywhere.
+/// A face grows from its largest facet to all neighbours whose corners are in its plane. The test uses distances instead of angles, because thin
+/// facets have arbitrary angles, and on a finely divided curved surface all angles are small.
 pub(super) fn outlines(points: &[I64Vec3], facets: &[Facet], slack: f64) -> Vec<Vec<u32>> {
     let area = |i: &u32| facets[*i as usize].normal.as_dvec3().length_squared();
     let mut by_area: Vec<u32> = (0..facets.len() as u32).collect();
@@ -61,14 +61,14 @@ pub(super) fn outlines(points: &[I64Vec3], facets: &[Facet], slack: f64) -> Vec<
             let before = part.len();
             part.drain(..).for_each(|i| face_of[i as usize] = NONE);
             part = grow(facets, seed, face, &mut face_of, |facet| {
-                plane.holds(points, facet, slack)
+                plane.contains(points, facet, slack)
             });
             if part.len() == 1 || part.len() == before {
                 break;
             }
         }
         let outline = outline(facets, &part, &face_of).unwrap_or_else(|| {
-            // It has a hole, or meets itself in a point.
+            // The face has a hole, or meets itself in a point.
             part.iter().for_each(|&i| face_of[i as usize] = NONE);
             face_of[seed as usize] = face;
             facets[seed as usize].corners.into()
@@ -78,7 +78,7 @@ pub(super) fn outlines(points: &[I64Vec3], facets: &[Facet], slack: f64) -> Vec<
     outlines
 }
 
-/// A facet and those that can be reached from it over such as belong to it.
+/// Collects the facets that can be reached from a facet through facets that belong to its face.
 fn grow(
     facets: &[Facet],
     seed: u32,
@@ -101,7 +101,7 @@ fn grow(
     part
 }
 
-/// The vertices around facets; none where they have more than one outline.
+/// Returns the vertices around some facets, or `None` if they have more than one outline.
 fn outline(facets: &[Facet], part: &[u32], face_of: &[u32]) -> Option<Vec<u32>> {
     let is_rim = |i: u32, side: usize| {
         let other = facets[i as usize].beside[side];
@@ -117,7 +117,7 @@ fn outline(facets: &[Facet], part: &[u32], face_of: &[u32]) -> Option<Vec<u32>> 
     let mut outline = Vec::with_capacity(length);
     while outline.len() < length {
         outline.push(facets[facet as usize].corners[side]);
-        // Around the end of this edge, to the next of the rim.
+        // Turn around the end of this edge, to the next edge of the rim.
         side = (side + 1) % 3;
         while !is_rim(facet, side) {
             let corner = facets[facet as usize].corners[side];
@@ -132,8 +132,8 @@ fn outline(facets: &[Facet], part: &[u32], face_of: &[u32]) -> Option<Vec<u32>> 
     (distinct.len() == length).then_some(outline)
 }
 
-/// The vertices that are corners. Others lie inside a face, or between two, or on the outline of one straight between their
-/// neighbours, or bent inwards. Where several such lie next to each other, not all are left out at once: along what is finely curved each is almost straight.
+/// Returns the vertices that are corners. The others lie inside a face or between two faces, or on an outline that is straight or bent inwards there.
+/// Two adjacent vertices are not removed in the same pass, because on a finely divided curve every vertex is almost straight.
 pub(super) fn corners(
     points: &[I64Vec3],
     facets: &[Facet],
@@ -173,7 +173,7 @@ pub(super) fn corners(
         .collect()
 }
 
-/// Twice the area of a polygon, as a vector: M. E. Newell's normal, which no three of its corners in one line can upset.
+/// Twice the area of a polygon, as a vector (the normal of M. E. Newell). It is also correct if three corners lie on one line.
 pub(super) fn newell(count: usize, place: impl Fn(usize) -> DVec3) -> DVec3 {
     let first = place(0);
     (1..count)

@@ -1,8 +1,8 @@
-//! The hull of points on a lattice, as triangles.
+//! Computes the convex hull of points on a lattice, as triangles (quickhull).
 //!
-//! A point that sees a facet from outside takes the place of all facets it sees. Which it sees is exact, so that they are always
-//! one patch with one rim, and what comes of it is convex. Which points are worth taking is not: those hardly outside are left
-//! out.
+//! A point outside the hull replaces all facets that are visible from it by facets between itself and their rim. Visibility is computed exactly, so
+//! the visible facets always form one patch with one rim, and the result is convex. A tolerance decides which points are added: points hardly outside
+//! the hull are left out.
 
 use glam::{DVec3, I64Vec3};
 
@@ -11,15 +11,16 @@ pub(super) struct Facet {
     pub corners: [u32; 3],
     /// The facets across the edges from each corner to the next.
     pub beside: [u32; 3],
-    /// The way out, as long as twice its area.
+    /// Outward normal. Its length is twice the area of the triangle.
     pub normal: I64Vec3,
-    /// The same, of unit length.
+    /// Outward unit normal.
     unit: DVec3,
-    /// Points that see it, each of them with one facet only.
+    /// Points outside it. Each point is assigned to one facet.
     outside: Vec<u32>,
-    /// Points that see it, but are outside of it by next to nothing.
+    /// Points outside it by less than the tolerance.
     near: Vec<u32>,
-    gone: bool,
+    /// Whether it has been replaced.
+    removed: bool,
 }
 
 impl Facet {
@@ -33,7 +34,7 @@ impl Facet {
             unit: normal.as_dvec3().normalize(),
             outside: Vec::new(),
             near: Vec::new(),
-            gone: false,
+            removed: false,
         }
     }
 
@@ -41,7 +42,7 @@ impl Facet {
         points[point as usize] - points[self.corners[0] as usize]
     }
 
-    /// How far a point is outside, in steps.
+    /// The signed distance of a point from the plane, in steps.
     fn height(&self, points: &[I64Vec3], point: u32) -> f64 {
         self.unit.dot(self.away(points, point).as_dvec3())
     }
@@ -52,9 +53,9 @@ impl Facet {
         part(0) + part(1) + part(2) > 0
     }
 
-    /// The point furthest outside. Of a face that lies parallel all points are; then that which is furthest from a corner, and so
-    /// is one itself.
-    fn furthest(&self, points: &[I64Vec3], slack: f64) -> Option<u32> {
+    /// Returns the farthest of the points outside. If several are equally far, as on a parallel face, returns the one with the greatest distance from
+    /// a corner of the facet, because that one is a corner of the parallel face.
+    fn farthest(&self, points: &[I64Vec3], slack: f64) -> Option<u32> {
         let heights = self.outside.iter().map(|&p| self.height(points, p));
         let limit = heights.fold(0.0, f64::max) - slack;
         let high = self.outside.iter().copied();
@@ -62,6 +63,7 @@ impl Facet {
             .max_by_key(|&p| length_squared(self.away(points, p)))
     }
 
+    /// The index of the side that begins at a corner.
     fn side_from(&self, corner: u32) -> usize {
         usize::from(corner == self.corners[1]) + 2 * usize::from(corner == self.corners[2])
     }
@@ -71,32 +73,32 @@ fn length_squared(v: I64Vec3) -> i64 {
     v.dot(v)
 }
 
-/// The facets of the hull; none where the points are in one plane. Points outside it by less than `slack`, in steps, are left out.
+/// Computes the facets of the hull. Returns `None` if the points are in one plane. Points outside it by less than `slack` (steps) are left out.
 pub(super) fn hull(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     let mut facets = simplex(points, slack)?;
     let all = (0..points.len() as u32).collect();
-    let mut open = share_out(points, &mut facets, 0, all, slack);
+    let mut open = assign_points(points, &mut facets, 0, all, slack);
     let mut starting = vec![0; points.len()];
     while !open.is_empty() {
         while let Some(i) = open.pop() {
-            if facets[i].gone {
+            if facets[i].removed {
                 continue;
             }
-            let Some(apex) = facets[i].furthest(points, slack) else {
+            let Some(apex) = facets[i].farthest(points, slack) else {
                 continue;
             };
-            let (rim, mut orphans) = take_off(points, &mut facets, i as u32, apex);
+            let (rim, mut orphans) = remove_visible_facets(points, &mut facets, i as u32, apex);
             let first = facets.len();
-            put_on(points, &mut facets, &rim, apex, &mut starting);
+            add_facets(points, &mut facets, &rim, apex, &mut starting);
             orphans.retain(|&p| p != apex);
-            open.extend(share_out(points, &mut facets, first, orphans, slack));
+            open.extend(assign_points(points, &mut facets, first, orphans, slack));
         }
-        open = look_beyond(points, &mut facets, slack);
+        open = reassign_near_points(points, &mut facets, slack);
     }
-    Some(without_gaps(facets))
+    Some(compact(facets))
 }
 
-/// Four points with volume between them.
+/// Finds four points that enclose a volume, and returns the facets between them.
 fn simplex(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     let all = || 0..points.len() as u32;
     let at = |i: u32| points[i as usize];
@@ -124,9 +126,9 @@ fn simplex(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     Some(facets.into())
 }
 
-/// Each point goes to a facet it sees, from the first one given on; if it sees none it is inside the hull. Returns the facets that
-/// points are well outside of.
-fn share_out(
+/// Assigns each point to the first facet from `first` on that it is outside of. A point that is outside of no facet is inside the hull. Returns the
+/// facets that got points find_visible_facet the tolerance.
+fn assign_points(
     points: &[I64Vec3],
     facets: &mut [Facet],
     first: usize,
@@ -154,12 +156,13 @@ fn share_out(
     homes
 }
 
-/// At a sharp edge, what is hardly outside of a facet may be well outside of one behind it. Returns such, with the points.
-fn look_beyond(points: &[I64Vec3], facets: &mut [Facet], slack: f64) -> Vec<usize> {
+/// Assigns points within the tolerance of their facet anew: near a sharp edge, such a point may be far outside of a facet behind the edge. Returns
+/// the facets that got points.
+fn reassign_near_points(points: &[I64Vec3], facets: &mut [Facet], slack: f64) -> Vec<usize> {
     let mut homes = Vec::new();
     for i in 0..facets.len() {
         for point in std::mem::take(&mut facets[i].near) {
-            match beyond(points, facets, i, point, slack) {
+            match find_visible_facet(points, facets, i, point, slack) {
                 Some(home) => {
                     facets[home].outside.push(point);
                     homes.push(home);
@@ -171,8 +174,9 @@ fn look_beyond(points: &[I64Vec3], facets: &mut [Facet], slack: f64) -> Vec<usiz
     homes
 }
 
-/// A facet that a point is well outside of, if there is one. All that it sees hang together.
-fn beyond(
+/// Searches for a facet that a point is outside of by more than the tolerance. The search starts at a visible facet, because the visible facets are
+/// connected.
+fn find_visible_facet(
     points: &[I64Vec3],
     facets: &[Facet],
     from: usize,
@@ -196,8 +200,8 @@ fn beyond(
     None
 }
 
-/// Takes off all facets that a point sees. Returns the rim they leave, as facets and which of their sides, and their points.
-fn take_off(
+/// Removes all facets that are visible from a point. Returns their rim, as the facets outside it and the index of the side, and their points.
+fn remove_visible_facets(
     points: &[I64Vec3],
     facets: &mut [Facet],
     seen: u32,
@@ -205,7 +209,7 @@ fn take_off(
 ) -> (Vec<(u32, usize)>, Vec<u32>) {
     let (mut rim, mut orphans) = (Vec::new(), Vec::new());
     let mut open = vec![seen];
-    facets[seen as usize].gone = true;
+    facets[seen as usize].removed = true;
     while let Some(i) = open.pop() {
         let facet = &mut facets[i as usize];
         orphans.append(&mut std::mem::take(&mut facet.outside));
@@ -213,11 +217,11 @@ fn take_off(
         let (beside, corners) = (facet.beside, facet.corners);
         for side in 0..3 {
             let other = &mut facets[beside[side] as usize];
-            if other.gone {
+            if other.removed {
                 continue;
             }
             if other.is_seen_from(points, apex) {
-                other.gone = true;
+                other.removed = true;
                 open.push(beside[side]);
             } else {
                 rim.push((beside[side], other.side_from(corners[(side + 1) % 3])));
@@ -227,8 +231,8 @@ fn take_off(
     (rim, orphans)
 }
 
-/// Joins a point to the rim. `starting` is for finding the facet whose edge of the rim starts at a point.
-fn put_on(
+/// Adds the facets between a point and the rim. `starting` is scratch: for each point, the new facet whose rim edge starts there.
+fn add_facets(
     points: &[I64Vec3],
     facets: &mut Vec<Facet>,
     rim: &[(u32, usize)],
@@ -253,16 +257,17 @@ fn put_on(
     }
 }
 
-fn without_gaps(facets: Vec<Facet>) -> Vec<Facet> {
+/// Drops the facets that were removed, and renumbers the others.
+fn compact(facets: Vec<Facet>) -> Vec<Facet> {
     let mut count = 0;
     let place: Vec<u32> = facets
         .iter()
         .map(|facet| {
-            count += u32::from(!facet.gone);
+            count += u32::from(!facet.removed);
             count.wrapping_sub(1)
         })
         .collect();
-    let mut left: Vec<Facet> = facets.into_iter().filter(|facet| !facet.gone).collect();
+    let mut left: Vec<Facet> = facets.into_iter().filter(|facet| !facet.removed).collect();
     for facet in &mut left {
         facet.beside = facet.beside.map(|i| place[i as usize]);
     }

@@ -25,12 +25,12 @@
 //! }
 //! assert!(world.resource::<Messages<ContactForce>>().is_empty());
 //!
-//! // A hammer's blow of 5 kN·s. The slab lies on the ground already, so that no contact starts.
+//! // A hammer blow of 5 kN·s. The slab already lies on the ground, so no contact begins.
 //! world.get_mut::<ExternalImpulse>(slab).unwrap().linear = Vec3::Y * -5000.0;
 //! drystone::step(world, 1.0 / 60.0).unwrap();
-//! let told: Vec<ContactForce> = world.resource_mut::<Messages<ContactForce>>().drain().collect();
-//! assert_eq!((told.len(), told[0].body), (1, slab));
-//! assert!((told[0].impulse - 5327.0).abs() < 50.0); // the blow, and the weight for a step
+//! let events: Vec<ContactForce> = world.resource_mut::<Messages<ContactForce>>().drain().collect();
+//! assert_eq!((events.len(), events[0].body), (1, slab));
+//! assert!((events[0].impulse - 5327.0).abs() < 50.0); // the blow, and the weight for a step
 //! ```
 
 use super::events::Untriggered;
@@ -42,7 +42,7 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// Requests a [`ContactForce`], as a message and for observers, for each body that presses on this one with more than a threshold.
+/// Requests a [`ContactForce`], as a message and for observers, for each body that presses on this body with more than a threshold.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 pub struct ContactForceEvents {
@@ -59,9 +59,9 @@ impl Default for ContactForceEvents {
     }
 }
 
-/// Two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. It is sent in each such step. If both
-/// bodies have the component, one is sent for each. [Inactive](crate::body::Inactive) pairs are not reported, because nothing about them
-/// changes.
+/// Reports that two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. The event is sent in every such
+/// step. If both bodies have the component, one event is sent for each. [Inactive](crate::body::Inactive) pairs are not reported, because their
+/// forces do not change.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
     /// The body that has [`ContactForceEvents`].
@@ -73,7 +73,7 @@ pub struct ContactForce {
     pub pair: Entity,
     /// The total force on `body`, friction included, N, world axes, mean over the step.
     pub force: Vec3,
-    /// The sum of its normal forces, N. It is compared with the threshold.
+    /// The sum of the normal forces of the pair, N. It is compared with the threshold.
     pub normal_force: f32,
     /// The normal impulse of the step, Σλ_n, N·s.
     pub impulse: f32,
@@ -81,8 +81,7 @@ pub struct ContactForce {
     pub point: Vec3,
 }
 
-/// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it does so once, for the whole
-/// step.
+/// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it runs once, for the whole step.
 pub fn contact_forces(
     askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Inactive>>,
     pairs: Query<(&ContactPair, &Manifold, &ContactImpulses), Without<Inactive>>,
@@ -139,8 +138,8 @@ pub fn contact_forces(
                 impulse,
                 point: a.center + moment * share,
             };
-            let other_age = ends.spawn_orders[usize::from(of_a)];
-            found.push(((body.spawn_order, other_age), event));
+            let other_order = ends.spawn_orders[usize::from(of_a)];
+            found.push(((body.spawn_order, other_order), event));
         }
     }
     found.sort_unstable_by_key(|&(spawn_orders, _)| spawn_orders);

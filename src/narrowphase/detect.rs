@@ -170,7 +170,7 @@ impl WithTwo for Two<'_> {
         if distance > search.reach || !contact.points.is_empty() {
             return;
         }
-        let Some(way) = passing::way_until_they_meet(body_a, body_b, dt) else {
+        let Some(way) = passing::motion_until_contact(body_a, body_b, dt) else {
             return;
         };
         let way = (body_a.pose.rotation.inverse() * way).as_dvec3();

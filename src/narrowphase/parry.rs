@@ -1,4 +1,4 @@
-//! Contacts computed by parry: of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
+//! Contacts that parry computes: those of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
 
 use super::Rules;
 use super::candidates::{Candidate, Candidates, max_points, push};
@@ -13,10 +13,10 @@ use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
 use parry3d::shape::{PackedFeatureId, Shape, TypedShape};
 use smallvec::SmallVec;
 
-/// Points of a patch nearer to each other than this share of the smaller face's size become one.
+/// Points of a patch are merged if they are nearer to each other than this share of the smaller face's size.
 const MERGE: f32 = 0.05;
 
-/// Fills the manifold with the points no further apart than `reach`, m.
+/// Fills the manifold with the points whose distance is at most `reach`, m.
 pub(super) fn detect(
     rules: &Rules,
     a: &BodyState,
@@ -35,7 +35,7 @@ pub(super) fn detect(
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let curved = a.is_curved() || b.is_curved();
     if curved {
-        // A manifold that is kept turns with the surface, and a cylinder would roll off by itself.
+        // A kept manifold would rotate with the surface, and a cylinder would roll away by itself.
         manifolds.clear();
         *workspace = None;
     }
@@ -50,7 +50,7 @@ pub(super) fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
-    // Which of the two is a surface, whose triangles lie beside each other.
+    // The body that is a surface of adjacent triangles, if any.
     let surface = [shape_a, shape_b]
         .iter()
         .position(|shape| is_surface(*shape));
@@ -61,7 +61,7 @@ pub(super) fn detect(
             found.subshape_pos2().copied(),
         );
         let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
-        // A ball's centre inside another shape's edge has no normal: part the bodies upwards.
+        // If a ball's centre is on an edge of another shape there is no normal. The bodies are separated upwards.
         let normal = -(a.pose.rotation * turned);
         let normal = normal.try_normalize().unwrap_or(Vec3::Y);
 
@@ -86,7 +86,7 @@ pub(super) fn detect(
                 position: 0.5 * (on[0] + on[1]),
                 distance: contact.dist,
                 feature: match curved && contact.fid2 != PackedFeatureId::UNKNOWN {
-                    // It rolls on.
+                    // The features change while the body rolls.
                     true => FeatureId::NONE,
                     false => feature(contact).of_parts(found.subshape1, found.subshape2),
                 },
@@ -94,7 +94,7 @@ pub(super) fn detect(
         }
         face.candidates
             .retain(|c| c.distance.is_finite() && c.distance <= reach);
-        match faces.iter_mut().find(|other| other.goes_on_in(&face)) {
+        match faces.iter_mut().find(|other| other.continues_in(&face)) {
             Some(other) => other.candidates.extend(face.candidates),
             None => faces.push(face),
         }
@@ -107,7 +107,7 @@ pub(super) fn detect(
             ..
         } = face;
         merge(&mut candidates, MERGE * size);
-        // A round side touches along a line, whose middle adds nothing and comes and goes.
+        // A round side touches along a line. Points in its middle support nothing, and appear and disappear.
         if curved && reduction::is_line(&candidates, size) {
             reduction::keep_ends(&mut candidates);
         }
@@ -120,24 +120,26 @@ pub(super) fn detect(
     }
 }
 
-/// Normals whose cosine is above this are one, and planes nearer to each other than this share of the smaller face's size.
+/// Normals count as equal if the cosine between them is above this.
 const PARALLEL: f32 = 1.0 - 1e-6;
+
+/// Planes count as equal if their distance is less than this share of the smaller face's size.
 const EVEN: f32 = 1e-3;
 
-/// Where the two touch in one plane: one patch, over however many triangles it goes.
+/// The contact of two bodies in one plane. It becomes one patch, even if it extends over several triangles.
 struct Face {
     normal: Vec3,
-    /// Of the smaller face, m.
+    /// Size of the smaller face, m.
     size: f32,
-    /// Of the triangle, where one of the two is a surface.
+    /// Plane of the triangle, if one of the bodies is a surface.
     plane: Option<Plane>,
     candidates: Candidates,
 }
 
 impl Face {
-    /// The surface is flat from one to the other. It does not suffice that the normals of the contact are one: a flat body on a ridge has
-    /// its own normal on either side of it, and four points of both sides together may leave out the ridge.
-    fn goes_on_in(&self, other: &Self) -> bool {
+    /// Returns true if the triangles of both contacts are in one plane. Equal contact normals are not sufficient: a flat body on a ridge has the same
+    /// normal on both sides of it, and four points of both sides together may leave out the ridge.
+    fn continues_in(&self, other: &Self) -> bool {
         let (Some(here), Some(there)) = (self.plane, other.plane) else {
             return false;
         };
@@ -168,7 +170,7 @@ impl Plane {
     }
 }
 
-/// The features that meet at a point, from parry or from our own contacts.
+/// The features that meet at a point, as numbered by parry or by this crate's own contacts.
 fn feature(contact: &TrackedContact<()>) -> FeatureId {
     match contact.fid2 {
         PackedFeatureId::UNKNOWN => FeatureId(contact.fid1.0),
@@ -176,7 +178,7 @@ fn feature(contact: &TrackedContact<()>) -> FeatureId {
     }
 }
 
-/// Drops what is nearer than `merge` (m) to a deeper point.
+/// Drops the points that are nearer than `merge` (m) to a deeper point.
 fn merge(candidates: &mut Candidates, merge: f32) {
     candidates.sort_by(|x, y| x.distance.total_cmp(&y.distance));
     let mut kept = Candidates::new();

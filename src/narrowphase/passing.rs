@@ -1,36 +1,36 @@
-//! Bodies that only pass each other.
+//! Detection of bodies that pass each other without touching.
 //!
-//! A speculative contact is an infinite plane. At large steps a fast body would bump into the plane of an edge that it flies past: at Δt 0.1 s a brick
-//! swung over a stack at 8 m/s knocked it down from a hand's breadth above. For pairs that are fast and still apart the motion of the step is
-//! therefore cast once, and pairs that miss each other have no contact. Pairs that do not face each other yet, corner before corner, may do so
-//! before the step is over.
+//! A speculative contact is an infinite plane. At large steps a fast body would hit the plane of an edge that it flies past: at Δt 0.1 s a brick
+//! that moved 10 cm above a stack at 8 m/s knocked it down. Therefore the shapes of fast pairs that are still apart are cast once along the motion
+//! of the step, and pairs that miss each other have no contact. Conversely, a pair without points that face each other, such as corner against
+//! corner, may have some before the end of the step.
 
 use crate::body::BodyState;
 use crate::contact::Manifold;
 use glam::Vec3;
 use parry3d::query::{ShapeCastHit, ShapeCastOptions, Unsupported, cast_shapes};
 
-/// Slower than this share of the smaller body's size a step, points are where they will be.
+/// A pair is fast if it moves at least this share of the smaller body's size in a step. The motion of slower pairs is not cast.
 const FAST: f32 = 0.25;
 
-/// Slower than this, they are where they are.
+/// A pair that moves less than this share of the smaller body's size in a step counts as still.
 const SLOW: f32 = 0.005;
 
-/// Returns true if all points are further apart than `near` (m), and the bodies as they fly miss each other by as much within `dt`.
+/// Returns true if all points are farther apart than `near` (m), and the bodies also stay farther apart than that along their motion within `dt`.
 pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32, dt: f32) -> bool {
     let far = manifold.points.iter().all(|p| p.distance > near);
     far && is_fast(a, b, dt) && matches!(cast(a, b, near, dt), Ok(None))
 }
 
-/// The way that B goes against A until they meet, or within `dt`, m; none where they hardly move, or pass each other. Where they meet
-/// they face each other, which they need not before: corner before corner, no point of either has anything before it.
-pub(super) fn way_until_they_meet(a: &BodyState, b: &BodyState, dt: f32) -> Option<Vec3> {
+/// Returns the motion of B relative to A until they meet, or within `dt` if that is shorter, m. Returns `None` if they hardly move, or pass each
+/// other. Moved by it they have points that face each other, which bodies that approach corner against corner do not have before.
+pub(super) fn motion_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Option<Vec3> {
     let speed = b.velocity.linear - a.velocity.linear;
     if speed.length() * dt < SLOW * a.size.min(b.size) {
         return None;
     }
     let time = match is_fast(a, b, dt) {
-        // By then they would be through, or as good as.
+        // At the end of the step they would have passed through each other.
         true => cast(a, b, 0.0, dt).ok()??.time_of_impact,
         false => dt,
     };
@@ -42,7 +42,7 @@ fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
     flight >= FAST * a.size.min(b.size)
 }
 
-/// The first time at which the two are no further apart than `near` (m), or an error if the shapes cannot be cast.
+/// Returns the first time at which the distance is at most `near` (m), or an error if the shapes cannot be cast.
 fn cast(
     a: &BodyState,
     b: &BodyState,

@@ -1,16 +1,16 @@
-//! Along which direction two convex polyhedra are farthest apart, or overlap least: the separating axis.
+//! Finds the separating axis of two convex polyhedra: the direction along which they are farthest apart, or overlap least.
 //!
-//! Such a direction is the normal of a face of one, or square to an edge of each, and then only of edges whose arcs cross on the
-//! sphere of normals: the normals with which A is supported by its edge are the arc between the normals of the edge's two faces,
-//! and B's, turned round, must hold the same direction (Gregorius, GDC 2013). All other pairs of edges need not be looked at.
+//! The axis is the normal of a face, or perpendicular to one edge of each solid. An edge supports its solid in the directions on the arc between the
+//! normals of its two faces. Only pairs of edges are candidates for which the arc of A crosses the reversed arc of B on the sphere of directions
+//! (Gregorius, GDC 2013).
 //!
-//! Nor need what cannot win: no direction parts the bodies further than it parts A from a ball inside B. With that a few faces
-//! and edges near the contact are left of however many there are.
+//! A candidate is skipped if it cannot be the best: the distance along a direction is at most the distance between A and a ball inside B. This leaves
+//! a few faces and edges near the contact, however many the solids have.
 //!
-//! Faces win over edges by a margin far below what matters and far above rounding: where faces coincide the crossed edges of the same
-//! faces are as far apart, and say less. Of two faces turned a little against each other some pair of edges is often farther apart,
-//! along a direction between their normals: where an arch settles, its joints would have one point now and four then. So edges that look where the best face looks must win by more, and anything must that
-//! shall win over the axis of the last time.
+//! Faces are preferred to edges by a margin far below any relevant length and far above rounding: if faces coincide, the crossed edges of the same
+//! faces are equally far apart, and give only one point. If two faces are rotated slightly against each other, a pair of edges is often
+//! farther apart along a direction between their normals. The joints of a settling arch would then alternate between one point and four. Therefore
+//! the margin is larger for edges whose direction is near that of the best face, and any other axis must be better than the last axis by a margin.
 
 use super::cuboid;
 use super::placement::Placement;
@@ -19,45 +19,45 @@ use crate::contact::cache::Axis;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// By what faces win, as a share of the smaller solid's radius.
+/// Margin by which faces are preferred to edges, as a share of the smaller solid's radius.
 const MARGIN: f64 = 5e-6;
 
-/// As near to a face's normal as this, as a cosine, that of two edges says the same (5°) …
+/// The direction of two edges is similar to a face's normal if the cosine between them is above this (5°). Then …
 const ALIKE: f64 = 0.996;
 
-/// … unless they are farther apart by this share of the smaller solid's radius.
+/// … this is the margin by which the face is preferred, as a share of the smaller solid's radius.
 const MORE: f64 = 2e-3;
 
-/// The axis of the last time is kept as long as another is not better by this share of the smaller solid's radius. What rocks on an
-/// edge would otherwise meet now the face beside it and now the edge, and never come to rest: of six piles of 300 splinters two slept.
+/// The axis of the last step is kept unless another is better by this share of the smaller solid's radius. Without it, a body that rocks on an edge
+/// alternates between the adjacent face and the edge, and never comes to rest: of six piles of 300 splinters only two fell asleep.
 const STEADY: f64 = 0.005;
 
-/// The sine of the angle below which two edges are parallel: the faces beside them know as much.
+/// Two edges are parallel if the sine of the angle between them is below this. Their cross product gives no more than the adjacent faces do.
 const PARALLEL: f64 = 1e-7;
 
-/// Single precision tells a direction in a plane from one beside it by no less than this sine, squared: a hull's normals.
+/// The rounding error of a hull's normals in single precision, as the square of the sine of an angle.
 const ROUNDING: f64 = 4e-14;
 
-/// How far edges may be behind other corners along their normal, as a share of the smaller solid's radius.
+/// Tolerance for other corners that are farther along the normal than the edges, as a share of the smaller solid's radius.
 const BEHIND: f64 = 1e-7;
 
-/// A direction, and how far the two are apart along it.
+/// A direction, and the distance of two solids along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Separation {
     /// The features that define the direction.
     pub axis: Axis,
     /// Unit vector from A to B, in the frame of A.
     pub normal: DVec3,
-    /// m; negative: they overlap by as much.
+    /// Distance along it, m. Negative: overlap.
     pub distance: f64,
 }
 
-/// The axis to try first, and the one to try if that gives too small an overlap.
+/// The axis to use, and an alternative if the contact along it has too little overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Separations {
-    /// The greatest, or one that is preferred to it.
+    /// The axis with the greatest distance, or one that is preferred to it.
     pub best: Separation,
-    /// The greatest, where another is preferred.
+    /// The axis with the greatest distance, if another is preferred.
     pub beside: Option<Separation>,
 }
 
@@ -67,7 +67,8 @@ impl From<Separation> for Separations {
     }
 }
 
-/// The greatest separation; any that is beyond `reach` (m), if there is one. `last`: the axis of the last time.
+/// Returns the axis with the greatest distance. If there is an axis along which the distance is greater than `reach` (m), returns any such axis.
+/// `last` is the axis of the last step.
 pub fn separate<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -108,7 +109,7 @@ pub fn separate<A: Solid, B: Solid>(
     }
 }
 
-/// The separation along an axis that is known; none where edges no longer face each other.
+/// Computes the distance along the axis of the last step. Returns `None` if its edges no longer face each other.
 fn along<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -128,7 +129,7 @@ fn along<A: Solid, B: Solid>(
             distance: outside(b, a, back, face),
         }),
         Axis::Edges(of_a, of_b) if of_a < a.edges() && of_b < b.edges() => {
-            let (one, two) = (Arc::of(a, of_a), Arc::of(b, of_b).turned_round(place));
+            let (one, two) = (Arc::of(a, of_a), Arc::of(b, of_b).reversed(place));
             let (normal, _) = one.crosses(&two)?;
             let distance = between(a, b, place, normal);
             Some(Separation {
@@ -141,20 +142,20 @@ fn along<A: Solid, B: Solid>(
     }
 }
 
-/// How far B is from A along a direction, m, whatever is farthest there. Where edges are all but parallel, rounding says on which
-/// side of an arc a normal is, and theirs may be any that is square to them: before it counts it is asked for here.
+/// The distance of B from A along a direction, m, over all corners. If two edges are almost parallel, rounding decides whether their arcs cross,
+/// and their normal may be any direction perpendicular to them. So the distance along it is computed from all corners.
 fn between<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3) -> f64 {
     normal.dot(place.origin) - b.reach(-place.back(normal)) - a.reach(normal)
 }
 
-/// How far B is outside the plane of a face of A, m.
+/// The distance of B from the plane of a face of A, m. Negative if some part of B is below it.
 fn outside<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, face: u16) -> f64 {
     let (normal, offset) = a.plane(face);
     normal.dot(place.origin) - b.reach(-place.back(normal)) - offset
 }
 
-/// The face of either that the other is farthest outside of; any beyond `reach`. Of two that are as good within `margin`, the last
-/// one, or else A's.
+/// Returns the face of either solid from which the other is farthest. If some face is farther than `reach`, returns any such face. Within `margin`,
+/// the face of the last step is preferred, and then those of A.
 fn best_face<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -201,7 +202,7 @@ fn best_face<A: Solid, B: Solid>(
     best
 }
 
-/// The face of A that B is farthest outside of, if that is farther than `floor`; any beyond `reach`.
+/// Returns the face of A from which B is farthest, if that is farther than `floor`. If some face is farther than `reach`, returns any such face.
 fn farther_face<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -210,7 +211,7 @@ fn farther_face<A: Solid, B: Solid>(
     reach: f64,
 ) -> Option<(u16, f64)> {
     let (center, inner) = (place.point(b.center()), b.inner());
-    // No point of B's ball is farther outside, so neither is all of B.
+    // Upper bound: the distance of a ball inside B.
     let bound = |face: u16| {
         let (normal, offset) = a.plane(face);
         normal.dot(center) - offset - inner
@@ -222,7 +223,7 @@ fn farther_face<A: Solid, B: Solid>(
             (*floor, best) = (distance, Some((face, distance)));
         }
     };
-    // Where nothing is known, the likeliest first: it spares the most others.
+    // Without a known distance, begin with the face that has the highest bound, so that most others are skipped.
     let mut first = None;
     if floor == f64::NEG_INFINITY {
         let bounds = (0..a.faces()).map(|face| (bound(face), face));
@@ -244,7 +245,7 @@ fn farther_face<A: Solid, B: Solid>(
     best
 }
 
-/// The same of two boxes: of each two opposite faces it is the one that B's middle is on the side of.
+/// The same for two boxes. Of two opposite faces, only the one on the side of B's centre is a candidate.
 fn farther_side(
     half_a: DVec3,
     half_b: DVec3,
@@ -287,8 +288,8 @@ impl Arc {
         }
     }
 
-    /// Of B, in the frame of A, with the normals that A would need to face it.
-    fn turned_round(self, place: &Placement) -> Self {
+    /// Transforms an edge of B to the frame of A, and reverses its normals, so that they are the directions from A to B.
+    fn reversed(self, place: &Placement) -> Self {
         Self {
             edge: self.edge,
             on: place.point(self.on),
@@ -302,19 +303,19 @@ impl Arc {
         let [x, y] = self.normals.map(|normal| normal.dot(way));
         let cos = self.normals[0].dot(self.normals[1]);
         if y > cos * x && x > cos * y && cos.abs() < 1.0 {
-            // Steepest between the two.
+            // The maximum is between the two.
             ((x * x + y * y - 2.0 * cos * x * y) / (1.0 - cos * cos)).sqrt()
         } else {
             x.max(y)
         }
     }
 
-    /// Where the arcs cross, and how far the second edge is from the first in that direction.
+    /// Returns the direction in which the arcs cross, and the distance of the second edge from the first along it.
     fn crosses(&self, other: &Self) -> Option<(DVec3, f64)> {
         let [a, b] = self.normals;
         let [c, d] = other.normals;
-        // On either side of the other's great circle, both ways, and on the same half of the sphere. What is on the circle but for
-        // rounding may be on either side.
+        // Two arcs cross if the ends of each are on different sides of the other's great circle, and both arcs are on the same half of the sphere. An
+        // end on the circle, up to rounding, counts as on either side.
         let [c_side, d_side] = [c, d].map(|normal| normal.dot(self.along));
         if c_side * d_side >= ROUNDING * self.along.length_squared() {
             return None;
@@ -333,10 +334,10 @@ impl Arc {
     }
 }
 
-/// The edges of solids of which so many can win are kept in place.
+/// Edges that are candidates. More than this are allocated.
 type Arcs = SmallVec<[Arc; 32]>;
 
-/// The two edges along whose cross product the solids are farthest apart, if that is farther than `floor`.
+/// Returns the two edges along whose cross product the solids are farthest apart, if that is farther than `floor`.
 fn best_edges<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -352,7 +353,7 @@ fn best_edges<A: Solid, B: Solid>(
     for edge in 0..b.edges() {
         let arc = Arc::of(b, edge);
         if arc.most(center_a - arc.on) - a.inner() > floor {
-            of_b.push(arc.turned_round(place));
+            of_b.push(arc.reversed(place));
         }
     }
     let mut best = None;
@@ -380,7 +381,7 @@ fn best_edges<A: Solid, B: Solid>(
     best
 }
 
-/// The same of two boxes: of each three directions of edges there are nine cross products, and signs say which edges they are.
+/// The same for two boxes. Their edges have three directions each, so there are nine cross products. The signs of the normal give the edges.
 fn box_edges(
     half_a: DVec3,
     half_b: DVec3,
@@ -400,7 +401,7 @@ fn box_edges(
     for j in 0..3 {
         let (k, l) = (next[j], next[next[j]]);
         for i in 0..3 {
-            // Axis i of A × axis j of B has no part along axis i, and along the axes of B by the same rule.
+            // Axis i of A × axis j of B has no component along axis i of A, and none along axis j of B.
             let (m, n) = (next[i], next[next[i]]);
             let (along_m, along_n) = (-turn[j][n], turn[j][m]);
             let square = along_m * along_m + along_n * along_n;
@@ -408,7 +409,7 @@ fn box_edges(
             let of_a = along_m.abs() * half_a[m] + along_n.abs() * half_a[n];
             let of_b = turn[l][i].abs() * half_b[k] + turn[k][i].abs() * half_b[l];
             let apart = center.abs() - of_a - of_b;
-            // Without a root for most: apart / √square > floor.
+            // This is apart / √square > floor, without a square root.
             if apart * apart.abs() > floor * floor.abs() * square && square > PARALLEL * PARALLEL {
                 floor = apart / square.sqrt();
                 best = Some((i, j, center.signum()));

@@ -31,7 +31,7 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// Its number; `by_a` where the reference is A.
+    /// The identity of the features. `by_a`: whether the reference is A.
     pub fn feature(self, by_a: bool) -> FeatureId {
         match (self, by_a) {
             (Self::Reference(i), true) | (Self::Incident(i), false) => FeatureId::corner_of_a(i),
@@ -41,15 +41,15 @@ impl Origin {
     }
 }
 
-/// Whose an edge is: of the reference by its place in the outline, of the incident by its number.
+/// The face that an edge belongs to, with its index in the outline of the reference face, or its number among the edges of the incident solid.
 #[derive(Clone, Copy, Debug)]
 enum Owner {
     Reference(u16),
     Incident(u16),
 }
 
-/// A corner of a polygon on its way: its place among all, and whose edge leads on from it. In one word, since what has just been
-/// written in parts is slow to be read as a whole.
+/// A corner of a polygon while it is clipped: its index among all corners, and the edge that follows it. Both are packed into one word, because
+/// reading a word that has just been written in parts is slow (it cannot be forwarded from the store buffer).
 #[derive(Clone, Copy, Debug)]
 struct Link(u32);
 
@@ -77,18 +77,18 @@ impl Link {
     }
 }
 
-/// Polygons of more corners than this leave their place.
+/// The corners of a polygon. Polygons with more corners than this are allocated.
 type Polygon = SmallVec<[Link; 16]>;
 
-/// Room to clip in. It is large, and so better kept than made.
+/// Scratch memory for clipping. It is kept between calls because it is large.
 #[derive(Clone, Debug, Default)]
 pub struct Space {
-    /// All corners that there have been.
+    /// All corners created so far.
     corners: SmallVec<[Clipped; 24]>,
     polygons: [Polygon; 2],
 }
 
-/// A face's outline: each corner, and the numbers of the corner and of the edge that leads on.
+/// A face's outline: each corner, with the numbers of the corner and of the edge that follows it.
 pub type Outline = SmallVec<[(DVec3, u16, u16); 8]>;
 
 /// The outline of a solid's face in its own frame.
@@ -97,19 +97,19 @@ pub fn outline<S: Solid>(solid: &S, face: u16) -> impl ExactSizeIterator<Item = 
     solid.outline(face).map(corner)
 }
 
-/// A face that looks in a direction as much as this, as a cosine, lies on what is there with all its corners.
+/// A solid stands on all corners of a face if the cosine between the face's normal and the direction is above this.
 const FLAT: f64 = 0.9999;
 
-/// The face by which a solid meets another that it lies on in a direction (of its own frame): of those around its farthest corner
-/// the one that looks there most; but where it stands on an edge, one of the two beside it, or it would stand on one end.
+/// Returns the face with which a solid touches another in a direction (in its own frame). It is the face around the farthest corner whose normal is
+/// nearest to the direction. If the solid stands on an edge, it is one of the two faces at that edge; otherwise the contact would be at one end only.
 pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
-    let looks = |face: u16| solid.plane(face).0.dot(direction);
+    let cosine_of = |face: u16| solid.plane(face).0.dot(direction);
     let farthest = solid.farthest(direction);
     let (mut best, mut most) = (0, f64::NEG_INFINITY);
     for face in solid.around(farthest) {
-        let looks = looks(face);
-        if looks > most {
-            (best, most) = (face, looks);
+        let cosine = cosine_of(face);
+        if cosine > most {
+            (best, most) = (face, cosine);
         }
     }
     if most > FLAT {
@@ -120,22 +120,23 @@ pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
         return best;
     }
     let level = direction.dot(solid.point(farthest)) - slack;
-    let stands_on = |face: u16| {
+    let lowest_corners = |face: u16| {
         let corners = solid.outline(face).map(|side| solid.point(side.point));
         corners.filter(|at| direction.dot(*at) >= level).count()
     };
-    let mut count = stands_on(best);
+    let mut count = lowest_corners(best);
     for face in solid.around(farthest) {
-        let (own, looks_so) = (stands_on(face), looks(face));
-        if own > count || own == count && looks_so > most {
-            (best, count, most) = (face, own, looks_so);
+        let (own, cosine) = (lowest_corners(face), cosine_of(face));
+        if own > count || own == count && cosine > most {
+            (best, count, most) = (face, own, cosine);
         }
     }
     best
 }
 
-/// The part of the incident outline (in the frame of the reference) inside the prism over the reference outline along `normal`.
-/// `slack`: how far outside still is inside, m; `space`: room to work in, where the polygon then is.
+/// Clips the incident outline (in the frame of the reference) to the prism over the reference outline along `normal`.
+///
+/// `slack` is the distance outside the prism up to which a point counts as inside, m. `space` is scratch, and holds the resulting polygon.
 pub fn clip(
     reference: impl IntoIterator<Item = (DVec3, u16, u16)>,
     incident: impl Iterator<Item = (DVec3, u16, u16)>,
@@ -160,12 +161,12 @@ pub fn clip(
     let (mut from, mut next_from) = (first, sides.next());
     for i in 0.. {
         let (is_last, to) = (next_from.is_none(), next_from.unwrap_or(first));
-        // As long as the side, and so are depths and slack.
+        // Its length is that of the side, so depths and slack are multiplied by that length, too.
         let inward = normal.cross(to.0 - from.0);
         let start = inward.dot(from.0);
         let slack = slack * inward.length();
         let depth = |at: DVec3| inward.dot(at) - start;
-        // Where this side meets another edge; the last side meets the first at the first corner.
+        // The corner between this side and another edge. The last side meets the first side at the first corner.
         let meeting = |other: Owner| match other {
             Owner::Incident(edge) => Origin::Edges(from.2, edge),
             Owner::Reference(0) if is_last => Origin::Reference(to.1),
@@ -211,12 +212,12 @@ pub fn clip(
         }
         (from, next_from) = (to, sides.next());
     }
-    drop_doubles(polygon, corners, slack);
+    drop_duplicates(polygon, corners, slack);
     polygon.iter().map(|link| &corners[link.corner()])
 }
 
-/// Of neighbours in one place one stays, a true corner rather than a crossing.
-fn drop_doubles(polygon: &mut Polygon, corners: &[Clipped], slack: f64) {
+/// Removes corners that coincide with the next corner. Corners of a face are kept in preference to crossings of edges.
+fn drop_duplicates(polygon: &mut Polygon, corners: &[Clipped], slack: f64) {
     let mut i = 0;
     while i < polygon.len() && polygon.len() > 1 {
         let next = if i + 1 < polygon.len() { i + 1 } else { 0 };

@@ -1,7 +1,7 @@
-//! A box about the origin, by half its edges.
+//! A box around the origin, given by its half extents.
 //!
-//! Corner `i` is on the positive side of the axes whose bits are set in `i`. Face `2k` is the negative and `2k + 1` the positive one
-//! of axis `k`. Edge `4k + …` runs along axis `k`; the two bits tell on which side of the next two axes.
+//! Corner `i` is on the positive side of the axes whose bits are set in `i`. Face `2k` is on the negative side of axis `k`, and face `2k + 1` on its
+//! positive side. Edge `4k + b` runs along axis `k`; the two bits of `b` give the sides of the next two axes.
 
 use super::solid::{Ridge, Side, Solid};
 use glam::{DVec3, Vec3};
@@ -13,7 +13,7 @@ pub struct Cuboid {
 }
 
 impl Cuboid {
-    /// By half its edges, m.
+    /// A box with these half extents, m.
     pub fn new(half: Vec3) -> Self {
         Self {
             half: half.as_dvec3(),
@@ -21,7 +21,7 @@ impl Cuboid {
     }
 }
 
-/// The next two axes after one.
+/// The two axes that follow an axis.
 const fn others(axis: u16) -> [u16; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
 }
@@ -32,7 +32,7 @@ pub(super) const fn edge_at(axis: u16, corner: u16) -> u16 {
     4 * axis + ((corner >> u) & 1) + 2 * ((corner >> v) & 1)
 }
 
-/// From a table: what is written in parts is slow to be read as a whole.
+/// The normals of the faces. A table is faster than computing them: reading a vector that has just been written in parts is slow.
 const NORMALS: [DVec3; 6] = [
     DVec3::NEG_X,
     DVec3::X,
@@ -48,7 +48,7 @@ const OUTLINES: [[Side; 4]; 6] = {
     while face < 6 {
         let (axis, side) = (face as u16 / 2, face as u16 % 2);
         let [u, v] = others(axis);
-        // Counterclockwise about +axis; backwards on the other side.
+        // Counterclockwise around +axis; in reverse order on the other side.
         let round: [(u16, u16); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
         let mut i = 0;
         while i < 4 {
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn outlines_run_round_their_faces_along_edges_of_theirs() {
+    fn outlines_follow_the_edges_of_their_faces() {
         let cuboid = Cuboid::new(Vec3::new(1.0, 2.0, 3.0));
         for face in 0..6 {
             let (normal, offset) = cuboid.plane(face);

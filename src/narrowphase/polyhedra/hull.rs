@@ -1,4 +1,4 @@
-//! A convex hull.
+//! A convex hull as a [`Solid`].
 
 use super::solid::{Ridge, Side, Solid};
 use crate::collider::Polyhedron;

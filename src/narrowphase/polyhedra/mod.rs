@@ -1,10 +1,10 @@
 //! The contact of two convex polyhedra: cuboids, convex hulls, triangles.
 //!
-//! First the direction along which they are farthest apart or overlap least ([`separate`]); then what they have in common there:
-//! of a face and what faces it the polygon of both, with a number for each corner that stays while the features do
-//! ([`FeatureId`]); of two edges the point where they cross. `docs/contact.md` says why it is done so, with the sources.
+//! First the direction is found along which they are farthest apart, or overlap least ([`separate`]). Then the contact is computed along that
+//! direction. For two faces it is the polygon in which they overlap, and each of its corners has a number that persists as long as its features do
+//! ([`FeatureId`]). For two edges it is the point where they cross. `docs/contact.md` explains the reasons and gives the sources.
 //!
-//! Plain functions on plain data: no entities, and no allocation but for faces of more than eight corners.
+//! The module consists of plain functions on plain data: no entities, and no allocation except for faces with more than eight corners.
 
 mod axis;
 mod clip;
@@ -30,19 +30,19 @@ pub use triangle::Triangle;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// How far outside a face a corner still lies on it, as a share of the solid's size across.
+/// Tolerance for a corner outside a face that still counts as on it, as a share of the solid's size ([`across`]).
 pub(crate) const SLACK: f64 = 1e-4;
 
-/// By how much less overlap a preferred axis may show, as a share of the same.
+/// The overlap along a preferred axis may be less by this share of the solid's size ([`across`]) than along the best axis.
 const LACKING: f64 = 1e-3;
 
-/// Where two solids touch, or may soon, in the frame of A; without points where they do not. It is handed in to be written over, which
-/// spares moving it about.
+/// The contact of two solids that touch or soon may, in the frame of A. It has no points if they do not touch. Functions overwrite a contact that
+/// the caller provides, which avoids copying it.
 #[derive(Clone, Debug, Default)]
 pub struct Contact {
     /// Unit vector from B to A.
     pub normal: DVec3,
-    /// The corners of what they have in common, one after another around it.
+    /// The corners of the common polygon, in order around it.
     pub points: Points,
     pub(super) space: Space,
 }
@@ -76,7 +76,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// Where a point of one surface is so far (m) above another in a direction; none beyond `reach`.
+    /// Creates a point for a point of one surface that is `distance` (m) above the other surface. Returns `None` beyond `reach` (m).
     pub(super) fn above(
         at: DVec3,
         up: DVec3,
@@ -95,15 +95,16 @@ impl Point {
 /// The limits of a search for contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
-    /// Points farther apart than this do not count, m.
+    /// Maximum distance of contact points, m.
     pub reach: f64,
-    /// By how much they may overlap across the normal and still only graze each other, m.
+    /// Overlap across the normal up to which the solids only graze each other, m. See `seams.rs`.
     pub graze: f64,
 }
 
-/// Where B, placed in the frame of A, touches A. `axis`: that of the last time, and then that of this; it saves most of the work
-/// where the two are still apart. Gives how far they are apart along it, m: within reach they may be without a point that faces the
-/// other.
+/// Computes the contact of A and B, which is placed in the frame of A. Returns their distance along the separating axis, m. If it is within reach,
+/// there may still be no contact points, if no point of either faces the other.
+///
+/// `axis` is the axis of the last step, and is replaced by the new one. It saves most of the work if the solids are still apart.
 pub fn meet<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -117,7 +118,7 @@ pub fn meet<A: Solid, B: Solid>(
     found.best.distance
 }
 
-/// Where they touch, once it is known along which axis; returns that which held enough.
+/// Computes the contact along separations that are known. Returns the axis that was used.
 pub fn touch<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -138,10 +139,12 @@ pub fn touch<A: Solid, B: Solid>(
         return best.axis;
     }
     along(best, contact);
-    // A polygon in such a narrow strip is no larger.
+    // Upper bound of the area of a polygon in such a narrow strip.
     let strip = search.graze / (1.0 - seams::OWN * seams::OWN).sqrt();
-    let most = strip * 2.0 * a.outer().min(b.outer());
-    if contact.twice_area() <= 2.0 * most && seams::graze(a, b, place, best.normal, search.graze) {
+    let max_area = strip * 2.0 * a.outer().min(b.outer());
+    if contact.twice_area() <= 2.0 * max_area
+        && seams::graze(a, b, place, best.normal, search.graze)
+    {
         contact.points.clear();
         return best.axis;
     }
@@ -156,7 +159,7 @@ pub fn touch<A: Solid, B: Solid>(
     best.axis
 }
 
-/// The same for a normal that is given, from A to B: what the two have in common along it.
+/// Computes the contact along a given normal, from A to B.
 pub fn touch_along<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -170,7 +173,7 @@ pub fn touch_along<A: Solid, B: Solid>(
     faces_along(a, b, place, normal, reach, contact);
 }
 
-/// The intersection of the faces that look along a normal, from A to B.
+/// Computes the intersection of the faces that face each other along a normal, from A to B.
 fn faces_along<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -179,7 +182,7 @@ fn faces_along<A: Solid, B: Solid>(
     reach: f64,
     contact: &mut Contact,
 ) {
-    // The face that looks along the normal is the reference.
+    // The reference is the face that is closer to perpendicular to the normal.
     let back = place.back(-normal);
     let (face_a, face_b) = (facing(a, normal), facing(b, back));
     let by_a = a.plane(face_a).0.dot(normal) >= b.plane(face_b).0.dot(back);
@@ -194,7 +197,7 @@ fn faces_along<A: Solid, B: Solid>(
     common(a, b, place, &found, reach, contact);
 }
 
-/// How far off what counts as on, m.
+/// Tolerance within which a point counts as on a face or an edge, m.
 fn slack<A: Solid, B: Solid>(a: &A, b: &B) -> f64 {
     SLACK * across(a).min(across(b))
 }
@@ -207,7 +210,7 @@ pub(crate) fn across<S: Solid>(solid: &S) -> f64 {
     }
 }
 
-/// The intersection of a face with the facing one, or of two edges, no farther apart than `reach`.
+/// Computes the intersection of a face with the opposite face, or of two edges, for points whose distance is at most `reach`.
 fn common<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -243,7 +246,7 @@ fn common<A: Solid, B: Solid>(
         Axis::Edges(of_a, of_b) => {
             let (point, crosses) = crossing(a, b, place, found, of_a, of_b);
             if !crosses && found.distance < 0.0 {
-                // All but parallel, they cross anywhere: the faces beside them know more, if they have anything in common.
+                // The crossing of almost parallel edges is arbitrary. The adjacent faces give a better contact, if they overlap.
                 faces_along(a, b, place, found.normal, reach, contact);
             }
             if crosses || found.distance < 0.0 && contact.points.is_empty() {
@@ -254,16 +257,20 @@ fn common<A: Solid, B: Solid>(
     }
 }
 
-/// Above which face of the reference to look, along which normal, how far off what counts as on, and how far, m.
+/// The part of the incident solid above a face of the reference solid.
 struct Above {
+    /// Face of the reference.
     face: u16,
+    /// Direction of the contact, from the reference.
     normal: DVec3,
+    /// Tolerance within which a point counts as inside, m.
     slack: f64,
+    /// Maximum distance, m.
     reach: f64,
 }
 
 impl Above {
-    /// The points there, in the frame of the reference. `feature` gives the number of a corner's features.
+    /// Computes the contact points, in the frame of the reference. `feature` returns the identity of a corner's features.
     fn points<R: Solid, I: Solid>(
         &self,
         reference: &R,
@@ -293,7 +300,7 @@ impl Above {
     }
 }
 
-/// Where two edges are nearest to each other, and whether they cross there and not only the lines that they are on.
+/// Returns the point at which two edges are nearest to each other, and whether the edges cross there, and not only the lines through them.
 fn crossing<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -305,7 +312,7 @@ fn crossing<A: Solid, B: Solid>(
     let [p, p_end] = a.edge(of_a).ends.map(|i| a.point(i));
     let [q, q_end] = b.edge(of_b).ends.map(|i| place.point(b.point(i)));
     let (u, v, w) = (p_end - p, q_end - q, q - p);
-    // The point of each that is nearest to the other's line: both are in the plane of the two directions.
+    // The point of each that is nearest to the line of the other.
     let (uu, uv, vv) = (u.length_squared(), u.dot(v), v.length_squared());
     let square = uu * vv - uv * uv;
     let s = (w.dot(u) * vv - w.dot(v) * uv) / square;

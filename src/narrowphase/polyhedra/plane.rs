@@ -1,12 +1,12 @@
-//! A polyhedron on a plane: the corners of the face that it turns to it.
+//! The contact of a polyhedron with a plane: the corners of the face that faces the plane.
 
 use super::clip::{facing, outline};
 use super::solid::Solid;
 use super::{Contact, FeatureId, Point};
 use glam::DVec3;
 
-/// Where a solid touches everything below a plane, or may soon: `up · x = height` in its frame, with the unit vector `up`. The
-/// contact's normal is `up`; `corner` numbers its corners. The contact that is handed in is written over.
+/// Computes the contact of a solid with the half-space `up · x ≤ height` in its frame, where `up` is a unit vector. The normal of the contact is
+/// `up`. `corner` returns the identity of a corner. The contact is overwritten.
 pub fn meet_plane<S: Solid>(
     solid: &S,
     up: DVec3,

@@ -19,28 +19,32 @@ const SMALL: f64 = 0.05;
 /// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
 const DEEP: f64 = 0.005;
 
-/// … or by this smaller share if it carries load. A body whose supporting point is removed would sink, rise, and rock for ever.
+/// For a corner that existed in the last step, [`DEEP`] is multiplied by this. A body whose supporting point is removed would sink, rise, and rock
+/// for ever.
 const LOADED: f64 = 0.1;
 
-/// Two quadrilaterals have no more corners in common.
+/// Maximum number of corners of the intersection of two quadrilaterals. Only polygons with more corners are improved after the reduction.
 const MANY: usize = 8;
 
-/// Relative gain of area from which on a corner is replaced, and the maximum number of passes.
+/// Relative gain of area above which a corner is replaced.
 const CLEARLY: f64 = 1.05;
+
+/// Maximum number of passes that replace corners.
 const ROUNDS: usize = 2;
 
-/// How many times as much a corner counts that was there before.
+/// Factor for the area that a corner contributes if it existed in the last step.
 const KEPT: f64 = 2.0;
 
 impl Contact {
-    /// Drops corners until no more than `most` are left, and each of them counts. `known`: those that were there in the last step.
+    /// Removes corners until at most `most` are left, and each of them contributes enough area. `known` returns whether a corner existed in the last
+    /// step.
     pub fn simplify(&mut self, most: usize, known: impl Fn(FeatureId) -> bool) {
         if self.points.len() < 3 {
             return;
         }
         let whole = self.twice_area();
         let (normal, points) = (self.normal, &mut self.points);
-        // Twice the area, as of the whole.
+        // Twice the area, as for the whole polygon.
         let area = |x: DVec3, y: DVec3, z: DVec3| normal.dot((y - x).cross(z - x)).abs();
         let counts = |before: &Point, point: &Point, after: &Point| {
             let area = area(before.position, point.position, after.position);
@@ -90,7 +94,7 @@ impl Contact {
     }
 }
 
-/// Each point gives way to that of `all` between its neighbours which counts most there, if clearly.
+/// Replaces each point by the corner of `all` between its neighbours that contributes the most area, if the gain is large enough.
 fn exchange(
     points: &mut Points,
     all: &[Point],
@@ -119,7 +123,7 @@ fn exchange(
     }
 }
 
-/// The corner that is deeper than all others by so much, m.
+/// Returns the corner that is deeper than all others by at least `by` (m), if there is one.
 fn clearly_deepest(points: &Points, by: f64, known: impl Fn(FeatureId) -> bool) -> Option<usize> {
     let (mut deepest, mut least, mut second) = (0, f64::INFINITY, f64::INFINITY);
     for (i, point) in points.iter().enumerate() {

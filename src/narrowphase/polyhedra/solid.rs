@@ -1,7 +1,7 @@
 //! The interface of a convex polyhedron for collision detection: corners, faces, edges and extents.
 //!
-//! Everything is in the solid's own frame, in m, and in double precision: without lanes it costs no more than single, and where
-//! faces and edges coincide all digits count.
+//! All values are in the solid's own frame, in m, and in double precision. In scalar code double precision costs no more than single, and all digits
+//! matter if faces and edges coincide.
 
 use glam::DVec3;
 
@@ -9,39 +9,39 @@ use glam::DVec3;
 pub trait Solid {
     /// A point inside.
     fn center(&self) -> DVec3;
-    /// Radius of a ball about the centre that lies inside.
+    /// Radius of a ball around the centre that lies inside.
     fn inner(&self) -> f64;
-    /// Radius of a ball about the centre that holds it.
+    /// Radius of a ball around the centre that contains the solid.
     fn outer(&self) -> f64;
 
     /// Corner `i`.
     fn point(&self, i: u16) -> DVec3;
-    /// How far it reaches from the origin in a direction: max `direction · x`.
+    /// The support function: the maximum of `direction · x` over the solid.
     fn reach(&self, direction: DVec3) -> f64;
     /// The corner that is farthest in a direction.
     fn farthest(&self, direction: DVec3) -> u16;
 
-    /// How many faces there are.
+    /// The number of faces.
     fn faces(&self) -> u16;
-    /// The outward unit normal of a face, and its `normal · x`.
+    /// The outward unit normal of a face, and `normal · x` for the points x of its plane.
     fn plane(&self, face: u16) -> (DVec3, f64);
     /// The outline of a face, counterclockwise seen from outside.
     fn outline(&self, face: u16) -> impl ExactSizeIterator<Item = Side>;
     /// The faces that meet in a corner.
     fn around(&self, point: u16) -> impl Iterator<Item = u16>;
 
-    /// How many edges there are.
+    /// The number of edges.
     fn edges(&self) -> u16;
     /// Edge `i`.
     fn edge(&self, i: u16) -> Ridge;
 
-    /// Returns true if no corner is as far in a direction as the farthest, but for less than `slack` (m times the direction's length), as
-    /// far as that is seen at once.
+    /// Returns true if one corner is farther in a direction than all others by more than `slack` (m times the length of the direction). May return
+    /// false if this is expensive to decide.
     fn stands_on_a_corner(&self, _direction: DVec3, _slack: f64) -> bool {
         false
     }
 
-    /// Half its edges, if it is a box about the origin along the axes: of such two, fewer axes have to be tried.
+    /// The half extents, if the solid is a box around the origin along the axes. Two boxes have fewer candidate axes.
     fn half(&self) -> Option<DVec3> {
         None
     }

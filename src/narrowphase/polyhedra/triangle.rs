@@ -1,7 +1,7 @@
-//! A triangle: a prism without height, whose three sides are faces with an outline of two corners.
+//! A triangle as a [`Solid`]: a prism without height. Its three sides are faces whose outlines have two corners.
 //!
-//! Faces: 0 the front, from which its corners run counterclockwise, 1 the back, then the sides. Edges: three of the front, three of
-//! the back.
+//! Face 0 is the front, seen from which the corners run counterclockwise. Face 1 is the back, and the others are the sides. The first three edges
+//! belong to the front, the other three to the back.
 
 use super::solid::{Ridge, Side, Solid};
 use glam::{DVec3, Vec3};
@@ -14,7 +14,7 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// By its corners, m. None where they lie on a line.
+    /// Creates a triangle from its corners, m. Returns `None` if they lie on a line.
     pub fn new(points: [Vec3; 3]) -> Option<Self> {
         let points = points.map(Vec3::as_dvec3);
         let normal = (points[1] - points[0]).cross(points[2] - points[0]);

@@ -1,17 +1,17 @@
-//! The faces on which bodies lie: flat faces, ends, the lines of sides, and edges.
+//! The face on which a body lies: a flat face, a round end, the line of a round side, or an edge.
 
 use crate::narrowphase::polyhedra::{Outline, Placement, Solid, facing, outline};
 use glam::DVec3;
 
-/// A face counts up to so far from the plane of contact, as the cosine of the angle (8.6°).
+/// A body lies on a face if the cosine of the angle between the face and the plane of contact is at least this (8.6°).
 pub const LEVEL: f64 = 0.988_77;
 
 /// A face, end, line or edge on which a body lies.
 #[derive(Clone, Debug)]
 pub struct Face {
-    /// Its corners, counterclockwise seen from outside; two of a line.
+    /// Its corners, counterclockwise seen from outside. A line has two.
     pub outline: Outline,
-    /// The way out.
+    /// Outward unit normal.
     pub normal: DVec3,
 }
 
@@ -20,7 +20,7 @@ impl Face {
         Self { outline, normal }
     }
 
-    /// The face on which a polyhedron lies in a direction.
+    /// Returns the face, or else the edge, on which a polyhedron lies in a direction.
     pub fn of<S: Solid>(solid: &S, direction: DVec3) -> Option<Self> {
         let face = facing(solid, direction);
         let normal = solid.plane(face).0;
@@ -41,7 +41,7 @@ impl Face {
         (normal.dot(direction) >= LEVEL).then(|| Self::new(line.into_iter().collect(), normal))
     }
 
-    /// Carried along into another frame.
+    /// Transforms the face to another frame.
     pub fn placed(mut self, place: &Placement) -> Self {
         for (at, ..) in &mut self.outline {
             *at = place.point(*at);
@@ -59,7 +59,7 @@ impl Face {
         (self.outline[1].0 - self.outline[0].0).normalize()
     }
 
-    /// A line as a face so wide to either side, m.
+    /// Turns a line into a face that extends by `wide` (m) to both sides of it. Other faces stay as they are.
     pub fn widened(mut self, wide: f64) -> Self {
         let [(from, i, edge), (to, j, _)] = self.outline[..] else {
             return self;

@@ -1,22 +1,21 @@
-//! Cylinders and cones: both are frustums, with straight sides and flat ends. Capsules and balls are frustums without radius, with all
-//! around them up to a distance.
+//! Cylinders and cones as frustums, with straight sides and flat ends. A capsule or a ball is a frustum of radius 0 (a segment or a point) with a
+//! border: it contains all points within a distance of the frustum.
 //!
-//! An end is an outline of twelve points that are fixed in the body, so that they hold still while it stands. Where it is tilted, the
-//! lowest point of the rim is one more, or what wobbles would jolt from corner to corner. A side is the line that faces the other
-//! body.
+//! An end is an outline of twelve points that are fixed in the body, so that they stay the same while the body stands. If the end is tilted, the
+//! lowest point of its rim is added. Without it, a body that wobbles would jolt from corner to corner. A side is the line that faces the other body.
 
 use super::face::{Face, LEVEL};
 use crate::narrowphase::polyhedra::Outline;
 use glam::DVec3;
 use parry3d::shape::{Shape, TypedShape};
 
-/// Tilted by less than this, rad, an end has no lowest point.
+/// Tilt above which the lowest point of an end is added, rad.
 const TILTED: f64 = 1e-3;
 
-/// Corners of an end.
+/// Number of corners of an end.
 const RIM: usize = 12;
 
-/// The numbers of the lowest point of an end, and of the ends of a side.
+/// The number of the lowest point of an end, and the first number of the two ends of a side.
 const LOWEST: u16 = RIM as u16;
 const SIDE: u16 = LOWEST + 1;
 
@@ -25,20 +24,23 @@ const TOP: u16 = 32;
 
 const S: f64 = 0.866_025_403_784_438_6;
 
-/// The cosines of the directions in which the corners are.
+/// The cosines of the angles of the corners.
 const COSINES: [f64; RIM] = [1.0, S, 0.5, 0.0, -0.5, -S, -1.0, -S, -0.5, 0.0, 0.5, S];
 
-/// About the y axis, with its middle in the origin.
+/// A frustum around the y axis with its middle in the origin. Lengths are in m.
 #[derive(Clone, Copy, Debug)]
 pub struct Frustum {
     half_height: f64,
+    /// Radius of the end at −y.
     base: f64,
+    /// Radius of the end at +y.
     top: f64,
+    /// Radius of the border of a capsule or a ball.
     border: f64,
 }
 
 impl Frustum {
-    /// Of a cylinder, cone, ball, or capsule along the y axis.
+    /// The frustum of a cylinder, a cone, a ball, or a capsule along the y axis. Returns `None` for other shapes.
     pub fn of(shape: &dyn Shape) -> Option<Self> {
         let [half_height, base, top, border] = match shape.as_typed_shape() {
             TypedShape::Cylinder(it) => [it.half_height, it.radius, it.radius, 0.0],
@@ -60,7 +62,7 @@ impl Frustum {
         })
     }
 
-    /// A ball or a capsule.
+    /// Returns true for a ball or a capsule.
     pub fn is_bordered(&self) -> bool {
         self.border > 0.0
     }
@@ -84,14 +86,14 @@ impl Frustum {
         }
     }
 
-    /// The directions out of its flat ends.
+    /// The outward normals of its flat ends.
     pub fn ends(&self) -> impl Iterator<Item = DVec3> {
         let ends = [(DVec3::NEG_Y, self.base), (DVec3::Y, self.top)];
         ends.into_iter()
             .filter_map(|(end, radius)| (radius > 0.0).then_some(end))
     }
 
-    /// The normal of the side that looks most in a direction.
+    /// The normal of the side at the line that is nearest to a direction.
     pub fn side(&self, direction: DVec3) -> Option<DVec3> {
         let out = direction.with_y(0.0).try_normalize()?;
         let [low, high] = self.line(out);
@@ -99,7 +101,7 @@ impl Frustum {
         (out * up.y - DVec3::Y * out.dot(up)).try_normalize()
     }
 
-    /// The face on which it lies in a direction.
+    /// The face on which it lies in a direction: an end, or the line of its side.
     pub fn facing(&self, direction: DVec3) -> Option<Face> {
         let side = self.side(direction).unwrap_or_default();
         if side.dot(direction) >= LEVEL {
@@ -112,7 +114,7 @@ impl Frustum {
         Some(Face::new(self.end(end, direction), end))
     }
 
-    /// The line of its side in a direction square to the axis.
+    /// The line of its side in a direction perpendicular to the axis.
     fn line(&self, out: DVec3) -> [DVec3; 2] {
         let middle = DVec3::Y * self.half_height;
         [out * self.base - middle, out * self.top + middle]

@@ -19,12 +19,14 @@ pub use normal::{Found, separate};
 pub use part::Part;
 pub use simplify::simplify;
 
-/// Half the width of the line along which two round sides touch, as a share of the smaller size. Of crossed sides the points draw
-/// together within it.
+/// Half the width of the line along which two round sides touch, as a share of the smaller size. If the sides cross at an angle, the points are
+/// nearer to each other, because they must be within this width.
 const LINE: f64 = 0.02;
 
-/// Where the two touch, or may soon, in the frame that they share. `last`: the direction from A to B along which they did in the last step. The
-/// contact that is handed in is written over. Gives by how much they are apart at least, m, where that is out of reach; −∞ where they touch.
+/// Computes the contact of two bodies in their common frame. Returns a lower bound of their distance (m) if it is greater than the reach, and −∞
+/// otherwise.
+///
+/// `last` is the contact's direction in the last step, from A to B. The contact is overwritten.
 pub fn meet(a: &Part, b: &Part, search: Search, last: Option<DVec3>, contact: &mut Contact) -> f64 {
     contact.points.clear();
     let found = match separate(a, b, search.reach, last) {
@@ -37,7 +39,7 @@ pub fn meet(a: &Part, b: &Part, search: Search, last: Option<DVec3>, contact: &m
     f64::NEG_INFINITY
 }
 
-/// The same along a direction that is known.
+/// Computes the contact along a direction that is known.
 pub fn touch(a: &Part, b: &Part, found: &Found, reach: f64, contact: &mut Contact) {
     contact.normal = -found.normal;
     contact.points.clear();
@@ -54,7 +56,7 @@ pub fn touch(a: &Part, b: &Part, found: &Found, reach: f64, contact: &mut Contac
     }
 }
 
-/// The intersection of two faces. `size` is that of the smaller body, m.
+/// Computes the intersection of two faces. `size` is that of the smaller body, m.
 fn common(of_a: Face, of_b: Face, normal: DVec3, size: f64, reach: f64, contact: &mut Contact) {
     let by_a = match [&of_a, &of_b].map(Face::is_line) {
         [false, true] => true,
@@ -80,7 +82,7 @@ fn common(of_a: Face, of_b: Face, normal: DVec3, size: f64, reach: f64, contact:
     }
 }
 
-/// Where one touches everything below a plane, or may soon: `up · x = height` in its frame. `corner` numbers its corners.
+/// Computes the contact of a frustum with the half-space `up · x ≤ height` in its frame. `corner` returns the identity of a corner.
 pub fn meet_plane(
     round: &Frustum,
     up: DVec3,

@@ -1,20 +1,20 @@
-//! Where two convex bodies that are apart are nearest to each other (Gilbert, Johnson and Keerthi 1988), in double precision: the
-//! direction between points on curved surfaces is only as good as the root of what the distance is.
+//! Computes the nearest points of two convex bodies that are apart (Gilbert, Johnson and Keerthi 1988). It uses double precision, because the error
+//! of the direction between points on curved surfaces is the square root of the error of the distance.
 
 use glam::DVec3;
 
-/// The distance is known to this share of its square. The direction, which is found again from nearer by in the next round, is off by 1e-4 rad then;
-/// with 1e-12 a search took twice as long, and the normals in the end were no better.
+/// Relative tolerance of the squared distance. The direction then has an error of 1e-4 rad, and the next round improves it. With 1e-12 a search took
+/// twice as long, and the final normals were not better.
 const PRECISE: f64 = 1e-7;
 
-/// Most points of the surfaces that are tried.
+/// Maximum number of iterations.
 const TRIES: usize = 64;
 
-/// The weights of four corners, and the squared distance of their weighted sum from the origin.
+/// The squared distance of a weighted sum of corners from the origin, and the weights of the four corners.
 type Shares = (f64, [f64; 4]);
 
-/// Up to four pairs of points of the surfaces, of A and of B. What is left of it after a search is where the next begins that is much the same:
-/// few of its points, or none, have to be looked for again.
+/// A simplex of up to four corners. Each corner is a pair of points, one on the surface of A and one on that of B. A similar search may begin with the
+/// simplex of the search before it, and then needs few iterations.
 #[derive(Default)]
 pub struct Simplex {
     corners: [[DVec3; 2]; 4],
@@ -22,8 +22,10 @@ pub struct Simplex {
 }
 
 impl Simplex {
-    /// The point of A, and that of B, which is moved `off` for the search. `farthest`: those of A in a direction and of B against it, where they
-    /// are; `towards`: about where B is.
+    /// Returns the nearest points of A and B. For the search, B is translated by `off`.
+    ///
+    /// `farthest` returns the farthest point of A in a direction and that of B in the opposite direction, without the translation. `towards` is the
+    /// approximate direction of B.
     pub fn nearest(
         &mut self,
         farthest: impl Fn(DVec3) -> [DVec3; 2],
@@ -36,11 +38,11 @@ impl Simplex {
         }
         let mut shares = [1.0, 0.0, 0.0, 0.0];
         if self.count > 1 {
-            // Any of its corners may count no more.
+            // Some of its corners may not be part of the nearest face any more.
             let ways = self.ways(off);
-            let mut best = reduced(&ways, 2);
+            let mut best = nearest_to_origin(&ways, 2);
             if self.count > 2 {
-                best = lesser(best, reduced(&ways, 3));
+                best = nearer(best, nearest_to_origin(&ways, 3));
             }
             shares = self.keep(best.1);
         }
@@ -52,8 +54,8 @@ impl Simplex {
                 break;
             }
             self.corners[self.count] = next;
-            let (there, new) = reduced(&self.ways(off), self.count + 1);
-            // Rounding has the last word.
+            let (there, new) = nearest_to_origin(&self.ways(off), self.count + 1);
+            // Rounding prevents any further progress.
             if there >= square {
                 break;
             }
@@ -61,14 +63,15 @@ impl Simplex {
             shares = self.keep(new);
             way = self.way(&shares, off);
         }
-        self.weighed(&shares)
+        self.weighted(&shares)
     }
 
+    /// The vectors from A to B at all corners.
     fn ways(&self, off: DVec3) -> [DVec3; 4] {
         self.corners.map(|on| between(on, off))
     }
 
-    /// Only corners that count are kept: what each does.
+    /// Drops the corners with weight 0. Returns the weights of the others.
     fn keep(&mut self, shares: [f64; 4]) -> [f64; 4] {
         let all = std::mem::take(&mut self.count);
         let mut kept = [0.0; 4];
@@ -79,7 +82,8 @@ impl Simplex {
         kept
     }
 
-    fn weighed(&self, shares: &[f64; 4]) -> [DVec3; 2] {
+    /// The weighted sum of the corners.
+    fn weighted(&self, shares: &[f64; 4]) -> [DVec3; 2] {
         let mut sum = [DVec3::ZERO; 2];
         for (on, share) in self.corners.iter().zip(shares).take(self.count) {
             sum[0] += share * on[0];
@@ -88,8 +92,9 @@ impl Simplex {
         sum
     }
 
+    /// The vector from A to B at the weighted sum of the corners.
     fn way(&self, shares: &[f64; 4], off: DVec3) -> DVec3 {
-        between(self.weighed(shares), off)
+        between(self.weighted(shares), off)
     }
 }
 
@@ -97,29 +102,29 @@ fn between(on: [DVec3; 2], off: DVec3) -> DVec3 {
     on[1] + off - on[0]
 }
 
-/// The weights of the first `count` corners at the point nearest to the origin. The last corner has brought it nearer, so it lies in one of that
-/// corner's lines or triangles.
-fn reduced(ways: &[DVec3; 4], count: usize) -> Shares {
+/// Returns the weights of the first `count` corners at the point nearest to the origin. The last corner is new and has nearest_to_origin the distance, so the
+/// point is on a line or triangle with that corner.
+fn nearest_to_origin(ways: &[DVec3; 4], count: usize) -> Shares {
     let last = count - 1;
     let mut best = on_line(ways, [0, last]);
     for i in 1..last {
-        best = lesser(best, on_line(ways, [i, last]));
+        best = nearer(best, on_line(ways, [i, last]));
         for j in 0..i {
             if let Some(above) = above_triangle(ways, [j, i, last]) {
-                best = lesser(best, above);
+                best = nearer(best, above);
             }
         }
     }
     best
 }
 
-fn lesser(one: Shares, other: Shares) -> Shares {
+fn nearer(one: Shares, other: Shares) -> Shares {
     if other.0 < one.0 { other } else { one }
 }
 
 fn on_line(ways: &[DVec3; 4], [i, j]: [usize; 2]) -> Shares {
     let (from, way) = (ways[i], ways[j] - ways[i]);
-    // Of two corners in one place either will do.
+    // If both corners coincide, either is correct.
     let square = way.length_squared().max(f64::MIN_POSITIVE);
     let share = (-from.dot(way) / square).clamp(0.0, 1.0);
     let mut shares = [0.0; 4];
@@ -127,7 +132,7 @@ fn on_line(ways: &[DVec3; 4], [i, j]: [usize; 2]) -> Shares {
     ((from + share * way).length_squared(), shares)
 }
 
-/// Above the triangle, if the origin is.
+/// The point of a triangle nearest to the origin, if it is inside the triangle.
 fn above_triangle(ways: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Option<Shares> {
     let [p, q, r] = [ways[i], ways[j], ways[k]];
     let normal = (q - p).cross(r - p);

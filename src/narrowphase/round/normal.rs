@@ -1,43 +1,45 @@
-//! Along which direction a round body and another convex one are farthest apart, or overlap least.
+//! Finds the direction along which a round body and another convex body are farthest apart, or overlap least.
 //!
-//! Parry's normals of curved surfaces that touch are off by up to some hundredths of a radian, another in every step, which jolts
-//! what lies there. Here flat faces are tried first. From the best of what was tried the other body is moved off a little along it,
-//! and where the two then are nearest to each other the direction is a better one; where it is the same, it is the normal. That
-//! is exact where they lie on each other, and fast where they don't.
+//! Parry's normals of curved surfaces that touch have errors of some hundredths of a radian, which differ in every step and jolt bodies that lie
+//! there. Here the normals of flat faces are tried first. Then B is moved away a little along the best direction so far, so that the bodies are
+//! apart. The direction between their nearest points is a better direction. This is repeated until it does not change, and then it is the normal. The
+//! result is exact if the bodies lie on each other, and the search is short if they do not.
 
 use super::nearest::Simplex;
 use super::part::Part;
 use glam::DVec3;
 
-/// How far off the other body is moved, as a share of the smaller size: little, since curved surfaces draw near the true direction by
-/// this share of their radius.
+/// Distance by which B is moved away, as a share of the smaller size. It is small because a round reduces the error of the direction to about this
+/// share, for curved surfaces.
 const OFF: f64 = 0.05;
 
-/// Times it is moved off, at most. Each leaves a twentieth of the error of the direction before it.
+/// Maximum number of rounds. Each leaves a twentieth of the previous error of the direction.
 const ROUNDS: usize = 8;
 
-/// A direction is better from this share of the smaller size on, …
+/// Margin by which directions of flat faces are preferred, as a share of the smaller size.
 const MARGIN: f64 = 5e-6;
 
-/// … and than one along which they lie on each other all over, if it looks as near there as this (5°), from this.
+/// If the bodies lie on each other with flat faces, a direction is similar to that of the faces if the cosine between them is above this (5°). Then …
 const ALIKE: f64 = 0.996;
+
+/// … this is the margin by which the faces are preferred, as a share of the smaller size.
 const MORE: f64 = 2e-3;
 
-/// The greatest separation.
+/// The direction with the greatest distance.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
     /// Unit vector from A to B.
     pub normal: DVec3,
-    /// m; negative: they overlap by as much.
+    /// Distance along it, m. Negative: overlap.
     pub distance: f64,
-    /// Where A and B are nearest to each other along it.
+    /// The nearest points of A and B.
     pub on: [DVec3; 2],
 }
 
-/// `last`: the normal of the last step, from which the true one is not far.
+/// Finds the direction with the greatest distance. `last` is the normal of the last step, which is near the true one.
 ///
 /// # Errors
-/// Where they are farther apart than `reach` (m): a distance, m, that no two of their points are nearer than.
+/// If the bodies are farther apart than `reach` (m), returns a lower bound of their distance, m.
 pub fn separate(a: &Part, b: &Part, reach: f64, last: Option<DVec3>) -> Result<Found, f64> {
     let apart = |normal: DVec3| normal.dot(b.farthest(-normal) - a.farthest(normal));
     let size = a.size().min(b.size());
@@ -78,19 +80,19 @@ pub fn separate(a: &Part, b: &Part, reach: f64, last: Option<DVec3>) -> Result<F
         };
         let distance = apart(normal);
         let gained = distance - best.0;
-        // Even the last bit of distance is much of a direction.
+        // Any gain counts: a tiny difference of the distance is a large difference of the direction.
         best = better(best, (distance, normal));
         if gained <= 0.1 * MARGIN * size {
             break;
         }
     }
-    let lies = || {
+    let lies_on_faces = || {
         let faces = [a.facing(flat.1), b.facing(-flat.1)];
         faces
             .iter()
             .all(|face| face.as_ref().is_some_and(|face| !face.is_line()))
     };
-    let margin = match best.1.dot(flat.1) > ALIKE && lies() {
+    let margin = match best.1.dot(flat.1) > ALIKE && lies_on_faces() {
         true => MORE,
         false => MARGIN,
     };

@@ -6,17 +6,17 @@ use crate::narrowphase::polyhedra::{Placement, Solid, across};
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// A form, placed in the frame that both have in common.
+/// A form, placed in the common frame of a pair.
 pub struct Part<'a> {
     form: &'a Form<'a>,
-    /// None of the first, in whose frame both are.
+    /// The pose in the frame of the first form. `None` for the first form itself.
     place: Option<Placement>,
 }
 
 pub type Directions = SmallVec<[DVec3; 8]>;
 
 impl<'a> Part<'a> {
-    /// Two, the second at a place in the frame of the first.
+    /// A pair of forms, the second at a pose in the frame of the first.
     pub fn two(a: &'a Form<'a>, b: &'a Form<'a>, place: Placement) -> [Self; 2] {
         let part = |form, place| Self { form, place };
         [part(a, None), part(b, Some(place))]
@@ -66,7 +66,7 @@ impl<'a> Part<'a> {
         })
     }
 
-    /// The directions out of its flat faces.
+    /// The outward normals of its flat faces.
     pub fn normals(&self) -> Directions {
         fn of<S: Solid>(solid: &S) -> Directions {
             (0..solid.faces()).map(|face| solid.plane(face).0).collect()
@@ -83,7 +83,7 @@ impl<'a> Part<'a> {
         normals
     }
 
-    /// The normal of a round side that looks most in a direction.
+    /// The normal of its round side that is nearest to a direction. `None` for polyhedra.
     pub fn side(&self, direction: DVec3) -> Option<DVec3> {
         let Form::Round(round) = self.form else {
             return None;

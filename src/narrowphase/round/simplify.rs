@@ -1,12 +1,13 @@
-//! Reduction to a few points, as for polyhedra, but always with the deepest point. Of the many corners of a round end none contributes much to the area, and
-//! a body that sinks in at an angle would go on sinking where no point is kept.
+//! Reduction of a contact to a few points, as for polyhedra, but the deepest point is always kept. No single corner of a round end contributes much
+//! area, and a body that sinks in at an angle would go on sinking if its deepest point were removed.
 
 use crate::narrowphase::polyhedra::{Contact, FeatureId, Point};
 
-/// Deeper than all others by this share of the smaller radius the deepest point is missed.
+/// The deepest point is restored if it is deeper than all others by this share of the smaller radius.
 const DEEPER: f64 = 1e-3;
 
-/// Drops points until no more than `most` are left. `radius`: of the smaller round body, m; `known`: those of the last step.
+/// Removes points until at most `most` are left. `radius` is that of the smaller round body, m. `known` returns whether a point existed in the last
+/// step.
 pub fn simplify(
     contact: &mut Contact,
     most: usize,
@@ -23,7 +24,7 @@ pub fn simplify(
         return;
     };
     if deepest.distance < left.distance - DEEPER * radius as f64 {
-        // In the place of the nearest, so that they still go around.
+        // It replaces the nearest point, so that the points stay in order around the polygon.
         let away = |point: &Point| point.position.distance_squared(deepest.position);
         let points = contact.points.iter_mut();
         let nearest = points.min_by(|x, y| away(x).total_cmp(&away(y)));

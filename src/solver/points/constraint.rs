@@ -1,7 +1,7 @@
-//! The rows of one contact point: a normal and two tangents, with their effective masses and their relaxation.
+//! The rows of one contact point (a normal and two tangents), their effective masses, and the steps that relax them.
 //!
-//! The method is matrix-free: W = J M⁻¹ Jᵀ is never built, only its 3 × 3 block for each point. The body velocities are kept equal to M⁻¹
-//! Jᵀ λ + free motion throughout.
+//! The method is matrix-free. W = J M⁻¹ Jᵀ is never computed, only its 3 × 3 block for each point. The velocities of the bodies always equal
+//! M⁻¹ Jᵀ λ plus the free motion.
 
 use super::FrictionCone;
 use crate::solver::Body;
@@ -20,7 +20,7 @@ pub struct PointInput {
     pub friction: f32,
     /// Lower bound of the normal velocity, m/s.
     pub target_normal: f32,
-    /// Demanded tangential velocity, m/s.
+    /// Target of the tangential velocity, m/s.
     pub target_tangential: Vec3,
     /// Warm start of λ_n, N·s.
     pub impulse_normal: f32,
@@ -28,7 +28,7 @@ pub struct PointInput {
     pub impulse_tangential: Vec3,
 }
 
-/// A contact point that is ready to be solved, prepared from a [`PointInput`], in its own frame (n, t1, t2).
+/// A contact point that was prepared from a [`PointInput`] to be solved, in its own frame (n, t1, t2).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PointConstraint {
     /// Indices of A and B among the problem's bodies.
@@ -39,7 +39,7 @@ pub struct PointConstraint {
     pub arms: [Vec3; 2],
     /// Coefficient of friction μ.
     pub friction: f32,
-    /// b: lower bound of the normal velocity, and demanded tangential velocities, m/s.
+    /// b: lower bound of the normal velocity, and targets of the tangential velocities, m/s.
     pub target: Vec3,
     /// λ = (λ_n, λ_t1, λ_t2), N·s.
     pub impulse: Vec3,
@@ -47,7 +47,7 @@ pub struct PointConstraint {
     pub tangents: [Vec3; 2],
     /// The diagonal of W at this point: inverse effective masses, 1/kg.
     pub diagonal: Vec3,
-    /// The off-diagonal of its tangential block, 1/kg.
+    /// The off-diagonal element of its tangential block, 1/kg.
     pub(super) coupling: f32,
     /// 1/W_nn, kg.
     pub(super) inverse_normal: f32,
@@ -64,13 +64,13 @@ pub fn tangents(normal: Vec3) -> [Vec3; 2] {
     [t, b]
 }
 
-/// Masses of two bodies in the frame of a normal, for all points with that normal.
+/// The masses of two bodies in the frame of a normal. All points with that normal share it.
 pub(crate) struct PatchFrame {
-    /// n, t1, t2.
+    /// The axes n, t1 and t2.
     axes: [Vec3; 3],
-    /// Inverse mass of A and B together, 1/kg.
+    /// Sum of the inverse masses of A and B, 1/kg.
     inverse_mass: f32,
-    /// Inverse inertias of A and B in the frame, 1/(kg·m²): xx, yy, zz, and xy, xz, yz.
+    /// Inverse inertias of A and B in the frame, 1/(kg·m²): first xx, yy and zz, then xy, xz and yz.
     inverse_inertia: [[Vec3; 2]; 2],
 }
 
@@ -136,7 +136,7 @@ impl PointConstraint {
         PatchFrame::new(input.bodies, input.normal, bodies).prepare(input)
     }
 
-    /// The velocity of A against B at the point, in the contact frame (n, t1, t2), m/s.
+    /// The velocity of A relative to B at the point, in the contact frame (n, t1, t2), m/s.
     #[inline]
     pub fn velocity(&self, bodies: &[Body]) -> Vec3 {
         let w = self.relative(bodies);
@@ -153,26 +153,26 @@ impl PointConstraint {
         a.linear - b.linear + a.angular.cross(self.arms[0]) - b.angular.cross(self.arms[1])
     }
 
-    /// λ in world axes, N·s.
+    /// Converts an impulse from the contact frame to world axes, N·s.
     #[inline]
     pub fn world(&self, impulse: Vec3) -> Vec3 {
         self.normal * impulse.x + self.tangents[0] * impulse.y + self.tangents[1] * impulse.z
     }
 
-    /// Changes the velocities by an impulse in world axes: A gets it, B the opposite.
+    /// Applies an impulse (N·s, world axes) to A, and the opposite impulse to B.
     #[inline]
     pub fn push(&self, bodies: &mut [Body], impulse: Vec3) {
         bodies[self.bodies[0] as usize].apply(impulse, self.arms[0]);
         bodies[self.bodies[1] as usize].apply(-impulse, self.arms[1]);
     }
 
-    /// Adds Δλ to the impulse, and its effect to the velocities.
+    /// Adds Δλ (N·s, contact frame) to the impulse, and its effect to the velocities.
     pub fn add(&mut self, bodies: &mut [Body], change: Vec3) {
         self.impulse += change;
         self.push(bodies, self.world(change));
     }
 
-    /// Projected Gauss–Seidel step of the normal row. Returns Wₙₙ Δλ², J: an energy, so that heavy and light contacts can be summed.
+    /// Does a projected Gauss–Seidel step of the normal row. Returns Wₙₙ Δλ², J. This is an energy, so values of heavy and light contacts can be added.
     #[inline]
     pub fn relax_normal(&mut self, bodies: &mut [Body]) -> f32 {
         let residual = self.normal.dot(self.relative(bodies)) - self.target.x;
@@ -183,7 +183,7 @@ impl PointConstraint {
         self.diagonal.x * change * change
     }
 
-    /// Projected Gauss–Seidel step of the two friction rows, against the current normal impulse. Returns Δλᵀ diag(W) Δλ, J.
+    /// Does a projected Gauss–Seidel step of the two friction rows, bounded by the current normal impulse. Returns Δλᵀ diag(W) Δλ, J.
     #[inline]
     pub fn relax_friction(&mut self, bodies: &mut [Body], cone: FrictionCone) -> f32 {
         let limit = self.friction * self.impulse.x;
@@ -209,10 +209,10 @@ impl PointConstraint {
         self.diagonal.y * change.x * change.x + self.diagonal.z * change.y * change.y
     }
 
-    /// The exact 2 × 2 step if it stays inside the disc, else an isotropic one, projected.
+    /// Does the exact 2 × 2 step if the result is inside the disc, and otherwise an isotropic step that is projected.
     ///
-    /// Projecting the exact step radially instead would turn it away from the slip, and a sliding body would lose part of its friction (a
-    /// box at 28° slid 9.86 m where 3.50 m is right).
+    /// Projecting the exact step radially would rotate it away from the direction of slip, and a sliding body would lose part of its friction (a box on a
+    /// slope of 28° slid 9.86 m instead of 3.50 m).
     fn step_in_disc(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
         let Vec3 {
             x: xx,
@@ -247,7 +247,7 @@ pub(super) fn inverse(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// A flat body of 1000 kg on the ground, with one point of contact below: far easier to turn about z than about x.
+    /// A flat body of 1000 kg on the ground with one contact point below. It turns far more easily about z than about x.
     fn touching(arm: Vec3) -> (Vec<Body>, PointConstraint) {
         let body = Body {
             inverse_mass: 1e-3,
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn effective_masses_are_those_of_the_response_to_unit_impulses() {
+    fn effective_masses_equal_the_response_to_unit_impulses() {
         let (mut bodies, contact) = touching(Vec3::new(0.5, -0.5, 0.3));
         for (i, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
             let before = contact.velocity(&bodies);
@@ -280,7 +280,7 @@ mod tests {
         }
     }
 
-    /// The trap of `method.md`: during sliding, friction must oppose the slip with all of μ λ_n.
+    /// While a body slides, friction must oppose the slip with all of μ λ_n (`method.md`).
     #[test]
     fn sliding_friction_is_at_the_cone_and_against_the_slip() {
         let (mut bodies, mut contact) = touching(Vec3::new(0.5, -0.5, 0.3));
@@ -297,7 +297,7 @@ mod tests {
             friction.normalize().dot(slip.normalize()) < -0.9999,
             "{friction} {slip}"
         );
-        // The exact step, projected radially, fails here: it does not end up against the slip.
+        // The exact step, projected radially, would fail here: it is not opposite to the slip.
         let Vec3 {
             x: xx,
             y: yy,
@@ -307,7 +307,7 @@ mod tests {
         assert!(exact.normalize().dot(slip.normalize()) < 0.995);
     }
 
-    /// Below the centre the normal does not turn the body, and the block solve of the tangents is exact.
+    /// The point is below the centre, so the normal impulse does not turn the body, and the block solve of the tangents is exact.
     #[test]
     fn sticking_friction_is_exact_in_one_step() {
         let (mut bodies, mut contact) = touching(Vec3::NEG_Y * 0.5);

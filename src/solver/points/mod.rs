@@ -1,13 +1,13 @@
-//! Solvers of points, the paper's way: every contact point has a normal and two friction impulses of its own.
+//! Point solvers: every contact point has one normal impulse and two friction impulses, as in the paper (Silcowitz-Hansen, Niebe, Erleben 2010).
 //!
-//! A [`PointProblem`] is one island: bodies with velocities that hold this step's forces, and contact points, each with a bound on its
-//! normal velocity and a demand on its tangential one. A [`PointSolver`] finds impulses λ so that
+//! A [`PointProblem`] is one island. It consists of bodies, whose velocities include the forces of this step, and of contact points. Each point has a
+//! lower bound on its normal velocity and a target for its tangential velocity. A [`PointSolver`] finds impulses λ so that
 //!
 //! - w_n ≥ b_n, λ_n ≥ 0, λ_n (w_n − b_n) = 0 for each normal, and
 //! - λ_t is the vector inside the friction cone ‖λ_t‖ ≤ μ λ_n that brings w_t nearest to b_t,
 //!
-//! and changes the velocities by them. Bodies then move with the velocities found. [`Pgs`] and [`Nncg`] are the paper's two, and users
-//! may bring others:
+//! and adds their effect to the velocities. Bodies then move with these velocities. [`Pgs`] and [`Nncg`] are the two solvers of the paper. Users may
+//! add others:
 //!
 //! ```
 //! use drystone::settings::{ContactSolver, SolverSettings};
@@ -56,17 +56,17 @@ pub use constraint::{PointConstraint, PointInput, tangents};
 pub use nncg::Nncg;
 pub use pgs::Pgs;
 
-/// A method that finds the impulses of points. Must be deterministic; islands are solved side by side.
+/// A method that computes the impulses of points. It must be deterministic. Islands are solved in parallel.
 pub trait PointSolver: Send + Sync {
     /// A short name for reports.
     fn name(&self) -> &str;
 
-    /// Describes invalid settings of the solver in a sentence. The solver is not called then.
+    /// Describes invalid settings of the solver in a sentence. If it returns one, the solver is not called.
     fn problem(&self) -> Option<String> {
         None
     }
 
-    /// Share of last step's impulses that a solve starts from, 0..1.
+    /// Share of the last step's impulses that a solve starts from, 0..1.
     fn warm_start(&self) -> f32 {
         0.0
     }
@@ -81,11 +81,11 @@ pub enum FrictionCone {
     /// ‖λ_t‖ ≤ μ λ_n.
     #[default]
     Circular,
-    /// |λ_t1|, |λ_t2| ≤ μ λ_n on two fixed tangents: cheaper to reason about, up to √2 too strong along the diagonal.
+    /// |λ_t1|, |λ_t2| ≤ μ λ_n on two fixed tangents. It is simpler, and up to √2 times too strong along the diagonal.
     Box,
 }
 
-/// Upper bound of the settings for sweeps.
+/// Upper limit of the setting `iterations`.
 const SWEEPS: usize = 1_000_000;
 
 /// Describes invalid values of the settings that [`Pgs`] and [`Nncg`] share.
@@ -129,8 +129,8 @@ trait Method {
     }
 }
 
-/// Mean number of pairs in a block of eight from which on it is faster: those of a wall of 10 × 10 hold 4.5, where they save a fifth; those
-/// of one of 5 × 5 hold 2.4, and it would cost a tenth more.
+/// Mean number of pairs in a block of eight lanes from which on eight lanes are faster than four. In a wall of 10 × 10 bricks it is 4.5, and eight
+/// lanes take a fifth less time. In a wall of 5 × 5 it is 2.4, and eight lanes would take a tenth more.
 #[cfg(target_arch = "x86_64")]
 const ENOUGH: usize = 3;
 
@@ -144,10 +144,10 @@ fn width(_: Lanes, _: &PointProblem) -> Width {
     Width::Four
 }
 
-/// One island, ready to be solved. Constraints are prepared ([`PointConstraint::prepare`]), and velocities include the effect of the
+/// One island that is ready to be solved. Constraints are prepared ([`PointConstraint::prepare`]), and velocities include the effect of the
 /// warm-start impulses.
 pub struct PointProblem<'a> {
-    /// All bodies of the island, and copies of the static and kinematic ones it touches.
+    /// All bodies of the island, and copies of the static and kinematic bodies that it touches.
     pub bodies: &'a mut [Body],
     /// All contact points, in the order in which they are swept.
     pub constraints: &'a mut [PointConstraint],
@@ -157,12 +157,12 @@ pub struct PointProblem<'a> {
     pub dt: f32,
     /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].
     pub free_merit: f32,
-    /// Keep [`SolveReport::history`].
+    /// Whether to record [`SolveReport::history`].
     pub record_history: bool,
 }
 
 impl PointProblem<'_> {
-    /// Scales the impulses of the constraints by `share` and applies them to the bodies. Measures the free motion before.
+    /// Measures the merit of the free motion, then scales the impulses of the constraints by `share` and applies them to the bodies.
     pub fn warm_start(&mut self, share: f32) {
         let contacts = merit::free_merit(self.bodies, self.constraints);
         let alone = |grab: &GrabConstraint| {
@@ -186,7 +186,7 @@ impl PointProblem<'_> {
         }
     }
 
-    /// The grabs, ready to be visited, with the walls of their bodies.
+    /// The grabs, prepared for a sweep, each with the contacts that limit the motion of its body.
     fn held(&self) -> Vec<ActiveGrab> {
         if self.grabs.is_empty() {
             return Vec::new();
@@ -204,12 +204,12 @@ impl PointProblem<'_> {
         self.grabs.iter().map(held).collect()
     }
 
-    /// A report to record sweeps in.
+    /// Creates a report to record sweeps in.
     pub fn report(&self) -> SolveReport {
         SolveReport::new(self.free_merit, self.record_history)
     }
 
-    /// One projected Gauss–Seidel sweep over all grabs and then all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
+    /// Does one projected Gauss–Seidel sweep over all grabs and then over all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
         let mut change = 0.0;
         for (i, mut held) in self.held().into_iter().enumerate() {
@@ -249,10 +249,10 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// The direction of sweep `k` of `n`, counted from 0: back and forth, the last one forwards.
+    /// The direction of sweep `k` of `n`, counted from 0. Directions alternate, and the last sweep goes forwards.
     ///
-    /// With one direction only, the first points of each manifold keep more than their share of the load, which makes stacks rock and the
-    /// directions of conjugate gradients go stale.
+    /// With one direction only, the first points of each manifold keep more than their share of the load. Stacks then rock, and the search directions of
+    /// conjugate gradients become useless.
     pub fn of_sweep(k: usize, n: usize) -> Self {
         if (n - k) % 2 == 1 {
             Self::Forwards
@@ -269,12 +269,12 @@ impl Direction {
     }
 }
 
-/// When the friction of a pair is relaxed.
+/// The order in which the normal and friction impulses of a pair are relaxed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grouping {
-    /// After the normals of all its points. This is better for few plain sweeps: friction is bounded by the normal impulses, and the first
-    /// points would be bounded by loads that they are about to pass on.
+    /// All normal impulses of the pair, then all friction impulses. This is better for few plain sweeps. Friction is bounded by the normal impulses, and
+    /// the first points would otherwise be bounded by loads that they are about to pass on.
     Pair,
-    /// After the normal of each point: smoother, and better for conjugate gradients.
+    /// The normal impulse of each point, then its friction impulse. This is smoother, and better for conjugate gradients.
     Point,
 }

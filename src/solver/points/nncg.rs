@@ -1,34 +1,34 @@
 //! The nonsmooth nonlinear conjugate gradient solver (Silcowitz-Hansen, Niebe, Erleben 2010, "A nonsmooth nonlinear conjugate gradient
 //! method for interactive contact force problems").
 //!
-//! A Gauss–Seidel sweep is a fixed-point iteration; its change r = Δλ is minus the gradient of a merit function ½‖r‖². Fletcher–Reeves
-//! makes search directions from these: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖², where the sweep itself takes the step r and β p is added. If
-//! β exceeds 1, the direction is stale and starts anew.
+//! A Gauss–Seidel sweep is a fixed-point iteration. Its change r = Δλ is treated as the negative gradient of a merit function ½‖r‖². The method of
+//! Fletcher and Reeves builds search directions from these changes: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖². The sweep itself takes the step r, and β p
+//! is added afterwards. If β exceeds 1 the direction has become useless, and the method restarts.
 //!
-//! Three points differ from the paper. Sweeps go through the points of a pair back and forth, since a plain sweep is not a symmetric
-//! operator, and the directions of a method that needs one go stale at once. The norm is weighted with the diagonal of W, since λ mixes
-//! contacts of all masses. The last sweep is a plain one, or β p could leave λ outside the cone or negative.
+//! Three things differ from the paper. First, the direction of sweeps through the points of a pair alternates. The method needs a symmetric operator,
+//! which a plain sweep is not, and would restart at once. Second, the norm is weighted with the diagonal of W, because contacts have very different
+//! masses. Third, the last sweep is a plain one, because β p may make λ negative or move it out of the friction cone.
 
 use super::blocks::{Cone, Conjugate};
 use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Lanes, SolveReport};
 
-/// Number of consecutive restarts after which directions do not help, and plain sweeps do the rest.
+/// Number of consecutive restarts after which the method continues with plain sweeps.
 const GIVE_UP: usize = 8;
 
-/// The nonsmooth nonlinear conjugate gradient solver, which works on points: it converges, at the cost of more sweeps.
+/// The nonsmooth nonlinear conjugate gradient solver, a point solver. It converges, at the cost of more sweeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nncg {
     /// Maximum number of sweeps over all contacts.
     pub iterations: usize,
     /// The shape of the friction cone.
     pub cone: FrictionCone,
-    /// Share of last step's impulses that a solve starts from, 0..1; as [`Pgs::warm_start`](super::Pgs::warm_start).
+    /// Share of the last step's impulses that a solve starts from, 0..1. See [`Pgs::warm_start`](super::Pgs::warm_start).
     pub warm_start: f32,
     /// Residual (see [`merit`](super::merit)) below which a solve ends early. The default 0 means never.
     pub tolerance: f32,
-    /// Number of pairs of bodies that are relaxed side by side. The result equals that of one after the other, up to rounding.
+    /// Number of pairs of bodies that are relaxed at once. It changes results only by rounding.
     pub lanes: Lanes,
 }
 
@@ -80,7 +80,7 @@ impl Method for Nncg {
             let beta = gradient / last;
             last = gradient;
             restarts = if beta > 1.0 { restarts + 1 } else { 0 };
-            // In the first sweep β is 0, and a restart makes it 0; without any change it is NaN.
+            // β is 0 in the first sweep, and NaN if nothing changed.
             let fresh = (0.0..=1.0).contains(&beta);
             blocks.turn(if fresh { beta } else { 0.0 });
         }

@@ -1,23 +1,23 @@
-//! Projected Gauss–Seidel: sweeps back and forth, until the residual is small enough.
+//! Projected Gauss–Seidel: sweeps in alternating directions until the residual is small enough.
 
 use super::blocks::{Blocks, Cone};
 use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Lanes, SolveReport};
 
-/// Projected Gauss–Seidel (Erleben 2007), one pair of bodies after the other.
+/// The projected Gauss–Seidel solver (Erleben 2007), which relaxes one pair of bodies after the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pgs {
     /// Maximum number of sweeps over all contacts.
     pub iterations: usize,
     /// The shape of the friction cone.
     pub cone: FrictionCone,
-    /// Share of last step's impulses that a solve starts from, 0..1. Warm starts are unstable when the solve has not converged, because the
-    /// same velocities carry position feedback; so the paper's setting, and the default, is 0.
+    /// Share of the last step's impulses that a solve starts from, 0..1. Default: 0, as in the paper. Warm starts are unstable if solves do not converge,
+    /// because the same velocities contain the correction of positions.
     pub warm_start: f32,
     /// Residual (see [`merit`](super::merit)) below which a solve ends early. The default 0 means never.
     pub tolerance: f32,
-    /// Number of pairs of bodies that are relaxed side by side. The result equals that of one after the other, up to rounding.
+    /// Number of pairs of bodies that are relaxed at once. It changes results only by rounding.
     pub lanes: Lanes,
 }
 

@@ -1,41 +1,40 @@
 //! A sparse Cholesky factorization of a symmetric positive definite matrix of 6×6 blocks, with one row of blocks for each body.
 //!
-//! It is multifrontal: a front is a small dense matrix. Its first rows are eliminated, and the remainder is added to its parent. A
-//! front is stored as strips. A strip is a row of blocks, in which the six numbers of a column stand together, so that products of strips run at
-//! the speed of vectors.
+//! It is multifrontal: a front is a small dense matrix. Its first rows are eliminated, and the remainder is added to its parent. A front is stored as
+//! strips. A strip is a row of blocks, in which the six numbers of a column are adjacent in memory, so that products of strips are vectorized.
 
 use super::order::{Front, Plan, Spot};
 
-/// Six columns of six numbers.
+/// A 6×6 block, by columns.
 pub(super) type Block = [[f64; 6]; 6];
 
-/// No pivot is smaller. Rounding may turn one that is almost zero negative.
+/// Lower limit of pivots. Rounding may make a pivot negative that should be almost zero.
 const LEAST_PIVOT: f64 = 1e-12;
 
-/// A matrix, which is filled block by block, and then its factor: L with one over its diagonal.
+/// A matrix that is filled block by block, and then replaced by its factor L. The diagonal of the factor is stored inverted.
 pub(super) struct Factor {
     strips: Vec<[f64; 6]>,
-    /// Contributions of eliminated fronts to their parents, as a stack: lower triangles, row by row.
-    left: Vec<Block>,
+    /// A stack of the contributions of eliminated fronts to their parents: lower triangles, row by row.
+    stack: Vec<Block>,
     /// The contribution of the current front to its parent.
-    leaves: Vec<Block>,
+    contribution: Vec<Block>,
     /// A vector in the order of elimination.
     vector: Vec<[f64; 6]>,
 }
 
 impl Factor {
-    /// Zero.
+    /// The zero matrix.
     pub fn new(plan: &Plan) -> Self {
         let count = plan.fronts.last().map_or(0, |last| last.strips().end);
         Self {
             strips: vec![[0.0; 6]; count],
-            left: Vec::new(),
-            leaves: Vec::new(),
+            stack: Vec::new(),
+            contribution: Vec::new(),
             vector: vec![[0.0; 6]; plan.places.len()],
         }
     }
 
-    /// The matrix becomes a multiple of the identity.
+    /// Sets the matrix to a multiple of the identity.
     pub fn reset(&mut self, plan: &Plan, diagonal: f64) {
         self.strips.fill([0.0; 6]);
         for front in &plan.fronts {
@@ -47,45 +46,46 @@ impl Factor {
         }
     }
 
-    /// Adds to a block; of one on the diagonal the lower triangle counts.
+    /// Adds to a block of the matrix. Only the lower triangle of a diagonal block is used.
     pub fn add(&mut self, spot: Spot, block: &Block) {
         let strip = &mut self.strips[spot.start..spot.start + 6];
-        match spot.turned {
-            true => add(strip, &turned(block)),
+        match spot.transposed {
+            true => add(strip, &transpose(block)),
             false => add(strip, block),
         }
     }
 
-    /// The matrix becomes its factor.
+    /// Replaces the matrix by its factor.
     pub fn factorize(&mut self, plan: &Plan) {
-        self.left.clear();
+        self.stack.clear();
         for front in &plan.fronts {
             let rest = front.rest.len();
-            self.leaves.clear();
-            self.leaves.resize(rest * (rest + 1) / 2, [[0.0; 6]; 6]);
+            self.contribution.clear();
+            self.contribution
+                .resize(rest * (rest + 1) / 2, [[0.0; 6]; 6]);
             for &child in front.children.iter().rev() {
-                self.take_over(front, &plan.fronts[child]);
+                self.add_child(front, &plan.fronts[child]);
             }
             let (own, width) = (front.own.len(), front.width());
             let strips = &mut self.strips[front.strips()];
             eliminate(strips, own);
             let strips = strips[own * width..].chunks_exact(width);
-            let mut leaves = self.leaves.iter_mut();
+            let mut contribution = self.contribution.iter_mut();
             for (number, one) in strips.clone().enumerate() {
-                for (other, block) in strips.clone().take(number + 1).zip(&mut leaves) {
+                for (other, block) in strips.clone().take(number + 1).zip(&mut contribution) {
                     subtract(block, &product(one, other));
                 }
             }
-            self.left.extend_from_slice(&self.leaves);
+            self.stack.extend_from_slice(&self.contribution);
         }
     }
 
     /// Adds the contribution of a child, which is on top of the stack, to a front.
-    fn take_over(&mut self, front: &Front, child: &Front) {
+    fn add_child(&mut self, front: &Front, child: &Front) {
         let own = front.own.len();
         let rows: Vec<usize> = child.rest.iter().map(|&place| front.row(place)).collect();
-        let from = self.left.len() - rows.len() * (rows.len() + 1) / 2;
-        let mut blocks = self.left[from..].iter();
+        let from = self.stack.len() - rows.len() * (rows.len() + 1) / 2;
+        let mut blocks = self.stack[from..].iter();
         let strips = &mut self.strips[front.strips()];
         for (number, &row) in rows.iter().enumerate() {
             for (&column, block) in rows[..=number].iter().zip(&mut blocks) {
@@ -94,14 +94,14 @@ impl Factor {
                     add(&mut strips[start..start + 6], block);
                 } else {
                     let [row, column] = [row - own, column - own];
-                    add(&mut self.leaves[row * (row + 1) / 2 + column], block);
+                    add(&mut self.contribution[row * (row + 1) / 2 + column], block);
                 }
             }
         }
-        self.left.truncate(from);
+        self.stack.truncate(from);
     }
 
-    /// The matrix's inverse times a vector, by body.
+    /// Multiplies a vector, given by body, by the inverse of the matrix.
     pub fn solve(&mut self, plan: &Plan, vector: &mut [[f64; 6]]) {
         for (numbers, &place) in vector.iter().zip(&plan.places) {
             self.vector[place] = *numbers;
@@ -117,7 +117,7 @@ impl Factor {
         }
     }
 
-    /// L⁻¹ of a front.
+    /// Multiplies by L⁻¹ of a front.
     fn forward(&mut self, front: &Front) {
         let strips = self.strips[front.strips()].chunks_exact(front.width());
         let (before, after) = self.vector.split_at_mut(front.own.end);
@@ -143,13 +143,13 @@ impl Factor {
         }
     }
 
-    /// L⁻ᵀ of a front.
+    /// Multiplies by L⁻ᵀ of a front.
     fn backward(&mut self, front: &Front) {
         let strips = self.strips[front.strips()].chunks_exact(front.width());
         let (before, after) = self.vector.split_at_mut(front.own.end);
         let own = before[front.own.start..].as_flattened_mut();
         for (strip, &place) in strips.clone().skip(front.own.len()).zip(&front.rest) {
-            subtract_turned(own, strip, &after[place - front.own.end]);
+            subtract_transposed(own, strip, &after[place - front.own.end]);
         }
         for (number, strip) in strips.take(front.own.len()).enumerate().rev() {
             let (before, now) = own.split_at_mut(6 * number);
@@ -160,12 +160,12 @@ impl Factor {
                 }
                 now[c] *= diagonal[c][c];
             }
-            subtract_turned(before, passed, now);
+            subtract_transposed(before, passed, now);
         }
     }
 }
 
-/// Eliminates the first bodies of a front: their columns become those of L.
+/// Eliminates the first bodies of a front. Their columns are replaced by those of L.
 fn eliminate(strips: &mut [[f64; 6]], own: usize) {
     let width = 6 * own;
     for number in 0..own {
@@ -175,7 +175,7 @@ fn eliminate(strips: &mut [[f64; 6]], own: usize) {
         let (passed, now) = strip.split_at_mut(from);
         let diagonal: &mut Block = (&mut now[..6]).try_into().expect("six columns");
         subtract(diagonal, &product(passed, passed));
-        root(diagonal);
+        factorize_block(diagonal);
         for strip in after.chunks_exact_mut(width) {
             let (before, now) = strip.split_at_mut(from);
             let block: &mut Block = (&mut now[..6]).try_into().expect("six columns");
@@ -196,8 +196,8 @@ fn eliminate(strips: &mut [[f64; 6]], own: usize) {
     }
 }
 
-/// A block becomes its Cholesky factor, with one over its diagonal.
-fn root(block: &mut Block) {
+/// Replaces a block by its Cholesky factor, whose diagonal is stored inverted.
+fn factorize_block(block: &mut Block) {
     for c in 0..6 {
         for d in 0..c {
             for r in c..6 {
@@ -223,18 +223,18 @@ fn subtract(from: &mut Block, block: &Block) {
     }
 }
 
-fn turned(block: &Block) -> Block {
+fn transpose(block: &Block) -> Block {
     std::array::from_fn(|c| std::array::from_fn(|r| block[r][c]))
 }
 
-/// Strip times transposed strip.
+/// The product of a strip and a transposed strip.
 fn product(one: &[[f64; 6]], other: &[[f64; 6]]) -> Block {
     let [a, b, c] = columns::<0>(one, other);
     let [d, e, f] = columns::<3>(one, other);
     [a, b, c, d, e, f]
 }
 
-/// Three columns of that, which is as many as fit into registers.
+/// Three columns of that product, which is as many as fit into registers.
 fn columns<const FROM: usize>(one: &[[f64; 6]], other: &[[f64; 6]]) -> [[f64; 6]; 3] {
     let mut sum = [[0.0; 6]; 3];
     for (one, other) in one.iter().zip(other) {
@@ -247,7 +247,7 @@ fn columns<const FROM: usize>(one: &[[f64; 6]], other: &[[f64; 6]]) -> [[f64; 6]
     sum
 }
 
-/// Strip times vector.
+/// The product of a strip and a vector.
 fn times(strip: &[[f64; 6]], vector: &[f64]) -> [f64; 6] {
     let mut sum = [0.0; 6];
     for (column, &number) in strip.iter().zip(vector) {
@@ -256,8 +256,8 @@ fn times(strip: &[[f64; 6]], vector: &[f64]) -> [f64; 6] {
     sum
 }
 
-/// Subtracts transposed strip times vector.
-fn subtract_turned(from: &mut [f64], strip: &[[f64; 6]], vector: &[f64]) {
+/// Subtracts the product of a transposed strip and a vector.
+fn subtract_transposed(from: &mut [f64], strip: &[[f64; 6]], vector: &[f64]) {
     for (from, column) in from.iter_mut().zip(strip) {
         *from -= (0..6).map(|r| column[r] * vector[r]).sum::<f64>();
     }
@@ -267,9 +267,9 @@ fn subtract_turned(from: &mut [f64], strip: &[[f64; 6]], vector: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Bodies in a grid, of which neighbours are tied, with blocks of any numbers: what is solved is what was multiplied.
+    /// Multiplies a vector by a matrix of random blocks, for bodies in a grid whose neighbours touch, and solves for the vector again.
     #[test]
-    fn it_solves_what_was_multiplied() {
+    fn a_solve_inverts_a_product() {
         let (wide, high) = (7, 5);
         let count = wide * high;
         let along = (0..count).filter(|i| i % wide > 0).map(|i| [i, i - 1]);

@@ -1,13 +1,14 @@
-//! The second-order cone ‖v‖ ≤ t of four numbers (t, v), as an interior-point method needs it: its product, how far it reaches, its scaling.
+//! Operations on the second-order cone ‖v‖ ≤ t of four numbers (t, v) that an interior-point method needs: products, the distance to the boundary, and
+//! the scaling.
 
-/// First t, then v.
+/// The numbers t and v, in this order.
 pub(super) type Four = [f64; 4];
 
 pub(super) fn dot(one: Four, other: Four) -> f64 {
     (0..4).map(|i| one[i] * other[i]).sum()
 }
 
-/// t² − ‖v‖², exact also near the rim of the cone.
+/// t² − ‖v‖², without cancellation near the boundary of the cone.
 fn square(of: Four) -> f64 {
     let length = (of[1] * of[1] + of[2] * of[2] + of[3] * of[3]).sqrt();
     (of[0] - length) * (of[0] + length)
@@ -37,7 +38,7 @@ pub(super) fn reach(from: Four, along: Four) -> f64 {
     if inner < 0.0 {
         return f64::INFINITY;
     }
-    // Both its zeros, by the form in which nothing cancels; the first that lies ahead.
+    // Its two zeros, by the formula without cancellation. The result is the smallest that is not negative.
     let far = -b - inner.sqrt().copysign(b);
     let ahead = [c / far, far / a].into_iter().filter(|&at| at >= 0.0);
     ahead.fold(f64::INFINITY, f64::min)
@@ -46,14 +47,14 @@ pub(super) fn reach(from: Four, along: Four) -> f64 {
 /// The scaling of Nesterov and Todd: the symmetric matrix W with W z = W⁻¹ s.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Scaling {
-    /// η
+    /// The factor η.
     pub size: f64,
-    /// Of t² − ‖v‖² = 1.
+    /// The scaling point, which has t² − ‖v‖² = 1.
     pub point: Four,
 }
 
 impl Scaling {
-    /// Of two points within the cone.
+    /// The scaling of two points inside the cone.
     pub fn new(s: Four, z: Four) -> Self {
         let [far, worth] = [square(s).max(1e-300).sqrt(), square(z).max(1e-300).sqrt()];
         let mean = 0.5 + 0.5 * dot(s, z) / (far * worth);
@@ -66,8 +67,8 @@ impl Scaling {
         }
     }
 
-    /// W, or W⁻¹ with the other sign and one over its size.
-    fn turn(&self, of: Four, sign: f64, size: f64) -> Four {
+    /// Multiplies by W; with sign −1 and size 1/η, by W⁻¹.
+    fn apply(&self, of: Four, sign: f64, size: f64) -> Four {
         let [t, x, y, z] = self.point;
         let inner = x * of[1] + y * of[2] + z * of[3];
         let share = sign * of[0] + inner / (1.0 + t);
@@ -80,14 +81,14 @@ impl Scaling {
         ]
     }
 
-    /// W x
+    /// Returns W x.
     pub fn times(&self, of: Four) -> Four {
-        self.turn(of, 1.0, self.size)
+        self.apply(of, 1.0, self.size)
     }
 
-    /// W⁻¹ x
+    /// Returns W⁻¹ x.
     pub fn inverse(&self, of: Four) -> Four {
-        self.turn(of, -1.0, 1.0 / self.size)
+        self.apply(of, -1.0, 1.0 / self.size)
     }
 }
 
@@ -104,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scaling_takes_both_points_to_one() {
+    fn a_scaling_maps_both_points_to_one_point() {
         let scaling = Scaling::new(S, Z);
         assert_same(scaling.times(Z), scaling.inverse(S));
         assert_same(scaling.times(scaling.inverse(S)), S);
@@ -116,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_ends_at_the_rim() {
+    fn reach_ends_at_the_boundary() {
         for along in [
             [-1.0, 0.0, 0.0, 0.0],
             [0.1, 5.0, 0.0, 1.0],

@@ -1,9 +1,10 @@
-//! The cone program that a round solves, by bodies and faces:
+//! The cone program of a round, in terms of bodies and faces:
 //!
 //! min  q·u + Σ c τ  so that  l·u − Σ d τ = 1,  Gᵀu ≥ μ' τ at each corner,  ‖(Gᵀu)_t‖ ≤ τ for each face.
 //!
-//! Its unknowns x = (u, τ) are the velocities of bodies and how fast each face slides. Its dual variables are the largest load and the forces. All
-//! rows but the first are those of a matrix M, and M x must be within cones. They stand face by face: corners, then (τ, (Gᵀu)_t) where it rubs.
+//! Its unknowns x = (u, τ) are the velocities of bodies and the sliding speed of each face. Its dual variables are the largest load and the forces.
+//! All rows except the first form a matrix M, and M x must be within cones. The rows are ordered by face: first the corners, then (τ, (Gᵀu)_t) if the
+//! face has friction.
 
 use super::cone::Four;
 
@@ -12,8 +13,9 @@ pub(super) type Six = [f64; 6];
 
 /// The cone program of a round.
 pub(super) struct Program {
-    /// q and l, by body.
+    /// q, by body.
     pub cost: Vec<Six>,
+    /// l, by body.
     pub load: Vec<Six>,
     pub faces: Vec<Face>,
 }
@@ -21,17 +23,18 @@ pub(super) struct Program {
 /// The rows of a joint.
 pub(super) struct Face {
     pub ends: [Option<usize>; 2],
-    /// The resultant of a unit of each force on both bodies: the forces at the corners, then none or three of friction.
+    /// Rows of Gᵀ: the resultant of a unit of each force on both bodies. First the forces at the corners, then three or no friction forces.
     pub rows: Vec<[Six; 2]>,
     pub corners: usize,
-    /// μ'
+    /// μ', the slope of the friction cone.
     pub slope: f64,
-    /// c and d.
+    /// c, the width of the friction cone.
     pub width: f64,
-    pub grows: f64,
+    /// d, the increase of the width per unit of the load.
+    pub growth: f64,
 }
 
-/// Numbers like the unknowns: six by body and one by face, which stays zero where it does not rub.
+/// A vector of the space of the unknowns: six numbers for each body and one for each face, which is zero if the face has no friction.
 #[derive(Clone)]
 pub(super) struct Motion {
     pub bodies: Vec<Six>,
@@ -39,22 +42,22 @@ pub(super) struct Motion {
 }
 
 impl Face {
-    pub fn rubs(&self) -> bool {
+    pub fn has_friction(&self) -> bool {
         self.rows.len() > self.corners
     }
 
-    /// Rows of M.
+    /// Number of its rows of M.
     pub fn count(&self) -> usize {
-        self.corners + if self.rubs() { 4 } else { 0 }
+        self.corners + if self.has_friction() { 4 } else { 0 }
     }
 
-    /// Those of friction among its numbers.
+    /// The numbers of the friction cone among those of its rows.
     pub fn four(&self, numbers: &[f64]) -> Four {
         std::array::from_fn(|i| numbers[self.corners + i])
     }
 
-    /// A row of G times velocities.
-    pub fn passes(&self, row: usize, velocities: &[Six]) -> f64 {
+    /// The product of a row of Gᵀ and velocities.
+    pub fn speed(&self, row: usize, velocities: &[Six]) -> f64 {
         let mut sum = 0.0;
         for (end, row) in self.ends.iter().zip(&self.rows[row]) {
             if let Some(body) = *end {
@@ -65,7 +68,7 @@ impl Face {
         sum
     }
 
-    /// Adds the effect of a force.
+    /// Adds the resultant of a force to those of the bodies.
     pub fn push(&self, row: usize, force: f64, bodies: &mut [Six]) {
         for (end, row) in self.ends.iter().zip(&self.rows[row]) {
             if let Some(body) = *end {
@@ -78,7 +81,7 @@ impl Face {
 }
 
 impl Program {
-    /// q and c.
+    /// The vector (q, c).
     pub fn costs(&self) -> Motion {
         Motion {
             bodies: self.cost.clone(),
@@ -86,23 +89,23 @@ impl Program {
         }
     }
 
-    /// l and −d.
+    /// The vector (l, −d).
     pub fn loads(&self) -> Motion {
         Motion {
             bodies: self.load.clone(),
-            slides: self.faces.iter().map(|face| -face.grows).collect(),
+            slides: self.faces.iter().map(|face| -face.growth).collect(),
         }
     }
 
-    /// Zero.
-    pub fn still(&self) -> Motion {
+    /// The zero vector.
+    pub fn zero(&self) -> Motion {
         Motion {
             bodies: vec![[0.0; 6]; self.cost.len()],
             slides: vec![0.0; self.faces.len()],
         }
     }
 
-    /// Faces, each with where its rows begin.
+    /// The faces, each with the index of its first row.
     pub fn starts(&self) -> impl Iterator<Item = (&Face, usize)> {
         self.faces.iter().scan(0, |next, face| {
             let start = *next;
@@ -111,35 +114,35 @@ impl Program {
         })
     }
 
-    /// M x
-    pub fn passes(&self, motion: &Motion) -> Vec<f64> {
-        let mut passes = Vec::with_capacity(8 * self.faces.len());
+    /// The product M x.
+    pub fn speeds(&self, motion: &Motion) -> Vec<f64> {
+        let mut speeds = Vec::with_capacity(8 * self.faces.len());
         for (face, &slide) in self.faces.iter().zip(&motion.slides) {
             for row in 0..face.rows.len() {
                 if row == face.corners {
-                    passes.push(slide);
+                    speeds.push(slide);
                 }
-                let passed = face.passes(row, &motion.bodies);
-                passes.push(match row < face.corners {
-                    true => passed - face.slope * slide,
-                    false => passed,
+                let speed = face.speed(row, &motion.bodies);
+                speeds.push(match row < face.corners {
+                    true => speed - face.slope * slide,
+                    false => speed,
                 });
             }
         }
-        passes
+        speeds
     }
 
-    /// Mᵀ z
-    pub fn pushes(&self, forces: &[f64]) -> Motion {
-        let mut motion = self.still();
+    /// The product Mᵀ z.
+    pub fn resultants(&self, forces: &[f64]) -> Motion {
+        let mut motion = self.zero();
         let slides = &mut motion.slides;
         for ((face, start), slide) in self.starts().zip(slides) {
-            let (corners, rubs) = forces[start..start + face.count()].split_at(face.corners);
+            let (corners, friction) = forces[start..start + face.count()].split_at(face.corners);
             for (row, &force) in corners.iter().enumerate() {
                 face.push(row, force, &mut motion.bodies);
                 *slide -= face.slope * force;
             }
-            if let [first, rest @ ..] = rubs {
+            if let [first, rest @ ..] = friction {
                 *slide += first;
                 for (row, &force) in (face.corners..).zip(rest) {
                     face.push(row, force, &mut motion.bodies);
@@ -163,7 +166,7 @@ impl Motion {
             .sum()
     }
 
-    /// The largest of its numbers, whatever its sign.
+    /// The largest absolute value of its numbers.
     pub fn largest(&self) -> f64 {
         self.numbers().map(f64::abs).fold(0.0, f64::max)
     }
@@ -180,7 +183,7 @@ impl Motion {
         }
     }
 
-    /// A multiple of it.
+    /// Returns a multiple of it.
     pub fn times(&self, times: f64) -> Self {
         Self {
             bodies: self

@@ -3,7 +3,7 @@
 use bevy_ecs::entity::Entity;
 use std::fmt;
 
-/// Why a margin cannot be computed.
+/// The reason why a margin cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StabilityError {
     /// The structure has no bodies.
@@ -15,7 +15,7 @@ pub enum StabilityError {
     Fixed(Entity),
     /// The body that is pulled does not belong to the structure.
     NotOfStructure(Entity),
-    /// A direction is zero or not finite, or that of a tilt is vertical.
+    /// A direction is zero or not finite, or the direction of a tilt is parallel to gravity.
     NoDirection,
     /// A tilt has no effect without gravity.
     NoGravity,
@@ -32,31 +32,34 @@ pub enum StabilityError {
 impl fmt::Display for StabilityError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nothing => f.write_str("a structure of no bodies has no margin"),
+            Self::Nothing => f.write_str("the structure has no bodies: name at least one"),
             Self::NotABody(entity) => crate::contact::NotABody(*entity).fmt(f),
             Self::Fixed(entity) => write!(
                 f,
-                "{entity} is static or kinematic: name the dynamic bodies of a structure only"
+                "{entity} is static or kinematic: name only the dynamic bodies of a structure"
             ),
             Self::NotOfStructure(entity) => {
-                write!(f, "{entity}, which is pulled, is not of the structure")
+                write!(
+                    f,
+                    "{entity} is pulled but does not belong to the structure: name it too"
+                )
             }
             Self::NoDirection => {
-                f.write_str("a direction that is zero, not finite, or for a tilt along gravity")
+                f.write_str("the direction is zero, not finite, or, for a tilt, parallel to gravity")
             }
-            Self::NoGravity => f.write_str("without gravity nothing can be tilted"),
-            Self::NotFinite => f.write_str("the point at which it is pulled is not finite"),
+            Self::NoGravity => f.write_str("a tilt has no effect, because gravity is zero"),
+            Self::NotFinite => f.write_str("the point at which the body is pulled is not finite"),
             Self::Falls => f.write_str(
                 "the structure does not stand as it is: no forces in its joints balance its weight",
             ),
             Self::TooMany(count) => write!(
                 f,
-                "a structure of {count} bodies, more than {}: ask for the part that the load is about; bodies that are not named are taken to \
-                 stand fast",
+                "the structure has {count} bodies, and at most {} are possible: name only those near the load; bodies that are not named are \
+                 assumed not to move",
                 super::MAX_BODIES
             ),
             Self::Unsolved => f.write_str(
-                "the cone program of the structure was not solved: too large, or too badly scaled",
+                "the cone program of the structure was not solved: it is too large or too badly scaled",
             ),
         }
     }

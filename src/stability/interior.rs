@@ -1,26 +1,32 @@
-//! An interior-point method for the program of a structure: primal and dual at once, by the scaling of Nesterov and Todd, with Mehrotra's predictor
+//! An interior-point method for the program of a structure: a primal-dual method with the scaling of Nesterov and Todd and with Mehrotra's predictor
 //! and corrector.
 //!
-//! It solves the homogeneous self-dual embedding, which has two more unknowns, t and κ. It ends with t > 0 at a solution, (x, y, z) / t, and with
-//! t = 0 if there is none, at a proof of that: a motion that nothing stops, or forces that carry any load.
+//! It solves the homogeneous self-dual embedding, which has two additional unknowns, t and κ. If there is a solution, the method ends with t > 0, and
+//! the solution is (x, y, z) / t. If there is none, it ends with t = 0 and a proof: a motion that nothing stops, or forces that carry any load.
 
 use super::cone::{product, quotient, reach};
 use super::cone_program::{Face, Motion, Program};
 use super::scaled::Scaled;
 
-/// Relative tolerance of the equations, and of the change of the load in the last step.
+/// Relative tolerance of the equations.
 const EXACT: f64 = 3e-7;
+
+/// Relative tolerance of the change of the load in the last step.
 const SETTLED: f64 = 1e-4;
 
-/// Relative tolerance if rounding prevents any further progress.
+/// Relative tolerance of the equations if rounding prevents any further progress.
 const ALMOST: f64 = 1e-4;
 
-/// A proof that there is no solution.
+/// Relative tolerance of a proof that there is no solution.
 const PROVEN: f64 = 1e-8;
 
-/// Maximum number of steps, minimum length of a step, and its length as a share of the distance to the boundary.
+/// Maximum number of steps.
 const STEPS: usize = 100;
+
+/// Minimum length of a step; 1 is the full Newton step.
 const SHORTEST: f64 = 1e-5;
+
+/// Length of a step as a share of the distance to the boundary of the cones.
 const NEAR: f64 = 0.99;
 
 /// The result of a program.
@@ -30,21 +36,23 @@ pub(super) enum Outcome {
     Endless,
     /// Unbounded: without the load, no forces balance the weight.
     Falls,
+    /// The method did not converge.
     Unsolved,
 }
 
-/// Unknowns and dual variables.
+/// The unknowns and the dual variables.
 pub(super) struct Solution {
-    pub most: f64,
+    /// The largest load.
+    pub load: f64,
     pub motion: Motion,
     /// By rows of faces.
     pub forces: Vec<f64>,
 }
 
-/// Where the method is, or a direction in which it goes on.
+/// A point of the method, or the direction of a step.
 struct Point {
     x: Motion,
-    /// M x
+    /// M x, up to its residual.
     s: Vec<f64>,
     z: Vec<f64>,
     y: f64,
@@ -53,7 +61,7 @@ struct Point {
 }
 
 /// The residuals of the equations of the embedding at a point.
-struct Missed {
+struct Residuals {
     x: Motion,
     s: Vec<f64>,
     y: f64,
@@ -65,20 +73,22 @@ struct Method<'a> {
     program: &'a Program,
     costs: Motion,
     loads: Motion,
-    /// How many cones there are, and t with κ.
+    /// Number of cones, plus 1 for t and κ.
     degree: f64,
 }
 
-/// The direction per one of dt, and H⁻¹ l.
+/// The solutions that are common to the directions of a step.
 struct Border {
+    /// H⁻¹ l.
     loads: Motion,
+    /// The change of x and of y for each unit of the change of t.
     x: Motion,
     y: f64,
 }
 
-/// Solves a program. The matrix belongs to it.
+/// Solves a program. `scaled` must have been created for a program with the same bodies and faces.
 pub(super) fn solve(program: &Program, scaled: &mut Scaled) -> Outcome {
-    let cones = |face: &Face| face.corners + face.rubs() as usize;
+    let cones = |face: &Face| face.corners + face.has_friction() as usize;
     let method = Method {
         program,
         costs: program.costs(),
@@ -89,27 +99,27 @@ pub(super) fn solve(program: &Program, scaled: &mut Scaled) -> Outcome {
     let (mut before, mut best, mut length) = (f64::INFINITY, ALMOST, 1.0);
     let mut kept = Outcome::Unsolved;
     for _ in 0..STEPS {
-        let missed = method.missed(&point);
-        let worst = method.worst(&point, &missed);
-        let most = point.y / point.t;
-        let settled = (most - before).abs() <= SETTLED * most.abs().max(1e-6);
-        if worst <= EXACT && settled {
+        let residuals = method.residuals(&point);
+        let error = method.error(&point, &residuals);
+        let load = point.y / point.t;
+        let settled = (load - before).abs() <= SETTLED * load.abs().max(1e-6);
+        if error <= EXACT && settled {
             return point.solution();
         }
-        if let Some(outcome) = method.proof(&point, &missed) {
+        if let Some(outcome) = method.proof(&point, &residuals) {
             return outcome;
         }
-        if worst <= best {
-            best = worst;
+        if error <= best {
+            best = error;
             kept = point.solution();
         }
-        // Rounding has the better of it.
-        let lost = best < 0.1 * ALMOST && worst > 10.0 * best;
-        if lost || !worst.is_finite() || length < SHORTEST {
+        // Rounding makes the point worse again.
+        let diverges = best < 0.1 * ALMOST && error > 10.0 * best;
+        if diverges || !error.is_finite() || length < SHORTEST {
             break;
         }
-        before = most;
-        length = method.step(&mut point, &missed, scaled);
+        before = load;
+        length = method.step(&mut point, &residuals, scaled);
     }
     kept
 }
@@ -121,7 +131,7 @@ impl Method<'_> {
             middle.extend((0..face.count()).map(|row| (row <= face.corners) as u8 as f64));
         }
         Point {
-            x: self.program.still(),
+            x: self.program.zero(),
             s: middle.clone(),
             z: middle,
             y: 0.0,
@@ -130,86 +140,105 @@ impl Method<'_> {
         }
     }
 
-    fn missed(&self, point: &Point) -> Missed {
-        let passes = self.program.passes(&point.x).into_iter();
+    fn residuals(&self, point: &Point) -> Residuals {
+        let speeds = self.program.speeds(&point.x).into_iter();
         let mut x = self.costs.times(point.t);
         x.add(-point.y, &self.loads);
-        x.add(-1.0, &self.program.pushes(&point.z));
-        Missed {
+        x.add(-1.0, &self.program.resultants(&point.z));
+        Residuals {
             x,
-            s: passes.zip(&point.s).map(|(passes, s)| passes - s).collect(),
+            s: speeds.zip(&point.s).map(|(speed, s)| speed - s).collect(),
             y: self.loads.dot(&point.x) - point.t,
             t: point.y - self.costs.dot(&point.x) - point.kappa,
         }
     }
 
-    /// The relative error of a point: the largest of the residuals of both halves of the equations and of the duality gap.
-    fn worst(&self, point: &Point, missed: &Missed) -> f64 {
+    /// The relative error of a point: the largest of the primal residual, the dual residual and the duality gap.
+    fn error(&self, point: &Point, residuals: &Residuals) -> f64 {
         let Point { x, s, z, y, t, .. } = point;
         let cost = self.costs.dot(x);
         let motion = t.max(x.largest()).max(largest(s));
         let forces = t.max(largest(z)).max(y.abs());
         let gap = (cost - y).abs() / t.max(cost.abs().min(y.abs()));
-        let passes = largest(&missed.s).max(missed.y.abs());
-        (passes / motion).max(missed.x.largest() / forces).max(gap)
+        let primal = largest(&residuals.s).max(residuals.y.abs());
+        (primal / motion)
+            .max(residuals.x.largest() / forces)
+            .max(gap)
     }
 
-    /// That there is no solution.
-    fn proof(&self, point: &Point, missed: &Missed) -> Option<Outcome> {
+    /// Returns the outcome if the point proves that there is no solution.
+    fn proof(&self, point: &Point, residuals: &Residuals) -> Option<Outcome> {
         let Point { x, s, z, y, t, .. } = point;
         if point.kappa <= *t {
             return None;
         }
         let cost = self.costs.dot(x);
-        let passes = largest(&missed.s).max(self.loads.dot(x).abs());
-        if -cost * PROVEN * x.largest().max(largest(s)).max(1.0) > passes {
+        let primal = largest(&residuals.s).max(self.loads.dot(x).abs());
+        if -cost * PROVEN * x.largest().max(largest(s)).max(1.0) > primal {
             return Some(Outcome::Falls);
         }
-        let mut balance = missed.x.clone();
+        let mut balance = residuals.x.clone();
         balance.add(-t, &self.costs);
-        let borne = y * PROVEN * largest(z).max(*y).max(1.0) > balance.largest();
-        borne.then_some(Outcome::Endless)
+        let endless = y * PROVEN * largest(z).max(*y).max(1.0) > balance.largest();
+        endless.then_some(Outcome::Endless)
     }
 
-    /// Goes a step, and returns how far: 1 is to where the equations are fulfilled.
-    fn step(&self, point: &mut Point, missed: &Missed, scaled: &mut Scaled) -> f64 {
+    /// Does a step, and returns its length; 1 is the full Newton step.
+    fn step(&self, point: &mut Point, residuals: &Residuals, scaled: &mut Scaled) -> f64 {
         scaled.scale(self.program, &point.s, &point.z);
         let border = self.border(scaled);
         let Point { t, kappa, .. } = *point;
         let mean = (dot(&point.s, &point.z) + t * kappa) / self.degree;
-        // The predictor goes straight to the solution, and shows how far that goes well.
-        let aim = self.direction(point, missed, scaled, &border, 0.0, &point.s, t * kappa);
-        let centering = (1.0 - self.room(point, &aim).min(1.0)).powi(3);
+        // The predictor aims at the solution directly. The distance to the boundary in its direction gives the centering.
+        let predictor = self.direction(point, residuals, scaled, &border, 0.0, &point.s, t * kappa);
+        let centering = (1.0 - self.max_length(point, &predictor).min(1.0)).powi(3);
         let center = centering * mean;
-        let bends = self.corrected(point, &aim, scaled, center);
-        let bend = t * kappa + aim.t * aim.kappa - center;
-        let way = self.direction(point, missed, scaled, &border, centering, &bends, bend);
-        let length = (NEAR * self.room(point, &way)).min(1.0);
-        point.add(length, &way);
+        let corrections = self.corrections(point, &predictor, scaled, center);
+        let correction = t * kappa + predictor.t * predictor.kappa - center;
+        let direction = self.direction(
+            point,
+            residuals,
+            scaled,
+            &border,
+            centering,
+            &corrections,
+            correction,
+        );
+        let length = (NEAR * self.max_length(point, &direction)).min(1.0);
+        point.add(length, &direction);
         length
     }
 
-    /// W (λ ∖ (λ∘λ + (W⁻¹ ds)∘(W dz) − σμ e)): the reduction that the products of s and z need, in terms of s.
-    fn corrected(&self, point: &Point, aim: &Point, scaled: &Scaled, center: f64) -> Vec<f64> {
-        let mut bends = Vec::with_capacity(point.s.len());
+    /// The reduction of the products of s and z that the corrector aims at, in terms of s: W (λ ∖ (λ∘λ + (W⁻¹ ds)∘(W dz) − σμ e)).
+    fn corrections(
+        &self,
+        point: &Point,
+        predictor: &Point,
+        scaled: &Scaled,
+        center: f64,
+    ) -> Vec<f64> {
+        let mut corrections = Vec::with_capacity(point.s.len());
         for (face, start, scaled) in scaled.faces(self.program) {
             for row in start..start + face.corners {
-                bends.push(point.s[row] + (aim.s[row] * aim.z[row] - center) / point.z[row]);
+                let second_order = predictor.s[row] * predictor.z[row];
+                corrections.push(point.s[row] + (second_order - center) / point.z[row]);
             }
-            if face.rubs() {
+            if face.has_friction() {
                 let cone = &scaled.cone;
                 let middle = cone.times(face.four(&point.z[start..]));
-                let [ds, dz] = [&aim.s, &aim.z].map(|numbers| face.four(&numbers[start..]));
-                let more = product(cone.inverse(ds), cone.times(dz));
+                let [ds, dz] =
+                    [&predictor.s, &predictor.z].map(|numbers| face.four(&numbers[start..]));
+                let second_order = product(cone.inverse(ds), cone.times(dz));
                 let square = product(middle, middle);
-                let mut lost = std::array::from_fn(|i| square[i] + more[i]);
-                lost[0] -= center;
-                bends.extend(cone.times(quotient(lost, middle)));
+                let mut reduction = std::array::from_fn(|i| square[i] + second_order[i]);
+                reduction[0] -= center;
+                corrections.extend(cone.times(quotient(reduction, middle)));
             }
         }
-        bends
+        corrections
     }
 
+    /// Computes the solutions that all directions of a step need.
     fn border(&self, scaled: &mut Scaled) -> Border {
         let loads = scaled.solve(self.program, &self.loads);
         let costs = scaled.solve(self.program, &self.costs);
@@ -217,45 +246,51 @@ impl Method<'_> {
         Border { loads, x, y }
     }
 
-    /// H x − l y = a and l·x = b, from H⁻¹ a and H⁻¹ l.
+    /// Solves H x − l y = a and l·x = b, given H⁻¹ a and H⁻¹ l.
     fn bordered(&self, mut x: Motion, loads: &Motion, wanted: f64) -> (Motion, f64) {
         let y = (wanted - self.loads.dot(&x)) / self.loads.dot(loads);
         x.add(y, loads);
         (x, y)
     }
 
-    /// Newton's direction: it removes all but this share of the residuals, and reduces the products of s and z and of t and κ by the given amounts.
+    /// Computes Newton's direction. It reduces the residuals to the share `centering`, and the products of s and z and of t and κ by the given amounts.
     #[expect(clippy::too_many_arguments)]
     fn direction(
         &self,
         point: &Point,
-        missed: &Missed,
+        residuals: &Residuals,
         scaled: &mut Scaled,
         border: &Border,
         centering: f64,
-        bends: &[f64],
-        bend: f64,
+        corrections: &[f64],
+        correction: f64,
     ) -> Point {
-        let goes = 1.0 - centering;
-        let pairs = missed.s.iter().zip(bends);
-        let mut forces: Vec<f64> = pairs.map(|(missed, bend)| goes * missed + bend).collect();
+        let share = 1.0 - centering;
+        let pairs = residuals.s.iter().zip(corrections);
+        let mut forces: Vec<f64> = pairs
+            .map(|(residual, correction)| share * residual + correction)
+            .collect();
         scaled.inverse_square(self.program, &mut forces);
-        let mut wanted = missed.x.times(-goes);
-        wanted.add(-1.0, &self.program.pushes(&forces));
+        let mut wanted = residuals.x.times(-share);
+        wanted.add(-1.0, &self.program.resultants(&forces));
         let x = scaled.solve(self.program, &wanted);
-        let (mut x, mut y) = self.bordered(x, &border.loads, -goes * missed.y);
+        let (mut x, mut y) = self.bordered(x, &border.loads, -share * residuals.y);
         let per = border.y - self.costs.dot(&border.x) + point.kappa / point.t;
-        let t = (self.costs.dot(&x) - y - goes * missed.t - bend / point.t) / per;
+        let t = (self.costs.dot(&x) - y - share * residuals.t - correction / point.t) / per;
         x.add(t, &border.x);
         y += t * border.y;
-        let passes = self.program.passes(&x).into_iter();
-        let s = passes
-            .zip(&missed.s)
-            .map(|(passes, missed)| passes + goes * missed);
+        let speeds = self.program.speeds(&x).into_iter();
+        let s = speeds
+            .zip(&residuals.s)
+            .map(|(speed, residual)| speed + share * residual);
         let s: Vec<f64> = s.collect();
-        let mut z: Vec<f64> = s.iter().zip(bends).map(|(s, bend)| -(s + bend)).collect();
+        let mut z: Vec<f64> = s
+            .iter()
+            .zip(corrections)
+            .map(|(s, correction)| -(s + correction))
+            .collect();
         scaled.inverse_square(self.program, &mut z);
-        let kappa = -(bend + point.kappa * t) / point.t;
+        let kappa = -(correction + point.kappa * t) / point.t;
         Point {
             x,
             s,
@@ -266,22 +301,22 @@ impl Method<'_> {
         }
     }
 
-    /// How far a direction goes before it leaves a cone.
-    fn room(&self, point: &Point, way: &Point) -> f64 {
+    /// The length of a step in a direction to the boundary of the cones.
+    fn max_length(&self, point: &Point, direction: &Point) -> f64 {
         let one = |from: f64, by: f64| if by < 0.0 { -from / by } else { f64::INFINITY };
-        let mut room = one(point.t, way.t).min(one(point.kappa, way.kappa));
-        for (from, by) in [(&point.s, &way.s), (&point.z, &way.z)] {
+        let mut length = one(point.t, direction.t).min(one(point.kappa, direction.kappa));
+        for (from, by) in [(&point.s, &direction.s), (&point.z, &direction.z)] {
             for (face, start) in self.program.starts() {
                 for row in start..start + face.corners {
-                    room = room.min(one(from[row], by[row]));
+                    length = length.min(one(from[row], by[row]));
                 }
-                if face.rubs() {
+                if face.has_friction() {
                     let [from, by] = [from, by].map(|numbers| face.four(&numbers[start..]));
-                    room = room.min(reach(from, by));
+                    length = length.min(reach(from, by));
                 }
             }
         }
-        room
+        length
     }
 }
 
@@ -301,7 +336,7 @@ impl Point {
     fn solution(&self) -> Outcome {
         let share = 1.0 / self.t;
         Outcome::Solved(Solution {
-            most: self.y * share,
+            load: self.y * share,
             motion: self.x.times(share),
             forces: self.z.iter().map(|force| force * share).collect(),
         })

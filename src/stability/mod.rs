@@ -1,14 +1,14 @@
 //! Safety margins by limit analysis: [`stability()`] computes how far a structure can be tilted, pulled or loaded before it fails, and
 //! how it fails. Needs the feature `stability`.
 //!
-//! Limit analysis rests on the static theorem (Heyman 1966; with friction, Livesley 1978): a structure of rigid blocks stands as long as
-//! there are joint forces that balance the loads, lie within the polygons in which faces touch, and lie within the cones of friction. A
-//! cone program (`interior.rs`) finds the largest load for which there are such forces; its dual variables are the motion with which the
-//! structure fails. Nothing is simulated. Only the positions of contacts matter, not the forces that they carry now.
+//! Limit analysis rests on the static theorem (Heyman 1966; with friction, Livesley 1978): a structure of rigid blocks stands if there are joint
+//! forces that balance the loads, lie within the polygons in which faces touch, and lie within the cones of friction. A cone program
+//! (`interior.rs`) finds the largest load for which there are such forces. Its dual variables are the motion with which the structure fails. Nothing is
+//! simulated.
 //!
-//! The theorem assumes that sliding joints may open as well, which a joint held from both sides does not do. This is corrected in several
-//! rounds (`program.rs`). A brick pulled out of a wall is therefore held by the force that presses on it, and not by the weight of the
-//! wall.
+//! The theorem assumes that sliding joints also open. A joint that is held from both sides cannot open, so the result is corrected in several rounds
+//! (`program.rs`), which start from the current normal forces. A brick that is pulled out of a wall is therefore held by the force that presses on it,
+//! and not by the weight of the whole wall.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -25,7 +25,7 @@
 //! let bricks: Vec<Entity> = bricks.map(|brick| world.spawn(brick.bundle()).id()).collect();
 //! drystone::step(world, 1.0 / 60.0).unwrap();
 //!
-//! // Half a metre deep and five high, it falls out of its plane at 5.7°, about its foot.
+//! // The wall is 0.5 m deep and 5 m high. It tips over its lower edge at 5.7°.
 //! let margin = stability(world, &bricks, &Trial::Tilt(Vec3::Z)).unwrap();
 //! assert!((margin.limit.to_degrees() - 5.71).abs() < 0.05);
 //! assert_eq!(margin.moving.len(), bricks.len());
@@ -57,7 +57,7 @@ use structure::Structure;
 pub enum Trial {
     /// Tilts the ground so that the structure leans in this direction (world). Only its horizontal part counts.
     Tilt(Vec3),
-    /// Pulls a body with a force in some direction. A force downwards is a load.
+    /// Pulls or presses a body with a force in some direction.
     Pull {
         /// The body; it must belong to the structure.
         body: Entity,
@@ -93,7 +93,7 @@ pub struct MovingBody {
 /// A joint that fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FailingJoint {
-    /// The bodies on both sides, the one spawned first in front.
+    /// The bodies on both sides, in spawn order.
     pub between: [Entity; 2],
     /// How the joint fails.
     pub how: JointFailure,
@@ -102,20 +102,20 @@ pub struct FailingJoint {
 /// How a joint between two blocks fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JointFailure {
-    /// One face slides on the other.
+    /// One face slides along the other.
     Slides,
     /// One body tips over an edge or corner of the other, or lifts off.
     Tips,
 }
 
-/// Maximum number of bodies in a structure. The time grows faster than their number: a wall of a hundred bricks takes about 0.01 s of one
-/// core, of a thousand 0.2 to 0.8 s, and of five thousand 3 to 10 s. Structures that fail by sliding take longest. A few loads that press
-/// within a wall take eight rounds instead of one or two, and that many times longer.
+/// Maximum number of bodies in a structure: 5000. The time grows faster than their number: on one core, a wall of 100 bricks takes about 0.01 s, one
+/// of 1000 bricks 0.2 to 0.8 s, and one of 5000 bricks 3 to 10 s. Structures that fail by sliding take longest. A few loads that press inside a wall
+/// need eight rounds instead of one or two, and take that many times as long.
 pub const MAX_BODIES: usize = 5000;
 
 /// Computes how much of a load a structure can take. Bodies that are not in `structure` are assumed not to move.
 ///
-/// It blocks until the answer is known, up to a second for a thousand bricks; [`stability_task`] does not. In a system use [`Stability`].
+/// It blocks until the answer is known, up to a second for a thousand bricks. [`stability_task`] does not block. In a system, use [`Stability`].
 ///
 /// # Errors
 /// [`StabilityError`] if the structure is empty, larger than [`MAX_BODIES`], or contains an entity that is not a dynamic body; if a
@@ -128,8 +128,8 @@ pub fn stability(
     Question::new(world, structure, trial)?.answer()
 }
 
-/// Computes how much of a load a structure can take in a task on the [`AsyncComputeTaskPool`]. The structure is copied at once, so the
-/// world may go on.
+/// Computes how much of a load a structure can take, in a task on the [`AsyncComputeTaskPool`]. The structure is copied at once, so the world may
+/// change in the meantime.
 ///
 /// ```
 /// use bevy_ecs::prelude::*;
@@ -147,7 +147,7 @@ pub fn stability(
 /// drystone::step(world, 1.0 / 60.0).unwrap();
 ///
 /// let task = stability_task(world, &bricks, &Trial::Tilt(Vec3::Z)).unwrap();
-/// // Frames go by, until `task.is_finished()`.
+/// // In a game, check `task.is_finished()` in later frames instead.
 /// let margin = block_on(task).unwrap();
 /// assert!(margin.limit > 0.0);
 /// ```
@@ -164,9 +164,9 @@ pub fn stability_task(
     Ok(pool.spawn(async move { question.answer() }))
 }
 
-/// Stability for systems: the system parameter beside [`stability()`] and [`stability_task()`].
+/// The system parameter for [`stability()`] and [`stability_task()`].
 ///
-/// It reads the whole world. A system that has it may not write anything but through [`Commands`].
+/// It reads the whole world, so a system with this parameter can only write through [`Commands`].
 ///
 /// ```
 /// # use bevy_ecs::prelude::*;

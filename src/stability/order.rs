@@ -1,65 +1,65 @@
 //! The order in which a Cholesky factorization eliminates bodies, and the layout of its factor.
 //!
-//! It depends only on which bodies touch, so that it is found once for all rounds. The next body is always one with the fewest neighbours left
-//! (minimum degree), which keeps the factor sparse.
+//! The order depends only on which bodies touch, so it is computed once for all rounds. The next body is always one with the fewest remaining
+//! neighbours (minimum degree), which keeps the factor sparse.
 
 use fixedbitset::FixedBitSet;
 use std::ops::Range;
 
-/// An order and its fronts, each of which comes before its parent.
+/// An order of elimination and its fronts. Each front comes before its parent.
 pub(super) struct Plan {
-    /// Where each body comes in the order.
+    /// The position of each body in the order.
     pub places: Vec<usize>,
     pub fronts: Vec<Front>,
-    /// The front of each place.
+    /// The front of each position.
     front_of: Vec<usize>,
 }
 
 /// Bodies that are eliminated together, as the first rows of a dense matrix.
 pub(super) struct Front {
-    /// Their places.
+    /// Their positions.
     pub own: Range<usize>,
-    /// The places of later bodies that they are tied to, rising: the other rows.
+    /// The positions of later bodies that are their neighbours, in ascending order: the other rows.
     pub rest: Vec<usize>,
     /// The fronts that contribute to this one.
     pub children: Vec<usize>,
-    /// Where its strips begin: rows of blocks, each as wide as its own bodies.
+    /// The index of its first strip. A strip is a row of blocks, one for each of its own bodies.
     start: usize,
 }
 
-/// Where the block of two bodies stands.
+/// The location of the block of two bodies.
 #[derive(Clone, Copy)]
 pub(super) struct Spot {
-    /// Its first column among all strips.
+    /// The index of its first column among all strips.
     pub start: usize,
-    /// True where it is the transposed block that is stored.
-    pub turned: bool,
+    /// Whether the transposed block is stored.
+    pub transposed: bool,
 }
 
 impl Front {
-    /// Columns of a strip.
+    /// Number of columns of a strip.
     pub fn width(&self) -> usize {
         6 * self.own.len()
     }
 
-    /// Where its strips stand among all.
+    /// The range of its strips among all.
     pub fn strips(&self) -> Range<usize> {
         let rows = self.own.len() + self.rest.len();
         self.start..self.start + rows * self.width()
     }
 
-    /// The row of a place.
+    /// The row of a position.
     pub fn row(&self, place: usize) -> usize {
         if place < self.own.end {
             return place - self.own.start;
         }
         let found = self.rest.binary_search(&place);
-        self.own.len() + found.expect("a front has all that its bodies are tied to")
+        self.own.len() + found.expect("a front contains all neighbours of its bodies")
     }
 }
 
 impl Plan {
-    /// For so many bodies, of which these pairs are tied.
+    /// Computes the order for `count` bodies, of which these pairs touch.
     pub fn new(count: usize, ties: impl Iterator<Item = [usize; 2]>) -> Self {
         let (order, tied) = least_degree(count, ties);
         let order = children_first(&order, &tied);
@@ -80,19 +80,19 @@ impl Plan {
         }
     }
 
-    /// Where the block of two bodies stands, which are the same or tied.
+    /// The location of the block of a body with itself, or of two bodies that touch.
     pub fn spot(&self, row: usize, column: usize) -> Spot {
         let [row, column] = [self.places[row], self.places[column]];
         let [early, late] = [row.min(column), row.max(column)];
         let front = &self.fronts[self.front_of[early]];
         Spot {
             start: front.start + front.row(late) * front.width() + 6 * front.row(early),
-            turned: row < column,
+            transposed: row < column,
         }
     }
 }
 
-/// Bodies in the order of elimination, and for each the bodies that it is tied to when it is eliminated.
+/// Returns the bodies in an order of elimination, and the neighbours of each when it is eliminated.
 fn least_degree(
     count: usize,
     ties: impl Iterator<Item = [usize; 2]>,
@@ -122,8 +122,8 @@ fn least_degree(
     (order, rests)
 }
 
-/// Another order with the same factor. The parent of a body is the first that is eliminated of those that it is tied to; here all that go into a
-/// body stand right before it, the one with the most ties last.
+/// Returns an equivalent order, in which all children of a body come directly before it, the one with the most neighbours last. The parent of a body
+/// is the first of its remaining neighbours to be eliminated.
 fn children_first(order: &[usize], tied: &[Vec<usize>]) -> Vec<usize> {
     let mut places = vec![0; order.len()];
     for (place, &body) in order.iter().enumerate() {
@@ -137,17 +137,17 @@ fn children_first(order: &[usize], tied: &[Vec<usize>]) -> Vec<usize> {
             None => open.push(body),
         }
     }
-    let mut turned = Vec::with_capacity(order.len());
+    let mut reversed = Vec::with_capacity(order.len());
     while let Some(body) = open.pop() {
-        turned.push(body);
+        reversed.push(body);
         children[body].sort_by_key(|&child| tied[child].len());
         open.append(&mut children[body]);
     }
-    turned.reverse();
-    turned
+    reversed.reverse();
+    reversed
 }
 
-/// The fronts, and the front of each place. A body joins the front of the one before it where both are tied to the same later ones.
+/// Returns the fronts, and the front of each position. A body joins the front of the previous body if both have the same later neighbours.
 fn fronts(rests: impl Iterator<Item = Vec<usize>>) -> (Vec<Front>, Vec<usize>) {
     let mut fronts: Vec<Front> = Vec::new();
     let mut front_of = Vec::new();

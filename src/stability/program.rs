@@ -2,15 +2,15 @@
 //!
 //! max λ  so that  Σ Gᵀf + w + λ l = 0 for each body,  f_n ≥ 0 at each corner of a face,  ‖(f_t, f_τ/r)‖ ≤ c + μ' Σ f_n for each face.
 //!
-//! Forces are in units of the mean weight of a body, lengths in units of the mean radius, so that the numbers are near 1. The dual variables of the
+//! Forces are in units of the mean weight of a body and lengths in units of the mean radius, so that the numbers are near 1. The dual variables of the
 //! balance are the velocities of the mechanism by which the structure fails: a motion in which the load does the work that weight and friction consume.
 //!
-//! With c = 0 and μ' = μ this is the theorem of plasticity, in which sliding joints also open, by μ times as much. A brick between others
-//! would have to lift the wall to be pulled out, and would be held far too strongly. Therefore the width of a cone is set by the normal force N on the
-//! face: c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the previous round; but of the many N that balance
-//! a load, their rounds find the most favourable one, a wall that hangs on the brick that is pulled. Here N is the current normal force, plus the
-//! part that the load adds if all joints are equally soft (least squares). The second part is a multiple of λ and is in the program as such, c = c₀ + λ d.
-//! A round only has to know which joints the load relieves completely. The first round assumes none, and usually is enough.
+//! With c = 0 and μ' = μ this is the theorem of plasticity, in which a sliding joint also opens, by μ times the sliding distance. A brick between others
+//! could then be pulled out only by lifting the wall, and would be held far too strongly. Therefore the width of a cone is set by the normal force N on
+//! the face: c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the previous round. Many distributions N balance a load, and
+//! their rounds find the most favourable one, in which the wall hangs on the brick that is pulled. Here N is the current normal force plus the part
+//! that the load adds if all joints are equally soft (least squares). The second part is a multiple of λ, so the width in the program is c = c₀ + λ d.
+//! The only unknown of a round is which joints the load relieves completely. The first round assumes none, and usually is sufficient.
 
 use super::cone_program::{Face, Program, Six};
 use super::interior::{self, Outcome};
@@ -28,8 +28,10 @@ const ENDLESS: f64 = 1e4;
 /// ε: the share of the slope of a cone of friction that is kept.
 const SLOPE: f64 = 0.01;
 
-/// Rounds, at most, and by what share the load of one may differ from that of the one before.
+/// Maximum number of rounds.
 const ROUNDS: usize = 8;
+
+/// Rounds end if the load changes by no more than this share.
 const STEADY: f64 = 2e-3;
 
 /// Tolerance of the cones, as a share of the mean weight of a body.
@@ -47,155 +49,159 @@ pub(super) enum Load {
     },
 }
 
-/// The forces at a joint in a solution, and the sensitivity of the load to them.
-struct Balanced {
+/// The forces at a joint in a solution, and the sensitivity of the load to the width of its cone.
+struct JointForces {
     /// Normal force, N.
-    pressure: f64,
+    normal_force: f64,
     /// Friction: the norm of the friction force and its moment, as in the cone, N.
     friction: f64,
     /// Width c of the cone without a normal force, N.
     width: f64,
-    /// Increase of the load, as a multiple, for each N of additional width.
-    worth: f64,
+    /// Increase of the largest load, as a multiple, for each N of additional width.
+    sensitivity: f64,
 }
 
-/// A solution.
-struct Found {
-    /// As a multiple of the load.
-    most: f64,
+/// The solution of a round.
+struct RoundSolution {
+    /// The largest load, as a multiple.
+    load: f64,
     /// By joint.
-    joints: Vec<Balanced>,
-    /// By body: linear and angular, of the mechanism.
+    joints: Vec<JointForces>,
+    /// Linear and angular velocity of the mechanism, by body.
     velocities: Vec<[DVec3; 2]>,
 }
 
-/// The normal forces that limit friction, by joint: a constant part, N, and a part for each unit of the load.
+/// The normal force that limits the friction of a joint.
 #[derive(Clone, Copy)]
-struct Pressed {
-    now: f64,
-    gains: f64,
+struct NormalForce {
+    /// Normal force without the load, N.
+    initial: f64,
+    /// Increase for each unit of the load, N.
+    gain: f64,
 }
 
 impl Structure {
-    /// The largest load, as a multiple, and how it fails then.
+    /// Computes the largest load, as a multiple, and the mechanism by which the structure fails.
     pub fn solve(&self, load: &Load) -> Result<Margin, StabilityError> {
         let live = self.live(load);
         let mut program = self.program(&live);
         let mut scaled = Scaled::new(&program);
         let gains = self.gains(&live, &program, &mut scaled);
-        let mut round = |pressed: Option<&[Pressed]>| {
-            self.widen(&mut program, &live, pressed);
-            self.round(&program, &mut scaled, &live, pressed)
+        let mut round = |forces: Option<&[NormalForce]>| {
+            self.set_cones(&mut program, &live, forces);
+            self.round(&program, &mut scaled, &live, forces)
         };
-        let still = |now: f64| Pressed { now, gains: 0.0 };
-        let now = self.joints.iter().map(|joint| joint.pressure);
-        let mut now: Vec<f64> = now.collect();
-        let first: Vec<Pressed> = now.iter().copied().map(still).collect();
+        let constant = |initial: f64| NormalForce { initial, gain: 0.0 };
+        let initial = self.joints.iter().map(|joint| joint.normal_force);
+        let mut initial: Vec<f64> = initial.collect();
+        let first: Vec<NormalForce> = initial.iter().copied().map(constant).collect();
         let mut found = match round(Some(&first)) {
             // The current normal forces may be those of an impact, or of a structure that does not stand.
             Err(StabilityError::Falls) => {
                 let found = round(None)?;
-                now = found.joints.iter().map(|joint| joint.pressure).collect();
+                let joints = found.joints.iter();
+                initial = joints.map(|joint| joint.normal_force).collect();
                 found
             }
             found => found?,
         };
         let mut before = Vec::new();
         for _ in 0..ROUNDS {
-            if found.most.is_infinite() {
+            if found.load.is_infinite() {
                 return Ok(Margin {
                     limit: f32::INFINITY,
                     moving: Vec::new(),
                     failing: Vec::new(),
                 });
             }
-            let joints = now.iter().zip(&gains);
+            let joints = initial.iter().zip(&gains);
             let under_load: Vec<f64> = joints
                 .clone()
-                .map(|(now, gains)| (now + found.most * gains).max(0.0))
+                .map(|(initial, gain)| (initial + found.load * gain).max(0.0))
                 .collect();
-            if self.holds(&found, &under_load) {
+            if self.is_consistent(&found, &under_load) {
                 break;
             }
-            let bare: Vec<bool> = under_load
+            let relieved: Vec<bool> = under_load
                 .iter()
-                .map(|&pressure| pressure <= WITHIN * self.units[0])
+                .map(|&normal_force| normal_force <= WITHIN * self.units[0])
                 .collect();
-            if bare == before {
+            if relieved == before {
                 break;
             }
-            let pressed = joints.zip(&bare).map(|((&now, &gains), bare)| match bare {
-                true => still(0.0),
-                false => Pressed { now, gains },
+            let forces = joints.zip(&relieved);
+            let forces = forces.map(|((&initial, &gain), relieved)| match relieved {
+                true => constant(0.0),
+                false => NormalForce { initial, gain },
             });
-            let pressed: Vec<Pressed> = pressed.collect();
-            before = bare;
-            let most = found.most;
-            found = match round(Some(&pressed)) {
+            let forces: Vec<NormalForce> = forces.collect();
+            before = relieved;
+            let load = found.load;
+            found = match round(Some(&forces)) {
                 Err(StabilityError::Falls) => break,
                 found => found?,
             };
-            if (found.most - most).abs() <= STEADY * most.abs() {
+            if (found.load - load).abs() <= STEADY * load.abs() {
                 break;
             }
         }
-        // That the load could be taken off by as much is not asked.
-        match found.most >= -1e-6 {
+        // A negative load means that the structure only stands if the load is reversed.
+        match found.load >= -1e-6 {
             true => Ok(self.mechanism(&found)),
             false => Err(StabilityError::Falls),
         }
     }
 
-    /// The normal force that a unit of the load adds at each joint, if all joints are equally soft: the least-squares forces that balance it. If
-    /// no forces balance it, only the cones decide.
+    /// The normal force that a unit of the load adds at each joint if all joints are equally soft: the least-squares forces that balance it. Returns
+    /// zeros if no forces balance it.
     fn gains(&self, live: &[[DVec3; 2]], program: &Program, scaled: &mut Scaled) -> Vec<f64> {
         let [force_unit, _] = self.units;
         let share = -force_unit / self.load_unit(live);
-        let Some(forces) = scaled.least(program, &program.load) else {
+        let Some(forces) = scaled.least_squares(program, &program.load) else {
             return vec![0.0; self.joints.len()];
         };
         let mut forces = forces.iter();
-        let pressure = |face: &Face| {
-            let pressure: f64 = forces.by_ref().take(face.corners).sum();
-            let rubs = face.rows.len() - face.corners;
-            forces.by_ref().take(rubs).for_each(drop);
-            pressure * share
+        let gain = |face: &Face| {
+            let normal_force: f64 = forces.by_ref().take(face.corners).sum();
+            let friction = face.rows.len() - face.corners;
+            forces.by_ref().take(friction).for_each(drop);
+            normal_force * share
         };
-        program.faces.iter().map(pressure).collect()
+        program.faces.iter().map(gain).collect()
     }
 
     /// Width c of the cone of a joint with this normal force, N.
-    fn width(joint: &Joint, pressure: f64) -> f64 {
-        joint.friction * (1.0 - SLOPE) * pressure
+    fn width(joint: &Joint, normal_force: f64) -> f64 {
+        joint.friction * (1.0 - SLOPE) * normal_force
     }
 
-    /// Returns true if a solution is also one of the next round, with cones as wide as these pressures make them: its forces are within those
-    /// cones, and by its dual variables, which bound the load from above in that round as well, no more load is to be had.
-    fn holds(&self, found: &Found, pressures: &[f64]) -> bool {
+    /// Returns true if a solution also solves the next round, whose cones have the width that these normal forces give. This is so if its forces are
+    /// within those cones, and if the bound on the load that follows from its dual variables does not change.
+    fn is_consistent(&self, found: &RoundSolution, normal_forces: &[f64]) -> bool {
         let mut more = 0.0;
-        let joints = self.joints.iter().zip(pressures).zip(&found.joints);
-        for ((joint, &pressure), balanced) in joints {
+        let joints = self.joints.iter().zip(normal_forces).zip(&found.joints);
+        for ((joint, &normal_force), forces) in joints {
             if joint.friction <= 0.0 {
                 continue;
             }
-            let width = Self::width(joint, pressure);
-            more += balanced.worth * (width - balanced.width);
-            let cone = width + joint.friction * SLOPE * balanced.pressure;
-            if balanced.friction > cone + WITHIN * self.units[0] {
+            let width = Self::width(joint, normal_force);
+            more += forces.sensitivity * (width - forces.width);
+            let cone = width + joint.friction * SLOPE * forces.normal_force;
+            if forces.friction > cone + WITHIN * self.units[0] {
                 return false;
             }
         }
-        more.abs() <= STEADY * found.most.abs()
+        more.abs() <= STEADY * found.load.abs()
     }
 
-    /// The load is counted so that one of it is as large as a body's weight: by so many.
+    /// The factor of the load in the program. It makes the largest force of a load of 1 as large as the mean weight of a body.
     fn load_unit(&self, live: &[[DVec3; 2]]) -> f64 {
         let largest = live.iter().map(|[force, _]| force.length());
         self.units[0] / largest.fold(1e-12, f64::max)
     }
 
-    /// Force and moment as they are counted, times a number.
-    fn counted(&self, [force, moment]: [DVec3; 2], times: f64) -> [f64; 6] {
+    /// A force and a moment times a number, in units of the program.
+    fn to_units(&self, [force, moment]: [DVec3; 2], times: f64) -> [f64; 6] {
         let [force, moment] = [force * times, moment * (times / self.units[1])];
         [force.x, force.y, force.z, moment.x, moment.y, moment.z]
     }
@@ -206,14 +212,14 @@ impl Structure {
             end.map_or([0.0; 6], |body| {
                 let arm = force.at - self.members[body].center;
                 let wrench = [force.force, arm.cross(force.force) + force.moment];
-                self.counted(wrench, sign)
+                self.to_units(wrench, sign)
             })
         })
     }
 
-    /// The program that all rounds solve; how wide cones are is still to be said.
+    /// Creates the program that all rounds solve, without the widths of the cones.
     ///
-    /// It is the dual of the one above, of which the unknowns are velocities and how fast each joint slides (`cone_program.rs`).
+    /// It is the dual of the program above. Its unknowns are the velocities of the bodies and the sliding speed of each joint (`cone_program.rs`).
     fn program(&self, live: &[[DVec3; 2]]) -> Program {
         let [force_unit, _] = self.units;
         let load_unit = self.load_unit(live);
@@ -224,27 +230,34 @@ impl Structure {
             corners: joint.points.len(),
             slope: 0.0,
             width: 0.0,
-            grows: 0.0,
+            growth: 0.0,
         };
-        let counted = |wrench, times| self.counted(wrench, times / force_unit);
+        let scaled = |wrench, times| self.to_units(wrench, times / force_unit);
         Program {
-            cost: dead.map(|dead| counted(dead, -1.0)).collect(),
-            load: live.iter().map(|&live| counted(live, load_unit)).collect(),
+            cost: dead.map(|dead| scaled(dead, -1.0)).collect(),
+            load: live.iter().map(|&live| scaled(live, load_unit)).collect(),
             faces: self.joints.iter().map(face).collect(),
         }
     }
 
-    /// Makes cones of friction as wide as these pressures make them; sloping as they are where there are none.
-    fn widen(&self, program: &mut Program, live: &[[DVec3; 2]], pressed: Option<&[Pressed]>) {
+    /// Sets the widths and slopes of the friction cones according to these normal forces; without normal forces, to width 0 and slope μ.
+    fn set_cones(
+        &self,
+        program: &mut Program,
+        live: &[[DVec3; 2]],
+        forces: Option<&[NormalForce]>,
+    ) {
         let [force_unit, _] = self.units;
         let load_unit = self.load_unit(live);
         for (number, (joint, face)) in self.joints.iter().zip(&mut program.faces).enumerate() {
-            let width = |pressure: f64| Self::width(joint, pressure / force_unit);
-            [face.slope, face.width, face.grows] = match pressed.map(|pressed| pressed[number]) {
+            let width = |normal_force: f64| Self::width(joint, normal_force / force_unit);
+            [face.slope, face.width, face.growth] = match forces.map(|forces| forces[number]) {
                 None => [joint.friction, 0.0, 0.0],
-                Some(Pressed { now, gains }) => {
-                    [joint.friction * SLOPE, width(now), width(gains * load_unit)]
-                }
+                Some(NormalForce { initial, gain }) => [
+                    joint.friction * SLOPE,
+                    width(initial),
+                    width(gain * load_unit),
+                ],
             };
         }
     }
@@ -255,12 +268,12 @@ impl Structure {
         program: &Program,
         scaled: &mut Scaled,
         live: &[[DVec3; 2]],
-        pressed: Option<&[Pressed]>,
-    ) -> Result<Found, StabilityError> {
+        normal_forces: Option<&[NormalForce]>,
+    ) -> Result<RoundSolution, StabilityError> {
         let [force_unit, length_unit] = self.units;
         let load_unit = self.load_unit(live);
-        let endless = Found {
-            most: f64::INFINITY,
+        let endless = RoundSolution {
+            load: f64::INFINITY,
             joints: Vec::new(),
             velocities: Vec::new(),
         };
@@ -270,29 +283,29 @@ impl Structure {
             Outcome::Falls => return Err(StabilityError::Falls),
             Outcome::Unsolved => return Err(StabilityError::Unsolved),
         };
-        if solution.most > ENDLESS * self.members.len() as f64 {
+        if solution.load > ENDLESS * self.members.len() as f64 {
             return Ok(endless);
         }
-        let most = solution.most * load_unit;
-        let balanced = |(number, (face, start)): (usize, (&Face, usize))| {
+        let load = solution.load * load_unit;
+        let joint_forces = |(number, (face, start)): (usize, (&Face, usize))| {
             let forces = &solution.forces[start..start + face.count()];
             let (corners, cone) = forces.split_at(face.corners);
             let friction = cone.iter().skip(1).map(|force| force * force).sum::<f64>();
-            let pressed = pressed.map_or(0.0, |pressed| {
-                pressed[number].now + most * pressed[number].gains
+            let normal_force = normal_forces.map_or(0.0, |forces| {
+                forces[number].initial + load * forces[number].gain
             });
-            Balanced {
-                pressure: corners.iter().sum::<f64>() * force_unit,
+            JointForces {
+                normal_force: corners.iter().sum::<f64>() * force_unit,
                 friction: friction.sqrt() * force_unit,
-                width: Self::width(&self.joints[number], pressed),
-                worth: solution.motion.slides[number] * load_unit / force_unit,
+                width: Self::width(&self.joints[number], normal_force),
+                sensitivity: solution.motion.slides[number] * load_unit / force_unit,
             }
         };
         let velocity =
             |&[x, y, z, a, b, c]: &Six| [DVec3::new(x, y, z), DVec3::new(a, b, c) / length_unit];
-        Ok(Found {
-            most,
-            joints: program.starts().enumerate().map(balanced).collect(),
+        Ok(RoundSolution {
+            load,
+            joints: program.starts().enumerate().map(joint_forces).collect(),
             velocities: solution.motion.bodies.iter().map(velocity).collect(),
         })
     }
@@ -319,7 +332,8 @@ impl Structure {
         }
     }
 
-    fn mechanism(&self, found: &Found) -> Margin {
+    /// The margin of a solution, with the bodies that move and the joints that fail.
+    fn mechanism(&self, found: &RoundSolution) -> Margin {
         let velocities = &found.velocities;
         let fast =
             |[linear, angular]: &[DVec3; 2]| linear.length() + angular.length() * self.units[1];
@@ -340,7 +354,7 @@ impl Structure {
                 linear + angular.cross(point - self.members[body].center)
             })
         };
-        let gives = self.joints.iter().filter_map(|joint| {
+        let failing = self.joints.iter().filter_map(|joint| {
             let (mut opens, mut slides) = (0.0, 0.0);
             for &point in &joint.points {
                 let apart = at(joint.ends[0], point) - at(joint.ends[1], point);
@@ -358,14 +372,14 @@ impl Structure {
             })
         });
         Margin {
-            limit: found.most.max(0.0) as f32,
+            limit: found.load.max(0.0) as f32,
             moving: moving.collect(),
-            failing: gives.collect(),
+            failing: failing.collect(),
         }
     }
 }
 
-/// A unit of one of the forces of a joint.
+/// A unit force or moment of a joint.
 struct Force {
     ends: [Option<usize>; 2],
     at: DVec3,
@@ -374,7 +388,7 @@ struct Force {
 }
 
 impl Joint {
-    /// The forces of a joint: normal forces at each corner; friction at its middle, along two tangents and about the normal.
+    /// The forces of a joint: a normal force at each corner, and friction at its centre, along two tangents and about the normal.
     fn forces(&self) -> impl Iterator<Item = Force> {
         let of = |at: DVec3, force: DVec3, moment: DVec3| Force {
             ends: self.ends,
@@ -383,18 +397,18 @@ impl Joint {
             moment,
         };
         let [normal, one, other] = self.frame;
-        let presses = self
+        let normal_forces = self
             .points
             .iter()
             .map(move |&point| of(point, normal, DVec3::ZERO));
-        let rubs = [
+        let friction = [
             of(self.center, one, DVec3::ZERO),
             of(self.center, other, DVec3::ZERO),
             of(self.center, DVec3::ZERO, self.radius * normal),
         ];
-        let rubs = rubs
+        let friction = friction
             .into_iter()
             .take(if self.friction > 0.0 { 3 } else { 0 });
-        presses.chain(rubs)
+        normal_forces.chain(friction)
     }
 }

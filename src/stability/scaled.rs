@@ -11,35 +11,41 @@ use super::order::{Plan, Spot};
 /// Regularization: a number added to the diagonal, so that bodies that nothing holds can be eliminated too. Refinement corrects its effect.
 const SHIFT: f64 = 1e-9;
 
-/// A solution is refined until the residual is below this share of the right-hand side, but at most this many times.
+/// A solution is refined until the residual is below this share of the right-hand side.
 const LEFT: f64 = 1e-8;
+
+/// Maximum number of refinements of a solution.
 const REFINEMENTS: usize = 2;
 
-/// Forces must balance a load up to this share of it, within this many refinements.
+/// Least-squares forces balance a load if the residual is at most this share of it.
 const BALANCED: f64 = 1e-6;
-const LEAST_REFINEMENTS: usize = 6;
+
+/// Maximum number of refinements of least-squares forces.
+const LEAST_SQUARES_REFINEMENTS: usize = 6;
 
 /// A matrix H and its factor.
 pub(super) struct Scaled {
     plan: Plan,
-    /// By face: the blocks of its first body, of its second, and of both.
+    /// By face: the locations of the blocks of its first body, of its second body, and of both.
     spots: Vec<[Option<Spot>; 3]>,
     factor: Factor,
     faces: Vec<ScaledFace>,
 }
 
-/// The part of a face.
+/// The scaling of the cones of a face, and its elements of H.
 pub(super) struct ScaledFace {
     /// z / s of each corner.
     weights: Vec<f64>,
+    /// The scaling of the friction cone.
     pub cone: Scaling,
-    /// Its slide's share in H: with itself, and with each row of G.
+    /// The diagonal element of H for the sliding speed.
     own: f64,
+    /// The elements of H that couple the sliding speed with each row of Gᵀ.
     mixed: Vec<f64>,
 }
 
 impl Scaled {
-    /// For programs with these bodies and faces.
+    /// Allocates the matrix for programs with these bodies and faces.
     pub fn new(program: &Program) -> Self {
         let faces = program.faces.iter();
         let ties = faces.clone().filter_map(|face| match face.ends {
@@ -66,7 +72,7 @@ impl Scaled {
         }
     }
 
-    /// Faces with their scalings and the indices of their first rows.
+    /// The faces, with the indices of their first rows and their scalings.
     pub fn faces<'a>(
         &'a self,
         program: &'a Program,
@@ -75,7 +81,7 @@ impl Scaled {
         faces.map(|((face, start), scaled)| (face, start, scaled))
     }
 
-    /// Scales by points within the cones, and factorizes.
+    /// Computes the scaling of points s and z inside the cones, and the factor of H.
     pub fn scale(&mut self, program: &Program, s: &[f64], z: &[f64]) {
         self.factor.reset(&self.plan, SHIFT);
         let faces = program.starts().zip(&mut self.faces).zip(&self.spots);
@@ -87,33 +93,33 @@ impl Scaled {
         self.factor.factorize(&self.plan);
     }
 
-    /// W⁻² v
+    /// Multiplies a vector by W⁻².
     pub fn inverse_square(&self, program: &Program, numbers: &mut [f64]) {
         for (face, start, scaled) in self.faces(program) {
             let numbers = &mut numbers[start..start + face.count()];
             for (number, weight) in numbers.iter_mut().zip(&scaled.weights) {
                 *number *= weight;
             }
-            if face.rubs() {
+            if face.has_friction() {
                 let four = scaled.cone.inverse(face.four(numbers));
                 numbers[face.corners..].copy_from_slice(&scaled.cone.inverse(four));
             }
         }
     }
 
-    /// H⁻¹ a
+    /// Returns H⁻¹ a.
     pub fn solve(&mut self, program: &Program, wanted: &Motion) -> Motion {
         let enough = LEFT * wanted.largest();
         let mut found = self.solve_once(program, wanted);
         for _ in 0..REFINEMENTS {
-            let mut passes = program.passes(&found);
-            self.inverse_square(program, &mut passes);
-            let mut left = wanted.clone();
-            left.add(-1.0, &program.pushes(&passes));
-            if left.largest() <= enough {
+            let mut forces = program.speeds(&found);
+            self.inverse_square(program, &mut forces);
+            let mut residual = wanted.clone();
+            residual.add(-1.0, &program.resultants(&forces));
+            if residual.largest() <= enough {
                 break;
             }
-            found.add(1.0, &self.solve_once(program, &left));
+            found.add(1.0, &self.solve_once(program, &residual));
         }
         found
     }
@@ -129,15 +135,15 @@ impl Scaled {
         self.factor.solve(&self.plan, bodies);
         for ((face, scaled), slide) in program.faces.iter().zip(&self.faces).zip(slides) {
             for (row, mixed) in scaled.mixed.iter().enumerate() {
-                *slide -= mixed * face.passes(row, bodies);
+                *slide -= mixed * face.speed(row, bodies);
             }
             *slide /= scaled.own;
         }
         found
     }
 
-    /// The least-squares forces, by rows of G, with the wanted resultant on each body. `None` if there are none.
-    pub fn least(&mut self, program: &Program, wanted: &[Six]) -> Option<Vec<f64>> {
+    /// Returns the least-squares forces, by rows of Gᵀ, that have the wanted resultant on each body, or `None` if no forces have it.
+    pub fn least_squares(&mut self, program: &Program, wanted: &[Six]) -> Option<Vec<f64>> {
         self.factor.reset(&self.plan, SHIFT);
         for (face, spots) in program.faces.iter().zip(&self.spots) {
             let count = face.rows.len();
@@ -151,21 +157,21 @@ impl Scaled {
                 .iter()
                 .fold(0.0, |most: f64, number| most.max(number.abs()))
         };
-        let mut left = wanted.to_vec();
+        let mut residual = wanted.to_vec();
         let count = program.faces.iter().map(|face| face.rows.len()).sum();
         let mut forces = vec![0.0; count];
-        for _ in 0..LEAST_REFINEMENTS {
-            if largest(&left) <= BALANCED * largest(wanted) {
+        for _ in 0..LEAST_SQUARES_REFINEMENTS {
+            if largest(&residual) <= BALANCED * largest(wanted) {
                 return Some(forces);
             }
-            let mut motion = left.clone();
+            let mut motion = residual.clone();
             self.factor.solve(&self.plan, &mut motion);
             let mut forces = forces.iter_mut();
             for face in &program.faces {
                 for (row, force) in (0..face.rows.len()).zip(&mut forces) {
-                    let more = face.passes(row, &motion);
+                    let more = face.speed(row, &motion);
                     *force += more;
-                    face.push(row, -more, &mut left);
+                    face.push(row, -more, &mut residual);
                 }
             }
         }
@@ -174,7 +180,7 @@ impl Scaled {
 }
 
 impl ScaledFace {
-    /// The part of W⁻² for the rows of G that remains when the slide is eliminated: a square matrix, row by row.
+    /// Computes the part of W⁻² for the rows of Gᵀ that remains when the sliding speed is eliminated: a square matrix, row by row.
     fn scale(&mut self, face: &Face, s: &[f64], z: &[f64]) -> Vec<f64> {
         let (corners, count) = (face.corners, face.rows.len());
         for ((weight, s), z) in self.weights.iter_mut().zip(s).zip(z) {
@@ -184,7 +190,7 @@ impl ScaledFace {
         for (row, weight) in self.weights.iter().enumerate() {
             inner[row * count + row] = *weight;
         }
-        if !face.rubs() {
+        if !face.has_friction() {
             return inner;
         }
         self.cone = Scaling::new(face.four(s), face.four(z));
@@ -204,7 +210,7 @@ impl ScaledFace {
         for row in 0..count {
             for column in 0..count {
                 inner[row * count + column] += match (row >= corners) && (column >= corners) {
-                    // Here the large t² and ‖v‖² would cancel, so that it is written out what is left of them.
+                    // The general formula would subtract the large numbers t² and ‖v‖² here. This is the difference, written out.
                     true => {
                         let [one, other] = [row - corners, column - corners];
                         let same = if one == other { share } else { 0.0 };

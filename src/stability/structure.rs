@@ -1,4 +1,4 @@
-//! A structure as input of the cone program: bodies with the forces on them, and the faces in which they touch.
+//! A structure as the input of the cone program: its bodies with the forces on them, and the joints in which they touch.
 
 use crate::body::{BodyState, BodyTable, ExternalForce};
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 use glam::DVec3;
 
-/// Points that are farther apart than this share of the smaller body's size do not touch.
+/// Points touch if their distance is less than this share of the smaller body's size.
 const TOUCHES: f32 = 2e-3;
 
 /// The bodies and joints of a structure.
@@ -19,52 +19,56 @@ pub(super) struct Structure {
     pub units: [f64; 2],
 }
 
-/// A body of it.
+/// A body of a structure.
 pub(super) struct Member {
     pub entity: Entity,
     /// Centre of mass, m.
     pub center: DVec3,
-    /// kg
+    /// Mass, kg.
     pub mass: f64,
-    /// Weight and other forces, N, and their moment, N·m.
+    /// Sum of the weight and other forces, N, and of their moments, N·m.
     pub dead: [DVec3; 2],
 }
 
-/// A face in which two bodies touch, one of them of the structure at least.
+/// A face in which two bodies touch, at least one of which belongs to the structure.
 pub(super) struct Joint {
-    /// A and B.
+    /// The bodies A and B.
     pub between: [Entity; 2],
-    /// Their places in the structure.
+    /// Their indices in the structure.
     pub ends: [Option<usize>; 2],
     /// The normal, from B to A, and two tangents.
     pub frame: [DVec3; 3],
-    /// μ
+    /// Coefficient of friction μ.
     pub friction: f64,
     /// Its corners, m.
     pub points: Vec<DVec3>,
-    /// The middle of them, and how far they are from it, m.
+    /// The mean of the corners, m.
     pub center: DVec3,
+    /// The mean distance of the corners from their mean, m.
     pub radius: f64,
     /// Current normal force, N.
-    pub pressure: f64,
+    pub normal_force: f64,
 }
 
 impl Structure {
-    /// Of the bodies in some slots.
+    /// The structure of the bodies in some slots.
     pub fn new(world: &World, slots: &[u32]) -> Self {
         let table = world.resource::<BodyTable>();
         let gravity = world.resource::<Gravity>().0;
         let state = |&slot: &u32| table.get(slot).expect("it has been looked up");
         let member = |body: &BodyState| {
             let mass = 1.0 / body.mass.inverse_mass as f64;
-            let pushed = world.get::<ExternalForce>(body.entity).copied();
-            let pushed = pushed.unwrap_or_default();
+            let external = world.get::<ExternalForce>(body.entity).copied();
+            let external = external.unwrap_or_default();
             let weight = (gravity * body.gravity_scale).as_dvec3() * mass;
             Member {
                 entity: body.entity,
                 center: body.center.as_dvec3(),
                 mass,
-                dead: [weight + pushed.force.as_dvec3(), pushed.torque.as_dvec3()],
+                dead: [
+                    weight + external.force.as_dvec3(),
+                    external.torque.as_dvec3(),
+                ],
             }
         };
         let members: Vec<Member> = slots.iter().map(state).map(member).collect();
@@ -82,6 +86,7 @@ impl Structure {
     }
 }
 
+/// Finds the joints of the bodies in some slots.
 fn joints(world: &World, slots: &[u32]) -> Vec<Joint> {
     let table = world.resource::<BodyTable>();
     let graph = world.resource::<ConstraintGraph>();
@@ -96,7 +101,7 @@ fn joints(world: &World, slots: &[u32]) -> Vec<Joint> {
             let Some(contact @ (pair, ..)) = found else {
                 continue;
             };
-            // One between two of the structure is found twice.
+            // A pair of two bodies of the structure is found twice.
             let ends = pair.slots.map(|slot| places.get(&slot).copied());
             let again = pair.slots[1] == slot && ends[0].is_some();
             // Bodies that were removed since the last step carry no load.
@@ -112,7 +117,7 @@ fn joints(world: &World, slots: &[u32]) -> Vec<Joint> {
     joints
 }
 
-/// The faces of a pair, with the points that touch.
+/// Returns the faces of a pair, with the points that touch.
 fn faces(
     (pair, manifold, impulses): (&ContactPair, &Manifold, &ContactImpulses),
     ends: [Option<usize>; 2],
@@ -131,8 +136,8 @@ fn faces(
         let radius = arms.sum::<f64>() * share;
         let normal = patch.normal.as_dvec3().normalize();
         let (one, other) = normal.any_orthonormal_pair();
-        let pressures = impulses.points.get(range).unwrap_or_default();
-        let pressures = pressures.iter().map(|point| point.normal_force as f64);
+        let forces = impulses.points.get(range).unwrap_or_default();
+        let forces = forces.iter().map(|point| point.normal_force as f64);
         (!points.is_empty()).then(|| Joint {
             between: pair.bodies,
             ends,
@@ -141,7 +146,7 @@ fn faces(
             points,
             center,
             radius,
-            pressure: pressures.sum(),
+            normal_force: forces.sum(),
         })
     })
 }

@@ -74,6 +74,7 @@
 //!
 //! Named scenes, experiments and meters are in a separate crate, `drystone-lab` in `lab/`, which examples, tests and benches use.
 
+#![deny(missing_debug_implementations)]
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
 #![expect(
@@ -84,49 +85,32 @@
 mod ask;
 pub mod body;
 pub mod broadphase;
-#[deny(missing_debug_implementations)]
 pub mod collapse;
-#[deny(missing_debug_implementations)]
 pub mod collider;
 pub mod contact;
-#[deny(missing_debug_implementations)]
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
-#[deny(missing_debug_implementations)]
 pub mod diagnostics;
 #[cfg(feature = "gizmos")]
-#[deny(missing_debug_implementations)]
 pub mod gizmos;
 pub mod grab;
 pub mod graph;
-#[deny(missing_debug_implementations)]
 pub mod integration;
-#[deny(missing_debug_implementations)]
 pub mod masonry;
-#[deny(missing_debug_implementations)]
 pub mod narrowphase;
 #[cfg(feature = "picking")]
-#[deny(missing_debug_implementations)]
 pub mod picking;
-#[deny(missing_debug_implementations)]
 mod plugin;
-#[deny(missing_debug_implementations)]
 pub mod preview;
 pub mod profile;
-#[deny(missing_debug_implementations)]
 pub mod query;
-#[deny(missing_debug_implementations)]
 pub mod schedule;
-#[deny(missing_debug_implementations)]
 pub mod settings;
 pub mod solve;
 pub mod solver;
 #[cfg(feature = "stability")]
-#[deny(missing_debug_implementations)]
 pub mod stability;
-#[deny(missing_debug_implementations)]
 pub mod stabilization;
-#[deny(missing_debug_implementations)]
 pub mod state;
 mod version;
 pub mod warm_start;

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// The time that each system took in the last step, in the order in which the systems were added.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
     parts: Arc<PartClocks>,
@@ -20,7 +20,7 @@ pub struct Profile {
     pub step: Duration,
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Clock {
     name: &'static str,
     running: AtomicU64,
@@ -44,7 +44,7 @@ impl Clock {
 }
 
 /// The clocks of the parts of *warm start* and *solve*.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct PartClocks([Clock; 4]);
 
 /// A part of *warm start* or *solve*.
@@ -128,7 +128,7 @@ impl Profile {
 }
 
 /// A wrapper that times a system. See [`Profile::clock`].
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Timed(Arc<Clock>);
 
 impl<S: System> Adapt<S> for Timed {

@@ -15,6 +15,10 @@ mod kept;
 mod kept_property;
 pub mod limits;
 mod list;
+#[expect(
+    missing_debug_implementations,
+    reason = "`derive(QueryData)` generates state types without `Debug`"
+)]
 mod listed;
 mod mass;
 mod motion;

@@ -18,6 +18,7 @@ use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_transform::components::Transform;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhWorkspace};
+use std::fmt;
 
 /// The tree is refitted and optimized after one in this many of its boxes was changed.
 const REFIT_SHARE: usize = 16;
@@ -36,6 +37,15 @@ pub struct Pending {
     changed_boxes: usize,
     /// Indices of half-spaces.
     unbounded: Vec<u32>,
+}
+
+impl fmt::Debug for Pending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Pending")
+            .field("visit", &self.visit)
+            .field("bodies", &self.bodies)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Pending {

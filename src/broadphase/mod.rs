@@ -16,6 +16,7 @@ use bevy_ecs::prelude::*;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace};
+use std::fmt;
 
 /// Margin on each side between the tight box of a body and its box in the tree, m.
 const FAT: f32 = 0.05;
@@ -43,8 +44,18 @@ pub struct Broadphase {
     escaped_aabb: Vec<u32>,
 }
 
+impl fmt::Debug for Broadphase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Broadphase")
+            .field("fat", &self.fat)
+            .field("unbounded", &self.unbounded)
+            .field("found", &self.found)
+            .finish_non_exhaustive()
+    }
+}
+
 /// Changes in the tree.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Found {
     /// Slots of bodies that left their box or were removed, so that their pairs may have ended.
     pub disturbed: Vec<u32>,

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::query::{ContactManifold, ContactManifoldsWorkspace};
+use std::fmt;
 
 /// The features that define the separating axis of two polyhedra.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,6 +40,15 @@ pub struct NarrowphaseCache {
 pub(crate) struct ParryCache {
     pub manifolds: Vec<ParryManifold>,
     pub workspace: Option<ContactManifoldsWorkspace>,
+}
+
+impl fmt::Debug for NarrowphaseCache {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("NarrowphaseCache")
+            .field("stand", &self.stand)
+            .field("axis", &self.axis)
+            .finish_non_exhaustive()
+    }
 }
 
 impl NarrowphaseCache {

@@ -41,13 +41,13 @@ pub struct ContactEnded {
 }
 
 /// Pairs that were removed after [`ContactStarted`] was sent for them, so that [`ContactEnded`] must follow.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct EndedPairs(pub(crate) Vec<([SpawnOrder; 2], [Entity; 2])>);
 
 /// Events for observers that are triggered after the step.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Untriggered {

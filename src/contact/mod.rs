@@ -134,7 +134,7 @@ impl ContactPair {
 }
 
 /// Pairs that were despawned, by drystone or by the user, until the broadphase has handled them.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct LostPairs(pub(crate) Vec<(Entity, ContactPair)>);

@@ -23,7 +23,7 @@ pub struct IslandReport {
 }
 
 /// Writes the reports of a step.
-#[derive(SystemParam)]
+#[derive(SystemParam, Debug)]
 pub struct ReportWriter<'w> {
     reports: ResMut<'w, SolveReports>,
     suspects: ResMut<'w, Suspects>,

@@ -42,7 +42,7 @@ pub use problems::{IslandProblem, IslandProblems};
 use rayon::prelude::*;
 
 /// The settings and the time with which islands are gathered and solved.
-#[derive(SystemParam)]
+#[derive(SystemParam, Debug)]
 pub struct SolveContext<'w> {
     pub(crate) stabilization: Res<'w, StabilizationSettings>,
     pub(crate) solver: Res<'w, SolverSettings>,

@@ -4,6 +4,7 @@ use super::{Island, Member, Order, PatchRows, PointRows, Rows};
 use crate::body::Velocity;
 use crate::settings::ContactSolver;
 use bevy_ecs::prelude::*;
+use std::fmt;
 
 /// The problems of the awake islands, between the stages *warm start* and *solve*. At any other time it appears empty.
 ///
@@ -14,6 +15,13 @@ pub struct IslandProblems {
     pub(crate) by_patches: ProblemSet<PatchRows>,
     /// The solver that they are prepared for; `None` if there is nothing to solve.
     pub(crate) prepared: Option<ContactSolver>,
+}
+
+impl fmt::Debug for IslandProblems {
+    /// Lists the problem of each island.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
 }
 
 /// The problems for one kind of solver. Their memory and unchanged parts are kept from step to step.

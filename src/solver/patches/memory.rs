@@ -3,7 +3,7 @@
 use std::any::Any;
 
 /// The state that a solver keeps of an island. A solver receives it with every problem of the same island, and may leave it empty.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Memory {
     kept: Option<Box<dyn Any + Send + Sync>>,
     changed: Option<Vec<u32>>,

@@ -42,6 +42,7 @@ pub trait PatchSolver: Send + Sync {
 }
 
 /// One island, ready to be solved.
+#[derive(Debug)]
 pub struct PatchProblem<'a> {
     /// All bodies of the island, and copies of the static and kinematic ones it touches. Velocities hold this step's forces.
     pub bodies: &'a mut [Body],

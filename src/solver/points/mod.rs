@@ -146,6 +146,7 @@ fn width(_: Lanes, _: &PointProblem) -> Width {
 
 /// One island that is ready to be solved. Constraints are prepared ([`PointConstraint::prepare`]), and velocities include the effect of the
 /// warm-start impulses.
+#[derive(Debug)]
 pub struct PointProblem<'a> {
     /// All bodies of the island, and copies of the static and kinematic bodies that it touches.
     pub bodies: &'a mut [Body],

@@ -102,7 +102,7 @@ pub struct CollapseEnded {
 /// How a body failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 pub enum FailureMode {
-    /// A hand held it, or an external force acted on it.
+    /// A [`Grab`](crate::grab::Grab) held it, or an external force acted on it.
     Pulled,
     /// The normal force on one of its faces exceeded its [`Watch::strength`].
     Crushed,
@@ -297,7 +297,7 @@ pub(crate) fn collapses(
         };
         let island = islands.id(index.0);
         let Some((place, structure)) = stands.at else {
-            // A body that a hand holds does not count as standing, even if it is still.
+            // A body that is held by a `Grab` does not count as standing, even if it is still.
             let still = grab.is_none()
                 && velocity.linear.length() < sleep.linear_speed
                 && velocity.angular.length() < sleep.angular_speed;

@@ -247,7 +247,7 @@ impl MapEntities for Suspects {
     }
 }
 
-/// Reports that users have got, and that are not repeated while their cause lasts.
+/// Warnings that were sent. They are not repeated while their cause lasts.
 #[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 pub struct Told {
@@ -255,7 +255,7 @@ pub struct Told {
     pub(crate) diverged: Vec<Entity>,
     /// There is a [crowd](crate::narrowphase::crowd()).
     pub(crate) crowded: bool,
-    /// Hands that hold on as before, since what they ask for is invalid.
+    /// Hands whose numbers are invalid, so that their grabs stay as they were.
     pub(crate) hands: EntityHashSet,
     /// Entities with a shape that belongs to no body.
     pub(crate) strays: EntityHashSet,

@@ -142,7 +142,7 @@ pub fn prepare(
 }
 
 /// The settings that a visit reads.
-#[derive(SystemParam)]
+#[derive(SystemParam, Debug)]
 pub struct Rules<'w> {
     time: Res<'w, StepTime>,
     speeds: Res<'w, SpeedLimits>,
@@ -270,13 +270,13 @@ fn leave(
     table.take_unvisited(visit, false);
 }
 
-/// Returns true if the body cannot stay asleep: it has a velocity, an impulse, or a hand that holds it.
+/// Returns true if the body cannot stay asleep: it has a velocity, an impulse, or a [`Grab`].
 fn is_disturbed(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bool {
     let impulse = impulse.copied().unwrap_or_default();
     *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
 }
 
-/// Maximum speed that a hand gives the surface of a body by turning it, m/s. In one step the hand turns the body by half a turn at most.
+/// Maximum speed that a [`Grab`] gives the surface of a body by turning it, m/s. In one step it turns the body by half a turn at most.
 fn turned(body: &BodyState, grab: &Grab, dt: f32) -> f32 {
     let inertia = body.mass.inverse_inertia;
     let spin = match grab.rotation {
@@ -289,7 +289,7 @@ fn turned(body: &BodyState, grab: &Grab, dt: f32) -> f32 {
     }
 }
 
-/// Maximum gain of speed in the step by forces and by a hand, m/s at the surface.
+/// Maximum gain of speed in the step by forces and by a [`Grab`], m/s at the surface.
 fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &Rules) -> f32 {
     if !body.is_dynamic() {
         return 0.0;
@@ -297,10 +297,10 @@ fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &R
     let dt = rules.time.dt;
     let force = force.map_or(0.0, |force| force.force.length());
     let impulse = impulse.map_or(0.0, |impulse| impulse.linear.length());
-    let hand = grab.map_or(0.0, |grab| {
+    let pulled = grab.map_or(0.0, |grab| {
         (dt * body.mass.inverse_mass * grab.max_force).min(grab.max_speed)
     });
-    let gained = body.mass.inverse_mass * (dt * force + impulse) + hand;
+    let gained = body.mass.inverse_mass * (dt * force + impulse) + pulled;
     gained.min(rules.speeds.linear) + grab.map_or(0.0, |grab| turned(body, grab, dt))
 }
 

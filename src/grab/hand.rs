@@ -36,7 +36,7 @@ impl Plugin for HandPlugin {
 
 fn any_closes(hands: Query<(&Hand, &HandState)>) -> bool {
     let mut hands = hands.iter();
-    hands.any(|(hand, grasp)| hand.closed && *grasp == HandState::Open && hand.ray.is_some())
+    hands.any(|(hand, state)| hand.closed && *state == HandState::Open && hand.ray.is_some())
 }
 
 /// A hand that points along a ray of a camera, a player or a pointer. When it is closed it grabs the first dynamic body that the ray hits, and
@@ -165,24 +165,24 @@ pub fn hands(
     // All releases come first, so that a body can go from one hand to another in one step.
     let mut freed = EntityHashSet::default();
     let mut taken = EntityHashSet::default();
-    for (entity, hand, mut grasp) in &mut hands {
-        if hand.closed || *grasp == HandState::Open {
+    for (entity, hand, mut state) in &mut hands {
+        if hand.closed || *state == HandState::Open {
             continue;
         }
-        if let Some(body) = grasp.held().filter(|&body| holds(&bodies, entity, body)) {
+        if let Some(body) = state.held().filter(|&body| holds(&bodies, entity, body)) {
             commands.entity(body).try_remove::<Grab>();
             freed.insert(body);
         }
-        *grasp = HandState::Open;
+        *state = HandState::Open;
         told.hands.remove(&entity);
     }
-    for (entity, mut hand, mut grasp) in &mut hands {
+    for (entity, mut hand, mut state) in &mut hands {
         if !hand.closed {
             continue;
         }
-        match (*grasp, hand.ray) {
+        match (*state, hand.ray) {
             (HandState::Open, Some(ray)) => {
-                *grasp = HandState::Empty;
+                *state = HandState::Empty;
                 let hit = match world.cast_ray(ray, hand.reach, &QueryFilter::default()) {
                     Ok(Some(hit)) => hit,
                     Ok(None) => continue,
@@ -206,14 +206,14 @@ pub fn hands(
                     tracing::error!("the hand {entity} takes hold of nothing: {INVALID}");
                     continue;
                 }
-                *grasp = HandState::Holds(body, local);
+                *state = HandState::Holds(body, local);
                 hand.distance = hit.distance;
                 commands.entity(body).try_insert((grab, HeldBy(entity)));
             }
             (HandState::Holds(body, local), ray) => {
                 // The body may have been despawned, or its `Grab` removed or replaced.
                 if !holds(&bodies, entity, body) {
-                    *grasp = HandState::Empty;
+                    *state = HandState::Empty;
                     continue;
                 }
                 let Ok((_, Some(mut grab), _)) = bodies.get_mut(body) else {

@@ -148,7 +148,7 @@ impl EditLog {
         Ok(())
     }
 
-    /// Moves a body to a transform, at rest. For a child this is its local transform. A hand that holds the body lets go.
+    /// Moves a body to a transform, at rest. For a child this is its local transform. A [`Grab`](crate::grab::Grab) of the body is removed.
     ///
     /// # Errors
     /// [`EditError`] if the entity is not a body, or the transform is not finite.

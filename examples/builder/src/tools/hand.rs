@@ -21,7 +21,7 @@ pub(super) fn hold(
     mut held: Local<Option<Entity>>,
     poses: Query<&Pose>,
 ) {
-    let (hand, grasp) = &mut *hand;
+    let (hand, state) = &mut *hand;
     let pressed = *tool == Tool::Hand && buttons.pressed(MouseButton::Left);
     // One that is closed goes on where the mouse leaves the window.
     hand.closed = pressed && (hand.closed || pointer.ray.is_some());
@@ -30,15 +30,15 @@ pub(super) fn hold(
     }
     hand.max_force = strength.hand;
     hand.max_torque = 0.5 * strength.hand;
-    if grasp.held() != *held {
-        *held = grasp.held();
+    if state.held() != *held {
+        *held = state.held();
         hand.rotation = None;
         if let Some(body) = *held {
             let body = body.to_string();
             journal.say(&Entry::Held { body });
         }
     }
-    let Some(body) = grasp.held().filter(|_| hand.closed) else {
+    let Some(body) = state.held().filter(|_| hand.closed) else {
         return;
     };
     if scroll.delta.y != 0.0 {
@@ -63,8 +63,8 @@ pub(super) fn draw(
     hand: Single<(&Hand, &HandState)>,
     bodies: Query<(&Transform, &Grab, &GrabForce)>,
 ) {
-    let (hand, grasp) = *hand;
-    let Some((at, grab, force)) = grasp.held().and_then(|body| bodies.get(body).ok()) else {
+    let (hand, state) = *hand;
+    let Some((at, grab, force)) = state.held().and_then(|body| bodies.get(body).ok()) else {
         return;
     };
     let from = at.transform_point(grab.local_point);

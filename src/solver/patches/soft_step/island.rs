@@ -83,7 +83,7 @@ pub struct Island<L: F32xN> {
 
 impl<L: F32xN> Island<L> {
     /// Finds the places of grabs among the blocks.
-    pub fn place_hands(&mut self, problem: &PatchProblem) {
+    pub fn place_grabs(&mut self, problem: &PatchProblem) {
         if self.grab_places.place(&self.batches, problem) {
             self.pipeline = None;
         }
@@ -250,7 +250,7 @@ impl<L: F32xN> Island<L> {
 
     /// Runs one sweep and finishes its pass. Returns Σ W Δλ², J.
     pub fn sweep_alone(&mut self, pass: &Pass) -> f32 {
-        let held_change = self.visit_grips();
+        let held_change = self.visit_grabs();
         let change = match pass.soft {
             true => self.sweep_as(Soft { first: pass.first }, pass),
             false => self.sweep_rigidly(pass),
@@ -274,7 +274,7 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Visits each grab once. Returns Σ W Δλ², J.
-    pub fn visit_grips(&mut self) -> f32 {
+    pub fn visit_grabs(&mut self) -> f32 {
         let mut change = 0.0;
         let [velocities, motions] = [&mut self.velocities, &mut self.motions].map(|l| cells(l));
         for held in &mut self.grabs {

@@ -70,13 +70,13 @@ impl<L: F32xN> Kept<L> {
                 kept.straight = straight && (alone || !rounds(problem).is_empty());
                 (Box::new(kept), Vec::new())
             });
-        kept.island.place_hands(problem);
+        kept.island.place_grabs(problem);
         if kept.island.batches.laps() > 1 && !kept.island.grab_places.fit_laps() {
             let batches = batches(L::LANES, problem);
             *kept = Self::new(Island::new(problem, batches));
             kept.straight = true;
             kept.straight_for = held().collect();
-            kept.island.place_hands(problem);
+            kept.island.place_grabs(problem);
             changed.clear();
         }
         kept.island.lanes = lanes;

@@ -203,7 +203,7 @@ impl Masonry {
 /// An island in such blocks that is ready for the first sweep, and its sweeps.
 pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>, Vec<Pass>) {
     let mut island = Island::<L>::new(problem, batches);
-    island.place_hands(problem);
+    island.place_grabs(problem);
     let budget = SweepBudget {
         substeps: 7,
         substeps_per_rigid_sweep: 3,

@@ -370,7 +370,7 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
         };
         let held = match grab_places.is_empty() {
             true => 0.0,
-            false => self.visit_hands(number),
+            false => self.visit_grabs(number),
         };
         let range = block.range();
         // SAFETY: see `PipelinedSweeps`; no other block has these points.
@@ -401,7 +401,7 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
 
     /// Visits the grabs that stand before a block. Returns Σ W Δλ², J.
     #[inline(never)]
-    fn visit_hands(&self, block: usize) -> f32 {
+    fn visit_grabs(&self, block: usize) -> f32 {
         let Shared {
             velocities,
             motions,

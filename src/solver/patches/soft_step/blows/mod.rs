@@ -188,7 +188,7 @@ impl<L: F32xN> Island<L> {
         let mut takes_blow = false;
         for (number, pass) in passes.iter().enumerate() {
             if pass.soft {
-                let held_change = self.visit_grips();
+                let held_change = self.visit_grabs();
                 let impulses = self.points.iter().map(|point| point.impulse);
                 blows.earlier.clear();
                 blows.earlier.extend(impulses);
@@ -209,7 +209,7 @@ impl<L: F32xN> Island<L> {
                     self.sweep_more(problem, blows, &rigid, RIGID_SWEEPS);
                 }
             } else {
-                tell(self.visit_grips() + self.sweep_rigidly(pass));
+                tell(self.visit_grabs() + self.sweep_rigidly(pass));
             }
             let is_last = number + 1 == passes.len();
             self.extrapolate(pass);
@@ -236,7 +236,7 @@ impl<L: F32xN> Island<L> {
         let was = Cell::from_mut(&mut **was).as_slice_of_cells();
         hot.visit_steep();
         for sweep in 1..=sweeps {
-            self.visit_grips();
+            self.visit_grabs();
             L::run(SweepMore {
                 island: self,
                 hot,

@@ -5,7 +5,7 @@ use crate::solver::{Lanes, Memory, PatchProblem};
 
 /// A grab holds a body whose neighbours are visited long before and after it, so the blocks must not be skewed.
 #[test]
-fn blocks_are_not_skewed_if_laps_are_too_short_for_a_hand() {
+fn blocks_are_not_skewed_if_laps_are_too_short_for_a_grab() {
     let mut stack = Masonry::stack(9, 0.0);
     let mut memory = Memory::default();
     let problem = stack.problem(&mut memory);
@@ -29,7 +29,7 @@ fn blocks_are_not_skewed_if_laps_are_too_short_for_a_hand() {
 }
 
 #[test]
-fn a_hand_that_takes_hold_or_lets_go_leaves_the_blocks_as_they_are() {
+fn blocks_stay_the_same_when_a_grab_begins_or_ends() {
     for masonry in [|| Masonry::wall(40, 12, 0.0), || Masonry::stack(60, 0.0)] {
         let mut memory = Memory::default();
         let mut free = masonry();

@@ -1,7 +1,7 @@
 //! Collapse detection: a [`Collapse`] message when a structure fails, with the body that failed first and how it failed.
 //!
 //! Put [`Watch`] on bodies and add [`CollapsePlugin`]. When a watched body has been still for a moment, its pose and the structure it
-//! touches are remembered. When a body of the structure leaves its place, and nobody holds or pushes it, the structure has collapsed. The
+//! touches are remembered. When a body of the structure leaves its place, and is not held or pushed, the structure has collapsed. The
 //! message names the first body that left its place, including one that was held or pushed. The rest of the structure then falls without
 //! further messages until it stands again, and [`CollapseEnded`] reports which bodies have moved. Removing a brick does not count as a
 //! collapse.
@@ -131,7 +131,7 @@ impl Default for Watch {
     }
 }
 
-/// Where a watched body stands, if it does.
+/// The place where a watched body stands, if it stands.
 #[doc(hidden)]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(clone_behavior = Ignore)]
@@ -182,7 +182,7 @@ pub struct Structures {
     now: f64,
     /// Who was pulled out of each, and when.
     pulled: HashMap<u64, Pulled>,
-    /// Those that have collapsed, and do not all stand yet.
+    /// Structures that have collapsed, and whose bodies do not all stand yet.
     falling: Vec<Falling>,
 }
 
@@ -236,7 +236,7 @@ type Watched<'w, 's> = Query<
     ),
     (
         Without<Quarantined>,
-        // Of a body at rest only what is asked of it can change. What comes to rest stands.
+        // Inactive bodies only matter when they become inactive, because they then stand, and when their `Watch` changes.
         Or<(Without<Inactive>, Added<Inactive>, Changed<Watch>)>,
     ),
 >;
@@ -274,7 +274,7 @@ pub(crate) fn collapses(
             .is_some_and(|body| body.put_from.is_some())
     };
     for ((_, index), _, (_, mut stands), _) in &mut watched.p0() {
-        // Somebody has put it where it is: before the first substep.
+        // The user has placed the body. This happens before the first substep.
         if time.substep == 0 && put(index) {
             stands.leave();
         }
@@ -388,7 +388,7 @@ pub(crate) fn collapses(
                 bodies: bodies.len(),
                 mass: mass(&table, &watched.p1(), bodies.iter().map(|(body, _)| *body)),
             });
-            // Those at rest stand on, as another structure: nothing will move them before something else happens.
+            // Inactive bodies still stand, as another structure, because they do not move until something else happens.
             structures.last += 1;
             let anew = structures.last;
             for &(body, place) in &bodies {

@@ -100,7 +100,7 @@ pub fn child_transforms(
     parents: Query<&ChildOf>,
     mut placed: Query<(&mut Transform, Option<&ChildOf>)>,
 ) {
-    // From the top down, so that every frame is this step's when it is used.
+    // Parents come before their children, so that every frame is up to date when it is used.
     let mut children: Vec<_> = bodies.iter().collect();
     children.sort_by_cached_key(|(child, ..)| parents.iter_ancestors(*child).count());
     for (child, index, pose, parent) in children {
@@ -200,12 +200,12 @@ fn rotate(mass: &MassProperties, rotation: Quat, angular: Vec3, dt: f32) -> (Qua
         let before = momentum.dot(i * momentum);
         let next = midpoint(i, momentum, part);
         let turned = next.map(|mean| (frame * turn(i * mean, part)).normalize());
-        // From the momentum in the world, which has not changed, rather than from that of the rule.
+        // Use the momentum in the world, which has not changed, and not that of the rule.
         let kept = turned.filter(|turned| {
             let momentum = turned.inverse() * world;
             momentum.dot(i * momentum) <= before * (1.0 + ROUNDING)
         });
-        // About its own momentum a body turns without change: the mean of what it does.
+        // Otherwise the body turns about its momentum, which is its mean rotation and changes neither momentum nor energy.
         let precession = world * (before / world.length_squared());
         frame = kept.unwrap_or_else(|| (turn(precession, part) * frame).normalize());
         momentum = frame.inverse() * world;
@@ -216,13 +216,13 @@ fn rotate(mass: &MassProperties, rotation: Quat, angular: Vec3, dt: f32) -> (Qua
     )
 }
 
-/// The step is cut into parts in which a body turns by no more than this, rad; the rule's error is of its square.
+/// Maximum angle by which a body turns in one part of a step, rad. The error of the rule is proportional to its square.
 const PART: f64 = 0.25;
 
-/// But not into more than so many: beyond half a turn a step nothing can show how a body spins.
+/// Maximum number of parts of a step. A body that turns by more than half a turn in a step cannot be displayed correctly anyway.
 const MOST_PARTS: f64 = 16.0;
 
-/// Relative, of energy in f64.
+/// Relative rounding error of the energy in double precision.
 const ROUNDING: f64 = 1e-12;
 
 /// Steps of Newton's method; from the old momentum it takes three or four.
@@ -237,7 +237,7 @@ fn midpoint(i: DVec3, momentum: DVec3, dt: f32) -> Option<DVec3> {
         if miss.length_squared() < 1e-24 * momentum.length_squared() {
             return Some(mean);
         }
-        // d(Π × I⁻¹Π) e = e × I⁻¹Π + Π × I⁻¹e, but for the stretching, which hardly changes.
+        // d(Π × I⁻¹Π) e = e × I⁻¹Π + Π × I⁻¹e. The change of the stretching is neglected, because it is tiny.
         let column = |e: DVec3| e - half * (e.cross(i * mean) + mean.cross(i * e));
         let slope = DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z));
         mean += slope.inverse() * miss;

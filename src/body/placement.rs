@@ -96,7 +96,7 @@ impl BodyState {
 /// The velocity that takes a body from one pose to another in `dt` s. `center` is its centre of mass in its frame, m.
 fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
     let turn = to.rotation * from.rotation.inverse();
-    // Of the two rotations to the same orientation, the shorter one.
+    // Two rotations lead to this orientation. Take the shorter one.
     let turn = if turn.w < 0.0 { -turn } else { turn };
     Velocity {
         linear: (to.transform_point(center) - from.transform_point(center)) / dt,

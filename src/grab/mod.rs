@@ -161,7 +161,7 @@ impl Grab {
                 false => wanted.normalize(),
             };
             let turn = rotation * wanted.inverse();
-            // Of the two rotations to the same orientation, the shorter one.
+            // Two rotations lead to this orientation. Take the shorter one.
             (turn * turn.w.signum()).to_scaled_axis()
         });
         GrabConstraint {

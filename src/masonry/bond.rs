@@ -81,9 +81,9 @@ impl Bond {
         let quarters = u64::from(quarters);
         match self {
             Self::Stack | Self::Running => quarters / 4 + 1,
-            // Of headers, with a closer at each end; of stretchers there are as many, two behind each other.
+            // A course of headers with a closer at each end. A course of stretchers, two behind each other, has as many.
             Self::English => quarters / 2 + 2,
-            // Two stretchers and a header, and as at the ends of the other.
+            // Two stretchers and a header alternate, and the ends have the additional blocks of the other course.
             Self::Flemish => quarters / 2 + 4,
         }
     }

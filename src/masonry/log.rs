@@ -292,7 +292,7 @@ impl Operation {
             Self::Placed { bodies, disabled } if make => {
                 enable(world, std::mem::take(disabled));
                 for &(body, at, velocity) in &*bodies {
-                    // One that is gone is told below.
+                    // Bodies that do not exist any more are reported below.
                     set(world, body, at, velocity).ok();
                 }
             }
@@ -368,7 +368,7 @@ fn enable(world: &mut World, disabled: Vec<Entity>) {
     }
 }
 
-/// Where physics has a body, as its `Transform` says it after a step: between two it may be drawn elsewhere.
+/// The pose of a body in the simulation, as a `Transform`. Between two steps its own `Transform` may be interpolated for rendering.
 fn placement(world: &mut World, body: Entity) -> Transform {
     let drawn: Transform = world.get(body).copied().unwrap_or_default();
     let table = world.get_resource::<BodyTable>();

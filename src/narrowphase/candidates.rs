@@ -1,4 +1,4 @@
-//! Contact points on their way into a manifold.
+//! Contact points before they are added to a manifold.
 
 use super::Rules;
 use crate::body::BodyState;
@@ -6,12 +6,12 @@ use crate::contact::{ContactPoint, FeatureId, Manifold, ManifoldPatch};
 use glam::Vec3;
 use smallvec::SmallVec;
 
-/// A contact point on its way into the manifold.
+/// A contact point before it is added to a manifold.
 #[derive(Clone, Copy)]
 pub(super) struct Candidate {
-    /// World, m.
+    /// Midpoint between the surfaces, world, m.
     pub position: Vec3,
-    /// m
+    /// Signed distance of the surfaces, m.
     pub distance: f32,
     pub feature: FeatureId,
 }

@@ -13,7 +13,7 @@ use parry3d::shape::{Capsule, PackedFeatureId};
 /// Capsules lie side by side if the line between them leans from the normal by at most this angle, as a sine.
 const ASIDE: f32 = 0.02;
 
-/// Fills the manifold with the points no further apart than `reach`, m.
+/// Fills the manifold with the points whose distance is at most `reach`, m.
 pub(super) fn touch(
     place: &Pose,
     a: &Capsule,

@@ -56,7 +56,7 @@ pub fn crowd(
         })
         .collect();
     let spawn_order = |slot: u32| table.get(slot).map(|body| body.spawn_order);
-    // Which entity a pair is must not count.
+    // The order must not depend on the entities of pairs.
     deep.sort_unstable_by(|a, b| {
         let spawn_orders = |pair: &DeepPair| pair.slots.map(spawn_order);
         b.depth
@@ -71,7 +71,7 @@ pub fn crowd(
         });
         counts_for == [false; 2]
     });
-    // Where there is none, pairs of the crowd may still wait.
+    // If no pair exceeds the limit, pairs of the crowd may still wait.
     let Some(first) = deep.first() else {
         return;
     };

@@ -16,7 +16,7 @@ use smallvec::smallvec;
 /// Distance below which two centres coincide, as a share of the smaller radius.
 const COINCIDENT: f32 = 1e-6;
 
-/// The direction that separates bodies in the same place. Each body has its own, or many would be pushed out along one line.
+/// Separates two bodies in the same place. The direction depends on the two bodies; otherwise many bodies would be pushed out along one line.
 fn part(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
     let normal = (scattered(a.spawn_order.0) - scattered(b.spawn_order.0)).normalize_or(Vec3::Y);
     let distance = -a.radius.min(b.radius);
@@ -42,7 +42,7 @@ fn scattered(number: u64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(coordinate))
 }
 
-/// Fills an empty manifold with the points no further apart than `reach`, m. `old` is the last manifold. Returns a lower bound of the distance
+/// Fills an empty manifold with the points whose distance is at most `reach`, m. `old` is the last manifold. Returns a lower bound of the distance
 /// of the two bodies, m; −∞ if none is known.
 pub(super) fn detect(
     rules: &Rules,
@@ -145,7 +145,7 @@ struct Two<'a> {
     search: Search,
     axis: &'a mut Axis,
     contact: &'a mut Contact,
-    /// By how much they are, m, where they are out of reach.
+    /// Lower bound of their distance, m. It is only set if they are out of reach.
     apart: &'a mut f32,
 }
 
@@ -188,8 +188,8 @@ impl WithTwo for Two<'_> {
     }
 }
 
-/// Adds to the edge contact of a slender body the contacts of the faces beside that edge, within reach. A blow at one edge makes a rod spin
-/// about its length so fast that its face would sink in by the thickness of the rod within the step.
+/// Adds the contacts of the faces beside an edge, within reach, to the edge contact of a slender body. A blow at one edge makes a rod spin so fast
+/// about its length that its face would sink in by the thickness of the rod within the step.
 fn find_beside<A: Solid, B: Solid>(
     a: &A,
     b: &B,

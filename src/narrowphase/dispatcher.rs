@@ -14,7 +14,7 @@ use parry3d::query::details::*;
 use parry3d::query::*;
 use parry3d::shape::{PackedFeatureId, Shape, ShapeType};
 
-/// Of two bodies.
+/// Computes the contacts of the parts of two bodies.
 pub(super) struct Dispatcher<'a> {
     pub bodies: [&'a BodyState; 2],
     /// See [`Search::graze`], m.
@@ -105,7 +105,7 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
             );
         };
         let graze = match [a.shape_type(), b.shape_type()].contains(&ShapeType::Triangle) {
-            // Of a surface the next triangle is where this one ends.
+            // Triangles of a surface always have a neighbour at their edges, so the test for seams does not apply.
             true => f64::NEG_INFINITY,
             false => self.graze as f64,
         };
@@ -123,7 +123,7 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         };
         if form_a.is_round() || form_b.is_round() {
             parts.with_round(form_a, form_b);
-            // As few as there are of a whole body.
+            // Reduce the points to as many as a whole body may have.
             let radius = body_a.rolling_radius().min(body_b.rolling_radius());
             round::simplify(&mut contact, self.most, radius, |_| false);
         } else {

@@ -15,13 +15,13 @@ pub(super) enum Form<'a> {
 }
 
 impl<'a> Form<'a> {
-    /// Of a body's whole shape.
+    /// The form of a body's whole shape.
     pub fn of(body: &'a BodyState) -> Option<Self> {
         let collider = body.collider.as_ref()?;
         Self::new(&**collider.shape(), || collider.polyhedron())
     }
 
-    /// Of one part of a body's shape.
+    /// The form of one part of a body's shape.
     pub fn of_part(body: &'a BodyState, part: &dyn Shape, number: u32) -> Option<Self> {
         let collider = body.collider.as_ref()?;
         let hull = || match collider.shape().as_compound() {
@@ -62,7 +62,7 @@ pub(super) fn ours<'f, 'a>(
 ) -> [Option<&'f Form<'a>>; 2] {
     let (a, b) = (a.as_ref(), b.as_ref());
     match (a, b) {
-        // Of balls and capsules parry's is as good, but with cylinders and cones.
+        // Parry's contacts of balls and capsules are accurate, except those with cylinders and cones.
         (Some(one), Some(other)) if one.has_ends() || other.has_ends() => [a, b],
         _ => {
             let whole = |form: &&Form| !form.is_bordered();

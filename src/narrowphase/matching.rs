@@ -6,8 +6,8 @@ use crate::contact::{ContactPoint, Manifold, ManifoldPatch, Origins};
 use glam::Quat;
 use smallvec::SmallVec;
 
-/// Matches the points of a manifold with those before, no further apart than `radius` m where features don't tell; A and B have turned
-/// since then.
+/// Matches the points of a manifold with those of the last one: first points with the same feature, then points that are nearer to each other than
+/// `radius` (m). `turns` are the rotations of A and B since then.
 pub(crate) fn match_points(
     old: &Manifold,
     new: &Manifold,
@@ -49,10 +49,10 @@ pub(crate) fn match_points(
     origins
 }
 
-/// Two patches whose normals are nearer than this, as a cosine, may be the same.
+/// Two patches may be the same if the cosine between their normals is above this.
 const SAME_PATCH: f32 = 0.9;
 
-/// For each new patch the index of the old one: that with the nearest normal.
+/// Returns for each new patch the index of the old patch with the nearest normal.
 pub(crate) fn match_patches(old: &Manifold, new: &Manifold) -> Origins {
     let mut taken: SmallVec<[bool; 8]> = smallvec::smallvec![false; old.patches.len()];
     let origin = |patch: &ManifoldPatch| {

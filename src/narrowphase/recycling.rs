@@ -12,24 +12,24 @@ use crate::contact::{Manifold, NarrowphaseCache, ParryManifold, Stand};
 use glam::{Quat, Vec3};
 
 impl Stand {
-    /// The two stand as they do now; nothing is known yet.
+    /// Stores the current relative pose. The manifold must not be recycled yet.
     pub(crate) fn take(&mut self, a: &BodyState, b: &BodyState) {
         self.between = a.center - b.center;
         self.rotations = [a, b].map(|body| body.pose.rotation.to_array());
         self.forget();
     }
 
-    /// The manifold must not be recycled.
+    /// Marks the manifold as not recyclable.
     pub(crate) fn forget(&mut self) {
         (self.reach, self.apart) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
     }
 
-    /// The manifold may be recycled.
+    /// Returns true if the manifold may be recycled.
     pub(crate) fn is_known(&self) -> bool {
         self.reach > f32::NEG_INFINITY
     }
 
-    /// How each has turned since then.
+    /// The rotation of each body since the detection.
     #[inline]
     pub(crate) fn turns(&self, bodies: [&BodyState; 2]) -> [Quat; 2] {
         std::array::from_fn(|i| {
@@ -38,12 +38,12 @@ impl Stand {
         })
     }
 
-    /// How the two have moved against each other since then.
+    /// The relative motion of the bodies since the detection.
     #[inline]
     pub(crate) fn since(&self, a: &BodyState, b: &BodyState) -> Since {
         let turn = |body: &BodyState, was: [f32; 4]| {
             let (now, was) = (body.pose.rotation, Quat::from_array(was));
-            // A half-space has no radius; it turns, or it doesn't.
+            // The radius of a half-space is infinite, so it must not be multiplied by a rotation of zero.
             if now == was {
                 return (Turn::default(), 0.0);
             }
@@ -64,14 +64,15 @@ impl Stand {
         }
     }
 
-    /// Nothing has moved by more than `limit`, but by `moved`, and nothing that now counts lay beyond the reach of the search.
+    /// Returns true if the bodies moved by at most `limit` (m), and everything within `reach` now was within the reach of the search. `moved` is the
+    /// distance that they moved, m.
     #[inline]
     pub(crate) fn holds(&self, moved: f32, limit: f32, reach: f32) -> bool {
         moved <= limit && reach + moved <= self.reach
     }
 
-    /// Returns true if the two are known to be farther apart than `reach`, m: the spheres that hold them are, or they were when they were last
-    /// searched and have moved too little `since`.
+    /// Returns true if the two are known to be farther apart than `reach`, m. This is so if their bounding spheres are, or if their distance at the last
+    /// detection was greater than `reach` and the motion `since` then.
     pub(crate) fn is_apart(
         &self,
         a: &BodyState,
@@ -79,24 +80,24 @@ impl Stand {
         reach: f32,
         since: impl FnOnce() -> Since,
     ) -> bool {
-        // No half-space has a sphere: it has no end.
+        // The bounding sphere of a half-space is infinite, so the first test never holds for it.
         let touching = a.radius + b.radius + reach;
         (a.center - b.center).length_squared() > touching * touching
             || self.apart > reach && reach + since().way < self.apart
     }
 }
 
-/// How two bodies have moved against each other since their manifold was detected.
+/// The relative motion of two bodies since their manifold was detected.
 #[derive(Clone, Copy)]
 pub(crate) struct Since {
-    /// Of A's centre of mass against B's, m.
+    /// The motion of A's centre of mass relative to B's, m.
     shift: Vec3,
     turns: [Turn; 2],
-    /// Bound on how far two points of the surfaces have moved against each other, or turned away from where they looked, m.
+    /// Upper bound of the relative motion of two points of the surfaces, m.
     way: f32,
 }
 
-/// A turn, as a quaternion: what it does to a vector is found without rounding off what is small.
+/// A rotation as a quaternion. It gives the change of a vector, which stays accurate for small rotations.
 #[derive(Clone, Copy, Default)]
 struct Turn {
     axis: Vec3,

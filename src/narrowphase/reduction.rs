@@ -48,7 +48,7 @@ pub(super) fn keep_ends(points: &mut Candidates) {
     });
 }
 
-/// Keeps at most four points of a patch, in the order in which they stand.
+/// Keeps at most four points of a patch, in their current order.
 pub(super) fn reduce(points: &mut Candidates, normal: Vec3) {
     if points.len() <= 4 {
         return;

@@ -1,4 +1,4 @@
-//! Whether a round body rolls at a contact or stands there.
+//! Decides whether a round body rolls at a contact or stands there.
 //!
 //! A cylinder that rocks on its end touches with one point of its rim, and the rim rolls, however near the rest of the end is. A rolling contact has
 //! rolling friction, but no anchor and no memory of the load of its points, because other points will carry it in the next moment. In a valley
@@ -8,10 +8,10 @@
 use super::candidates::Candidates;
 use super::reduction::is_line;
 
-/// Points that are farther away than the nearest by this share of the radius carry no load.
+/// Points carry no load if they are farther away than the nearest point by this share of the radius.
 const LOOSE: f32 = 2e-3;
 
-/// True where the points that carry are a line or one point. `radius`: of the smaller round body, m; `size`: of the smaller
+/// Returns true if the points that carry load are a line or one point. `radius` is that of the smaller round body and `size` that of the smaller
 /// face, m.
 pub(super) fn rolls(points: &Candidates, radius: f32, size: f32) -> bool {
     let distances = points.iter().map(|point| point.distance);

@@ -185,7 +185,7 @@ impl SpatialQuery<'_, '_> {
     ) -> Vec<(&BodyState, H)> {
         let view = self.view();
         numbers.extend(view.outside());
-        // One that has left its box may be in both. The order of a tree is that of its history.
+        // A body that has left its box may occur twice. The order of results from the tree depends on its history, so they are sorted.
         numbers.sort_unstable_by_key(|&number| {
             (view.get(number).map(|body| body.spawn_order), number)
         });

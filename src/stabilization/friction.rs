@@ -95,7 +95,7 @@ pub fn pose_slip(
     center: Vec3,
 ) -> Option<PlanarSlip> {
     let friction = &settings.friction;
-    // How A has turned on B, and by how much its origin and its arm to the middle are not where B would have them.
+    // The rotation of A relative to B since the anchor was set, and the displacements of its origin and of its arm to the centre.
     let turned = a.pose.rotation * (b.pose.rotation * anchor.rotation()).inverse();
     let (axis, w) = (turned.xyz(), turned.w);
     let across = axis.cross(center - a.pose.position);

@@ -40,15 +40,15 @@ pub fn visit(visitor: &mut impl Visitor) {
             $(visitor.$method::<$type>();)+
         };
     }
-    // Of bodies, written by users and stages.
+    // Bodies, written by users and stages.
     body::visit(visitor);
     list!(component: Inactive, Quarantined, Teleport, GrabForce, HeldBy);
     list!(component: ContactForceEvents, Load, Watch, Stands);
-    // Of hands.
+    // Hands.
     list!(component: HandState, Hand);
-    // Of any entity: components of Bevy that drystone reads.
+    // Any entity: components of Bevy that drystone reads.
     list!(component: Transform, ChildOf, Name, Disabled);
-    // Of pairs.
+    // Pairs.
     list!(component: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
 
     list!(resource: Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings);

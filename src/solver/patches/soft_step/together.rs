@@ -1,8 +1,8 @@
 //! Small islands solved together: their patches lie side by side in the blocks of one problem.
 //!
 //! A body that lies alone on the ground fills one lane of four. So the small islands of a step that get the same sweeps form one problem.
-//! They share no body that moves, and each island's patches keep their order: the result for each is what it would be alone, to the bit,
-//! but for the sign of zeros.
+//! They share no body that moves, and the patches of each island keep their order. So the result of each island equals bit for bit that of solving it
+//! alone, except for the sign of zeros.
 
 use super::gaps::Gaps;
 use super::island::{Island, batches};

@@ -33,7 +33,7 @@ impl Cone for Disc {
             xy.neg_mul_add(residual[1], xx.neg_mul_add(residual[0], before[0])),
             yy.neg_mul_add(residual[1], xy.neg_mul_add(residual[0], before[1])),
         ];
-        // Many points carry nothing and have no friction. They alone do not call for the rare path.
+        // Many points carry no load and have no friction. They alone must not trigger the slow path.
         let found = [
             limit.select_above(L::ZERO, exact[0], L::ZERO),
             limit.select_above(L::ZERO, exact[1], L::ZERO),

@@ -76,45 +76,29 @@ impl Levels {
         unlinked: &[[u32; 2]],
         renewed: &[u32],
     ) {
-        let Self {
-            levels,
-            queue,
-            lost,
-        } = self;
-        queue.clear();
-        lost.clear();
+        self.queue.clear();
+        self.lost.clear();
         for &slot in renewed {
-            let level = &mut levels[slot as usize];
             match kind(slot) {
-                Kind::Empty => *level = Self::NONE,
-                Kind::Dynamic => {
-                    let carried = std::mem::replace(level, Self::NONE);
-                    lost.push(slot);
-                    let above = graph.neighbours(slot);
-                    let above = above.filter(|&n| levels[n as usize] == carried.wrapping_add(1));
-                    queue.extend(above.map(|n| Reverse((carried.wrapping_add(1), n))));
-                }
+                Kind::Empty => self.levels[slot as usize] = Self::NONE,
+                Kind::Dynamic => self.remove(graph, slot),
                 Kind::Fixed => (),
             }
         }
         for &slot in unlinked.as_flattened() {
-            if kind(slot) == Kind::Dynamic && levels[slot as usize] != Self::NONE {
-                queue.push(Reverse((levels[slot as usize], slot)));
+            let level = self.levels[slot as usize];
+            if kind(slot) == Kind::Dynamic && level != Self::NONE {
+                self.queue.push(Reverse((level, slot)));
             }
         }
-        while let Some(Reverse((level, slot))) = queue.pop() {
-            if levels[slot as usize] != level || kind(slot) != Kind::Dynamic {
+        while let Some(Reverse((level, slot))) = self.queue.pop() {
+            if self.levels[slot as usize] != level || kind(slot) != Kind::Dynamic {
                 continue;
             }
-            let mut below = graph.neighbours(slot).map(|n| levels[n as usize]);
-            if below.any(|below| below != Self::NONE && below + 1 == level) {
-                continue;
+            let mut below = graph.neighbours(slot).map(|n| self.levels[n as usize]);
+            if !below.any(|below| below != Self::NONE && below + 1 == level) {
+                self.remove(graph, slot);
             }
-            levels[slot as usize] = Self::NONE;
-            lost.push(slot);
-            let above = graph.neighbours(slot);
-            let above = above.filter(|&n| levels[n as usize] == level + 1);
-            queue.extend(above.map(|n| Reverse((level + 1, n))));
         }
     }
 
@@ -126,36 +110,55 @@ impl Levels {
         linked: &[[u32; 2]],
         renewed: &[u32],
     ) {
-        let Self {
-            levels,
-            queue,
-            lost,
-        } = self;
         for &slot in renewed {
             if kind(slot) == Kind::Fixed {
-                levels[slot as usize] = 0;
-                queue.extend(graph.neighbours(slot).map(|n| Reverse((1, n))));
+                self.set(graph, slot, 0);
             }
         }
         // A new link may have ended again since, so both lists are checked against the current links.
-        for &slot in lost.iter().chain(linked.as_flattened()) {
-            // A ground is at one end of many links, and has many neighbours.
+        for &slot in self.lost.iter().chain(linked.as_flattened()) {
+            // A static body is at one end of many links, and has many neighbours. Its level is known.
             if kind(slot) != Kind::Dynamic {
                 continue;
             }
-            let below = graph.neighbours(slot).map(|n| levels[n as usize]);
+            let below = graph.neighbours(slot).map(|n| self.levels[n as usize]);
             let below = below.min().filter(|&below| below != Self::NONE);
-            queue.extend(below.map(|below| Reverse((below + 1, slot))));
+            self.queue
+                .extend(below.map(|below| Reverse((below + 1, slot))));
         }
-        while let Some(Reverse((level, slot))) = queue.pop() {
-            if levels[slot as usize] <= level || kind(slot) != Kind::Dynamic {
-                continue;
+        while let Some(Reverse((level, slot))) = self.queue.pop() {
+            if self.levels[slot as usize] > level && kind(slot) == Kind::Dynamic {
+                self.set(graph, slot, level);
             }
-            levels[slot as usize] = level;
-            let above = graph.neighbours(slot);
-            let above = above.filter(|&n| levels[n as usize] > level + 1);
-            queue.extend(above.map(|n| Reverse((level + 1, n))));
         }
+    }
+
+    /// Removes the level of a body, and queues its neighbours one level above it.
+    fn remove(&mut self, graph: &ConstraintGraph, slot: u32) {
+        let level = std::mem::replace(&mut self.levels[slot as usize], Self::NONE);
+        self.lost.push(slot);
+        if level != Self::NONE {
+            self.queue_neighbours(graph, slot, level + 1, |known| known == level + 1);
+        }
+    }
+
+    /// Sets the level of a body, and queues its neighbours that get a lower level by it.
+    fn set(&mut self, graph: &ConstraintGraph, slot: u32, level: u32) {
+        self.levels[slot as usize] = level;
+        self.queue_neighbours(graph, slot, level + 1, |known| known > level + 1);
+    }
+
+    /// Queues the neighbours of a body whose known level satisfies a condition, with a new level.
+    fn queue_neighbours(
+        &mut self,
+        graph: &ConstraintGraph,
+        slot: u32,
+        level: u32,
+        condition: impl Fn(u32) -> bool,
+    ) {
+        let neighbours = graph.neighbours(slot);
+        let neighbours = neighbours.filter(|&n| condition(self.levels[n as usize]));
+        self.queue.extend(neighbours.map(|n| Reverse((level, n))));
     }
 }
 

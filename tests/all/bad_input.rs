@@ -45,7 +45,28 @@ impl Site {
         }
     }
 
-    /// The victim is out, under its name; and nobody else.
+    /// Writes components of the victim.
+    fn insert(&mut self, components: impl Bundle) {
+        self.lab.world.entity_mut(self.victim).insert(components);
+    }
+
+    /// Removes components of the victim.
+    fn remove<B: Bundle>(&mut self) {
+        self.lab.world.entity_mut(self.victim).remove::<B>();
+    }
+
+    fn is_quarantined(&self) -> bool {
+        self.lab.world.get::<Quarantined>(self.victim).is_some()
+    }
+
+    /// Steps for a tenth of a second, in which the victim must be reported, and nothing else.
+    #[track_caller]
+    fn run_to_error(&mut self) {
+        self.lab.run(0.1);
+        assert_eq!(self.lab.errors().len(), 1);
+    }
+
+    /// The victim, and no other body, was reported with its name and is quarantined.
     #[track_caller]
     fn expect(&mut self, problem: &BodyProblem) {
         let errors = self.lab.errors();
@@ -66,7 +87,7 @@ impl Site {
         assert_eq!(&quarantined[0].1.problem, problem);
     }
 
-    /// Mended, the victim falls to the ground beside the stack.
+    /// Once its input is valid again, the victim falls to the ground beside the stack.
     #[track_caller]
     fn back(&mut self) {
         let at = Vec3::new(3.0, 1.5, 0.0);
@@ -90,11 +111,11 @@ impl Site {
 #[track_caller]
 fn spoil<B: Bundle, M: Bundle>(bad: B, problem: BodyProblem, good: M) {
     let mut site = Site::new();
-    site.lab.world.entity_mut(site.victim).insert(bad);
+    site.insert(bad);
     site.lab.run(0.5);
     site.expect(&problem);
     site.stands();
-    site.lab.world.entity_mut(site.victim).insert(good);
+    site.insert(good);
     site.back();
 }
 
@@ -229,7 +250,7 @@ fn a_body_that_is_bad_from_the_start() {
     site.lab.run(0.5);
     site.expect(&BodyProblem::InvalidMass);
     site.stands();
-    site.lab.world.entity_mut(site.victim).insert(Mass(1.0));
+    site.insert(Mass(1.0));
     site.back();
 }
 
@@ -438,19 +459,16 @@ fn a_pose_written_over_is_taken_back() {
 #[track_caller]
 fn mend<B: Bundle, M: Bundle>(bad: B, good: M) {
     let mut site = Site::new();
-    site.lab.world.entity_mut(site.victim).insert(bad);
+    site.insert(bad);
     site.lab.run(0.5);
     let errors = site.lab.errors();
     assert_eq!(errors.len(), 1, "{errors:?}");
     let text = errors[0].to_string();
     assert!(text.contains("comes back"), "it says how: {text}");
-    site.lab
-        .world
-        .entity_mut(site.victim)
-        .insert((good, Transform::from_xyz(3.0, 1.5, 0.0)));
+    site.insert((good, Transform::from_xyz(3.0, 1.5, 0.0)));
     site.lab.run(1.5);
     assert_eq!(site.lab.errors(), []);
-    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
+    assert!(!site.is_quarantined());
     let now = site.lab.position(site.victim);
     assert!(now.distance(Vec3::new(3.0, 0.5, 0.0)) < 0.01, "at {now}");
     site.stands();
@@ -489,17 +507,14 @@ fn a_body_that_is_not_mended_stays_away() {
         let mut site = Site::new();
         let torque = Vec3::ZERO;
         let push = ExternalForce { force, torque };
-        site.lab.world.entity_mut(site.victim).insert(push);
+        site.insert(push);
         site.lab.run(0.5);
         assert_eq!(site.lab.errors().len(), 1);
         // Something else is written, and what is wrong is written again.
-        site.lab
-            .world
-            .entity_mut(site.victim)
-            .insert((Friction::new(0.3), push));
+        site.insert((Friction::new(0.3), push));
         site.lab.run(0.5);
         assert_eq!(site.lab.errors(), []);
-        assert!(site.lab.world.get::<Quarantined>(site.victim).is_some());
+        assert!(site.is_quarantined());
         site.stands();
     }
 }
@@ -517,36 +532,24 @@ fn a_body_comes_back_when_what_was_wrong_is_taken_off() {
             angular: 0.0,
         },
     );
-    site.lab.world.entity_mut(site.victim).insert(bad);
-    site.lab.run(0.1);
-    assert_eq!(site.lab.errors().len(), 1);
-    site.lab
-        .world
-        .entity_mut(site.victim)
-        .remove::<(ExternalForce, Damping)>();
+    site.insert(bad);
+    site.run_to_error();
+    site.remove::<(ExternalForce, Damping)>();
     site.lab.run(0.5);
     assert_eq!(site.lab.errors(), []);
-    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
+    assert!(!site.is_quarantined());
     site.stands();
     let torque = Vec3::ZERO;
     let force = ExternalForce { force, torque };
-    site.lab.world.entity_mut(site.victim).insert(force);
+    site.insert(force);
+    site.run_to_error();
+    site.remove::<ExternalForce>();
     site.lab.run(0.1);
-    assert_eq!(site.lab.errors().len(), 1);
-    site.lab
-        .world
-        .entity_mut(site.victim)
-        .remove::<ExternalForce>();
+    assert!(!site.is_quarantined());
+    site.insert(Mass(0.0));
+    site.run_to_error();
+    site.insert(RigidBody::Kinematic);
     site.lab.run(0.1);
-    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
-    site.lab.world.entity_mut(site.victim).insert(Mass(0.0));
-    site.lab.run(0.1);
-    assert_eq!(site.lab.errors().len(), 1);
-    site.lab
-        .world
-        .entity_mut(site.victim)
-        .insert(RigidBody::Kinematic);
-    site.lab.run(0.1);
-    assert!(site.lab.world.get::<Quarantined>(site.victim).is_none());
+    assert!(!site.is_quarantined());
     site.stands();
 }

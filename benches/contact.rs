@@ -1,4 +1,4 @@
-//! What the contact of two polyhedra costs, against parry's in the same run.
+//! The time of the contact of two polyhedra, compared with parry's in the same run.
 //!
 //! ```text
 //! cargo bench --bench contact
@@ -19,7 +19,7 @@ const SEARCH: Search = Search {
     graze: 0.01,
 };
 
-/// How B stands to A: on it, shifted and turned a little, overlapping by a tenth of a millimetre; or a hand's breadth above.
+/// The pose of B relative to A: on it, shifted and rotated a little, overlapping by 0.1 mm; or 10 cm above it.
 fn poses(height: f32) -> [(Vec3, Quat); 16] {
     let mut rng = fastrand::Rng::with_seed(1);
     std::array::from_fn(|_| {

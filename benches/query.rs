@@ -132,7 +132,7 @@ fn carrying(criterion: &mut Criterion) {
     });
 }
 
-/// Of a wall of 10 × 10.
+/// Previews in a wall of 10 × 10.
 fn previews(criterion: &mut Criterion) {
     let mut run = Experiment::new(Scene::Wall(10, 10), Preset::Default).start();
     for _ in 0..60 {

@@ -17,7 +17,7 @@ struct Arguments {
     /// Seeds of each scene.
     #[arg(long, default_value_t = 1)]
     seeds: u64,
-    /// Of each run, unless all sleep before, s.
+    /// Duration of each run, s. A run ends earlier if all bodies sleep.
     #[arg(long, default_value_t = 10.0)]
     seconds: f32,
     /// Length of a step, s.

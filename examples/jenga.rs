@@ -238,7 +238,7 @@ impl Game {
         Ok(lies && others.iter().all(stays))
     }
 
-    /// Where the next plank is to lie on top, by where those of the layer below lie now: its layer, its place, its pose.
+    /// The layer, the index and the pose of the next plank on top, which follow from the planks of the layer below.
     fn next_place(&self) -> (usize, usize, Pose) {
         let free = self
             .layers

@@ -1,4 +1,4 @@
-//! Where masonry falls in the simulation, against the limit that statics gives for it, in one table for each family.
+//! The limit at which masonry falls in the simulation, compared with the limit from statics, in one table for each family.
 //!
 //! `cargo run --release --example limits` bisects all limits and writes `target/limits.md`; it fails if one is too far from the true one.
 //! With names of families (`-- tilts columns wedges flat_arches arches`) it bisects only those.
@@ -16,7 +16,7 @@ use support::masonry::limits::{arches, columns, wedges};
 use support::masonry::site::{End, How};
 use support::masonry::slope::{FAST, NEAR, SLOW, STEPS, Slope, Structure};
 
-/// Where something falls, as a share of its limit.
+/// The load at which something falls, as a share of its limit.
 struct Found {
     at: f64,
     /// True if a structure near its limit does not come to rest.

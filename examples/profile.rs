@@ -1,4 +1,4 @@
-//! Where the time of a step goes: the cost of every stage over scenes of growing size.
+//! The time of every stage of a step, for scenes of increasing size.
 //!
 //! ```text
 //! cargo run --release --example profile -- [--scenes wall:10x10,wall:40x25] [--threads 1] [--trace target/profile/trace.json]

@@ -132,7 +132,7 @@ impl Site {
         1e3 * start.elapsed().as_secs_f64()
     }
 
-    /// Of so many steps: their median and the longest, ms.
+    /// Takes `count` steps. Returns their median time and the longest, ms.
     fn steps(&mut self, count: u32) -> [f64; 2] {
         let mut times: Vec<f64> = (0..count).map(|_| self.step()).collect();
         times.sort_by(f64::total_cmp);

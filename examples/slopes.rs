@@ -22,7 +22,7 @@ struct Arguments {
     /// Angular damping of round bodies, 1/s.
     #[arg(long, default_value_t = 0.0)]
     damping: f32,
-    /// Of each run, unless all sleep before, s.
+    /// Duration of each run, s. A run ends earlier if all bodies sleep.
     #[arg(long, default_value_t = 20.0)]
     seconds: f32,
     /// Length of a step, s.

@@ -1,4 +1,4 @@
-//! What gizmos draw, and that pointers hit bodies: in an app without a window.
+//! Tests of gizmos and of picking, in an app without a window.
 
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_asset::{AssetPlugin, Assets};
@@ -178,7 +178,7 @@ fn pointers_hit_bodies_but_those_that_are_not_to_be_picked() {
     assert_eq!(found.len(), 1);
     assert_eq!((found[0].0, found[0].2), (cube, Some(Vec3::Y)));
     assert!((found[0].1 - 4.0).abs() < 1e-3);
-    // What lets the ray through, and what is not there for it.
+    // Bodies that let the ray pass, and bodies that the ray ignores.
     let glass = Pickable {
         should_block_lower: false,
         is_hoverable: true,

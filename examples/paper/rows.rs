@@ -15,9 +15,9 @@ pub struct Row {
     pub normal: NormalStabilization,
     /// With the friction stabilization of the paper's section 3.
     pub friction: bool,
-    /// Which solver, with how many sweeps.
+    /// The solver, and the number of sweeps.
     pub solver: Solver,
-    /// Of its lines in the plots.
+    /// The colour of its lines in the plots.
     pub color: (u8, u8, u8),
 }
 

@@ -30,9 +30,9 @@ pub struct Job {
 pub struct Moment {
     /// Its measures.
     pub sample: Sample,
-    /// Of the bodies watched.
+    /// Poses of the watched bodies.
     pub poses: Vec<Pose>,
-    /// Where the hand holds a body, m.
+    /// The point at which the hand holds a body, m.
     pub hand: Option<Vec3>,
     /// The action of the hand.
     pub phase: Option<Phase>,

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// The scene to simulate.
     #[arg(long)]
     scene: Scene,
-    /// Where the settings start from; every other option changes one of them.
+    /// The initial settings; every other option changes one of them.
     #[arg(long, value_enum, default_value = "default")]
     preset: PresetName,
     /// Length of a step, s.
@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Friction stabilization.
     #[arg(long, value_enum)]
     friction_stabilization: Option<Switch>,
-    /// Where anchors come from.
+    /// How anchors are chosen.
     #[arg(long, value_enum)]
     anchors: Option<AnchorName>,
     /// The rule that decides whether a contact sticks.
@@ -86,7 +86,7 @@ pub struct Arguments {
 
 /// s
 const STEP: RangeInclusive<f32> = 1e-6..=1.0;
-/// Of noise and gaps, m: more than a brick's length leaves nothing of a scene.
+/// Range of noise and gaps, m. A scene falls apart if they are longer than a brick.
 const LENGTH: RangeInclusive<f32> = 0.0..=1.0;
 /// rad
 const ANGLE: RangeInclusive<f32> = 0.0..=PI;
@@ -209,7 +209,7 @@ impl Arguments {
     }
 
     /// # Errors
-    /// Where the operating system gives no threads.
+    /// If the operating system gives no threads.
     pub fn experiment(&self) -> Result<Experiment, String> {
         let mut experiment = Experiment::new(self.scene, self.preset());
         experiment.dt = self.dt.unwrap_or(experiment.dt);

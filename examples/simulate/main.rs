@@ -53,7 +53,7 @@ fn main() -> ExitCode {
             table(&mut out, &fields)
         };
         if written.is_err() {
-            // Whoever read us has gone.
+            // The reader of the output has closed it.
             return ExitCode::SUCCESS;
         }
     }

@@ -38,7 +38,7 @@ const BUDGETS: [usize; 8] = [2, 4, 6, 12, 24, 48, 75, 150];
 const SOFT_BUDGETS: [usize; 4] = [6, 12, 24, 48];
 
 impl Case {
-    /// The scene under a preset but for time step and sleep, with the prototype's noise and gaps.
+    /// The scene with the settings of a preset except the time step and sleeping, and with the prototype's noise and gaps.
     pub fn experiment(&self, preset: Preset) -> Experiment {
         let mut experiment = Experiment {
             options: Experiment::new(self.scene, Preset::Paper).options,
@@ -132,7 +132,7 @@ impl Scope {
         }
     }
 
-    /// Of the small cases.
+    /// The number of seeds of the small cases.
     pub fn all_seeds(self) -> u64 {
         if self.quick { 1 } else { 3 }
     }

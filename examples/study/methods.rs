@@ -9,11 +9,11 @@ use drystone_lab::plots::Stroke;
 /// The usual number of sweeps of Soft Step.
 const SWEEPS_PER_SECOND: f32 = 960.0;
 
-/// A way to simulate, but for the iterations.
+/// A method of simulation without its number of iterations.
 pub struct Method {
     /// Short.
     pub label: &'static str,
-    /// Where its settings start from.
+    /// The preset that its settings are based on.
     preset: Preset,
     /// The difference from the others.
     change: fn(&mut Experiment),
@@ -163,7 +163,7 @@ impl Method {
         self.preset == Preset::Default
     }
 
-    /// As many as it is meant for: the preset's, or those that Soft Step usually takes.
+    /// The intended number of iterations: that of the preset, or the number that Soft Step usually takes.
     pub fn own_iterations(&self, case: &Case) -> usize {
         if self.is_soft() {
             (SWEEPS_PER_SECOND * case.dt).round() as usize

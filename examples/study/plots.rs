@@ -33,7 +33,7 @@ const QUANTITIES: [Quantity; 2] = [
 
 /// The least that is shown, mm; less is drawn there.
 const FLOOR: f64 = 0.01;
-/// Where falls are marked, mm.
+/// The ordinate at which falls are marked, mm.
 const FALLS: f64 = 700.0;
 const TOP: f64 = 1000.0;
 

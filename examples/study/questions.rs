@@ -20,7 +20,7 @@ type Rule = fn(&mut FrictionStabilization);
 #[derive(Clone)]
 struct Column {
     case: Case,
-    /// Whose solver: NNCG 75 or Soft Step.
+    /// The preset with the solver: NNCG 75 or Soft Step.
     preset: Preset,
     figure: Figure,
 }

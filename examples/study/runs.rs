@@ -15,11 +15,11 @@ pub struct Finding {
     pub sag: f32,
     /// m/s
     pub rms_speed: f32,
-    /// Of the body placed first, m/s.
+    /// Speed of the body that was placed first, m/s.
     pub speed: f32,
     /// A step's median time, that of the seed least disturbed by the rest of the machine, ms.
     pub ms: f64,
-    /// Of each seed.
+    /// The outcome of each seed.
     pub outcomes: Vec<Outcome>,
 }
 

@@ -210,7 +210,7 @@ pub fn column_shot_at_its_foot(dt: f32) -> [f32; 2] {
 /// Ten cubes of 1 m in a row that touch, on ice, of which the first is struck with 1 m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Of every contact.
+    /// Coefficient of restitution of every contact.
     pub restitution: f32,
 }
 

@@ -65,7 +65,7 @@ pub struct Fall {
     pub first: f64,
     /// In the end, J.
     pub last: f64,
-    /// By how much it has ever been above the least before, J.
+    /// The largest increase of the energy above an earlier minimum, J.
     pub gained: f64,
     /// Kinetic energy in the end, J.
     pub kinetic: f64,

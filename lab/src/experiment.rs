@@ -153,7 +153,7 @@ pub struct Sample {
     pub time: f32,
     /// Against the start.
     pub displacement: Displacement,
-    /// Of the contact points.
+    /// Statistics of the distances of contact points.
     pub gaps: Gaps,
     /// m/s
     pub rms_speed: f32,
@@ -359,7 +359,7 @@ pub struct Outcome {
     pub rms_speed: f32,
     /// Largest gain of mechanical energy against the start, as a share of the initial energy.
     pub energy_gain: f64,
-    /// Of the last solve of the largest island.
+    /// The residual of the last solve of the largest island.
     pub residual: f32,
     /// Sweeps of the largest island.
     pub sweeps_median: usize,
@@ -367,8 +367,8 @@ pub struct Outcome {
     pub bodies: usize,
     /// Contact points at the end.
     pub contacts: usize,
-    /// Of whole steps.
+    /// Statistics of the time of whole steps.
     pub step_time: Spread,
-    /// Of each system.
+    /// Statistics of the time of each system.
     pub system_times: BTreeMap<&'static str, Spread>,
 }

@@ -20,7 +20,7 @@ pub fn watch(world: &World, body: Entity) -> (Pose, Velocity) {
     seen().unwrap_or((NOWHERE, Velocity::linear(Vec3::NAN)))
 }
 
-/// Where a lost body is.
+/// The pose of a lost body.
 pub const NOWHERE: Pose = Pose {
     position: Vec3::NAN,
     rotation: Quat::from_array([f32::NAN; 4]),

@@ -1,4 +1,4 @@
-//! Where an example writes: tried before anything is computed, and named where it cannot be had.
+//! The output folder of an example. It is tested before anything is computed, and an error names it.
 
 use std::fs::{self, File};
 use std::path::Path;

@@ -32,7 +32,7 @@ impl Placed {
         Self { at, shape, solid }
     }
 
-    /// Where the body's own origin is, m.
+    /// The position of the body's own origin, m.
     pub fn position(&self) -> Vec3 {
         self.at.translation
     }

@@ -30,7 +30,7 @@ const HAND_LENGTH: f32 = 1.2;
 /// Towards the light.
 const LIGHT: Vec3 = Vec3::new(0.35, 0.80, 0.50);
 
-/// Where a scene is seen from.
+/// The camera of a picture of a scene.
 #[derive(Clone, Copy)]
 pub struct Camera {
     /// The point in the middle of the picture, m.
@@ -60,7 +60,7 @@ impl Camera {
 /// Writes a frame as a PNG, into a folder that is made where it is missing.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// If it cannot be written.
 pub fn save(path: &Path, pixels: &[u8]) -> Result<(), Box<dyn Error>> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;

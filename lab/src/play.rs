@@ -17,7 +17,7 @@ pub struct Play {
     pub columns: u32,
     /// Courses.
     pub courses: u32,
-    /// Of what is done.
+    /// Seed of the random actions.
     pub seed: u64,
     /// How long, s.
     pub seconds: f32,
@@ -112,7 +112,7 @@ impl Play {
 /// Angular momentum about the axis of a wall's foot, N·m·s.
 #[derive(Default)]
 struct Budget {
-    /// That of the last ball.
+    /// The value of the last ball.
     last: f32,
     /// The most that two balls in a row have brought. (The wall may swing back from others when two hit it at its foot.)
     brought: f32,
@@ -152,7 +152,7 @@ fn mass(world: &World, body: Entity) -> f32 {
         .map_or(0.0, MassProperties::mass)
 }
 
-/// Who lays, throws, lays and takes, in turn.
+/// A player that lays, throws, lays and takes in turn.
 struct Player {
     wall: Play,
     rng: fastrand::Rng,

@@ -49,7 +49,7 @@ const SHAPES: [&str; 6] = ["cube", "brick", "hull", "ball", "capsule", "cylinder
 /// A body that does not sleep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Awake {
-    /// Which it is.
+    /// The entity of the body.
     pub body: Entity,
     /// Its kind.
     pub shape: &'static str,

@@ -12,7 +12,7 @@ use drystone_lab::scenes::{KNOWN, Scene};
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// What to simulate; may be given several times.
+    /// A scene to simulate; may be given several times.
     #[arg(long, required = true)]
     pub scene: Vec<Scene>,
     #[command(flatten)]
@@ -25,7 +25,7 @@ pub struct Arguments {
     pub json: bool,
 }
 
-/// What else there is to do.
+/// Other commands.
 #[derive(Subcommand)]
 pub enum Command {
     /// Runs the standard scenes and writes one table, as Markdown and CSV, and a plot.

@@ -10,7 +10,7 @@ use drystone::prelude::RigidBody;
 use drystone::settings::Gravity;
 use drystone_lab::scenes::Scene;
 
-/// What became of a scene in each engine.
+/// The results of a scene in all engines.
 pub struct Comparison {
     pub scene: Scene,
     pub seed: u64,
@@ -22,7 +22,7 @@ pub struct Comparison {
     pub engines: Vec<Entry>,
 }
 
-/// What became of it in one.
+/// The result of a scene in one engine.
 pub struct Entry {
     pub name: &'static str,
     pub effort: Option<Effort>,
@@ -30,7 +30,7 @@ pub struct Entry {
 }
 
 /// # Errors
-/// Where an engine cannot have the scene.
+/// If an engine cannot have the scene.
 pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comparison, String> {
     let (conditions, course) = (arguments.conditions(), arguments.course());
     let (run, bodies) = scene::build(scene, seed, conditions)?;

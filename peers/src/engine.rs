@@ -1,4 +1,4 @@
-//! What every engine must show to be compared.
+//! The interface of an engine that is compared.
 
 use drystone::prelude::{Pose, Vec3};
 
@@ -15,14 +15,14 @@ pub trait Engine {
     /// Takes one step; all that is timed.
     fn step(&mut self);
 
-    /// Of all bodies, in the scene's order.
+    /// The poses of all bodies, in the scene's order.
     fn poses(&self) -> Vec<Pose>;
 
-    /// Of the centres of all dynamic bodies, m/s, as the engine states them.
+    /// The velocities of the centres of all dynamic bodies, m/s, as the engine reports them.
     fn velocities(&self) -> Vec<Vec3>;
 }
 
-/// What an engine calls what it repeats in a step, and how often it does.
+/// The engine's name for the iterations of a step, and their number.
 pub type Effort = (&'static str, usize);
 
 impl<E: Engine + ?Sized> Engine for Box<E> {

@@ -54,7 +54,7 @@ fn scenes(arguments: &Arguments) -> Result<(), String> {
                 writeln!(out, "{comparison}")
             };
             if written.is_err() {
-                // Whoever read us has gone.
+                // The reader of the output has closed it.
                 return Ok(());
             }
         }

@@ -1,4 +1,4 @@
-//! What is measured of an engine, the same of each.
+//! The measurements of an engine, the same for all.
 
 use crate::engine::Engine;
 use crate::overlap;
@@ -18,9 +18,9 @@ pub struct Metered<E> {
     mean_squares: Vec<f32>,
 }
 
-/// What became of an engine.
+/// The result of an engine.
 pub struct Outcome {
-    /// Of whole steps.
+    /// Statistics of the time of whole steps.
     pub step_time: Spread,
     /// When something first fell, by [`Displacement::has_fallen`], s.
     pub fell_at: Option<f32>,

@@ -34,7 +34,7 @@ impl Peer {
     /// Puts a scene into it.
     ///
     /// # Errors
-    /// Where this build has no such engine, or it cannot have the scene or the threads.
+    /// If this build has no such engine, or it cannot have the scene or the threads.
     pub fn start(self, start: &Start, rapier: rapier::Options) -> Result<Box<dyn Engine>, String> {
         let &Start {
             bodies,

@@ -22,7 +22,7 @@ pub enum Ground {
     Slab,
 }
 
-/// What may be asked of Rapier beyond its defaults.
+/// Settings of Rapier that differ from its defaults.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// `num_solver_iterations`, each of which is a substep of solving and moving.
@@ -38,7 +38,7 @@ pub struct Rapier {
 
 impl Rapier {
     /// # Errors
-    /// Where Rapier gets no threads.
+    /// If Rapier gets no threads.
     pub fn new(
         bodies: &[Body],
         gravity: Vec3,

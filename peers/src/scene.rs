@@ -1,4 +1,4 @@
-//! What is compared: the bodies of a drystone scene as they stand before the first step.
+//! The input of all engines: the bodies of a drystone scene before the first step.
 //!
 //! Drystone builds the scene, and every other engine is given what is read from that world, so that no engine has a scene of
 //! its own that could differ.
@@ -35,7 +35,7 @@ pub struct Conditions {
     pub dt: f32,
     /// Threads of each engine.
     pub threads: usize,
-    /// What the scene stands on.
+    /// The ground of the scene.
     pub ground: Ground,
 }
 
@@ -43,7 +43,7 @@ pub struct Conditions {
 /// that one asleep in one engine only would decide both comparisons.
 ///
 /// # Errors
-/// Where somebody moves the scene, or the operating system gives no threads.
+/// If somebody moves the scene, or the operating system gives no threads.
 pub fn build(scene: Scene, seed: u64, conditions: Conditions) -> Result<(Run, Vec<Body>), String> {
     let threads = conditions.threads;
     let mut experiment = Experiment::new(scene, Preset::Default).with_seed(seed);

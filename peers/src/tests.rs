@@ -92,7 +92,7 @@ fn same_mass(scene: &str, a: Mass, b: Mass) {
     let same = |a: f32, b: f32| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
     assert!(same(a.0, b.0), "{scene}: {} kg and {} kg", a.0, b.0);
     assert!(a.1.distance(b.1) < 1e-6, "{scene}: {} and {}", a.1, b.1);
-    // Which axis is the first is a matter of taste.
+    // The choice of the first axis is arbitrary.
     let sorted = |mut inertia: [f32; 3]| {
         inertia.sort_by(f32::total_cmp);
         inertia

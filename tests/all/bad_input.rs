@@ -1,4 +1,4 @@
-//! Bad input hurts the body that has it, says so by name, and nobody else; and the body can come back.
+//! A body with invalid input is disabled and reported by name; other bodies are not affected, and the body can come back.
 
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
@@ -107,7 +107,7 @@ impl Site {
     }
 }
 
-/// What a bad component does to a body that was well, and what a good one in its place does.
+/// Tests the effect of an invalid component on a valid body, and of a valid component that replaces it.
 #[track_caller]
 fn spoil<B: Bundle, M: Bundle>(bad: B, problem: BodyProblem, good: M) {
     let mut site = Site::new();
@@ -254,7 +254,7 @@ fn a_body_that_is_bad_from_the_start() {
     site.back();
 }
 
-/// What lay asleep on the body must not float.
+/// A body that slept on the disabled body must not float.
 #[test]
 fn what_rested_on_a_quarantined_body_falls() {
     let mut lab = Lab::new();
@@ -455,7 +455,7 @@ fn a_pose_written_over_is_taken_back() {
     }
 }
 
-/// What a bad component does, and that mending it is enough: nobody takes the marker off.
+/// Tests that a body with an invalid component comes back when the component is valid again, without removal of the marker.
 #[track_caller]
 fn mend<B: Bundle, M: Bundle>(bad: B, good: M) {
     let mut site = Site::new();
@@ -500,7 +500,7 @@ fn a_body_comes_back_by_itself_when_its_input_is_mended() {
     mend(Friction::new(f32::NAN), Friction::new(0.5));
 }
 
-/// As long as nobody mends anything it stays away, and is named once.
+/// A body whose input stays invalid stays disabled, and is reported once.
 #[test]
 fn a_body_that_is_not_mended_stays_away() {
     for force in [Vec3::splat(f32::NAN), Vec3::X * 1e19] {

@@ -1,4 +1,4 @@
-//! What systems of a user's may do between two stages: never a panic, and nothing to bodies and pairs that they leave alone.
+//! Systems of a user between two stages may change anything. They cause no panic, and do not affect other bodies and pairs.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::ScheduleSystem;
@@ -202,7 +202,7 @@ fn a_velocity_written_after_warm_start_counts_as_one_written_before() {
 
 #[derive(Resource, Default)]
 struct Seen {
-    /// Of each island: its bodies, its contacts, and the sum of the impulses that it starts from.
+    /// The bodies of each island, its contacts, and the sum of its initial impulses.
     islands: Vec<(Vec<Entity>, usize, f32)>,
 }
 
@@ -310,13 +310,13 @@ fn shuffle_lists(
     }
 }
 
-/// Whoever asks about pairs asks after each step.
+/// Checks pairs after each step.
 fn ask(world: &mut World) {
     let ask = |contacts: Contacts,
                supports: Supports,
                bodies: Query<Entity, (With<Collider>, With<RigidBody>)>| {
         for body in &bodies {
-            // What has just become a body is none yet.
+            // An entity that has just become a body is not in the table yet.
             let known = contacts.on(body).is_ok();
             assert_eq!(supports.supported_by(body).is_ok(), known);
         }
@@ -347,7 +347,7 @@ fn lists_of_a_manifold_may_have_any_length_between_any_two_stages() {
                     lab.step();
                     ask(&mut lab.world);
                 }
-                // Nobody was harmed: what has fallen lies still again, on the ground and not in it.
+                // No body is damaged: fallen bodies are at rest again, on the ground and not in it.
                 lab.world.remove_resource::<Dice>();
                 lab.run(4.0);
                 assert_eq!(lab.errors(), [], "{preset:?}, {substeps} substeps, {gap:?}");

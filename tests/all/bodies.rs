@@ -111,7 +111,7 @@ fn every_shape_falls_on_every_ground_and_rests_at_its_height() {
     }
 }
 
-/// Its triangles are one face to what lies on several of them, and what lies still there is not looked for again.
+/// Adjacent coplanar triangles are one face for a body that lies on several of them, and its contact is recycled at rest.
 #[test]
 fn a_cube_meets_a_plane_of_triangles_in_four_points_and_stays_to_the_bit() {
     for (ground, surface, at) in grounds() {

@@ -1,4 +1,4 @@
-//! What masons build: that it fits together, fills what it should, and stands; snapping; edits and their undoing.
+//! Tests of masonry: blocks fit together, fill their outline and stand; snapping; edits and undo.
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -300,7 +300,7 @@ fn what_has_no_room_is_told() {
     assert!(matches!(short.blocks().unwrap_err(), NoRoom { .. }));
 }
 
-/// Every brick of a wall in running bond but the first is where somebody who points near its place would have it.
+/// Every brick of a wall in running bond except the first snaps to its place when pointed near it.
 #[test]
 fn bricks_snap_to_their_places_in_the_bond() {
     let wall = Wall {
@@ -430,7 +430,7 @@ fn what_is_undone_is_as_it_was_to_the_bit() {
         lab.run(1.0);
         assert_eq!(poses(&lab, &bricks), before, "{round}");
     }
-    // Nor does anything else while one that lies alone is away.
+    // Nothing else moves while a brick that lies alone is removed.
     let lone = lab.cube(Vec3::new(0.0, 0.5, 6.0));
     lab.run(1.0);
     let all: Vec<Entity> = bricks.iter().copied().chain([lone]).collect();
@@ -537,7 +537,7 @@ fn edits_of_nobody_are_told() {
     world.despawn(bricks[1]);
     assert_eq!(log.undo(world), Err(EditError::NotABody(bricks[1])));
     assert!(log.is_empty());
-    // What moved when it was put elsewhere moves again.
+    // A body that moved when it was placed elsewhere moves again.
     let velocity = Velocity::linear(Vec3::X);
     world.entity_mut(bricks[2]).insert(velocity);
     log.move_to(world, bricks[2], Transform::from_xyz(9.0, 9.0, 9.0))
@@ -627,7 +627,7 @@ fn an_edit_is_undone_as_a_whole_after_things_have_fallen() {
     log.remove(&mut lab.world, taken).unwrap();
     lab.run(2.0);
     lab.world.despawn(goes);
-    // What the last edit was about, and what moved before and after it.
+    // The bodies of the last edit, and the bodies that moved before and after it.
     log.move_to(&mut lab.world, far, Transform::from_xyz(0.0, 5.0, 9.0))
         .unwrap();
     lab.run(2.0);

@@ -1,4 +1,4 @@
-//! What looks like the same work costs about the same: no shape, write or neighbour makes a step many times as slow as it should be.
+//! Similar work takes a similar time: no shape, write or neighbour makes a step many times slower than it should be.
 //!
 //! Each figure is the least of several; most are compared with another of the same run, so that a slow machine does not matter.
 

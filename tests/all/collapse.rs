@@ -76,7 +76,7 @@ fn a_wall_that_loses_its_corner_is_told_of_once() {
             FailureMode::Fell | FailureMode::Tipped
         ));
         assert!(all[0].rest.len() > 20 && !all[0].rest.contains(&all[0].first));
-        // What is left stands anew, and what falls of it then is another collapse.
+        // The remaining structure stands again, and if it falls later this is another collapse.
         let standing = |lab: &Lab, i: usize| (lab.position(bricks[i]).y - 0.25).abs() < 0.01;
         assert!(standing(&lab, 4));
         lab.world.despawn(bricks[4]);
@@ -195,7 +195,7 @@ fn what_is_put_elsewhere_or_held_stood_nowhere() {
     let lies = lab.cube(Vec3::new(0.0, 0.5, 5.0));
     watch(&mut lab, lies);
     assert_eq!(told(&mut lab, 1.0), []);
-    // Somebody puts it beside the wall, and the top of that beside it.
+    // The user places it beside the wall, and then the brick on top beside it.
     let top = *bricks.last().unwrap();
     for (body, place) in [
         (lies, Vec3::new(4.0, 0.5, 0.0)),
@@ -205,7 +205,7 @@ fn what_is_put_elsewhere_or_held_stood_nowhere() {
         body.get_mut::<Transform>().unwrap().translation = place;
     }
     assert_eq!(told(&mut lab, 1.0), []);
-    // Somebody holds it in the air for a while, and lets go.
+    // A grab holds it in the air for a while, and releases it.
     let mass = lab.mass(lies).mass();
     let grab = Grab::gentle(mass, Vec3::ZERO, Vec3::new(4.0, 2.0, 3.0));
     lab.world.entity_mut(lies).insert(grab);

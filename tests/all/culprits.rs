@@ -272,7 +272,7 @@ fn an_island_whose_solve_goes_wrong_keeps_its_poses_and_recovers() {
     }
 }
 
-/// What settings are wrong, said once; the valid ones from before stay.
+/// Invalid settings are reported once, and the last valid ones stay in force.
 #[track_caller]
 fn refuse(resource: &str, spoil: impl Fn(&mut World)) {
     let mut quiet = Site::new();

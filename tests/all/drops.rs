@@ -1,4 +1,4 @@
-//! What is dropped on what stands.
+//! Bodies that are dropped on standing structures.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;

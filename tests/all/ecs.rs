@@ -278,7 +278,7 @@ fn history_is_kept_on_request() {
     }
 }
 
-/// What observers have seen.
+/// The events that observers got.
 #[derive(Resource, Default)]
 struct Seen {
     started: Vec<(Entity, Entity)>,

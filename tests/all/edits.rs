@@ -1,4 +1,4 @@
-//! What a game does to bodies, shapes and pairs between two steps: the world does what it means.
+//! Edits of bodies, shapes and pairs between two steps have the expected effect.
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
@@ -48,7 +48,7 @@ fn assert_at(lab: &Lab, body: Entity, at: Vec3, within: f32) {
     assert!(off < within, "off by {off} m: {}", lab.position(body));
 }
 
-/// What lands or is pushed out need not stay over the same spot.
+/// Bodies that land or are pushed out may move sideways.
 #[track_caller]
 fn assert_high(lab: &Lab, body: Entity, y: f32) {
     let at = lab.position(body);

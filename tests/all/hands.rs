@@ -1,4 +1,4 @@
-//! What hands hold: loads that do not sag, strength that has an end, walls that are not torn through.
+//! Tests of grabs: loads do not sag, strength is limited, and no body is pulled through a wall.
 
 use bevy_app::App;
 use bevy_ecs::entity_disabling::Disabled;
@@ -240,7 +240,7 @@ fn however_strong_a_hand_nothing_goes_into_the_ground() {
     }
 }
 
-/// Between the hand and the wall is a body that nobody holds.
+/// Between the held body and the wall is a body that is not held.
 #[test]
 fn a_body_pushed_by_what_is_held_does_not_pass_either() {
     each(|name, mut lab| {
@@ -572,7 +572,7 @@ fn a_hand_holds_nothing_that_it_cannot() {
         assert_eq!(held(&lab, pointer), takes);
         lab.world.despawn(pointer);
     }
-    // What it holds is gone.
+    // The held body is despawned.
     let new = Hand {
         ray: down(0.0),
         closed: true,
@@ -742,7 +742,7 @@ fn a_clone_of_a_hand_holds_nothing_and_lets_nothing_go() {
     assert_eq!(held(&lab, pointer), Some(cube));
     assert!(lab.world.get::<Grab>(cube).is_some());
     assert!((lab.position(cube).y - 1.5).abs() < 1e-2);
-    // Nor is the clone of a held body held.
+    // The clone of a held body is not held.
     let twin = lab.world.entity_mut(cube).clone_and_spawn();
     let beside = Transform::from_xyz(3.0, 1.5, 0.0);
     lab.world.entity_mut(twin).insert(beside);

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-/// What would draw, sound or open a window, by the beginnings of names.
+/// Prefixes of the names of crates that draw, play sounds or open windows.
 const NEVER: [&str; 16] = [
     "bevy ",
     "bevy_internal",

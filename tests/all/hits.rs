@@ -134,7 +134,7 @@ fn a_weight_above_the_threshold_is_told_of_until_it_rests() {
     forces(&mut lab);
     lab.run(0.5);
     assert_eq!(forces(&mut lab), []);
-    // Both are told where both ask; what no threshold can be tells nobody.
+    // Both get an event if both request it. A NaN threshold sends none.
     lab.world.entity_mut(slab).insert((
         ContactForceEvents {
             threshold: f32::NAN,

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, EulerRot, Quat, Vec3};
 use proptest::prelude::*;
 use std::f32::consts::TAU;
 
-/// What must hold of any polyhedron that is the hull of points.
+/// Conditions on any polyhedron that is the hull of points.
 fn check(hull: &Polyhedron, points: &[Vec3]) {
     let (corners, edges, faces) = (hull.points.len(), hull.edges.len(), hull.faces.len());
     assert_eq!(corners + faces, edges + 2, "{corners} {edges} {faces}");
@@ -366,7 +366,7 @@ fn moments_are_those_of_the_closed_forms() {
     assert_near(moments.centroid.x, 0.5, "centroid");
     assert_near(moments.centroid.y, -1.0 / 3.0, "centroid");
     assert_near(moments.inertia.z_axis.z, 3.0 * (9.0 + 4.0) / 18.0, "moment");
-    // A ball but for its facets.
+    // A faceted ball.
     let moments = Polyhedron::new(&icosphere(4)).expect("a ball").moments();
     let ball = 4.0 / 3.0 * std::f64::consts::PI;
     assert!((moments.volume / ball - 1.0).abs() < 0.005);
@@ -406,7 +406,7 @@ fn some_points() -> impl Strategy<Value = Vec<Vec3>> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Many of them in the same planes and lines, but for rounding.
+    /// Many points are in the same planes and on the same lines, up to rounding.
     #[test]
     fn any_points_are_a_hull_or_refused(points in some_points()) {
         match Polyhedron::new(&points) {

@@ -69,7 +69,7 @@ fn forces_sum_to_the_weight() {
         let bricks = pyramid(&mut lab, 6);
         lab.run(10.0);
         let weight = 100.0 * G;
-        // The sums of what the paper's solvers have found are as good as that.
+        // The sums of the paper's solvers have this accuracy.
         let within = match name {
             "the paper's" => 0.05,
             "NNCG" => 3e-3,
@@ -325,7 +325,7 @@ fn what_is_loaded_asleep_bears_its_weight_at_once() {
     }
 }
 
-/// A sleeping brick that comes onto what sleeps already is borne by all that is below, and nobody wakes.
+/// A sleeping brick that is placed on a sleeping structure is supported by all bricks below, and no body wakes.
 #[test]
 fn what_is_loaded_onto_what_rests_is_borne_by_it() {
     let mut lab = Lab::new();

@@ -1,4 +1,4 @@
-//! Meters overlook nobody: what is quarantined, despawned or no number has fallen.
+//! Meters count all bodies: a body that is quarantined, despawned or has a NaN pose has fallen.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -71,7 +71,7 @@ fn the_worlds_meters_count_the_quarantined() {
     assert!(!pose.is_finite() && !velocity.is_finite());
 }
 
-/// What becomes of a scene in which something happens to a body.
+/// The outcome of a scene in which something happens to a body.
 fn outcome(scene: &str, happens: impl Fn(&mut Run)) -> Outcome {
     let scene = scene.parse().expect("a known scene");
     let mut run = Experiment::new(scene, Preset::Default).start();

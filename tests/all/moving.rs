@@ -1,4 +1,4 @@
-//! What moves without contact: kinematic bodies, by `Velocity` and by `Transform`, and bodies without a shape.
+//! Motion without contact: kinematic bodies, moved by `Velocity` and by `Transform`, and bodies without a shape.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;

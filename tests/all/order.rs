@@ -202,7 +202,7 @@ fn the_same_bits_in_any_order_of_spawning_with_ages_by_hand() {
                     lab.cube(Vec3::new(0.3 * x + 0.1 * y, 0.6 + 1.1 * y, 0.4 * x))
                 }
             };
-            // Of any size: a server may well count in time.
+            // The numbers may be large: a server may use the time.
             lab.world
                 .entity_mut(body)
                 .insert(SpawnOrder(spawn_order << 40));

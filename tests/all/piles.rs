@@ -1,4 +1,4 @@
-//! What is round or rough, in heaps: it comes to rest, and sleeps.
+//! Heaps of round and rough bodies come to rest, and sleep.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -86,7 +86,7 @@ fn settle(lab: &mut Lab, bodies: &[Entity], seconds: f32) -> (Option<f32>, f32, 
     )
 }
 
-/// Where bodies are.
+/// The poses of bodies.
 fn placed(lab: &Lab, bodies: &[Entity]) -> Vec<Placed> {
     let of = |&body: &Entity| {
         let shape = lab.world.get::<Collider>(body).expect("a body").shape();
@@ -200,7 +200,7 @@ fn a_pile_of_hulls_sleeps() {
     });
 }
 
-/// Of 8 to 20 corners, some of them slabs and some splinters.
+/// A hull of 8 to 20 corners; some are slabs and some are splinters.
 fn rubble(_: usize, rng: &mut fastrand::Rng) -> Collider {
     let count = rng.usize(8..=20);
     let mut one = || rng.f32() - 0.5;

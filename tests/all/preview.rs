@@ -1,4 +1,4 @@
-//! What falls if this is taken: the preview against the world itself.
+//! Tests that previews predict the motion of the world itself.
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -38,7 +38,7 @@ fn radius(world: &World, body: Entity) -> f32 {
     collider.shape().compute_local_bounding_sphere().radius
 }
 
-/// Which bodies move within ten seconds at 60 Hz when one is taken, by their places in the list, and where to.
+/// The bodies that move within ten seconds at 60 Hz when one is removed, by their indices in the list, with their final positions.
 fn truth(scene: &str, taken: usize) -> Vec<(usize, Vec3)> {
     let mut run = settled(scene);
     let before: Vec<Pose> = run
@@ -137,7 +137,7 @@ fn with_long_steps_as_much_begins_to_fall() {
     let wrong = wrong.into_inner();
     println!("{wrong:?}");
     assert!(wrong.len() <= WRONG_IN_A_WALL, "{wrong:?}");
-    // What falls on what is another matter.
+    // Which body falls on which is not tested here.
     for scene in ["arch:15", "cardhouse:3"] {
         take_each(scene, Some(0.1), |_, moved, truth| {
             assert_eq!(moved.is_empty(), truth.is_empty());
@@ -241,7 +241,7 @@ fn what_is_moved_or_placed_is_told_where_it_ends() {
             .distance(at(-3.0, 0.25).position)
             < 1e-3
     );
-    // Where it is.
+    // A move to its current place.
     let moved = preview(&lab.world, &Edit::Move(left, at(-0.6, 0.25))).unwrap();
     assert_eq!(moved.moved, []);
     // From a height, it comes down.
@@ -407,7 +407,7 @@ fn a_preview_ends_before_the_first_step_and_while_paused() {
     let mut paused = Lab::new();
     paused.ground();
     drystone::advance(&mut paused.world, 0.0).unwrap();
-    // One that no step was taken in.
+    // A world before its first step.
     let mut new = Lab::new();
     new.ground();
     // One whose app has a clock of its own.
@@ -422,7 +422,7 @@ fn a_preview_ends_before_the_first_step_and_while_paused() {
             ..Default::default()
         };
         let found = finish(preview_task(&lab.world, &edit, settings).unwrap());
-        // What no step has seen is no body yet, the ground included.
+        // Entities are not bodies before the first step, and neither is the ground.
         assert!(!found.at_rest && (found.time - 1.0).abs() < 0.06);
         assert!(found.end_pose.unwrap().position.y < -3.0);
     }
@@ -477,7 +477,7 @@ fn a_shadow_of_what_falls_goes_where_its_world_goes() {
     }
 }
 
-/// What sleeps in the world sleeps in its shadow, until an edit takes its hold.
+/// Bodies that sleep in the world sleep in its shadow, until an edit removes their support.
 #[test]
 fn an_edit_wakes_what_sleeps_in_a_shadow() {
     let (mut lab, [left, right, across]) = trilith();
@@ -538,7 +538,7 @@ fn bodies_of_this_frame_are_in_a_preview() {
     assert_eq!(moved(&lab.world, lintel), [spare]);
     assert_eq!(moved(&lab.world, spare), []);
 
-    // A body that is gone again is nobody's.
+    // A despawned body belongs to no structure.
     lab.world.despawn(lintel);
     assert_eq!(moved(&lab.world, left), [spare]);
     let gone = preview(&lab.world, &Edit::Remove(vec![lintel]));

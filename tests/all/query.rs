@@ -1,4 +1,4 @@
-//! What the world answers, against what looking at each body by itself says.
+//! The results of queries, compared with a test of each body by itself.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
@@ -124,7 +124,7 @@ fn edit(lab: &mut Lab, rng: &mut Rng) {
     }
 }
 
-/// All that can be found, one by one.
+/// All bodies that a query can find, one by one.
 fn bodies(lab: &mut Lab, layers: CollisionLayers) -> Vec<(Entity, parry3d::math::Pose, Collider)> {
     let mut query = lab
         .world
@@ -169,7 +169,7 @@ fn assert_first(found: Option<f32>, all: &[(Entity, f32)], what: &str) {
 fn check(seed: u64) {
     let mut rng = Rng::with_seed(seed);
     let mut lab = world(&mut rng);
-    // Of one step, or of edits after it as well.
+    // Query after a step, or also after later edits.
     for _ in 0..rng.usize(0..3) {
         edit(&mut lab, &mut rng);
         drystone::refresh(&mut lab.world);
@@ -188,7 +188,7 @@ fn check(seed: u64) {
 
         let ray = Ray::new(from, *way);
         let hit = |(entity, at, of): &(Entity, parry3d::math::Pose, Collider)| {
-            // Of a ray that ends in a box parry says that it leaves it there.
+            // If a ray ends inside a box, parry reports that it leaves the box there.
             let far = if hollow { f32::MAX } else { most };
             let distance = of.shape().cast_ray(at, &ray, far, !hollow)?;
             (distance <= most).then_some((*entity, distance))
@@ -412,7 +412,7 @@ fn filters_leave_out_what_they_say() {
         filters: u32::MAX,
     };
     assert_eq!(seen(&mut lab, &any.with_layers(layers)), [brick, ground]);
-    // What is gone is gone at once.
+    // Despawned bodies are not found any more.
     lab.world.despawn(brick);
     assert_eq!(seen(&mut lab, &any), [other, ground]);
 }

@@ -297,7 +297,7 @@ fn row_10_blocks_hang_over_by_half_the_harmonic_number(settings: Settings) {
     overhang(settings, |course| 0.5 - 0.02 * course as f32);
 }
 
-/// Where parry alone loses corners to rounding.
+/// In this case parry loses corners to rounding.
 fn row_10_blocks_whose_edges_lie_exactly_on_each_other_do_too(settings: Settings) {
     overhang(settings, |_| 0.5);
 }

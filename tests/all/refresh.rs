@@ -1,4 +1,4 @@
-//! What queries answer before the next step: of bodies that were spawned, moved or changed since the last one.
+//! Queries before the next step see bodies that were spawned, moved or changed since the last step.
 
 use bevy_app::{App, Update};
 use bevy_ecs::hierarchy::ChildOf;
@@ -25,7 +25,7 @@ fn ask<R>(world: &mut World, what: impl FnOnce(SpatialQuery) -> R) -> R {
     what(state.get(world).expect("drystone is there"))
 }
 
-/// What a ray from above hits at this place.
+/// The body that a ray from above hits at this place.
 fn below(world: &mut World, x: f32, z: f32) -> Option<Entity> {
     let down = Ray3d::new(Vec3::new(x, 50.0, z), Dir3::NEG_Y);
     let hit = ask(world, |query| {
@@ -351,7 +351,7 @@ fn mass_is_known_as_soon_as_a_body_is_spawned() {
     assert_near(mass(&lab, body), 1.0, 1e-5, "no shape yet");
     lab.world.entity_mut(body).insert(brick());
     assert_near(mass(&lab, body), 250.0, 1e-5, "shape last");
-    // What was written in place or taken off counts from the next refresh on.
+    // Components that were changed in place or removed take effect with the next refresh.
     lab.world.entity_mut(body).insert(Mass(3.0));
     lab.world.entity_mut(body).remove::<Mass>();
     refresh(&mut lab.world);

@@ -1,4 +1,4 @@
-//! What rests is in no list that a stage goes through, and nobody can tell by anything but the time it takes.
+//! Bodies at rest are in no list that a stage iterates over. Only the time of a step must differ.
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
@@ -69,7 +69,7 @@ impl Yard {
         (bodies, pairs.iter(world).count())
     }
 
-    /// As if somebody had written to all bodies: they must all be looked at.
+    /// Marks all bodies as written, so that all must be checked.
     fn touch(&mut self) {
         let mut bodies = self.lab.world.query::<&mut BodyIndex>();
         for mut index in bodies.iter_mut(&mut self.lab.world) {
@@ -131,7 +131,7 @@ fn what_is_drawn_where_it_lies_rests_on() {
     assert!(yard.active().0.len() >= 9);
 }
 
-/// What a user may do, each to a yard that rests and to one in which all are looked at in every step.
+/// Edits of a user, each in a world at rest and in a world in which all bodies are checked in every step.
 #[test]
 fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
     type Deed = fn(&mut Yard);
@@ -273,7 +273,7 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
     }
 }
 
-/// One that comes back takes nothing along from when it rested.
+/// A body that is activated keeps no state from its rest.
 #[test]
 fn who_was_disabled_at_rest_comes_back_and_takes_part() {
     let mut yard = Yard::new();

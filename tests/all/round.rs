@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use support::*;
 
-/// What lies there: how it is turned, how high its origin and where its centre of mass is then, and on how many points.
+/// A round body at rest: its rotation, the height of its origin, its centre of mass, and its number of contact points.
 struct Lying {
     name: &'static str,
     collider: Collider,

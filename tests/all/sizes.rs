@@ -1,4 +1,4 @@
-//! What stands at one size stands at another.
+//! Structures that stand at one size also stand at another.
 
 use bevy_ecs::prelude::*;
 use drystone::body::Pose;

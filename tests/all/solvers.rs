@@ -421,7 +421,7 @@ impl Patches {
         off / fastest.max(1e-3)
     }
 
-    /// All that a solve has found, to the bit, but for the sign of zeros, which says nothing.
+    /// The bits of all results of a solve. The sign of zeros is ignored.
     fn bits(&self) -> Vec<u32> {
         let bodies = self.bodies.iter().flat_map(|body| {
             let [v, w] = body.motion.unwrap_or_default();
@@ -439,7 +439,7 @@ impl Patches {
 /// Length of the step, s.
 const DT: f32 = 1.0 / 60.0;
 
-/// What [`patches`] are made of: which bodies, where, the patch, its points.
+/// The input of [`patches`]: the bodies, the position, the patch and its points.
 type Touch = (u16, u16, Vec3, PatchConstraint, Vec<PatchPoint>);
 
 /// One to four points in the plane of a patch, near or touching, some of them loaded; half of the patches are held by an anchor,
@@ -563,7 +563,7 @@ fn together(groups: &[Patches]) -> (Patches, Vec<(usize, Vec<usize>)>) {
     (whole, places)
 }
 
-/// What a solved whole says of one of its groups.
+/// The part of a solved problem that belongs to one of its groups.
 fn part(whole: &Patches, (shift, mine): &(usize, Vec<usize>), group: &Patches) -> Patches {
     let mut part = group.clone();
     for (i, body) in part.bodies.iter_mut().enumerate() {
@@ -647,7 +647,7 @@ proptest! {
         }
     }
 
-    /// Those that get as many sweeps lie side by side.
+    /// Problems with the same number of sweeps are solved together.
     #[test]
     fn problems_solved_together_are_what_each_is_alone_to_the_bit(groups in groups()) {
         for lanes in [Lanes::Four, Lanes::Eight].into_iter().filter(can) {

@@ -127,7 +127,7 @@ fn a_tumbling_brick_turns_over_when_it_should() {
     assert!((found - expected).abs() < 0.1, "{found} {expected}");
 }
 
-/// What touches, or may, is turned by its solver.
+/// The rotation of bodies that touch, or may touch, is that of the solver.
 #[test]
 fn what_spins_into_the_ground_or_another_gains_nothing() {
     let mut rng = fastrand::Rng::with_seed(3);

@@ -291,7 +291,7 @@ fn a_wall_of_a_hundred_bricks_is_soon_known() {
     });
     let least = times.min().unwrap();
     println!("{least:?}");
-    // Of a hundredth of a second on a quiet machine.
+    // It takes 0.01 s on an idle machine.
     assert!(least.as_millis() < 500, "{least:?}");
 }
 
@@ -376,7 +376,7 @@ fn a_thousand_bricks_are_asked_about_in_a_task() {
     let start = Instant::now();
     let task = stability_task(&lab.world, &bodies, &Trial::Tilt(Vec3::Z)).unwrap();
     let asked = start.elapsed();
-    // The world goes on, and what becomes of it does not matter.
+    // Later changes of the world do not affect the answer.
     lab.world.despawn(bodies[0]);
     lab.step();
     let margin = bevy_tasks::block_on(task).unwrap();
@@ -385,7 +385,7 @@ fn a_thousand_bricks_are_asked_about_in_a_task() {
     assert_near(margin.limit.tan(), 0.05, 0.02, "half of 0.5 m over 5 m");
     assert!(asked < known / 4, "{asked:?} of {known:?}");
 
-    // What is wrong is told at once.
+    // Invalid questions are reported at once.
     let gone = stability_task(&lab.world, &bodies, &Trial::Tilt(Vec3::Z)).map(drop);
     assert_eq!(gone, Err(StabilityError::NotABody(bodies[0])));
     let many = vec![bodies[1]; MAX_BODIES + 1];
@@ -414,7 +414,7 @@ fn a_thousand_bricks_are_known_in_two_seconds() {
         let time = worked(start) - before;
         println!("{what}: {time:?}, {}", margin.limit);
         assert_near(margin.limit, most, 2e-3, what);
-        // Of 0.2 to 0.7 s on a quiet machine, and up to 1.5 s without link-time optimization.
+        // It takes 0.2 to 0.7 s on an idle machine, and up to 1.5 s without link-time optimization.
         assert!(time.as_secs_f32() < 2.0, "{what}: {time:?}");
     };
     let out = 0.05f32.atan();

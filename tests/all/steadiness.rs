@@ -1,4 +1,4 @@
-//! What the default settings must hold: structures that stay where they were put, at 60 Hz and at steps of a tenth of a second.
+//! With the default settings, structures stay in place, at 60 Hz and at steps of 0.1 s.
 //!
 //! No sleeping, which would hold anything after half a second; one thread each, as tests run side by side. What takes long is
 //! ignored, and so is what is missed, with the figure: `cargo test --test all steadiness:: -- --ignored --nocapture` prints them.
@@ -384,7 +384,7 @@ fn a_heap_of_1000_comes_to_rest() {
     assert!(overlap < 1.2, "{overlap} mm");
 }
 
-/// Not even in the last bit of a pose: what rests has no way to drift, and nobody who watches its `Transform` is told that it moved.
+/// Poses of bodies at rest do not change by a single bit, and their `Transform` is not marked as changed.
 #[test]
 fn what_was_built_exactly_stays_to_the_bit() {
     for scene in ["wall:10x10", "stack:20", "pyramid:10"] {

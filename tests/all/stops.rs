@@ -1,10 +1,10 @@
-//! What slides and stops within a step lies where it stopped, not where the step began.
+//! A body that slides and stops within a step stays at the point where it stopped, not where the step began.
 
 use drystone::collider::Collider;
 use glam::{Quat, Vec3};
 use support::*;
 
-/// How far a slab that lies still goes after a blow, m, and how far it turns about the vertical, rad; two seconds later.
+/// The distance (m) and the rotation about the vertical (rad) of a slab within two seconds after a blow.
 fn after(dt: f32, linear: Vec3, angular: Vec3) -> (f32, f32) {
     let mut lab = Lab::shipped(dt);
     lab.ground();

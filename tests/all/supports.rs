@@ -1,4 +1,4 @@
-//! What carries what, in walls, stacks and heaps.
+//! Supports and loads in walls, stacks and heaps.
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -123,7 +123,7 @@ fn a_pyramid_divides_what_it_bears() {
         let top = courses[5][0];
         let path = supports.load_path(top).unwrap();
         assert_eq!(path.len(), 2 + 4 + 6 + 8 + 10 + 6);
-        // What is left is what is right, nearly: how many feet share a load is not for statics alone to say.
+        // The rest is nearly right: statics alone does not determine how many supports share a load.
         for course in &courses {
             let at = |brick: &Entity| -> f32 {
                 let by = path.iter().filter(|bearing| bearing.above == *brick);
@@ -138,7 +138,7 @@ fn a_pyramid_divides_what_it_bears() {
     });
 }
 
-/// Whatever it is that has fallen on each other, three ways of asking say the same, and what hangs is what has no way down but one.
+/// In any heap, three ways of asking give the same answer, and the bodies supported only by one body are those without another way to the ground.
 #[test]
 fn in_a_heap_all_answers_agree() {
     let mut rng = fastrand::Rng::with_seed(4);
@@ -207,7 +207,7 @@ fn in_a_heap_all_answers_agree() {
                 *flows.entry(bearing.below).or_default() += bearing.share;
             }
             for (body, left) in flows {
-                // What comes in goes out, but for what cannot fall, where all of it ends.
+                // The load that comes in goes out, except at static bodies, where it ends.
                 let ends = if under.contains_key(&body) { 0.0 } else { 1.0 };
                 assert!((left - ends).abs() < 1e-3, "{left} stays in {body}");
             }

@@ -127,7 +127,7 @@ fn plates_come_to_rest() {
     come_to_rest(Vec3::new(1.0, 0.01, 1.0), 5.0, &arrangements());
 }
 
-/// What lands across others on its edge: a beam of 10 m rocks on one of 0.2 m for long.
+/// Bodies that land across others on an edge. A beam of 10 m rocks for a long time on one of 0.2 m.
 fn tilted_come_to_rest(size: Vec3) {
     come_to_rest(size, 10.0, &[("tilted", tilted)]);
 }

@@ -187,7 +187,7 @@ fn goes(radii: [f32; 2], mass: f32, drawn: Drawn, speed: f32, rate: f32) -> f32 
     far(&lab)
 }
 
-/// What bears a sled of half as much again, or of twice as much, bears this one, however it is drawn.
+/// An arch that bears a sled of 1.5 or 2 times this weight also bears this sled, however it is pulled.
 #[test]
 fn an_arch_bears_the_sled_that_statics_lets_it_bear() {
     let load = 1000.0;

@@ -15,7 +15,7 @@ struct Loaded {
     left: Vec<Entity>,
 }
 
-/// What becomes of what stays within two seconds.
+/// The motion within two seconds of the bodies that remain.
 struct Relief {
     /// How far the farthest moves, m.
     moved: f32,
@@ -170,7 +170,7 @@ fn a_great_weight_that_is_thrown_off_leaves_no_push_behind_at_large_steps() {
     nothing_pushes("massratio:100", 0.1);
 }
 
-/// What is round holds no load, and yet what it weighs on carries it: no step takes that for a load that is gone.
+/// Round bodies have no stored load, but the bodies below carry their weight. No step treats this as a load that was removed.
 #[test]
 fn what_a_ball_lies_on_stays_still() {
     for dt in [1.0 / 60.0, 0.1] {

@@ -1,4 +1,4 @@
-//! What is spawned and despawned again leaves no memory behind.
+//! Bodies that are spawned and despawned leave no memory behind.
 
 use crate::MEMORY;
 use bevy_ecs::prelude::*;

@@ -1,4 +1,4 @@
-//! What must hold after every step.
+//! Conditions that must hold after every step.
 
 use crate::site::{Half, Site};
 use bevy_ecs::entity_disabling::Disabled;
@@ -28,7 +28,7 @@ fn fault<T>(kind: impl Into<String>, detail: impl std::fmt::Debug) -> Result<T, 
     })
 }
 
-/// What is remembered from step to step.
+/// State that is kept from step to step.
 #[derive(Default)]
 pub struct Watch {
     /// Bodies that touch, as events tell it.
@@ -46,7 +46,7 @@ pub struct Watch {
 /// m/s; nothing good numbers do comes near.
 const ABSURD: f32 = 600.0;
 
-/// m; nobody is put there.
+/// Depth below which no body is placed, m.
 const DEEP: f32 = -3.0;
 
 impl Watch {
@@ -138,7 +138,7 @@ impl Watch {
             return fault("pairs leak", (known, pairs));
         }
         let slots = world.resource::<BodyTable>().slots();
-        // Who leaves and comes back has two until the next step.
+        // A body that is removed and spawned again has two slots until the next step.
         if slots > 2 * self.most {
             return fault("slots leak", (slots, self.most));
         }
@@ -231,7 +231,7 @@ fn is_body(world: &World, body: Entity) -> bool {
     })
 }
 
-/// What bounced off within the step touched too.
+/// Pairs that bounced off within the step touched, too.
 fn pushes(impulses: &ContactImpulses) -> bool {
     impulses.normal() > 0.0
 }

@@ -1,8 +1,8 @@
-//! Where all chance comes from.
+//! The source of random numbers.
 
 use glam::{Quat, Vec3};
 
-/// What arithmetic goes wrong on.
+/// Numbers on which arithmetic fails.
 const BAD: [f32; 12] = [
     f32::NAN,
     f32::INFINITY,

@@ -73,7 +73,7 @@ pub struct Solver {
     warm_start: f32,
     tolerance: f32,
     cone: FrictionCone,
-    /// Of the solvers by points.
+    /// Lanes of point solvers.
     lanes: Lanes,
 }
 
@@ -119,7 +119,7 @@ impl Solver {
     }
 }
 
-/// What is done between two steps, but for spawning.
+/// The number of kinds of operations between two steps, without spawning.
 pub const EDITS: usize = 22;
 
 impl Operation {
@@ -134,7 +134,7 @@ impl Operation {
             5 => Self::MovePose(i, dice.vector(3.0) + 3.0 * Vec3::Y, dice.turn()),
             6..=9 => Self::Insert(i, Part::roll(dice)),
             10 => match Part::roll(dice) {
-                // What flies at any speed would reach the innocent.
+                // Bodies that fly at any speed would reach the innocent stack.
                 Part::Layers(_) if spoils => Self::Orphan(i),
                 part => Self::Remove(i, part),
             },

@@ -19,7 +19,7 @@ const CUTS: usize = 400;
 /// Longer than any step of so few bodies may take.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// All that went wrong.
+/// All faults that were found.
 #[derive(Default)]
 pub struct Tally {
     operations: usize,
@@ -35,7 +35,7 @@ struct Found {
 }
 
 /// # Panics
-/// Where something was not as it must be, with everything that is known of it.
+/// If something was not as it must be, with everything that is known of it.
 pub fn fuzz(seeds: Range<u64>) {
     let start = Instant::now();
     let mut tally = Tally::default();
@@ -142,7 +142,7 @@ fn cut(seed: u64, acts: &mut Vec<Act>, kind: &str) {
 }
 
 thread_local! {
-    /// Where the last panic was.
+    /// The location of the last panic.
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
@@ -154,7 +154,7 @@ fn guarded(act: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
             let place = info
                 .location()
                 .map_or_else(String::new, ToString::to_string);
-            // Of a dependency the file's name, not where it lies.
+            // For a file of a dependency, only its path inside the crate.
             let place = place.rsplit("/src/").next().unwrap_or(&place).to_owned();
             PANIC.set(Some(place));
         }));
@@ -185,7 +185,7 @@ impl Tally {
     }
 
     /// # Panics
-    /// Where there is something to tell.
+    /// If there is something to tell.
     pub fn tell(&self) {
         let mut text = String::new();
         for Found {

@@ -28,7 +28,7 @@ use std::collections::HashSet;
 const CROWD: usize = 20;
 /// Guests further from the origin than this are taken away, as a game would, m.
 const EDGE: f32 = 100.0;
-/// Where the innocent stand, m.
+/// The position of the innocent stack, m.
 const AWAY: Vec3 = Vec3::new(500.0, 0.0, 0.0);
 
 /// A world, and the innocent in it: their ground, and what stands there.
@@ -197,7 +197,7 @@ impl Site {
         false
     }
 
-    /// Who is there, and who is below whom.
+    /// Counts the bodies, and records which body is below which.
     fn count(&mut self) {
         let world = &self.noisy.world;
         self.guests.retain(|&guest| world.get_entity(guest).is_ok());
@@ -391,7 +391,7 @@ impl Site {
     }
 }
 
-/// Of all guests and their ground.
+/// The layer of all guests and their ground.
 pub const GUEST: CollisionLayers = CollisionLayers {
     memberships: !INNOCENT,
     filters: !INNOCENT,

@@ -8,7 +8,7 @@ use crate::site::Site;
 use bevy_ecs::prelude::*;
 use drystone::body::{Pose, Velocity};
 
-/// What is done besides in the second world.
+/// The additional action in the second world.
 pub type Besides = fn(&mut Site, &mut Dice);
 
 /// Entities come and go between the bodies, and put them elsewhere in the world.
@@ -32,7 +32,7 @@ pub fn touch(site: &mut Site, dice: &mut Dice) {
 }
 
 /// # Panics
-/// Where an episode ends otherwise if something is done besides, which must not matter.
+/// If an episode ends otherwise if something is done besides, which must not matter.
 pub fn same(seed: u64, besides: Besides) {
     let mut twins = [Site::new(spoils(seed)), Site::new(spoils(seed))];
     let mut dice = Dice::new(2 * seed);

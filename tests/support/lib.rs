@@ -1,4 +1,4 @@
-//! What the tests share: a world without an app around it, the bodies that stand in it, and [`masonry`] with its limits by statics.
+//! Code that the tests share: a world without an app, functions that spawn bodies, and [`masonry`] with its limits by statics.
 
 pub mod masonry;
 
@@ -72,7 +72,7 @@ impl Lab {
         lab
     }
 
-    /// The default settings, but for sleeping, since slow motion is what thresholds are about.
+    /// The default settings without sleeping, because thresholds are tested with slow motion.
     pub fn shipped(dt: f32) -> Self {
         let mut lab = Self::new();
         lab.dt = dt;
@@ -130,7 +130,7 @@ impl Lab {
         self.body(Collider::cuboid(1.0, 1.0, 1.0), position)
     }
 
-    /// Where a body is; before its first step, where it was put.
+    /// The pose of a body. Before its first step, that of its `Transform`.
     pub fn pose(&self, body: Entity) -> Pose {
         let new = self.world.get::<BodyIndex>(body) == Some(&BodyIndex::NONE);
         if new && let Some(transform) = self.world.get::<Transform>(body) {

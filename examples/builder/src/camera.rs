@@ -72,7 +72,7 @@ pub struct PanelWidth(pub f32);
 /// The body under the mouse.
 #[derive(Resource, Default)]
 pub struct Pointer {
-    /// None where it is outside of the window or over the panel.
+    /// `None` if the pointer is outside of the window or over the panel.
     pub ray: Option<Ray3d>,
     /// The first body there.
     pub hit: Option<RayHit>,
@@ -103,7 +103,7 @@ pub fn lens() -> impl Bundle {
 }
 
 fn spawn(mut commands: Commands, eyes: Query<(), With<Eye>>) {
-    // One that draws to an image is there already.
+    // A camera that draws to an image exists already.
     if eyes.is_empty() {
         commands.spawn(lens());
     }

@@ -52,7 +52,7 @@ fn set(
 ) {
     let length = Duration::from_secs_f64(1.0 / clock.hz);
     if fixed.timestep() != length {
-        // What is left over of longer steps is not many short ones.
+        // The rest of a longer step must not become many shorter steps.
         let left = fixed.overstep();
         fixed.discard_overstep(left);
         fixed.set_timestep(length);

@@ -26,7 +26,7 @@ pub struct Comparison(Vec<Replica>);
 struct Replica {
     world: World,
     hz: f32,
-    /// Where it is shown, m from where the original is.
+    /// Its displacement from the original, m.
     aside: Vec3,
     /// Time that no step has been taken for yet, s.
     left: f32,
@@ -60,7 +60,7 @@ impl Comparison {
     /// Spawns a piece in both copies, aimed as if the original stood in the middle between them.
     ///
     /// # Errors
-    /// Where it has no size.
+    /// If it has no size.
     pub fn spawn(
         &mut self,
         world: &mut World,
@@ -97,7 +97,7 @@ fn look_of(world: &mut World, piece: &Piece) -> Look {
 /// Shows the copies, or the original again; the original waits for so long.
 ///
 /// # Errors
-/// Where there is nothing to copy.
+/// If there is nothing to copy.
 pub fn toggle(world: &mut World) -> Result {
     if world.resource::<Comparison>().is_on() {
         end(world);
@@ -167,7 +167,7 @@ pub fn end(world: &mut World) {
     world.resource_mut::<View>().distance /= FARTHER;
 }
 
-/// As much time for each as has gone by, in steps of its own length; between two it is shown part of the way.
+/// Advances each world by the elapsed time, in steps of its own length. Between two steps, poses are interpolated.
 fn advance(
     mut comparison: ResMut<Comparison>,
     time: Res<Time<Real>>,

@@ -49,7 +49,7 @@ fn with_log<T>(world: &mut World, edit: impl FnOnce(&mut World, &mut EditLog) ->
     compare::end(world);
     let done = world.resource_scope(|world, mut log: Mut<EditLog>| edit(world, &mut log));
     world.resource_mut::<Edits>().0 += 1;
-    // Who asks in this frame is told of it.
+    // Queries in the same frame must see the edit.
     drystone::refresh(world);
     done
 }
@@ -57,7 +57,7 @@ fn with_log<T>(world: &mut World, edit: impl FnOnce(&mut World, &mut EditLog) ->
 /// Lays a piece.
 ///
 /// # Errors
-/// Where it has no size.
+/// If it has no size.
 pub fn place(world: &mut World, piece: &Piece, pose: Pose) -> Result<Entity> {
     let body = world.spawn(piece.bundle(pose)?).id();
     with_log(world, |world, log| log.record_placed(world, &[body]))?;
@@ -71,7 +71,7 @@ pub fn place(world: &mut World, piece: &Piece, pose: Pose) -> Result<Entity> {
 /// Puts a piece elsewhere.
 ///
 /// # Errors
-/// Where it is gone.
+/// If it is gone.
 pub fn put(world: &mut World, body: Entity, pose: Pose) -> Result {
     with_log(world, |world, log| {
         log.move_to(world, body, to_transform(pose))
@@ -86,7 +86,7 @@ pub fn put(world: &mut World, body: Entity, pose: Pose) -> Result {
 /// Takes pieces away.
 ///
 /// # Errors
-/// Where one is gone already.
+/// If one is gone already.
 pub fn take(world: &mut World, bodies: &[Entity]) -> Result {
     with_log(world, |world, log| log.remove(world, bodies))?;
     world.resource::<Journal>().say(&Entry::Took {
@@ -98,7 +98,7 @@ pub fn take(world: &mut World, bodies: &[Entity]) -> Result {
 /// Takes the last edit back.
 ///
 /// # Errors
-/// Where a body of it is gone.
+/// If a body of it is gone.
 pub fn undo(world: &mut World) -> Result {
     if with_log(world, |world, log| log.undo(world))?.is_some() {
         world.resource::<Journal>().say(&Entry::Undid);
@@ -109,7 +109,7 @@ pub fn undo(world: &mut World) -> Result {
 /// Makes the edit again that was taken back last.
 ///
 /// # Errors
-/// Where a body of it is gone.
+/// If a body of it is gone.
 pub fn redo(world: &mut World) -> Result {
     if with_log(world, |world, log| log.redo(world))?.is_some() {
         world.resource::<Journal>().say(&Entry::Redid);
@@ -131,7 +131,7 @@ pub fn clear(world: &mut World) {
 /// Writes the scene to the [`SaveFile`].
 ///
 /// # Errors
-/// Where it cannot be written.
+/// If it cannot be written.
 pub fn save(world: &mut World) -> Result {
     let path = world.resource::<SaveFile>().0.clone();
     let mut pieces = world.query::<(&Piece, &Pose)>();

@@ -80,7 +80,7 @@ impl Scene {
     /// The structure at the start.
     ///
     /// # Errors
-    /// Where a scene is badly laid: its lengths do not fit its bond, for instance.
+    /// If a scene is badly laid: its lengths do not fit its bond, for instance.
     pub fn pieces(self) -> Result<Vec<(Piece, Pose)>, MasonryError> {
         let blocks = match self {
             Self::Wall => wall(9.0, 9)?,
@@ -325,7 +325,7 @@ fn rope(
 ) {
     let dt = time.delta_secs().max(1e-3);
     for (rope, pose, velocity, mass, mut force) in &mut bodies {
-        // Before the first step nobody knows where it is, or how heavy.
+        // Before the first step its pose and mass are unknown.
         if mass.inverse_mass == 0.0 {
             continue;
         }

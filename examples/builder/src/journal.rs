@@ -29,7 +29,7 @@ pub struct Journal {
     pub on: bool,
 }
 
-/// Where the panel's buttons are, logical pixels.
+/// The positions of the panel's buttons, logical pixels.
 #[derive(Resource, Default)]
 pub struct Widgets(pub HashMap<String, [f32; 2]>);
 
@@ -74,23 +74,23 @@ pub enum Entry {
     Refused { why: String },
 }
 
-/// Where everything is.
+/// The positions of all bodies.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Sight {
-    /// All lies still.
+    /// Whether all bodies are at rest.
     pub rests: bool,
     /// Bodies, their places, m, and their turns.
     pub bodies: Vec<(String, Vec3, Quat)>,
     /// From the world to clip space.
     pub clip_from_world: Mat4,
-    /// Of the window, logical pixels.
+    /// Size of the window, logical pixels.
     pub viewport: Vec2,
     /// Buttons of the panel, logical pixels.
     pub widgets: Vec<(String, [f32; 2])>,
 }
 
 impl Sight {
-    /// Where a place is in the window, logical pixels.
+    /// The position of a point of the world in the window, logical pixels.
     pub fn on_screen(&self, place: Vec3) -> Vec2 {
         let clip = self.clip_from_world.project_point3(place);
         let unit = Vec2::new(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y);

@@ -26,10 +26,10 @@ use std::time::Duration;
 /// Where pictures go.
 pub const FOLDER: &str = "target/builder";
 
-/// Of the window as it is, numbered.
+/// Takes a numbered picture of the window.
 ///
 /// # Errors
-/// Where the folder cannot be made.
+/// If the folder cannot be made.
 pub fn of_window(world: &mut World) -> Result {
     fs::create_dir_all(FOLDER)?;
     let number = |n: &u32| PathBuf::from(format!("{FOLDER}/window-{n}.png"));
@@ -100,7 +100,7 @@ impl Studio {
     /// The picture as it is now; a frame or more go by until it is there.
     ///
     /// # Errors
-    /// Where it does not come.
+    /// If it does not come.
     pub fn picture(&mut self) -> Result<image::RgbaImage> {
         let taken: Arc<Mutex<Option<Image>>> = default();
         let keep = taken.clone();
@@ -148,7 +148,7 @@ pub struct Shot {
 /// Draws one picture.
 ///
 /// # Errors
-/// Where it cannot be drawn or written.
+/// If it cannot be drawn or written.
 pub fn shoot(shot: &Shot) -> Result {
     let frame = Duration::from_secs_f64(1.0 / 60.0);
     let mut studio = Studio::new(shot.scene, shot.size, frame);

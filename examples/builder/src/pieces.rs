@@ -30,7 +30,7 @@ pub struct Piece {
 }
 
 impl Shape {
-    /// That of a collider, if it is one of these.
+    /// The shape of a collider, if it is one of these.
     pub fn of(collider: &Collider) -> Option<Self> {
         let shape = collider.shape();
         if let Some(cuboid) = shape.as_cuboid() {
@@ -46,7 +46,7 @@ impl Shape {
     /// As a collider.
     ///
     /// # Errors
-    /// Where it has no size.
+    /// If it has no size.
     pub fn collider(&self) -> Result<Collider> {
         let collider = match self {
             Self::Box(size) => Collider::cuboid(size.x, size.y, size.z),
@@ -83,7 +83,7 @@ impl Shape {
 }
 
 impl Piece {
-    /// One that moves.
+    /// Creates a dynamic piece.
     pub fn new(shape: Shape, finish: Finish) -> Self {
         Self {
             shape,
@@ -92,7 +92,7 @@ impl Piece {
         }
     }
 
-    /// Where a block of masonry is to stand.
+    /// The piece and the pose of a block of masonry.
     pub fn of_block(block: Block, finish: Finish) -> Option<(Self, Pose)> {
         Some((Self::new(Shape::of(&block.collider)?, finish), block.pose))
     }

@@ -52,7 +52,7 @@ fn sun(mut commands: Commands) {
         .build(),
         shines(Vec3::new(5.0, 9.0, 6.0)),
     ));
-    // What the sky behind gives back.
+    // The light that the sky reflects.
     commands.spawn((
         DirectionalLight {
             color: Color::srgb(0.7, 0.82, 1.0),

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// A brick is where it was put, m.
 const THERE: f32 = 5e-3;
 
-/// What a software renderer may take to answer, s.
+/// Maximum time that a software renderer takes to answer, s.
 const PATIENCE: u64 = 90;
 
 /// The root of the repository: `target/builder/` is there.
@@ -77,7 +77,7 @@ fn a_person_builds_presses_takes_and_undoes() {
     let after = desk.look();
     assert_eq!(moved(&before, &after, THERE), BTreeSet::new());
 
-    // What would fall is shown before anything is taken.
+    // The bodies that would fall are shown before a body is removed.
     desk.key("5");
     let [third, fourth, top] = [2.0, 2.8, 3.6].map(|y| nearest(&after, Vec3::new(3.0, y, 0.0)));
     let middle = after.on_screen(Vec3::new(3.0, 2.0, 0.4));
@@ -222,7 +222,7 @@ fn is_at(sight: &Sight, body: &str, there: Vec3) {
     assert!(turn.angle_between(Quat::IDENTITY) < 0.01, "{body}: {turn}");
 }
 
-/// Who is farther than that from where it was.
+/// The bodies that have moved farther than `far` (m).
 fn moved(before: &Sight, after: &Sight, far: f32) -> BTreeSet<String> {
     let there = |body: &str| after.bodies.iter().find(|(of, ..)| of == body);
     let bodies = before.bodies.iter();
@@ -231,12 +231,12 @@ fn moved(before: &Sight, after: &Sight, far: f32) -> BTreeSet<String> {
     moved.map(|(body, ..)| body.clone()).collect()
 }
 
-/// A display, the builder on it, and somebody at the mouse.
+/// A display with the builder on it, and a simulated user.
 struct Desk {
     display: String,
     children: Vec<Child>,
     journal: Receiver<Entry>,
-    /// What has been read of it and not been asked for yet.
+    /// Entries of the journal that were read but not used yet.
     unread: RefCell<VecDeque<Entry>>,
 }
 
@@ -372,7 +372,7 @@ impl Desk {
         }
     }
 
-    /// What an entry of the journal says, as soon as there is one that does.
+    /// Waits for an entry of the journal from which a value can be taken, and returns the value.
     fn wait<T>(&self, what: &str, says: impl Fn(&Entry) -> Option<T>) -> T {
         let until = Instant::now() + Duration::from_secs(PATIENCE);
         loop {

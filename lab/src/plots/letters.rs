@@ -9,7 +9,7 @@ use plotters_backend::{
 };
 use std::path::Path;
 
-/// Of all letters.
+/// The font of all letters.
 pub const FONT: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 
 /// A bitmap whose letters we draw ourselves.

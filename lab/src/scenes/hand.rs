@@ -40,7 +40,7 @@ pub enum Phase {
 #[derive(Clone, Debug)]
 pub struct Hand {
     blocks: Vec<Entity>,
-    /// Where each block waits, and where it goes.
+    /// The initial and the final position of each block.
     ways: Vec<(Vec3, Vec3)>,
 }
 
@@ -118,7 +118,7 @@ impl Hand {
                 let top = self.blocks.len() - 1;
                 let point = Vec3::new(PRESS_AT, 0.5, 0.0);
                 let t = time - self.pressing_begins();
-                // Leans on it, holds, and comes off, within the time to press.
+                // The force increases, is constant, and decreases again within the duration of the press.
                 let strength = (t.min(PRESS - t) / 1.0).clamp(0.0, 1.0);
                 let target = self.ways[top].1 + point + Vec3::new(0.0, -0.5, 0.0);
                 hold(
@@ -158,7 +158,7 @@ impl Site<'_> {
     }
 }
 
-/// Where the blocks are to stand once built.
+/// Access to the final positions of the blocks.
 impl Hand {
     /// Poses of a perfectly built stack.
     pub fn plan(&self) -> Vec<Pose> {

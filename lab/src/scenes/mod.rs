@@ -67,14 +67,14 @@ pub enum Grain {
     Capsules,
     /// Radius 0.2 m, 0.4 m long.
     Cylinders,
-    /// Of twelve points on a ball of 0.22 m radius.
+    /// Convex hulls of twelve points on a ball of 0.22 m radius.
     Hulls,
 }
 
 /// How a scene is laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneOptions {
-    /// Of the noise.
+    /// Seed of the noise.
     pub seed: u64,
     /// Start positions are off by up to this much along each axis, m.
     pub noise_position: f32,
@@ -110,7 +110,7 @@ impl Default for SceneOptions {
 pub struct Built {
     /// The bodies to watch, in the order in which they were placed.
     pub bodies: Vec<Entity>,
-    /// Who moves them, where somebody does.
+    /// The hand that moves them, if there is one.
     pub hand: Option<Hand>,
 }
 
@@ -185,7 +185,7 @@ impl Scene {
     }
 }
 
-/// Where a scene is being built.
+/// A scene while it is built.
 struct Site<'a> {
     world: &'a mut World,
     options: &'a SceneOptions,

@@ -21,7 +21,7 @@ pub struct Box3d {
 
 impl Box3d {
     /// # Errors
-    /// Where a body has a shape that Box3D lacks, or two would rub otherwise than in drystone.
+    /// If a body has a shape that Box3D lacks, or two would rub otherwise than in drystone.
     pub fn new(bodies: &[Body], gravity: Vec3, conditions: Conditions) -> Result<Self, String> {
         check_surfaces(bodies)?;
         let threads = u32::try_from(conditions.threads).unwrap_or(u32::MAX);

@@ -57,7 +57,7 @@ impl World {
     /// An empty one, with sleeping off and everything else as it comes.
     ///
     /// # Errors
-    /// Where Box3D has no room for another world.
+    /// If Box3D has no room for another world.
     pub fn new(gravity: Vec3, threads: u32) -> Result<Self, String> {
         let _guard = WORLDS.lock().unwrap_or_else(PoisonError::into_inner);
         // SAFETY: the definition is Box3D's own with plain numbers changed, and nobody else creates or destroys a world meanwhile.
@@ -79,7 +79,7 @@ impl World {
     }
 
     /// # Errors
-    /// Where a number is not finite or a size is not positive, or Box3D cannot make a hull of its corners.
+    /// If a number is not finite or a size is not positive, or Box3D cannot make a hull of its corners.
     pub fn add(&mut self, body: &Description, shape: &Shape) -> Result<(), String> {
         if !(body.is_sound() && shape.is_sound()) {
             return Err("Box3D takes no body with a size or number that is no good".into());
@@ -149,7 +149,7 @@ impl World {
     /// A step of so many seconds.
     ///
     /// # Panics
-    /// Where it is not positive and finite.
+    /// If it is not positive and finite.
     pub fn step(&mut self, dt: f32) {
         assert!(dt > 0.0 && dt.is_finite(), "a step of {dt} s");
         // SAFETY: the world lives as long as `self`, and nobody else has it.
@@ -161,7 +161,7 @@ impl World {
         self.bodies.len()
     }
 
-    /// Of the body's own origin.
+    /// The pose of the body's own origin.
     pub fn pose(&self, body: usize) -> Pose {
         let id = self.bodies[body];
         // SAFETY: the body lives as long as its world, and that as long as `self`.
@@ -172,7 +172,7 @@ impl World {
         }
     }
 
-    /// Of the body's centre, m/s.
+    /// The velocity of the body's centre of mass, m/s.
     pub fn velocity(&self, body: usize) -> Vec3 {
         // SAFETY: as in `pose`.
         let v = unsafe { b3::b3Body_GetLinearVelocity(self.bodies[body]) };
@@ -243,7 +243,7 @@ struct Hull(*mut b3::b3HullData);
 
 impl Hull {
     /// # Errors
-    /// Where there is none, or one with other corners: Box3D welds what is close together.
+    /// If there is none, or one with other corners: Box3D welds what is close together.
     fn new(corners: &[Vec3]) -> Result<Self, String> {
         let points: Vec<b3::b3Vec3> = corners.iter().copied().map(vec3).collect();
         let most = b3::B3_MAX_HULL_VERTICES as usize;

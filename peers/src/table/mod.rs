@@ -16,10 +16,10 @@ use std::time::Duration;
 const STANDARD: &str =
     "wall:10x10,wall:40x25,wall:100x50,pyramid:50,stack:20,heap:1000,arch:15,massratio:100";
 
-/// What is run, and where it is written.
+/// The scenes that are run, and the output folder.
 #[derive(Args)]
 pub struct Table {
-    /// What to simulate, in the order in which it is shown.
+    /// The scenes, in the order in which they are shown.
     #[arg(long, value_delimiter = ',', default_value = STANDARD)]
     scenes: Vec<Scene>,
     #[command(flatten)]
@@ -38,7 +38,7 @@ pub struct Table {
     update: Option<PathBuf>,
 }
 
-/// What became of a scene in each engine.
+/// The results of a scene in all engines.
 struct Row {
     scene: Scene,
     bodies: usize,
@@ -46,7 +46,7 @@ struct Row {
     cells: Vec<Cell>,
 }
 
-/// What became of it in one.
+/// The result of a scene in one engine.
 struct Cell {
     engine: &'static str,
     /// Medians over the runs.
@@ -60,7 +60,7 @@ struct Cell {
 
 impl Table {
     /// # Errors
-    /// Where an engine cannot have a scene, or something cannot be written: before anything is run, as far as that can be told.
+    /// If an engine cannot have a scene, or something cannot be written: before anything is run, as far as that can be told.
     pub fn make(&self) -> Result<(), String> {
         let out = &self.out;
         fs::create_dir_all(out).map_err(|why| cannot_write(out, &why))?;

@@ -9,7 +9,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Duration;
 
-/// What a panel shows.
+/// The quantity that a panel shows.
 struct Quantity {
     title: &'static str,
     axis: &'static str,

@@ -130,7 +130,7 @@ const END: &str = "<!-- end -->";
 
 impl<'a> Updated<'a> {
     /// # Errors
-    /// Where it cannot be read or has no such room.
+    /// If it cannot be read or has no such room.
     pub fn read(path: &'a Path) -> Result<Self, String> {
         let name = path.display();
         let text = fs::read_to_string(path).map_err(|why| format!("--update {name}: {why}"))?;

@@ -103,7 +103,7 @@ impl Seen {
     }
 }
 
-/// What a feature is called when A and B are exchanged.
+/// The identity of a feature when A and B are exchanged.
 fn exchanged(feature: FeatureId) -> FeatureId {
     let number = |shift: u32| ((feature.0 >> shift) & 0x7FFF) as u16;
     match feature.0 >> 30 {
@@ -124,11 +124,11 @@ struct Errors {
     depth: f64,
     /// Points off the surfaces they join, of the size.
     off: f64,
-    /// Of the polygon's area.
+    /// Tolerance of the polygon's area.
     area: f64,
-    /// Of the face's extent.
+    /// Tolerance of the face's extent.
     extent: f64,
-    /// What is on the border may be in or out, and here that is more than may be missed: the area is between the two.
+    /// Points on the border may be inside or outside. Here this matters, so the area is between the two.
     is_thin: bool,
 }
 
@@ -151,7 +151,7 @@ impl Errors {
             ("area", self.area, AREA),
             ("extent", self.extent, AREA),
         ];
-        // What is not a number is too large.
+        // NaN counts as too large.
         let large = all
             .iter()
             .find(|(_, error, most)| error.is_nan() || error > most)?;
@@ -159,7 +159,7 @@ impl Errors {
     }
 }
 
-/// What is known of a pair before a contact is judged.
+/// The data of a pair with which a contact is checked.
 struct Judge<'a> {
     a: Stood<'a>,
     b: Stood<'a>,
@@ -175,7 +175,7 @@ impl<'a> Judge<'a> {
     }
 
     /// # Errors
-    /// What is plainly wrong.
+    /// Errors of a contact that need no reference.
     fn errors(&self, seen: &Seen) -> Result<Errors, String> {
         let (truth, size) = (&self.truth, self.truth.size);
         let (most, mut errors) = (truth.most(), Errors::default());
@@ -339,7 +339,7 @@ impl<'a> Judge<'a> {
         }
         let size = self.truth.size;
         let (Some(x), Some(y)) = (one.deepest(), two.deepest()) else {
-            // Apart or as good as, and hardly beside each other: by the border of one they are, by that of the other not.
+            // The solids are almost apart and almost beside each other: they overlap by the border of one, but not by that of the other.
             return match one.points.is_empty() == two.points.is_empty() {
                 true => Ok(true),
                 false if self.truth.most() > -1e-6 * size => Ok(false),
@@ -376,7 +376,7 @@ impl<'a> Judge<'a> {
 /// One in so many pairs may miss: where edges are parallel but for single precision, it is not settled which of them cross.
 const MISSED: usize = 50_000;
 
-/// What has been found of a kind of pair.
+/// The results for a kind of pair.
 #[derive(Default)]
 struct Row {
     pairs: usize,

@@ -9,7 +9,7 @@ use fastrand::Rng;
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// What is handed to the code under test.
+/// The input of the code under test.
 pub enum Body {
     Cuboid(Vec3),
     Hull(Polyhedron),
@@ -32,7 +32,7 @@ impl Shape {
         }
     }
 
-    /// None where the points have no volume.
+    /// `None` if the points enclose no volume.
     pub fn hull(name: &'static str, points: &[Vec3]) -> Option<Self> {
         let hull = Polyhedron::new(points).ok()?;
         Some(Self {

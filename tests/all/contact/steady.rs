@@ -1,4 +1,4 @@
-//! What a pair keeps from step to step: the names of its points, and which of them hold it.
+//! State that a pair keeps from step to step: the identities of its points, and which of them are kept.
 
 use super::Seen;
 use super::pairs::{Dice, Pair, Shape, contact};
@@ -82,7 +82,7 @@ fn four_points_hold_most_of_the_polygon() {
         assert_eq!(few.points.is_empty(), whole.points.is_empty());
         let all = names(&whole);
         assert!(names(&few).iter().all(|name| all.contains(name)));
-        // What has an area at all.
+        // The polygon has an area.
         let size = size(pair);
         if whole.points.len() > 4 && area(&whole) > 1e-8 * size * size {
             simplified += 1;

@@ -1,4 +1,4 @@
-//! What no contact is made for may come all the same, and must not panic nor say what is no number.
+//! Degenerate input must neither panic nor give NaN.
 
 use super::pairs::{Body, Dice, Shape, contact, corners};
 use super::truth::Pose;

@@ -32,7 +32,7 @@ pub struct Form {
     pub size: f64,
     /// Radius about the centre, m.
     pub outer: f64,
-    /// What is level by less stands, m: a ten thousandth of a length that is not large for any part of it.
+    /// A corner stands on a plane if it is within this distance, m: 1e-4 of the size of the solid.
     slack: f64,
 }
 
@@ -218,14 +218,14 @@ fn apart_by(a: &Stood, b: &Stood, way: DVec3, floor: f64, near: &mut [usize; 2])
 
 /// Every direction that can part two bodies, and by how much it does.
 pub struct Truth {
-    /// Of A's faces and then of B's: normal, from A to B, and distance.
+    /// The normal (from A to B) and the distance of A's faces and then of B's.
     pub faces: Vec<(DVec3, f64)>,
     pub best_face: f64,
     /// The same of those edges that part them further than any face.
     pub edges: Vec<(DVec3, f64)>,
     /// The smaller radius, m.
     radius: f64,
-    /// Of the smaller, m.
+    /// Size of the smaller solid, m.
     pub size: f64,
 }
 
@@ -279,7 +279,7 @@ impl Truth {
         share * self.radius
     }
 
-    /// By how much an axis misses the best that is allowed, m.
+    /// The difference of an axis from the best one that is allowed, m.
     pub fn missed_by(&self, a: &Stood, b: &Stood, axis: Axis, normal: DVec3) -> f64 {
         let count = a.normals.len();
         match axis {
@@ -295,7 +295,7 @@ impl Truth {
         }
     }
 
-    /// The edges that part them furthest, and those that do but for rounding.
+    /// The edges with the greatest distance, and those with the same distance up to rounding.
     fn best_edges(&self) -> impl Iterator<Item = &(DVec3, f64)> {
         let edges = self.edges.iter().map(|e| e.1);
         let best = edges.fold(f64::NEG_INFINITY, f64::max);

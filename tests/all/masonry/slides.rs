@@ -8,14 +8,14 @@ use glam::{Quat, Vec3, vec3};
 use support::Lab;
 use support::masonry::site::As;
 
-/// Of floors and walls, m.
+/// Size of floors and walls, m.
 const BRICK: Vec3 = vec3(0.5, 0.25, 0.25);
-/// What slides, m.
+/// Size of the slider, m.
 const SLIDER: Vec3 = vec3(0.6, 0.2, 0.35);
 /// m/s
 const SPEED: f32 = 3.0;
 
-/// What a slider lies on, or leans against.
+/// The surface that a slider lies on or leans against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Bed {
     Slab,
@@ -29,9 +29,9 @@ enum Bed {
 struct Slide {
     shapes: As,
     friction: f32,
-    /// Of the slider against its way, rad.
+    /// Angle of the slider relative to its direction of motion, rad.
     yaw: f32,
-    /// Of the whole scene about the vertical, rad.
+    /// Rotation of the whole scene about the vertical, rad.
     turn: f32,
 }
 
@@ -40,7 +40,7 @@ type Moment = (Pose, Vec3);
 type Track = Vec<Moment>;
 
 impl Slide {
-    /// All of them, but for yaws.
+    /// All cases, without yaws.
     fn all() -> impl Iterator<Item = Self> {
         let shapes = [As::Cuboids, As::Hulls].into_iter();
         let all = shapes.flat_map(|shapes| [0.3, 0.0].map(|friction| (shapes, friction)));
@@ -98,7 +98,7 @@ impl Slide {
         }
     }
 
-    /// Of what is launched after it has rested for half a second.
+    /// The track of a slider that is launched after half a second at rest.
     fn track(&self, mut lab: Lab, slider: Entity, seconds: f32) -> Track {
         lab.run(0.5);
         lab.set_velocity(slider, self.spin() * Vec3::X * SPEED, Vec3::ZERO);
@@ -166,7 +166,7 @@ impl Slide {
         let pairs = || found.iter().zip(&slab);
         let worst = |difference: &dyn Fn(&Moment, &Moment) -> f32| {
             let each = pairs().map(|(a, b)| difference(a, b));
-            // What is no number is worse than any.
+            // NaN is worse than any number.
             each.fold(
                 0.0f32,
                 |w, x| if x.is_nan() { f32::INFINITY } else { w.max(x) },
@@ -231,7 +231,7 @@ fn a_brick_slides_along_the_seams_of_a_wall() {
     none_differ(all.map(|slide| slide.compare(Bed::Bricks, ASIDE, |bed| slide.along_wall(bed))));
 }
 
-/// Whatever its way is to the axes of the world.
+/// The result does not depend on the direction of motion relative to the world axes.
 #[test]
 fn a_brick_slides_straight_over_the_seams_of_a_floor() {
     let cuboids = Slide::all().filter(|slide| slide.shapes == As::Cuboids && slide.friction > 0.0);

@@ -53,7 +53,7 @@ fn a_flat_arch_of_true_contacts_gives_way_where_statics_says() {
     all_met(flat_arches(), How::TRUE_SLOWLY, SHARE);
 }
 
-/// Where friction is more than the slope of its sides it jams, however it is turned.
+/// A wedge jams if friction exceeds the slope of its sides, in any orientation.
 #[test]
 fn a_slender_wedge_jams_in_its_groove() {
     let masonry = groove(10.0, 0.84);

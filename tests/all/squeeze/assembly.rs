@@ -1,4 +1,4 @@
-//! Bodies that touch from the start, and what becomes of them under weight that is there at once, or grows.
+//! Bodies that touch from the start, under a weight that is applied at once or that grows.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -15,7 +15,7 @@ const GROWS: f32 = 2.0;
 /// For how long what stands is watched after that, s; and what is built at once as long as the other.
 const WATCHED: f32 = 3.0;
 
-/// What comes farther than this in the last second slides or falls, m.
+/// A body slides or falls if it moves farther than this in the last second, m.
 const GOES: f32 = 0.003;
 
 /// And what has come so far by its assembly's size at any time: what is tall leans as it takes up its load.
@@ -31,7 +31,7 @@ pub struct Assembly {
     pub fixed: Vec<Block>,
     pub blocks: Vec<Block>,
     pub friction: f32,
-    /// Where weight pulls; of any length.
+    /// The direction of gravity, of any length.
     pub down: Vec3,
 }
 
@@ -80,7 +80,7 @@ pub struct End {
     pub stands: bool,
 }
 
-/// What became of it.
+/// The result.
 #[derive(Clone, Copy, Debug)]
 pub struct Plays {
     /// Under all of its weight at once.

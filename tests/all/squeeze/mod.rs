@@ -14,7 +14,7 @@ use std::thread;
 /// Lengths of steps, s.
 const STEPS: [f32; 2] = [1.0 / 60.0, 0.1];
 
-/// Of how many plays how many differ.
+/// The number of plays, and how many of them differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Found {
     plays: usize,
@@ -107,7 +107,7 @@ fn walls_between_piers_stand_as_under_weight_that_grows() {
 
 #[test]
 fn pieces_of_boxes_stand_as_under_weight_that_grows() {
-    // Those that were squeezed by nothing or thrown before, and others.
+    // Seeds with which bodies were squeezed or thrown without reason before, and others.
     let seeds = [13, 22, 73, 103, 153]
         .into_iter()
         .chain((0..200).step_by(5));

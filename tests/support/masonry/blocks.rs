@@ -89,7 +89,7 @@ impl Block {
     }
 }
 
-/// Where two blocks meet along a straight line, exactly.
+/// A straight line along which two blocks meet exactly.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
     /// Indices of A and B.
@@ -120,7 +120,7 @@ impl Masonry {
         self
     }
 
-    /// All joints, but for those between two fixed blocks.
+    /// All joints except those between two fixed blocks.
     pub fn joints(&self) -> Vec<Joint> {
         let mut joints = Vec::new();
         for (i, a) in self.blocks.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What is drawn, tested and built.
+//! Drawings of the structures that are tested and built.
 
 use crate::masonry::blocks::{Block, Masonry};
 use glam::{DVec2, dvec2};
@@ -66,7 +66,7 @@ fn wedge(half: f64, foot: f64, [low, high]: [f64; 2]) -> Block {
     Block::new(&corners.map(DVec2::from))
 }
 
-/// What stands to the left (−1) or right (1) of that wedge with its foot on y = 0 and is 1 m high, `wide` m at its foot.
+/// The block of 1 m height to the left (−1) or right (1) of that wedge, with its foot on y = 0 and `wide` m wide there.
 fn beside(side: f64, half: f64, foot: f64, wide: f64) -> Block {
     let top = foot + half.to_radians().tan();
     let outer = foot + wide;

@@ -42,7 +42,7 @@ impl Limit {
         self.at * (1.0 + if self.from { share } else { -share })
     }
 
-    /// What is wrong just inside and just outside of the limit.
+    /// Describes wrong results just inside and just outside of the limit.
     fn missed(&self, how: How, share: f64) -> Option<String> {
         let ends = [share, -share].map(|share| (self.end)(self.within(share), how));
         let [inside, outside] = ends;

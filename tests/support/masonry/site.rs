@@ -10,11 +10,11 @@ use drystone::contact::{ContactPair, ContactPoint, Manifold};
 use drystone::settings::Gravity;
 use glam::{DQuat, DVec2, DVec3, Quat, Vec3};
 
-/// What blocks are built as.
+/// The kind of shape that blocks are built of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum As {
     Hulls,
-    /// Where they are rectangles.
+    /// Cuboids for blocks that are rectangles.
     Cuboids,
     /// Hulls whose contacts are not found, but those of the drawing: to tell what the solver does from what collision detection does.
     TrueContacts,
@@ -82,7 +82,7 @@ const SLOW: f32 = 5.0;
 const NORMAL: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 fn hull(block: &Block, shapes: As) -> Collider {
-    // Where contacts are not looked for by shapes, these are only near each other, which is found without fail.
+    // If contacts are not found from the shapes, the shapes only need to be near each other, which is always detected.
     let smaller = if shapes == As::TrueContacts {
         1e-4
     } else {
@@ -269,7 +269,7 @@ pub fn apart(one: &[Pose], other: &[Pose]) -> f64 {
             .distance(b.position)
             .max(turn(a.rotation, b.rotation))
     });
-    // What is no number is farther than any.
+    // NaN counts as infinitely far.
     each.fold(0.0, |most: f64, x| {
         if x.is_nan() {
             f64::INFINITY

@@ -1,4 +1,4 @@
-//! What stands on a slope that can be tipped, and where it truly falls.
+//! Structures on a slope that can be tipped, and the limits at which they fall by statics.
 
 use crate::G;
 use crate::masonry::blocks::Masonry;
@@ -11,7 +11,7 @@ use glam::DVec3;
 /// The steepest limit of all is a slope of 1 in 3.
 const FRICTION: f64 = 0.9;
 
-/// What is farther from where it was built has fallen, m. It is a fifth of a brick's depth, and more than anything here settles.
+/// A block has fallen if it is farther than this from its initial position, m. It is a fifth of a brick's depth, and more than any settlement here.
 const FALLEN: f64 = 0.1;
 
 /// Shares of the limit a second, far from it and near it.
@@ -30,7 +30,7 @@ pub struct Structure {
     pub what: String,
     masonry: Masonry,
     shapes: As,
-    /// Which way it is tipped.
+    /// The direction in which it is tipped.
     towards: DVec3,
     /// rad
     pub limit: f64,

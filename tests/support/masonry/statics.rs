@@ -125,7 +125,7 @@ pub fn limit_tilt(masonry: &Masonry) -> f64 {
     tangent.atan()
 }
 
-/// By how much the weight of one block can grow, as a multiple of what it is.
+/// The largest additional weight of one block, as a multiple of its weight.
 pub fn limit_load(masonry: &Masonry, block: usize) -> f64 {
     let always = weights(masonry, DVec2::NEG_Y);
     let mut more = vec![DVec2::ZERO; masonry.blocks.len()];

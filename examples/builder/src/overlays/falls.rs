@@ -14,7 +14,7 @@ type Answer = Result<Preview, PreviewError>;
 /// The last answer, and the question that is on its way.
 #[derive(Resource, Default)]
 pub struct Falls {
-    /// Which body was asked about, after which edit, and when, s.
+    /// The body of the last question, the number of edits then, and the time, s.
     asked: Option<(Entity, u64, f32)>,
     task: Option<Task<Answer>>,
     answer: Option<Preview>,
@@ -55,7 +55,7 @@ pub(super) fn ask(world: &mut World) {
                 return;
             };
             falls.task = None;
-            // Of what is pointed at no more nobody wants to know.
+            // Answers about a body that is not pointed at any more are dropped.
             if let (Some((of, at, _)), Ok(preview)) = (falls.asked, answer)
                 && Some((of, at)) == body.map(|body| (body, edits))
             {

@@ -38,7 +38,7 @@ pub(super) fn draw(
             0.55,
             0.25 + 0.75 * bearing.share,
         );
-        // What cannot fall has no middle that means anything.
+        // The centre of a static body has no meaning.
         let foot = match bodies.get(bearing.below) {
             Ok((below, RigidBody::Dynamic)) => below.position,
             _ => above.position.with_y(0.0),

@@ -39,7 +39,7 @@ impl Plugin for PanelPlugin {
     }
 }
 
-/// All that the panel sets.
+/// The resources that the panel changes.
 #[derive(SystemParam)]
 struct Set<'w> {
     scene: ResMut<'w, Scene>,
@@ -53,7 +53,7 @@ struct Set<'w> {
     width: ResMut<'w, PanelWidth>,
 }
 
-/// All that it says.
+/// The data that the panel shows.
 #[derive(SystemParam)]
 struct Known<'w, 's> {
     pointer: Res<'w, Pointer>,

@@ -23,7 +23,7 @@ const RATE: f32 = 12.0;
 /// Films it, into a GIF.
 ///
 /// # Errors
-/// Where it cannot be drawn or written.
+/// If it cannot be drawn or written.
 pub fn film(path: &Path, size: [u32; 2]) -> Result {
     let mut film = Film {
         studio: Studio::new(Scene::Yard, size, Duration::from_secs_f32(1.0 / RATE)),
@@ -66,7 +66,7 @@ pub fn film(path: &Path, size: [u32; 2]) -> Result {
     });
     film.roll(12)?;
     film.show(Overlays::default());
-    // What would fall without the corner is shown, and then it is taken.
+    // Show which bricks would fall without the corner, then remove the corner.
     let corner = laid[5];
     film.show(Overlays {
         falls: true,
@@ -122,7 +122,7 @@ impl Film {
         let mut shown: Option<image::RgbaImage> = None;
         for picture in self.frames {
             let mut changed = picture.clone();
-            // What is as it was is left out.
+            // Bodies that have not moved are left out.
             for (new, old) in changed
                 .pixels_mut()
                 .zip(shown.iter().flat_map(|old| old.pixels()))

@@ -1,4 +1,4 @@
-//! Where the piece that is laid or carried would go.
+//! A ghost that shows the pose that the piece in hand would get.
 
 use super::{Carried, Choice, Tool};
 use crate::camera::Pointer;

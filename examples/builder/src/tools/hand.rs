@@ -23,7 +23,7 @@ pub(super) fn hold(
 ) {
     let (hand, state) = &mut *hand;
     let pressed = *tool == Tool::Hand && buttons.pressed(MouseButton::Left);
-    // One that is closed goes on where the mouse leaves the window.
+    // A closed hand stays closed if the mouse leaves the window.
     hand.closed = pressed && (hand.closed || pointer.ray.is_some());
     if pointer.ray.is_some() {
         hand.ray = pointer.ray;

@@ -128,7 +128,7 @@ impl Default for Choice {
 /// How strong one is.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct Strength {
-    /// Of the hand, N.
+    /// Maximum force of the hand, N.
     pub hand: f32,
     /// Pressing force, N.
     pub press: f32,

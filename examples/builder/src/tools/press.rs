@@ -19,7 +19,7 @@ pub struct Press {
     local_point: Vec3,
     /// Into the face, when it began.
     inwards: Vec3,
-    /// Where it began, world, m.
+    /// The point at which the press began, world, m.
     began: Vec3,
     /// For how long, s.
     time: f32,

@@ -9,7 +9,7 @@ use crate::masonry::statics::limit_tilt;
 /// Enough not to slide before they tip.
 pub const FRICTION: f64 = 0.9;
 
-/// What a column may give way as it settles, m.
+/// Maximum settlement of a column, m.
 pub const SETTLES: f64 = 0.05;
 
 /// The golden angle: no two scenes stand alike, and none along an axis.

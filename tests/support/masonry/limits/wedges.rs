@@ -6,7 +6,7 @@ use crate::masonry::limit::Limit;
 use crate::masonry::site::{End, How, Site};
 use crate::masonry::statics::{limit_load, limit_tilt, threshold};
 
-/// What a wedge a metre high may give way as it settles, m.
+/// Maximum settlement of a wedge of 1 m height, m.
 pub const SETTLES: f64 = 0.05;
 
 pub fn end(masonry: &Masonry, tilt: f64, how: How) -> End {

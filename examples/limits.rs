@@ -47,7 +47,7 @@ fn fresh(dt: f32, structure: &Structure) -> Found {
     Found { at, shakes }
 }
 
-/// Built upright and tipped: first without a halt, then by 1 % at a time with a halt of seconds, so that what has begun to fall is seen to.
+/// Built upright and tipped: first continuously, then by 1 % at a time with pauses of seconds, so that bodies that have begun to fall are detected.
 fn settled(dt: f32, structure: &Structure) -> Found {
     let mut slope = Slope::new(structure, dt, 0.0);
     let mut shakes = false;
@@ -65,7 +65,7 @@ fn settled(dt: f32, structure: &Structure) -> Found {
     Found { at, shakes }
 }
 
-/// The tables, and what is too far from its limit.
+/// The tables, and the structures that are too far from their limits.
 #[derive(Default)]
 struct Report {
     text: String,

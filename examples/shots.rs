@@ -18,8 +18,8 @@ use support::*;
 const BALL: f32 = 200.0;
 const SPEED: f32 = 15.0;
 
-/// Where balls come from, m: in front of the middle of the wall, a little beside the bed joint at half its height. So a ball strikes two
-/// bricks at least: one that is struck alone nearly leaves the wall, and whether it does is luck.
+/// The initial positions of balls, m: in front of the middle of the wall, a little beside the bed joint at half its height. So a ball strikes at least
+/// two bricks. A single brick that is struck nearly leaves the wall, and chance decides whether it does.
 const FROM: [Vec3; 5] = [
     Vec3::new(0.0, 2.0, -2.0),
     Vec3::new(0.13, 2.07, -2.0),
@@ -31,7 +31,7 @@ const FROM: [Vec3; 5] = [
 /// The result of a shot.
 #[derive(Clone, Copy)]
 struct Shot {
-    /// How far bricks are from where they were, three seconds after: their mean, and the farthest, mm.
+    /// The displacement of bricks three seconds later: the mean and the maximum, mm.
     moved: f32,
     farthest: f32,
     /// The mean at a fifth of a second, before they swing back, mm.

@@ -9,8 +9,7 @@ use drystone::contact::{ContactImpulses, Manifold};
 use drystone::settings::{Gravity, StabilizationSettings};
 use glam::{Quat, Vec3};
 
-/// Where a body is that is watched, and how it moves there. A despawned or quarantined body has the pose NaN, which [`Displacement`]
-/// takes for fallen.
+/// The pose and the velocity of a watched body. The pose of a despawned or quarantined body is NaN, which [`Displacement`] counts as fallen.
 pub fn watch(world: &World, body: Entity) -> (Pose, Velocity) {
     let seen = || {
         let body = world.get_entity(body).ok()?;
@@ -133,7 +132,7 @@ pub fn gaps(world: &mut World) -> Gaps {
     gaps
 }
 
-/// How far bodies are from where they were. Infinite where one of them is lost.
+/// The displacement of bodies from their initial poses. It is infinite if a body is lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
     /// Largest distance sideways, m.
@@ -161,7 +160,7 @@ impl Displacement {
         for (start, now) in start.into_iter().zip(now) {
             let moved = match start.is_finite() && now.is_finite() {
                 true => now.position - start.position,
-                // Also what is infinitely high, and so neither drifts nor sags.
+                // This includes a body that is infinitely high, which neither drifts nor sags.
                 false => Vec3::NAN,
             };
             worst.drift = worst.drift.max(or_infinite(moved.with_y(0.0).length()));

@@ -115,7 +115,7 @@ impl Solid {
         })
     }
 
-    /// How far it and another overlap along a direction or against it, whichever is less, m.
+    /// The overlap with another body along a direction or against it, whichever is less, m.
     fn along(&self, other: &Self, way: DVec3) -> f64 {
         let reach = |solid: &Self, way: DVec3| {
             let all = solid.corners.iter().map(|corner| corner.dot(way));
@@ -137,7 +137,7 @@ impl Solid {
     }
 }
 
-/// How far two overlap along a direction, m; negative where a plane across it parts them.
+/// The overlap of two bodies along a direction, m. It is negative if a plane perpendicular to the direction separates them.
 fn along(a: &Placed, b: &Placed, way: Vec3) -> f32 {
     let origin = a.position();
     a.reach(way, origin) + b.reach(-way, origin)

@@ -28,7 +28,7 @@ pub struct Play {
 /// The result for the wall. All numbers are along z, out of its plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Played {
-    /// How far it has moved as a whole, at most: the mean of its bricks, m.
+    /// Maximum displacement of the whole wall: the mean of its bricks, m.
     pub moved: f32,
     /// The same of its top course, m.
     pub top_moved: f32,
@@ -37,8 +37,8 @@ pub struct Played {
     pub momentum: f32,
     /// The momentum of all balls that were thrown, N·s.
     pub thrown: f32,
-    /// By how much its angular momentum about the axis of its foot exceeds, at most, that which two balls in a row have brought so far and what
-    /// its weight adds while it swings: a share of what a ball brings that hits its top.
+    /// Maximum excess of its angular momentum about the axis of its foot over the sum of that of two consecutive balls and that which its weight adds while
+    /// it swings. Relative to the angular momentum of a ball that hits its top.
     pub swing: f32,
 }
 

@@ -65,7 +65,7 @@ impl<'a> Cast<'a> {
             .unwrap_or(f32::MAX)
     }
 
-    /// Where it touches a body within `max_distance` (m).
+    /// Computes the hit on a body within `max_distance` (m), if there is one.
     fn hit(
         &self,
         target: &Target,

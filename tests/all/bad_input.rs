@@ -430,7 +430,7 @@ fn a_splinter_is_a_hull() {
     }
 }
 
-/// Only `Transform` moves a body; what is written to its `Pose` is taken back, and is nothing that contacts are looked for at.
+/// Only `Transform` moves a body. A written `Pose` is reset, and no contacts are detected there.
 #[test]
 fn a_pose_written_over_is_taken_back() {
     for kind in [RigidBody::Dynamic, RigidBody::Static, RigidBody::Kinematic] {
@@ -510,7 +510,7 @@ fn a_body_that_is_not_mended_stays_away() {
         site.insert(push);
         site.lab.run(0.5);
         assert_eq!(site.lab.errors().len(), 1);
-        // Something else is written, and what is wrong is written again.
+        // Another component is written, and the invalid one is written again.
         site.insert((Friction::new(0.3), push));
         site.lab.run(0.5);
         assert_eq!(site.lab.errors(), []);

@@ -60,8 +60,8 @@ struct Dice(fastrand::Rng);
 
 type BodyOrPair = Or<(With<ContactPair>, With<RigidBody>)>;
 
-/// A marker goes on some pairs and bodies and off others once in a while, which takes them into other tables; and what is no body comes and
-/// goes. (In steps between, all that is kept from step to step is kept.)
+/// Sometimes adds a marker to some pairs and bodies and removes it from others, which moves them to other tables, and spawns and despawns entities that
+/// are not bodies. (In the steps between, all state is kept.)
 fn mark(
     mut commands: Commands,
     mut dice: ResMut<Dice>,
@@ -85,7 +85,7 @@ fn mark(
     commands.spawn((Stranger, ExternalForce::default()));
 }
 
-/// Where pairs are kept changes, and nothing else.
+/// The tables of pairs change, and nothing else.
 #[test]
 fn a_marker_changes_no_bit_whenever_it_is_put_there() {
     for preset in [Preset::Default, Preset::Paper] {
@@ -155,7 +155,7 @@ fn a_pair_despawned_between_islands_and_solve_affects_only_its_bodies() {
             falls,
             "its stack, {gap:?}"
         );
-        // Ground, stack, and what has not yet fallen on it.
+        // The ground, the stack, and bodies that have not fallen on it yet.
         assert_eq!(whole[6..16], without[6..16]);
         assert_eq!(whole[56], without[56]);
     }

@@ -1,4 +1,4 @@
-//! Blows: what falls on a stack does not make it hop, and a shot takes as many bricks out of a wall at any length of the step.
+//! Blows: a body that falls on a stack does not make it hop, and a shot knocks the same number of bricks out of a wall for any length of the step.
 //!
 //! `cargo run --release --example blows` prints the whole table.
 
@@ -104,7 +104,7 @@ fn shots_converge() {
     );
 }
 
-/// With shorter and shorter steps, to 1/3840 s, the foot comes to 7.1 m/s and what is above to 0.376.
+/// With shorter steps, down to 1/3840 s, the foot reaches 7.1 m/s and the body above 0.376 m/s.
 #[test]
 #[ignore = "long"]
 fn a_column_shot_at_its_foot_converges() {

@@ -539,7 +539,7 @@ fn a_body_below_another_body_moves_by_itself() {
     assert_shown_where_it_is(&lab, cube, 1e-4);
 }
 
-/// Where the transforms from a body up to the top put it.
+/// The world pose that follows from the transforms of a body and its ancestors.
 fn shown(lab: &Lab, body: Entity) -> Transform {
     let mut shown = *lab.world.get::<Transform>(body).unwrap();
     let mut at = body;

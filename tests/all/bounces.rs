@@ -1,4 +1,4 @@
-//! Restitution: what it keeps, that it gains nothing, and what is told of it.
+//! Restitution: the kept speed, no gain of energy, and the events.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -176,7 +176,7 @@ fn bounces_among_many_gain_nothing() {
                 "seed {seed}, e {restitution}: {:.3} kept, gains {gain:.1e}",
                 last / start
             );
-            // Springs of what has landed give a little back, never above the start.
+            // The contact springs of landed bodies return a little energy, but never more than at the start.
             assert!(gain < 3e-3, "seed {seed}, e {restitution}: {gain}");
         }
     }

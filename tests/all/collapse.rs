@@ -86,7 +86,7 @@ fn a_wall_that_loses_its_corner_is_told_of_once() {
 
 #[test]
 fn how_it_gave_way_is_told() {
-    // Gravity is tilted a degree a second: what is low slides at 16.7°, what is high tips at 11.3°.
+    // Gravity is tilted by a degree a second. The low structure slides at 16.7°, and the high one tips at 11.3°.
     for (cubes, friction, how) in [(1, 0.3, FailureMode::Slid), (5, 0.8, FailureMode::Tipped)] {
         let mut lab = site(true);
         let stack: Vec<Entity> = (0..cubes)
@@ -163,7 +163,7 @@ fn what_is_built_and_taken_off_is_no_collapse() {
     let laid = lab.body(brick, Vec3::new(0.0, 3.25, 0.0));
     watch(&mut lab, laid);
     assert_eq!(told(&mut lab, 2.0), []);
-    // And what is dropped beside it stands for itself.
+    // A body that is dropped beside it stands as a structure of its own.
     let beside = lab.cube(Vec3::new(0.0, 2.0, 5.0));
     watch(&mut lab, beside);
     assert_eq!(told(&mut lab, 2.0), []);
@@ -212,7 +212,7 @@ fn what_is_put_elsewhere_or_held_stood_nowhere() {
     assert_eq!(told(&mut lab, 3.0), []);
     lab.world.entity_mut(lies).remove::<Grab>();
     assert_eq!(told(&mut lab, 2.0), []);
-    // Where it has come to lie it stands again.
+    // It stands again at its new place.
     lab.set_velocity(lies, Vec3::X * 3.0, Vec3::ZERO);
     assert_eq!(ways(&told(&mut lab, 2.0)), [(lies, FailureMode::Slid)]);
 }
@@ -238,7 +238,7 @@ fn a_strength_lowered_while_asleep_counts() {
         panic!("one collapse has ended");
     };
     assert_eq!((ended.first, &ended.moved[..]), (under, &[][..]));
-    // And what was told of stands, so that it can fall.
+    // The reported structure stands again, so that it can fall.
     lab.world.despawn(under);
     assert_eq!(ways(&told(&mut lab, 2.0)), [(upper, FailureMode::Fell)]);
 }

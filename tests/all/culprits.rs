@@ -206,7 +206,7 @@ fn sizes_and_surfaces_beyond_all_bounds() {
     spoil("far away", BodyProblem::NonFinitePose, insert(far));
 }
 
-/// Fast, but not too fast: it is slowed down to what is allowed.
+/// It is fast, but not too fast: it is slowed down to the limit.
 #[test]
 fn speed_is_capped() {
     let mut lab = Lab::new();
@@ -354,7 +354,7 @@ fn settings_that_cannot_be() {
     });
 }
 
-// 6: what is no body, or not as large as it seems
+// 6: entities that are not bodies, or not as large as they seem
 
 #[test]
 fn shapes_that_nothing_touches_are_named_once() {
@@ -388,7 +388,7 @@ fn shapes_that_nothing_touches_are_named_once() {
     assert_eq!(pairs.iter(&lab.world).count(), 1, "the cube on the ground");
 }
 
-/// Ten thousand times the mass squeezes out what is below it; that is said when they meet.
+/// A body of ten thousand times the mass squeezes out the body below; this is reported when they touch.
 #[test]
 fn a_great_mass_ratio_is_said() {
     let mut lab = Lab::new();

@@ -350,7 +350,7 @@ fn a_contact_ends_with_one_of_its_bodies() {
     assert_eq!(drain::<ContactEnded>(&mut lab).len(), 1);
 }
 
-/// Manifolds at rest are kept, and with them what is demanded of them.
+/// Manifolds at rest are kept, and so are their targets.
 #[test]
 fn friction_stabilization_may_be_turned_off_at_any_time() {
     let mut app = app(DrystonePlugins::default().build());

@@ -298,7 +298,7 @@ fn a_resting_body_that_grows_is_found_anew_and_pushed_out() {
     }
 }
 
-// 5: what is taken off
+// 5: components that are removed
 
 #[test]
 fn what_is_taken_off_a_body_takes_effect_in_the_next_step() {

@@ -153,7 +153,7 @@ fn boxes_prisms_and_balls_have_their_true_faces() {
     ];
     for (points, expected) in shapes {
         for placed in placements(&points) {
-            // A shift of 30 sizes leaves nothing certain of what is a thousandth as thick.
+            // A shift by 30 times the size leaves only rounding errors of a body with a thousandth of its thickness.
             let hull = Polyhedron::new(&placed);
             let Ok(hull) = hull else {
                 assert!(expected[2] == 6, "{expected:?}");

@@ -262,7 +262,7 @@ const ASLEEP: Sleeping = Sleeping {
     allowed: true,
 };
 
-/// Where a level is loaded asleep it bears what it would bear awake: from its first step, and without having moved.
+/// A level that is loaded while asleep bears the same load as awake, from the first step, and without motion.
 #[test]
 fn what_is_loaded_asleep_bears_its_weight_at_once() {
     for preset in [Preset::Default, Preset::Paper] {
@@ -312,7 +312,7 @@ fn what_is_loaded_asleep_bears_its_weight_at_once() {
             bricks.len()
         );
         assert_eq!(supports.supported_by(bricks[14]).unwrap().len(), 2);
-        // It carries on where it was. (The paper's envelope lifts what is spawned in touch, awake or not.)
+        // It continues from its state. (The paper's envelope lifts bodies that are spawned in contact, awake or not.)
         if preset == Preset::Paper {
             continue;
         }

@@ -15,8 +15,7 @@ enum By {
     Transform,
 }
 
-/// A kinematic platform whose top is at y = 0, led along `way`, with what stands on it; the farthest that any of it has slipped
-/// on the platform by the end, m.
+/// Moves a kinematic platform, whose top is at y = 0, along `way`, with the bodies on it. Returns the largest slip of a body on the platform at the end, m.
 fn carry(
     by: By,
     substeps: usize,

@@ -1,4 +1,4 @@
-//! The order in which contacts are swept follows from what stands on what, not from who was spawned first or as which `Entity`.
+//! The order in which contacts are swept follows from which body stands on which, and not from the order of spawning or the `Entity`.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;

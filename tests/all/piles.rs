@@ -125,7 +125,7 @@ fn sleeps(what: &str, seconds: f32, collider: impl Fn(usize, &mut fastrand::Rng)
     sleeps_within(what, seconds, 0.005, collider);
 }
 
-/// The same with another limit, m: what is round wedges itself in.
+/// The same with another limit, m, because round bodies wedge themselves in.
 #[track_caller]
 fn sleeps_within(
     what: &str,

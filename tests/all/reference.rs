@@ -63,7 +63,7 @@ rows!(
     a_cube_that_falls_flat_stays_where_it_lands,
 );
 
-/// A body on a slope that falls towards +x, touching it with what is `height` below its centre.
+/// A body on a slope that falls towards +x. It touches the slope `height` below its centre.
 fn on_slope(
     lab: &mut Lab,
     angle: f32,

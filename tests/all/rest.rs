@@ -320,7 +320,7 @@ fn the_same_written_again_leaves_what_rests_at_rest() {
     }
     yard.lab.step();
     assert_eq!(yard.active(), (vec![], 0));
-    // And what is not the same wakes.
+    // A write of a different value wakes the body.
     yard.lab.world.entity_mut(cube).insert(Friction::new(0.1));
     yard.lab.step();
     assert!(!yard.sleeps(cube));

@@ -1,5 +1,5 @@
-//! What every solve must leave behind, on random contact graphs: impulses inside their cones, momentum where it was, and
-//! velocities that are the initial ones plus M⁻¹Jᵀλ.
+//! Conditions on every solve, on random contact graphs: impulses are inside their cones, momentum is conserved, and velocities equal the initial ones plus
+//! M⁻¹Jᵀλ.
 
 use drystone::solver::merit::free_merit;
 use drystone::solver::{
@@ -10,7 +10,7 @@ use drystone::solver::{
 use glam::{Mat3, Quat, Vec3};
 use proptest::prelude::*;
 
-/// A contact graph, with what is needed to check it.
+/// A contact graph, with the data to check it.
 #[derive(Clone, Debug)]
 struct Graph {
     positions: Vec<Vec3>,

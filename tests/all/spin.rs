@@ -30,7 +30,7 @@ fn momentum(lab: &Lab, body: Entity) -> Vec3 {
     frame * ((frame.inverse() * lab.velocity(body).angular) / mass.inverse_inertia)
 }
 
-/// How far a free body's momentum strays, and how far its energy falls and rises, in so many steps; as shares.
+/// The relative errors of a free body after this many steps: that of its momentum, and the largest decrease and increase of its energy.
 fn strays(collider: Collider, dt: f32, spin: Vec3, steps: usize) -> (f32, f64, f64) {
     let mut lab = weightless(dt);
     let body = lab.body(collider, Vec3::ZERO);

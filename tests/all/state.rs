@@ -1,5 +1,5 @@
-//! The state of a world is what is on the list of [`drystone::state`]: a world into which exactly that was copied in the middle of a
-//! simulation goes on to the same bits, and tells the same.
+//! The state of a world is the list of [`drystone::state`]: a world into which exactly these components and resources were copied in the middle of a
+//! simulation continues to the same bits, and sends the same messages.
 
 use bevy_app::App;
 use bevy_ecs::entity::EntityHashMap;
@@ -89,7 +89,7 @@ impl Run {
         self
     }
 
-    /// Copies the state into a world that has seen others, and takes steps in both. Returned is what was told.
+    /// Copies the state into a world that has simulated others, and takes steps in both. Returns the messages.
     fn goes_on_in_a_copy(mut self, name: &str, act: Act) -> Vec<String> {
         let mut copy = empty();
         copy.spawn_batch((0..7).map(|_| ()));

@@ -1,7 +1,7 @@
 //! With the default settings, structures stay in place, at 60 Hz and at steps of 0.1 s.
 //!
-//! No sleeping, which would hold anything after half a second; one thread each, as tests run side by side. What takes long is
-//! ignored, and so is what is missed, with the figure: `cargo test --test all steadiness:: -- --ignored --nocapture` prints them.
+//! Sleeping is off, because it would hold any structure after half a second. Each test has one thread, because tests run in parallel. Long tests are
+//! ignored, and so are those whose limit is missed, with the measured value: `cargo test --test all steadiness:: -- --ignored --nocapture` prints them.
 
 use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::settings::{PhysicsThreads, Preset};

@@ -35,7 +35,7 @@ fn names(bearings: &[Bearing], of: impl Fn(&Bearing) -> Entity) -> Vec<Entity> {
     bearings.iter().map(of).collect()
 }
 
-/// Awake, asleep, at rest, and where something that is awake touches what rests.
+/// Awake, asleep, at rest, and with an awake body that touches bodies at rest.
 #[test]
 fn a_structure_is_what_touches_in_whatever_state() {
     let mut lab = Lab::new();
@@ -174,7 +174,7 @@ fn in_a_heap_all_answers_agree() {
             let above: BTreeSet<Entity> = above.iter().map(|bearing| bearing.above).collect();
             assert_eq!(above, over.get(&brick).cloned().unwrap_or_default());
 
-            // Held without it: from what stands still upwards.
+            // Bodies that are supported without it, from the static bodies upwards.
             let mut held: BTreeSet<Entity> = BTreeSet::new();
             loop {
                 let stands =

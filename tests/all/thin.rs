@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::f32::consts::FRAC_PI_2;
 use support::*;
 
-/// Where the i-th of five begins, above 0.5 m; they are `thick` m high and `wide` m wide.
+/// The initial pose of the i-th of five bodies, above 0.5 m. They are `thick` m high and `wide` m wide.
 type Arrangement = fn(i: usize, wide: f32, thick: f32) -> Transform;
 
 fn arrangements() -> [(&'static str, Arrangement); 5] {

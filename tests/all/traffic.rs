@@ -44,8 +44,8 @@ fn corners(outer: f32) -> Vec<Vec2> {
         .collect()
 }
 
-/// Where the sled may press: its middle, the voussoir, the point, and the normal. It is held upright by nothing and has no friction, so that what it
-/// presses goes through its middle: flat on a face, or over a ridge, turned to any angle between the two faces.
+/// The places at which the sled may press: its centre, the voussoir, the point and the normal. Nothing holds it upright and it has no friction, so its
+/// force goes through its centre. It lies flat on a face, or over a ridge at any angle between the two faces.
 fn rests(outer: f32) -> Vec<(Vec2, usize, Vec2, Vec2)> {
     let corners = corners(outer);
     let normal = |i: usize| (corners[i] - corners[i + 1]).perp().normalize();
@@ -73,8 +73,8 @@ fn rests(outer: f32) -> Vec<(Vec2, usize, Vec2, Vec2)> {
     rests
 }
 
-/// The heaviest sled that the arch bears at every place, kg, and where its middle is at the worst. What draws it takes up what is level, so that it
-/// presses with m g / cos θ along the normal.
+/// The heaviest sled that the arch bears at every place, kg, and its centre at the worst place. The pulling force balances the horizontal component, so the
+/// sled presses with m g / cos θ along the normal.
 fn bears(radii: [f32; 2], along: impl Fn(Vec2) -> Vec2) -> (f32, f32) {
     let (mut lab, bodies) = arch(radii, 1.0 / 60.0);
     lab.step();
@@ -107,7 +107,7 @@ enum Drawn {
 
 const ALL: [Drawn; 4] = [Drawn::Set, Drawn::SetLevel, Drawn::Hand, Drawn::HandLevel];
 
-/// How far a voussoir has gone at the end, m; no farther than a metre is looked at.
+/// The largest displacement of a voussoir at the end, m, at most 1 m.
 fn goes(radii: [f32; 2], mass: f32, drawn: Drawn, speed: f32, rate: f32) -> f32 {
     let (mut lab, bodies) = arch(radii, 1.0 / rate);
     let level = matches!(drawn, Drawn::SetLevel | Drawn::HandLevel);

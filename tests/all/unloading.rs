@@ -8,7 +8,7 @@ use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use support::*;
 
-/// A structure that has stood for ten seconds, which is to lose what is on it.
+/// A structure that has stood for ten seconds and loses its load.
 struct Loaded {
     lab: Lab,
     load: Vec<Entity>,
@@ -17,11 +17,11 @@ struct Loaded {
 
 /// The motion within two seconds of the bodies that remain.
 struct Relief {
-    /// How far the farthest moves, m.
+    /// The largest displacement, m.
     moved: f32,
     /// The fastest way up, m/s.
     up: f32,
-    /// By how much their energy grows, kinetic without spin and of place, as the height by which it would lift them all, m.
+    /// The increase of their kinetic (without spin) and potential energy, as the height by which it would lift them all, m.
     gained: f32,
 }
 

@@ -1,4 +1,4 @@
-//! Waking: what is woken carries on as if it had never slept.
+//! Waking: a body that wakes continues as if it had never slept.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;

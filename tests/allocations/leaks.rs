@@ -65,7 +65,7 @@ pub fn islands_that_cease_to_rest_leave_nothing_behind() {
         steps(lab, 1);
     });
     println!("despawned at rest: {despawned:.2} B an island");
-    // Of what rests by itself something is written: it is looked at, and rests on.
+    // A component of bodies at rest is written: they are checked, and stay at rest.
     let cubes = spawn(&mut lab, &cube);
     steps(&mut lab, 3);
     let written = left_behind(&mut lab, rounds, |lab| {

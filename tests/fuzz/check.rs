@@ -14,7 +14,7 @@ use drystone::diagnosis::{BodyError, BodyProblem, StepError};
 use drystone::graph::ConstraintGraph;
 use std::collections::{HashMap, HashSet};
 
-/// What was found wrong: its kind, which stays the same while operations are cut away, and the rest.
+/// A fault: its kind, which stays the same while operations are removed, and the details.
 #[derive(Clone, Debug)]
 pub struct Fault {
     pub kind: String,
@@ -68,7 +68,7 @@ impl Watch {
         self.memory(site, pairs.len())
     }
 
-    /// By pair: started, ended, and so on; and touching now is what has started and not ended.
+    /// By pair: events alternate between started and ended. Pairs that have started and not ended touch now.
     fn events(&mut self, site: &mut Site, pairs: &HashMap<[Entity; 2], bool>) -> Result<(), Fault> {
         let world = &mut site.noisy.world;
         let ended: Vec<_> = drain::<ContactEnded>(world);
@@ -151,7 +151,7 @@ impl Watch {
     }
 }
 
-/// The same bits as in the world without guests, and nobody has anything to say of them.
+/// The innocent stack has the same bits as in the world without guests, and no errors are reported about it.
 fn innocent(site: &mut Site) -> Result<(), Fault> {
     drain::<StepError>(&mut site.noisy.world);
     drain::<StepError>(&mut site.quiet.world);

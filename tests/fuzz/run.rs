@@ -118,7 +118,7 @@ fn fails(seed: u64, acts: &[Act]) -> Option<(usize, Fault)> {
     None
 }
 
-/// Takes away what is not needed to fail in the same way: half of all, quarters, and so on.
+/// Removes operations that are not needed to fail in the same way: halves, quarters, and so on.
 fn cut(seed: u64, acts: &mut Vec<Act>, kind: &str) {
     let mut left = CUTS;
     let mut size = acts.len() / 2;

@@ -1,5 +1,5 @@
-//! The world under test: guests, to whom all is done, on a ground that nobody touches; and far away the innocent, a small
-//! stack, which stands in a second world too that sees no guests.
+//! The world under test: guests, which the operations change, on a ground that no operation changes; and far away the innocent, a small stack. The innocent
+//! also stand in a second world without guests.
 
 use crate::operation::{Act, Operation, Spawn};
 use crate::part::{INNOCENT, Part};
@@ -31,7 +31,7 @@ const EDGE: f32 = 100.0;
 /// The position of the innocent stack, m.
 const AWAY: Vec3 = Vec3::new(500.0, 0.0, 0.0);
 
-/// A world, and the innocent in it: their ground, and what stands there.
+/// A world, and the innocent in it: their ground, and the bodies on it.
 pub struct Half {
     pub world: World,
     pub innocent: Vec<Entity>,
@@ -43,12 +43,11 @@ pub struct Site {
     pub guests: Vec<Entity>,
     /// Whether numbers may be bad.
     pub spoils: bool,
-    /// Guests to whom something bad was done, or to what is above them, and not mended.
+    /// Guests that are invalid, or below an invalid one.
     pub tainted: HashSet<Entity>,
     /// Guests that the ground did not always hold.
     pub free: HashSet<Entity>,
-    /// Settings of solver and stabilization are the defaults, and always were, and no half-space presses on what lies on the
-    /// ground.
+    /// Returns true if the settings of solver and stabilization have always been the defaults, and no half-space presses on bodies on the ground.
     pub plain: bool,
 }
 

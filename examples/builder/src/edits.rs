@@ -141,7 +141,7 @@ pub fn save(world: &mut World) -> Result {
         rotation: pose.rotation,
     });
     let saved: Vec<Saved> = saved.collect();
-    // First beside it: what was saved before is not lost where this fails.
+    // Write to a temporary file first, so that the old file is not lost if this fails.
     let beside = path.with_extension("ron.new");
     fs::write(&beside, ron::ser::to_string_pretty(&saved, default())?)?;
     fs::rename(&beside, path)?;

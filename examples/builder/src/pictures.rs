@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Where pictures go.
+/// The folder of pictures.
 pub const FOLDER: &str = "target/builder";
 
 /// Takes a numbered picture of the window.
@@ -62,7 +62,7 @@ impl Studio {
         app.add_plugins(
             DefaultPlugins
                 .set(window)
-                // Or the first pictures lack what is not compiled yet.
+                // Otherwise the first pictures would lack meshes whose shaders are not compiled yet.
                 .set(RenderPlugin {
                     synchronous_pipeline_compilation: true,
                     ..default()
@@ -141,7 +141,7 @@ pub struct Shot {
     pub after: f32,
     /// The overlays that are shown.
     pub overlays: Overlays,
-    /// Where it goes.
+    /// The path of the picture.
     pub path: PathBuf,
 }
 

@@ -1,5 +1,5 @@
-//! A person at the screen: real clicks and keys on a real window, on a display that nobody sees. What came of them is read back from the
-//! builder's journal; pictures of before and after lie in `target/builder/`.
+//! Tests with a simulated user: real clicks and keys on a real window, on a virtual display. The results are read from the builder's journal; pictures
+//! of before and after are in `target/builder/`.
 //!
 //! `cargo test --ignore-rust-version --test clicks -- --nocapture`; it wants `Xvfb`, `xdotool` and a Vulkan driver (the README names packages), and
 //! says so where they are missing.
@@ -106,7 +106,7 @@ fn a_person_builds_presses_takes_and_undoes() {
     is_at(&undone, &laid, Vec3::new(-1.5, 1.25, 0.0));
     desk.picture("7-undone");
 
-    // The cube is taken: what was said to fall falls, and nothing else.
+    // The cube is removed: exactly the bodies fall that were predicted to fall.
     desk.point(middle);
     let falls = desk.would_fall(&third);
     desk.click(middle);
@@ -393,7 +393,7 @@ impl Desk {
         }
     }
 
-    /// Waits until all has lain still for a while: what is let go has not begun to fall.
+    /// Waits until all bodies have been at rest for a while, because a released body has not begun to fall at once.
     fn rests(&self) {
         let until = Instant::now() + Duration::from_secs(PATIENCE);
         let mut still = 0;

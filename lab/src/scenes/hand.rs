@@ -19,8 +19,8 @@ const WATCH: f32 = 8.0;
 
 /// How hard it presses on the edge, in weights of a block.
 const PRESSURE: f32 = 1.0;
-/// Where it presses, from the middle of the top face, m: near the edge, but over the block below, so that a stack that holds
-/// together only leans.
+/// The point at which it presses, from the middle of the top face, m. It is near the edge, but above the block below, so that a stack that holds together
+/// only leans.
 const PRESS_AT: f32 = 0.4;
 
 /// The action of the hand.
@@ -101,7 +101,7 @@ impl Hand {
                     above.lerp(end, ((t - CARRY) / LOWER).min(1.0))
                 };
                 let held = t < CARRY + LOWER;
-                // Quick, or the block would lag behind and strike what is built.
+                // The response is fast; otherwise the block would lag behind and hit the structure.
                 let grab = Grab {
                     response: 0.08,
                     max_speed: f32::INFINITY,

@@ -26,7 +26,7 @@ pub enum Origin {
     Reference(u16),
     /// A corner of the incident face.
     Incident(u16),
-    /// Where an edge of the reference and one of the incident face cross.
+    /// The crossing of an edge of the reference and an edge of the incident face.
     Edges(u16, u16),
 }
 

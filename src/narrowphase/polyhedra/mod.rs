@@ -71,7 +71,7 @@ pub struct Point {
     pub position: DVec3,
     /// Distance of the surfaces there along the normal, m; negative: overlap.
     pub distance: f64,
-    /// Which features meet there.
+    /// The features that meet there.
     pub feature: FeatureId,
 }
 

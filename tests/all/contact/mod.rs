@@ -24,7 +24,7 @@ const AREA: f64 = 0.01;
 /// Polygons of a lesser share of the face are slivers: their extent counts.
 const SLIVER: f64 = 1e-4;
 
-/// How far past its end an edge is still itself, as a share of the size: what the code calls on the border.
+/// Tolerance beyond the end of an edge, as a share of the size (the code's slack).
 const BORDER: f64 = 1.1e-4;
 
 /// A contact in the world.
@@ -212,7 +212,7 @@ impl<'a> Judge<'a> {
         match seen.axis {
             Axis::Edges(i, j) => {
                 errors.depth = (deepest - along).abs() / size;
-                // Where edges are all but parallel, faces beside them say what is in common.
+                // If edges are almost parallel, the adjacent faces give the contact.
                 if seen.points[0].feature == FeatureId::edges(i, j) {
                     errors.off = self.off_edges(i, j, seen)? / size;
                 }
@@ -254,7 +254,7 @@ impl<'a> Judge<'a> {
         let size = self.truth.size;
         let normal = way * seen.normal;
         let corners = reference.corners(face);
-        // Where the deepest corner is above the face, its depth is that of the contact.
+        // If the deepest corner is above the face, its depth is that of the contact.
         let along = apart(&self.a, &self.b, seen.normal);
         let low = -incident.reach(-normal);
         let mut lowest = incident
@@ -349,7 +349,7 @@ impl<'a> Judge<'a> {
         let by = |seen: &Seen| std::mem::discriminant(&seen.axis);
         let is_other = by(one) != by(two);
         if is_other && !self.has_parallel_faces(one.normal) {
-            // Another is the reference, whose faces say something else of what is not parallel.
+            // The other solid is the reference, and its faces give other distances if the faces are not parallel.
             return Ok(false);
         }
         if (x - y).abs() > 2.0 * DEPTH * size {
@@ -373,7 +373,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// One in so many pairs may miss: where edges are parallel but for single precision, it is not settled which of them cross.
+/// One in this many pairs may differ: if edges are parallel up to single precision, it is undetermined which of them cross.
 const MISSED: usize = 50_000;
 
 /// The results for a kind of pair.

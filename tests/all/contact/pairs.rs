@@ -79,7 +79,7 @@ pub fn corners(half: Vec3) -> Vec<Vec3> {
     (0..8).map(corner).collect()
 }
 
-/// Where they touch; `axis` is that of the last time and of this.
+/// Computes the contact. `axis` is the axis of the last step, and then that of this step.
 pub fn contact(a: &Body, b: &Body, poses: [Pose; 2], search: Search, axis: &mut Axis) -> Contact {
     let place = &Placement::between(poses[0], poses[1]);
     let mut contact = Contact::default();

@@ -44,7 +44,7 @@ fn pairs(seed: u64, count: usize, mut with: impl FnMut(&Pair, &mut Dice)) {
 fn what_hardly_moves_keeps_its_names() {
     let (mut seen, mut axes, mut sets) = (0, 0, 0);
     pairs(5, 40_000, |pair, dice| {
-        // The border of what is thin is as narrow as the movement.
+        // The tolerance of thin solids is as small as the movement.
         let is_thin = |shape: &&Shape| shape.form.is_thin();
         if pair.shapes.iter().any(is_thin) {
             return;

@@ -49,7 +49,7 @@ fn bodies() -> Vec<Body> {
     ]
 }
 
-/// Of a contact at any pose. Where all is finite, so is what comes of it.
+/// A contact at any pose. If the input is finite, the result is finite.
 fn look(a: &Body, b: &Body, poses: [Pose; 2], mut axis: Axis) {
     let contact = contact(a, b, poses, SEARCH, &mut axis);
     let mut few = contact.clone();

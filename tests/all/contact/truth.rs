@@ -1,7 +1,7 @@
-//! What is right, by brute force in double precision, from corners alone: a face's normal is that of its corners, a direction is
-//! tried for every face and every two edges, and the bodies' extent along it is looked for among all corners.
+//! The correct contact by brute force in double precision, computed only from corners: the normal of a face follows from its corners, every face and every
+//! pair of edges gives a candidate direction, and the extent of a body along it is that of all corners.
 //!
-//! Of the code under test only names are taken: which corners make its face or edge of some number.
+//! Only the numbering is taken from the code under test: the corners of each face and edge.
 
 use drystone::narrowphase::polyhedra::{Axis, Solid};
 use glam::{DVec2, DVec3, Quat, Vec3};
@@ -9,8 +9,7 @@ use glam::{DVec2, DVec3, Quat, Vec3};
 /// Position, m, and rotation.
 pub type Pose = (Vec3, Quat);
 
-/// What `axis.rs` says of faces and edges: by what faces win, where edges say the same as a face, and by how much they must be
-/// farther apart there.
+/// The constants of `axis.rs`: the margin of faces, the cosine above which edges are similar to a face, and their margin then.
 const MARGIN: f64 = 5e-6;
 const ALIKE: f64 = 0.996;
 const MORE: f64 = 2e-3;
@@ -150,8 +149,8 @@ impl Stood<'_> {
         })
     }
 
-    /// The faces by which it may meet what is in a direction: around its farthest corner that which looks there most, or where it
-    /// stands on more than a corner one that has them all; and all that are as good but for rounding.
+    /// The faces with which it may touch another solid in a direction. It is the face around its farthest corner whose normal is nearest to the direction or,
+    /// if it stands on several corners, a face with all of them; and all faces that are equal up to rounding.
     pub fn facing(&self, way: DVec3) -> Vec<u16> {
         let most = self.reach(way);
         let stands_on = |face: u16, slack: f64| {
@@ -174,7 +173,7 @@ impl Stood<'_> {
             let best = stand.clone().map(|&f| looks(f)).fold(-1.0, f64::max);
             faces.extend(stand.filter(|&&f| looks(f) >= best - 1e-6));
         }
-        // Where it is all but flat.
+        // If it is almost flat.
         let best = lowest.iter().map(|&f| looks(f)).fold(-1.0, f64::max);
         if best > 0.9999 - 1e-6 {
             faces.extend(lowest.iter().filter(|&&f| looks(f) >= best - 1e-6));
@@ -269,7 +268,7 @@ impl Truth {
         of_edges.fold(self.best_face, f64::max)
     }
 
-    /// How much farther apart than a face edges have to be.
+    /// The margin by which edges must be farther apart than a face.
     fn lead(&self, face: DVec3, edges: DVec3) -> f64 {
         let share = if edges.dot(face) >= ALIKE {
             MORE

@@ -84,7 +84,7 @@ fn a_tall_column_built_at_once_tips_where_statics_says() {
     all_met([column(8)], How::AT_ONCE, 0.02);
 }
 
-/// Leaning at all angles, short of falling: what stands is still.
+/// Leaning at all angles below the limit: a standing stack does not move.
 #[test]
 fn a_leaning_column_of_cuboids_does_not_shake() {
     let mut bad = Vec::new();

@@ -55,7 +55,7 @@ fn a_semicircular_arch_has_a_least_thickness() {
     assert!(few < least, "{few}");
 }
 
-/// Without friction the joints of a flat arch that point to one centre carry what stands above each: the weight of all of it.
+/// Without friction, the joints of a flat arch that point to one centre carry the whole weight above each.
 #[test]
 fn a_flat_arch_of_joints_to_one_centre_needs_no_friction() {
     assert!(stands(&flat_arch(5, 0.0, None)));

@@ -12,13 +12,13 @@ use support::{G, Lab};
 /// In how many seconds gravity grows from zero to all of itself.
 const GROWS: f32 = 2.0;
 
-/// For how long what stands is watched after that, s; and what is built at once as long as the other.
+/// The time for which standing bodies are observed after that, s. Assemblies that are built at once are observed as long as the others.
 const WATCHED: f32 = 3.0;
 
 /// A body slides or falls if it moves farther than this in the last second, m.
 const GOES: f32 = 0.003;
 
-/// And what has come so far by its assembly's size at any time: what is tall leans as it takes up its load.
+/// The same for the whole time, relative to the size of the assembly: tall assemblies lean while they take up their load.
 const GONE: f32 = 0.006;
 
 /// Nothing is watched farther than this, m.
@@ -71,7 +71,7 @@ pub fn joined(parts: Vec<Block>) -> Block {
     block(Collider::compound(parts).expect("a compound"), middle)
 }
 
-/// How far the body that went farthest has come, m.
+/// The largest displacement of a body, m.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
     pub all: f32,

@@ -1,4 +1,4 @@
-//! No squeeze from nothing: what is built at once stands exactly where it stands when gravity grows from zero.
+//! No forces from nothing: an assembly that is built at once stands if and only if it stands when gravity grows from zero.
 //!
 //! Statics allows bodies that are wedged into each other any force, and so would hold what in truth slides. What really holds is what
 //! weight makes that is put on slowly. The test needs no oracle: both plays are the engine's own.

@@ -1,5 +1,4 @@
-//! Masonry of one thickness: blocks drawn in a plane, in double precision. One drawing is the truth of statics and is what is built
-//! and simulated.
+//! Masonry of one thickness: blocks drawn in a plane, in double precision. The same drawing is used by statics and is built and simulated.
 
 use glam::{DMat2, DQuat, DVec2, DVec3};
 
@@ -101,7 +100,7 @@ pub struct Joint {
     pub depth: f64,
 }
 
-/// Blocks and what is between them.
+/// Blocks and the friction between them.
 #[derive(Clone, Debug)]
 pub struct Masonry {
     pub blocks: Vec<Block>,
@@ -168,7 +167,7 @@ fn meet(a: &Block, b: &Block) -> Option<(DVec2, [DVec2; 2])> {
 /// How a drawing stands in the world: turned in its plane against gravity, then about the vertical.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Frame {
-    /// rad; what is up in the drawing leans towards −x.
+    /// Tilt, rad. The up direction of the drawing leans towards −x.
     pub tilt: f64,
     /// rad
     pub yaw: f64,

@@ -3,7 +3,7 @@
 use crate::masonry::site::{End, How};
 use std::rc::Rc;
 
-/// How far a simulated limit may be from the true one, as a share of it.
+/// Relative tolerance of a simulated limit.
 pub const SHARE: f64 = 0.03;
 
 /// A parameter up to or from which something stands.
@@ -55,8 +55,7 @@ impl Limit {
         (!met).then_some(found)
     }
 
-    /// How far the limit is from the true one, as a share of it, by bisection; infinite where it is not between half and one and a half
-    /// of it.
+    /// The relative error of the simulated limit, by bisection. It is infinite if the limit is not between 0.5 and 1.5 times the true one.
     pub fn off(&self, how: How) -> f64 {
         let (mut inside, mut outside) = (0.5, -0.5);
         let ends = [inside, outside].map(|share| (self.end)(self.within(share), how));

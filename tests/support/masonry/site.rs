@@ -1,4 +1,4 @@
-//! A drawing built in a world, and what is asked of it there.
+//! A drawing that is built in a world, and the checks of it.
 
 use crate::Lab;
 use crate::masonry::blocks::{Block, Frame, Joint, Masonry};
@@ -213,8 +213,8 @@ impl Site {
         })
     }
 
-    /// What is wrong with the joints: each has one patch of four points. As they are built, it also has the joint's normal, and a point
-    /// within a millimetre of each of its corners.
+    /// Describes faults of the joints. Each must have one patch of four points. As built, it must also have the joint's normal, and a point within 1 mm of each
+    /// corner.
     pub fn flaws(&mut self, as_built: bool) -> Vec<String> {
         let mut flaws = Vec::new();
         for joint in self.masonry.joints() {

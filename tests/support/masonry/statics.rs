@@ -16,7 +16,7 @@ pub fn weights(masonry: &Masonry, direction: DVec2) -> Loads {
     masonry.blocks.iter().map(weight).collect()
 }
 
-/// What a program says of a row of forces: for each free block a sum of forces along x and y and of moments about its centre.
+/// The equations of a program: for each free block the sums of forces along x and y and of moments about its centre.
 struct Balance(Vec<[Vec<(Variable, f64)>; 3]>);
 
 impl Balance {
@@ -88,7 +88,7 @@ impl Program {
         }
     }
 
-    /// The largest value of what is to be large, if there is any.
+    /// The maximum of the objective, if there is a solution.
     fn solve(self) -> Option<f64> {
         match self.problem.solve() {
             Ok(outcome) => {
@@ -110,8 +110,8 @@ fn most(masonry: &Masonry, always: &Loads, more: &Loads) -> Option<f64> {
 
 /// Whether it can stand under its weight.
 ///
-/// Where nothing but the sign of a limit is asked for, a program without solution would have to be proved so. This one always has
-/// one: the least pull that mortar in the joints would have to bear, which is none where it stands.
+/// If only the sign of a limit is needed, a program may have no solution, which would have to be proved. This program always has one: the least tension
+/// that mortar in the joints would have to bear, which is zero if the structure stands.
 pub fn stands(masonry: &Masonry) -> bool {
     let nothing = vec![DVec2::ZERO; masonry.blocks.len()];
     let program = Program::new(masonry, &weights(masonry, DVec2::NEG_Y), &nothing, true);

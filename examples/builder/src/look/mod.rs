@@ -108,7 +108,7 @@ pub struct Materials {
     pub asleep: Handle<StandardMaterial>,
     /// See `asleep`.
     pub awake: Handle<StandardMaterial>,
-    /// Where a piece could be laid, and where it could not.
+    /// The material of a ghost that could be laid; the next is that of one that could not.
     pub fits: Handle<StandardMaterial>,
     /// See `fits`.
     pub blocked: Handle<StandardMaterial>,

@@ -60,7 +60,7 @@ impl World {
     /// If Box3D has no room for another world.
     pub fn new(gravity: Vec3, threads: u32) -> Result<Self, String> {
         let _guard = WORLDS.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: the definition is Box3D's own with plain numbers changed, and nobody else creates or destroys a world meanwhile.
+        // SAFETY: the definition is Box3D's own with plain numbers changed, and no other code creates or destroys a world meanwhile.
         let id = unsafe {
             let mut definition = b3::b3DefaultWorldDef();
             definition.gravity = vec3(gravity);
@@ -152,7 +152,7 @@ impl World {
     /// If it is not positive and finite.
     pub fn step(&mut self, dt: f32) {
         assert!(dt > 0.0 && dt.is_finite(), "a step of {dt} s");
-        // SAFETY: the world lives as long as `self`, and nobody else has it.
+        // SAFETY: the world lives as long as `self`, and no other code has it.
         unsafe { b3::b3World_Step(self.id, dt, SUBSTEPS) }
     }
 
@@ -200,7 +200,7 @@ impl World {
 impl Drop for World {
     fn drop(&mut self) {
         let _guard = WORLDS.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: it was created with `self`, no handle of it is left, and nobody else creates or destroys a world meanwhile.
+        // SAFETY: it was created with `self`, no handle of it is left, and no other code creates or destroys a world meanwhile.
         unsafe { b3::b3DestroyWorld(self.id) }
     }
 }
@@ -272,7 +272,7 @@ impl Hull {
 impl Drop for Hull {
     fn drop(&mut self) {
         if !self.0.is_null() {
-            // SAFETY: Box3D made it, and nobody else has it: shapes have copies.
+            // SAFETY: Box3D made it, and no other code has it: shapes have copies.
             unsafe { b3::b3DestroyHull(self.0) }
         }
     }

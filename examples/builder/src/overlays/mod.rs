@@ -97,7 +97,7 @@ impl Paint {
 }
 
 impl Overlays {
-    /// Shows these colours, or none where they are shown.
+    /// Shows these colours, or hides them if they are shown already.
     pub fn toggle(&mut self, paint: Paint) {
         self.paint = if self.paint == paint {
             Paint::Own

@@ -39,11 +39,11 @@ pub struct Conditions {
     pub ground: Ground,
 }
 
-/// Builds a scene in drystone, at its default settings but for sleeping: a body asleep costs nothing and does not creep, so
-/// that one asleep in one engine only would decide both comparisons.
+/// Builds a scene in drystone, with its default settings except that sleeping is off. A sleeping body costs nothing and does not creep, so a body that
+/// sleeps in only one engine would decide both comparisons.
 ///
 /// # Errors
-/// If somebody moves the scene, or the operating system gives no threads.
+/// If a hand moves the scene, or the operating system gives no threads.
 pub fn build(scene: Scene, seed: u64, conditions: Conditions) -> Result<(Run, Vec<Body>), String> {
     let threads = conditions.threads;
     let mut experiment = Experiment::new(scene, Preset::Default).with_seed(seed);

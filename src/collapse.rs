@@ -102,7 +102,7 @@ pub struct CollapseEnded {
 /// How a body failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 pub enum FailureMode {
-    /// A [`Grab`](crate::grab::Grab) held it, or an external force acted on it.
+    /// A [`Grab`] held it, or an external force acted on it.
     Pulled,
     /// The normal force on one of its faces exceeded its [`Watch::strength`].
     Crushed,

@@ -17,7 +17,7 @@ use smallvec::smallvec;
 const COINCIDENT: f32 = 1e-6;
 
 /// Separates two bodies in the same place. The direction depends on the two bodies; otherwise many bodies would be pushed out along one line.
-fn part(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
+fn separate_coincident(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
     let normal = (scattered(a.spawn_order.0) - scattered(b.spawn_order.0)).normalize_or(Vec3::Y);
     let distance = -a.radius.min(b.radius);
     let middle = Candidate {
@@ -60,7 +60,7 @@ pub(super) fn detect(
     let solid = shape_a.is_convex() && shape_b.is_convex();
     if solid && (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
         cache.forget();
-        part(a, b, manifold);
+        separate_coincident(a, b, manifold);
         return f32::NEG_INFINITY;
     }
     let mut apart = f32::NEG_INFINITY;

@@ -77,7 +77,7 @@ pub fn separate<A: Solid, B: Solid>(
     last: Axis,
 ) -> Separations {
     let back = place.inverse();
-    let last = along(a, b, place, &back, last);
+    let last = known_separation(a, b, place, &back, last);
     if let Some(last) = last
         && last.distance > reach
     {
@@ -110,7 +110,7 @@ pub fn separate<A: Solid, B: Solid>(
 }
 
 /// Computes the distance along the axis of the last step. Returns `None` if its edges no longer face each other.
-fn along<A: Solid, B: Solid>(
+fn known_separation<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
@@ -121,17 +121,17 @@ fn along<A: Solid, B: Solid>(
         Axis::FaceOfA(face) if face < a.faces() => Some(Separation {
             axis,
             normal: a.plane(face).0,
-            distance: outside(a, b, place, face),
+            distance: distance_from_face(a, b, place, face),
         }),
         Axis::FaceOfB(face) if face < b.faces() => Some(Separation {
             axis,
             normal: -place.direction(b.plane(face).0),
-            distance: outside(b, a, back, face),
+            distance: distance_from_face(b, a, back, face),
         }),
         Axis::Edges(of_a, of_b) if of_a < a.edges() && of_b < b.edges() => {
             let (one, two) = (Arc::of(a, of_a), Arc::of(b, of_b).reversed(place));
             let (normal, _) = one.crosses(&two)?;
-            let distance = between(a, b, place, normal);
+            let distance = distance_along(a, b, place, normal);
             Some(Separation {
                 axis,
                 normal,
@@ -144,12 +144,12 @@ fn along<A: Solid, B: Solid>(
 
 /// The distance of B from A along a direction, m, over all corners. If two edges are almost parallel, rounding decides whether their arcs cross,
 /// and their normal may be any direction perpendicular to them. So the distance along it is computed from all corners.
-fn between<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3) -> f64 {
+fn distance_along<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3) -> f64 {
     normal.dot(place.origin) - b.reach(-place.back(normal)) - a.reach(normal)
 }
 
 /// The distance of B from the plane of a face of A, m. Negative if some part of B is below it.
-fn outside<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, face: u16) -> f64 {
+fn distance_from_face<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, face: u16) -> f64 {
     let (normal, offset) = a.plane(face);
     normal.dot(place.origin) - b.reach(-place.back(normal)) - offset
 }
@@ -218,7 +218,7 @@ fn farther_face<A: Solid, B: Solid>(
     };
     let mut best = None;
     let mut improve = |face: u16, floor: &mut f64| {
-        let distance = outside(a, b, place, face);
+        let distance = distance_from_face(a, b, place, face);
         if distance > *floor {
             (*floor, best) = (distance, Some((face, distance)));
         }
@@ -299,7 +299,7 @@ impl Arc {
     }
 
     /// Upper bound of `normal · way` over the normals of the arc.
-    fn most(&self, way: DVec3) -> f64 {
+    fn max_along(&self, way: DVec3) -> f64 {
         let [x, y] = self.normals.map(|normal| normal.dot(way));
         let cos = self.normals[0].dot(self.normals[1]);
         if y > cos * x && x > cos * y && cos.abs() < 1.0 {
@@ -352,20 +352,20 @@ fn best_edges<A: Solid, B: Solid>(
     let mut of_b = Arcs::new();
     for edge in 0..b.edges() {
         let arc = Arc::of(b, edge);
-        if arc.most(center_a - arc.on) - a.inner() > floor {
+        if arc.max_along(center_a - arc.on) - a.inner() > floor {
             of_b.push(arc.reversed(place));
         }
     }
     let mut best = None;
     for edge in 0..a.edges() {
         let arc = Arc::of(a, edge);
-        if arc.most(center_b - arc.on) - b.inner() <= floor {
+        if arc.max_along(center_b - arc.on) - b.inner() <= floor {
             continue;
         }
         for other in &of_b {
             if let Some((normal, own)) = arc.crosses(other)
                 && own > floor
-                && let distance = between(a, b, place, normal)
+                && let distance = distance_along(a, b, place, normal)
                 && distance > floor
                 && own - distance <= behind
             {

@@ -127,10 +127,10 @@ pub fn touch<A: Solid, B: Solid>(
     search: Search,
     contact: &mut Contact,
 ) -> Axis {
-    let along = |axis: &Separation, contact: &mut Contact| {
+    let write = |axis: &Separation, contact: &mut Contact| {
         contact.normal = -axis.normal;
         contact.points.clear();
-        common(a, b, place, axis, search.reach, contact);
+        intersection(a, b, place, axis, search.reach, contact);
     };
     let best = &found.best;
     contact.normal = -best.normal;
@@ -138,7 +138,7 @@ pub fn touch<A: Solid, B: Solid>(
     if best.distance > search.reach {
         return best.axis;
     }
-    along(best, contact);
+    write(best, contact);
     // Upper bound of the area of a polygon in such a narrow strip.
     let strip = search.graze / (1.0 - seams::OWN * seams::OWN).sqrt();
     let max_area = strip * 2.0 * a.outer().min(b.outer());
@@ -152,7 +152,7 @@ pub fn touch<A: Solid, B: Solid>(
     if let Some(beside) = &found.beside {
         let enough = beside.distance + LACKING * across(a).min(across(b));
         if contact.points.iter().all(|point| point.distance > enough) {
-            along(beside, contact);
+            write(beside, contact);
             return beside.axis;
         }
     }
@@ -194,7 +194,7 @@ fn faces_along<A: Solid, B: Solid>(
         normal,
         distance: 0.0,
     };
-    common(a, b, place, &found, reach, contact);
+    intersection(a, b, place, &found, reach, contact);
 }
 
 /// Tolerance within which a point counts as on a face or an edge, m.
@@ -211,7 +211,7 @@ pub(crate) fn across<S: Solid>(solid: &S) -> f64 {
 }
 
 /// Computes the intersection of a face with the opposite face, or of two edges, for points whose distance is at most `reach`.
-fn common<A: Solid, B: Solid>(
+fn intersection<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,

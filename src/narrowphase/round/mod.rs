@@ -45,7 +45,7 @@ pub fn touch(a: &Part, b: &Part, found: &Found, reach: f64, contact: &mut Contac
     contact.points.clear();
     if let (Some(of_a), Some(of_b)) = (a.facing(found.normal), b.facing(-found.normal)) {
         let size = a.size().min(b.size());
-        common(of_a, of_b, found.normal, size, reach, contact);
+        intersection(of_a, of_b, found.normal, size, reach, contact);
     }
     if contact.points.is_empty() && found.distance <= reach {
         contact.points.push(Point {
@@ -57,7 +57,14 @@ pub fn touch(a: &Part, b: &Part, found: &Found, reach: f64, contact: &mut Contac
 }
 
 /// Computes the intersection of two faces. `size` is that of the smaller body, m.
-fn common(of_a: Face, of_b: Face, normal: DVec3, size: f64, reach: f64, contact: &mut Contact) {
+fn intersection(
+    of_a: Face,
+    of_b: Face,
+    normal: DVec3,
+    size: f64,
+    reach: f64,
+    contact: &mut Contact,
+) {
     let by_a = match [&of_a, &of_b].map(Face::is_line) {
         [false, true] => true,
         [true, false] => false,

@@ -50,7 +50,7 @@ impl Simplex {
         for _ in 0..TRIES {
             let next = farthest(way);
             let square = way.length_squared();
-            if square - way.dot(between(next, off)) <= PRECISE * square {
+            if square - way.dot(difference(next, off)) <= PRECISE * square {
                 break;
             }
             self.corners[self.count] = next;
@@ -68,7 +68,7 @@ impl Simplex {
 
     /// The vectors from A to B at all corners.
     fn ways(&self, off: DVec3) -> [DVec3; 4] {
-        self.corners.map(|on| between(on, off))
+        self.corners.map(|on| difference(on, off))
     }
 
     /// Drops the corners with weight 0. Returns the weights of the others.
@@ -94,11 +94,11 @@ impl Simplex {
 
     /// The vector from A to B at the weighted sum of the corners.
     fn way(&self, shares: &[f64; 4], off: DVec3) -> DVec3 {
-        between(self.weighted(shares), off)
+        difference(self.weighted(shares), off)
     }
 }
 
-fn between(on: [DVec3; 2], off: DVec3) -> DVec3 {
+fn difference(on: [DVec3; 2], off: DVec3) -> DVec3 {
     on[1] + off - on[0]
 }
 

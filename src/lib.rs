@@ -116,6 +116,7 @@ pub mod profile;
 #[deny(missing_debug_implementations)]
 pub mod query;
 #[deny(missing_debug_implementations)]
+pub mod revision;
 pub mod schedule;
 #[deny(missing_debug_implementations)]
 pub mod settings;
@@ -128,7 +129,6 @@ pub mod stability;
 pub mod stabilization;
 #[deny(missing_debug_implementations)]
 pub mod state;
-mod version;
 pub mod warm_start;
 
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of

@@ -8,11 +8,11 @@
 //! falling heap this applies to nine pairs of ten.
 
 use crate::body::BodyState;
-use crate::contact::{Manifold, NarrowphaseCache, ParryManifold, Stand};
+use crate::contact::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
 use glam::{Quat, Vec3};
 
-impl Stand {
-    /// The two stand as they do now; nothing is known yet.
+impl CachedRelativePose {
+    /// Stores the current poses. The manifold must not be recycled yet.
     pub(crate) fn take(&mut self, a: &BodyState, b: &BodyState) {
         self.between = a.center - b.center;
         self.rotations = [a, b].map(|body| body.pose.rotation.to_array());

@@ -20,6 +20,7 @@ impl SolveRows for PointRows {
             bodies,
             constraints: &mut self.constraints,
             grabs,
+            joints: &mut [],
             dt: context.time.dt,
             free_merit: 0.0,
             record_history: context.solver.record_history,

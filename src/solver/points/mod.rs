@@ -49,7 +49,7 @@ use super::lanes::F32x8;
 use super::lanes::{F32x4, F32xN};
 use super::walls::{self, Walls};
 use super::width::Width;
-use super::{Body, GrabConstraint, Lanes, SolveReport};
+use super::{Body, GrabConstraint, JointConstraint, Lanes, SolveReport};
 use blocks::{Cone, Disc, Square};
 pub(crate) use constraint::PatchFrame;
 pub use constraint::{PointConstraint, PointInput, tangents};
@@ -153,6 +153,8 @@ pub struct PointProblem<'a> {
     pub constraints: &'a mut [PointConstraint],
     /// Grabs that hold some of the bodies.
     pub grabs: &'a mut [GrabConstraint],
+    /// Joints between some of the bodies.
+    pub joints: &'a mut [JointConstraint],
     /// Length of the step, s.
     pub dt: f32,
     /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].

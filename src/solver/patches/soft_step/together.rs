@@ -46,6 +46,7 @@ impl Joint {
             patches: &mut self.patches,
             points: &mut self.points,
             grabs: &mut [],
+            joints: &mut [],
             memory,
             threads: 1,
             ..*like

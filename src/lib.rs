@@ -38,6 +38,7 @@
 //! | stage | module | paper | reads | writes |
 //! |---|---|---|---|---|
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
+//! | joints | [`joint`] | | joints | edges of the graph |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
 //! | islands | [`graph`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Inactive`](body::Inactive) |
@@ -63,6 +64,7 @@
 //! |---|---|---|
 //! | What is here? Does this fit? | [`SpatialQuery`](query::SpatialQuery) | [`spatial_query`](query::spatial_query) |
 //! | Which forces act on a body? | [`Contacts`](contact::Contacts) | [`contacts`](contact::contacts()) |
+//! | Which joints has a body, and what do they bear? | [`Joints`](joint::Joints) | [`joints_of`](joint::joints_of) |
 //! | What supports a body, and what does it support? | [`Supports`](contact::Supports) | [`supports`](contact::supports()) |
 //! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), [`preview_task`](preview::preview_task()) |
 //! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
@@ -101,6 +103,8 @@ pub mod grab;
 pub mod graph;
 #[deny(missing_debug_implementations)]
 pub mod integration;
+#[deny(missing_debug_implementations)]
+pub mod joint;
 #[deny(missing_debug_implementations)]
 pub mod masonry;
 #[deny(missing_debug_implementations)]
@@ -155,6 +159,11 @@ pub mod prelude {
     };
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, GrabForce, Hand, HandPlugin, HandState, HeldBy};
+    pub use crate::joint::{
+        BreakForce, DistanceJoint, FixedJoint, GenericJoint, JointAnchor, JointAxes, JointBasis,
+        JointBroke, JointDisabled, JointError, JointForces, JointFrame, JointLimits, JointMotor,
+        Joints, PrismaticJoint, QuarantinedJoint, RevoluteJoint, SphericalJoint, SpringJoint,
+    };
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,
         preview_task,

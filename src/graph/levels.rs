@@ -13,7 +13,7 @@
 //!    it loses its level for now, and its neighbours one level above it are checked in turn.
 //! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest up.
 
-use super::edges::ConstraintGraph;
+use super::edges::{ConstraintGraph, WORLD};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -58,6 +58,7 @@ impl Levels {
         renewed: &[u32],
     ) {
         let slots = [linked, unlinked].into_iter().flat_map(<[_]>::as_flattened);
+        let slots = slots.filter(|&&slot| slot != WORLD);
         let last = slots.chain(renewed).max();
         if let Some(&last) = last
             && self.levels.len() <= last as usize
@@ -91,7 +92,8 @@ impl Levels {
                     let carried = std::mem::replace(level, Self::NONE);
                     lost.push(slot);
                     let above = graph.neighbours(slot);
-                    let above = above.filter(|&n| levels[n as usize] == carried.wrapping_add(1));
+                    let above = above
+                        .filter(|&n| n != WORLD && levels[n as usize] == carried.wrapping_add(1));
                     queue.extend(above.map(|n| Reverse((carried.wrapping_add(1), n))));
                 }
                 Kind::Fixed => (),
@@ -106,14 +108,14 @@ impl Levels {
             if levels[slot as usize] != level || kind(slot) != Kind::Dynamic {
                 continue;
             }
-            let mut below = graph.neighbours(slot).map(|n| levels[n as usize]);
+            let mut below = graph.neighbours(slot).map(|n| level_of(levels, n));
             if below.any(|below| below != Self::NONE && below + 1 == level) {
                 continue;
             }
             levels[slot as usize] = Self::NONE;
             lost.push(slot);
             let above = graph.neighbours(slot);
-            let above = above.filter(|&n| levels[n as usize] == level + 1);
+            let above = above.filter(|&n| level_of(levels, n) == level + 1);
             queue.extend(above.map(|n| Reverse((level + 1, n))));
         }
     }
@@ -138,8 +140,10 @@ impl Levels {
             }
         }
         // A new link may have ended again since, so both lists are checked against the current links.
-        for &slot in lost.iter().chain(linked.as_flattened()) {
-            let below = graph.neighbours(slot).map(|n| levels[n as usize]);
+        let linked = linked.as_flattened().iter();
+        let linked = linked.filter(|&&slot| slot != WORLD);
+        for &slot in lost.iter().chain(linked) {
+            let below = graph.neighbours(slot).map(|n| level_of(levels, n));
             let below = below.min().filter(|&below| below != Self::NONE);
             queue.extend(below.map(|below| Reverse((below + 1, slot))));
         }
@@ -149,9 +153,18 @@ impl Levels {
             }
             levels[slot as usize] = level;
             let above = graph.neighbours(slot);
-            let above = above.filter(|&n| levels[n as usize] > level + 1);
+            let above = above.filter(|&n| level_of(levels, n) > level + 1);
             queue.extend(above.map(|n| Reverse((level + 1, n))));
         }
+    }
+}
+
+/// The level of a body or of the world.
+#[inline]
+fn level_of(levels: &[u32], slot: u32) -> u32 {
+    match slot {
+        WORLD => 0,
+        slot => levels[slot as usize],
     }
 }
 
@@ -169,13 +182,21 @@ pub(super) fn recompute(
     for &slot in &queue {
         levels[slot as usize] = 0;
     }
-    let mut next = 0;
-    while let Some(&slot) = queue.get(next) {
-        next += 1;
-        for n in graph.neighbours(slot) {
+    for slot in (0..slots).filter(|&slot| kind(slot) == Kind::Dynamic) {
+        if graph.neighbours(slot).any(|n| n == WORLD) {
+            levels[slot as usize] = 1;
+            queue.push(slot);
+        }
+    }
+    queue.sort_by_key(|&slot| levels[slot as usize]);
+    // Bodies at level 1 that hang on the world come after those at level 0, so the search still goes level by level.
+    let mut queue = std::collections::VecDeque::from(queue);
+    while let Some(slot) = queue.pop_front() {
+        for n in graph.neighbours(slot).filter(|&n| n != WORLD) {
+            let level = levels[slot as usize] + 1;
             if levels[n as usize] == Levels::NONE {
-                levels[n as usize] = levels[slot as usize] + 1;
-                queue.push(n);
+                levels[n as usize] = level;
+                queue.push_back(n);
             }
         }
     }

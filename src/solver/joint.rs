@@ -4,6 +4,7 @@
 //! driven by a motor, held by a spring or slowed by friction. A fixed joint locks all six axes; a hinge frees one rotation; a rope limits the
 //! distance of the anchors and frees everything else.
 
+use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
 /// The input of a solver for a joint, and its results.
@@ -53,7 +54,7 @@ impl Default for JointConstraint {
 }
 
 /// How a joint acts on one of its coordinates. Units are m and N for translations, rad and N·m for rotations.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct JointAxis {
     /// The coordinate stays between these values. Equal values lock it, infinite ones do not limit it.
     pub limits: [f32; 2],
@@ -64,7 +65,7 @@ pub struct JointAxis {
 }
 
 /// A motor or a spring on one coordinate of a joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct JointMotor {
     /// The coordinate that it moves to. Without effect if `stiffness` is 0.
     pub target_position: f32,

@@ -8,7 +8,7 @@ use super::Pairs;
 use super::contact::{SolverContact, sort_key};
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, is_edited};
-use crate::graph::{ConstraintGraph, Islands};
+use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::settings::PhysicsThreads;
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
@@ -112,6 +112,7 @@ impl Order {
         // A link between two solved bodies is taken only once, from the list of A.
         let links = self.bodies.iter().flat_map(|body| {
             let links = graph.links_of(body.slot);
+            let links = links.filter(|link| link.kind == EdgeKind::Contact);
             links.filter(move |link| link.slots[0] == body.slot || !is_solved(link.slots[0]))
         });
         let mut slots: Vec<(u128, OrderSlot)> = links

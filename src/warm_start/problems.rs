@@ -1,13 +1,13 @@
 //! The resource with the problems of the awake islands.
 
-use super::{Island, Member, Order, PatchRows, PointRows, Rows};
+use super::{Island, JointOrder, Member, Order, PatchRows, PointRows, Rows};
 use crate::body::Velocity;
 use crate::settings::ContactSolver;
 use bevy_ecs::prelude::*;
 
 /// The problems of the awake islands, between the stages *warm start* and *solve*. At any other time it appears empty.
 ///
-/// An island has a problem if some of its bodies touch something or are held.
+/// An island has a problem if some of its bodies touch something, are joined or are held.
 #[derive(Resource, Default)]
 pub struct IslandProblems {
     pub(crate) by_points: ProblemSet<PointRows>,
@@ -21,6 +21,7 @@ pub struct IslandProblems {
 pub(crate) struct ProblemSet<R> {
     pub order: Order,
     pub islands: Vec<Island<R>>,
+    pub joints: JointOrder,
     /// Scratch of *solve*, by slot: the velocity of a body that is not in a problem.
     pub velocities: Vec<Option<Velocity>>,
     /// Scratch of *solve*: the slots of those bodies.
@@ -71,6 +72,7 @@ impl<R: Rows> ProblemSet<R> {
                 contacts: pairs.zip(impulses).collect(),
                 points: island.points(),
                 grabs: island.grabs.len(),
+                joints: island.joints.len(),
             }
         })
     }
@@ -83,6 +85,7 @@ pub struct IslandProblem<'a> {
     contacts: Vec<(Entity, f32)>,
     points: usize,
     grabs: usize,
+    joints: usize,
 }
 
 impl IslandProblem<'_> {
@@ -105,5 +108,10 @@ impl IslandProblem<'_> {
     /// Number of its bodies that are held by a grab.
     pub fn grabs(&self) -> usize {
         self.grabs
+    }
+
+    /// Number of its joints.
+    pub fn joints(&self) -> usize {
+        self.joints
     }
 }

@@ -126,8 +126,8 @@ fn a_brick_put_on_a_stack_is_carried_by_all_below() {
     let unbalanced = masonry.unbalanced();
     assert!(unbalanced < 0.01, "{unbalanced} of gravity is left");
     let weight = 1e3 * G * DT * 0.05f32.cos();
-    for points in
-        [0..4, 16..20].map(|range| range.map(|i| masonry.points[i].rest_impulse - before[i].rest_impulse))
+    for points in [0..4, 16..20]
+        .map(|range| range.map(|i| masonry.points[i].rest_impulse - before[i].rest_impulse))
     {
         let more: f32 = points.sum();
         assert!(

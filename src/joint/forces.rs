@@ -20,10 +20,10 @@ pub struct JointForces {
     pub force: Vec3,
     /// The mean torque on body 2 in addition to that of the force, N·m, world axes.
     pub torque: Vec3,
-    /// Magnitude of the force, N, filtered by a low-pass with the time constant [`BreakForce::response`]. It does not depend on the length of
-    /// a step, and a blow that lasts a substep does not count much.
+    /// The largest magnitude during the step of the force, N, filtered by a low-pass with the time constant [`BreakForce::response`]. It does
+    /// not depend on the length of a step, and a blow that lasts a substep does not count much.
     pub filtered_force: f32,
-    /// Magnitude of the torque, N·m, filtered as the force is.
+    /// The largest magnitude of the torque, N·m, filtered as the force is.
     pub filtered_torque: f32,
     /// What the next solve starts from: the forces along and torques about the axes, N and N·m.
     #[reflect(ignore)]
@@ -40,8 +40,8 @@ impl JointForces {
         Self {
             force,
             torque,
-            filtered_force: solved.filtered[0].length(),
-            filtered_torque: solved.filtered[1].length(),
+            filtered_force: solved.peak[0],
+            filtered_torque: solved.peak[1],
             start: solved.forces,
             filtered: solved.filtered,
         }

@@ -71,6 +71,10 @@ impl Solve<'_> {
             self.context.speeds.cap(&mut end);
             *velocity.bypass_change_detection() = end;
             *motion.bypass_change_detection() = match solved.motion {
+                Some(mean) if solved.motion_is_exact => Motion::Exact {
+                    mean: clean(mean),
+                    end,
+                },
                 Some(mean) => Motion::Mean {
                     mean: clean(mean),
                     end,

@@ -120,6 +120,7 @@ impl<R: Rows> Island<R> {
             inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
             start: [body.velocity.linear, body.velocity.angular],
             motion: None,
+            motion_is_exact: false,
             level,
         });
     }

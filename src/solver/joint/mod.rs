@@ -4,8 +4,16 @@
 //! driven by a motor, held by a spring or slowed by friction. A fixed joint locks all six axes; a hinge frees one rotation; a rope limits the
 //! distance of the anchors and frees everything else.
 
+mod geometry;
+mod plain;
+mod rows;
+
+use super::Body;
 use bevy_reflect::Reflect;
+pub(super) use geometry::{Geometry, Placement};
 use glam::{Quat, Vec3};
+pub(super) use plain::PlainJoint;
+pub(super) use rows::{COORDINATES, Law, Part, rows_of};
 
 /// The input of a solver for a joint, and its results.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +40,8 @@ pub struct JointConstraint {
     pub mean: [Vec3; 2],
     /// In and out: force and torque on B, N and N·m, in A's frame, filtered by a low-pass with the time constant `filter`.
     pub filtered: [Vec3; 2],
+    /// Out: the largest length of each of them during the step, N and N·m: a joint breaks by these, at any length of a step.
+    pub peak: [f32; 2],
     /// Time constant of that low-pass, s.
     pub filter: f32,
 }
@@ -48,6 +58,7 @@ impl Default for JointConstraint {
             forces: [0.0; 7],
             mean: [Vec3::ZERO; 2],
             filtered: [Vec3::ZERO; 2],
+            peak: [0.0; 2],
             filter: 0.01,
         }
     }
@@ -101,5 +112,40 @@ impl JointAxis {
     /// Whether nothing acts on the coordinate.
     pub fn is_free(&self) -> bool {
         *self == Self::FREE
+    }
+}
+
+impl JointConstraint {
+    /// What acts on a coordinate: the axes, then the distance.
+    pub(super) fn axis(&self, coordinate: usize) -> JointAxis {
+        match self.axes.get(coordinate) {
+            Some(axis) => *axis,
+            None => self.distance.unwrap_or(JointAxis::FREE),
+        }
+    }
+
+    /// Whether it acts between two bodies of which at least one moves.
+    pub(super) fn acts(&self, bodies: &[Body]) -> bool {
+        let [a, b] = self.bodies;
+        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+        a != b && (moves(a) || moves(b))
+    }
+
+    /// Filters the mean force and torque of a step of `h` s.
+    fn filter_forces(&mut self, h: f32) {
+        let back = self.frames[0].inverse();
+        let share = filter_share(h, self.filter);
+        for (filtered, mean) in self.filtered.iter_mut().zip(self.mean) {
+            *filtered += share * (back * mean - *filtered);
+        }
+        self.peak = self.filtered.map(Vec3::length);
+    }
+}
+
+/// The share by which a low-pass with a time constant of `time` s follows in `h` s.
+pub(super) fn filter_share(h: f32, time: f32) -> f32 {
+    match time > 0.0 {
+        true => 1.0 - bevy_math::ops::exp(-h / time),
+        false => 1.0,
     }
 }

@@ -26,10 +26,8 @@ pub struct JointForces {
     /// The largest magnitude of the torque, N·m, filtered as the force is.
     pub filtered_torque: f32,
     /// What the next solve starts from: the forces along and torques about the axes, N and N·m.
-    #[reflect(ignore)]
     pub(crate) start: [f32; 7],
     /// Force and torque in the axes of the frame on body 1, filtered, N and N·m.
-    #[reflect(ignore)]
     pub(crate) filtered: [Vec3; 2],
 }
 

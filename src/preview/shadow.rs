@@ -258,13 +258,21 @@ impl Shadow {
         Ok(shadow)
     }
 
-    /// Removes the copies of a body's joints.
+    /// Removes the copies of a body's joints, and wakes the bodies at their other ends.
     fn remove_joints_of(&mut self, body: Entity) {
-        let Self { world, joints, .. } = self;
-        joints.retain(|&(copy, bodies)| {
-            let is_of = bodies.contains(&Some(body));
-            is_of.then(|| world.despawn(copy)).is_none()
-        });
+        let removed = self
+            .joints
+            .extract_if(.., |(_, bodies)| bodies.contains(&Some(body)));
+        for (joint, bodies) in removed.collect::<Vec<_>>() {
+            self.world.despawn(joint);
+            for other in bodies.into_iter().flatten() {
+                if let Some(copy) = self.copy_of(other)
+                    && let Some(mut sleeping) = self.world.get_mut::<Sleeping>(copy)
+                {
+                    sleeping.wake();
+                }
+            }
+        }
     }
 
     /// Copies the collision exceptions between bodies.

@@ -13,7 +13,7 @@ use bevy_reflect::Reflect;
 pub(super) use geometry::{Geometry, Placement};
 use glam::{Quat, Vec3};
 pub(super) use plain::PlainJoint;
-pub(super) use rows::{COORDINATES, Law, Part, rows_of};
+pub(super) use rows::{COORDINATES, Law, Part, Times, rows_of, take_share};
 
 /// The input of a solver for a joint, and its results.
 #[derive(Clone, Copy, Debug, PartialEq)]

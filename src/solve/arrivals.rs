@@ -3,10 +3,11 @@
 //! Sleeping islands are not solved. Without further care, the contacts of a body that is added asleep would have no impulses until its island
 //! wakes: queries of forces and supports would not include it, and the structure would take up its load only then. So in the step in which
 //! bodies are added, the contacts of their island get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever
-//! the solver.
+//! the solver. Islands with joints get none: their contacts and joints are loaded when they wake.
 
 use super::patches::settle;
 use super::{Solve, SolveRows};
+use crate::graph::EdgeKind;
 use crate::warm_start::{GatherContext, Island, Order, Pairs, PatchRows, Stored};
 
 impl Solve<'_> {
@@ -21,10 +22,14 @@ impl Solve<'_> {
         });
         let mut islands: Vec<Island<PatchRows>> = Vec::new();
         islands.resize_with(self.islands.count(), Island::default);
+        // Statics knows no joints.
+        let mut jointed = vec![false; islands.len()];
         let (gravity, dt) = (self.context.gravity.0, self.context.time.dt);
         for (number, member) in (0..).zip(&order.bodies) {
             let body = self.table.get(member.slot);
             let body = body.expect("a member is in the table");
+            let mut joints = self.graph.edges_of_kind(member.slot, EdgeKind::Joint);
+            jointed[member.island as usize] |= joints.next().is_some();
             let level = self.islands.level(member.slot).unwrap_or(0);
             let mut pushed = body.velocity;
             let (scale, force) = (body.gravity_scale, &body.force);
@@ -45,9 +50,14 @@ impl Solve<'_> {
         };
         let mut first = 0;
         for contacts in contacts.chunk_by(|a, b| a.island == b.island) {
-            let island = &mut islands[contacts[0].island as usize];
+            let number = contacts[0].island as usize;
+            let island = &mut islands[number];
             island.first_contact = first;
             first += contacts.len() as u32;
+            if jointed[number] {
+                island.diverged = true;
+                continue;
+            }
             island.gather(contacts, &from);
             island.warm_start(contacts, self.context);
             let Island { rows, bodies, .. } = island;

@@ -35,7 +35,7 @@ fn jerk(dt: f32) -> f32 {
     let mut lab = Lab::shipped(dt);
     let weight = ball(&mut lab, 1.0, Vec3::new(1.0, 0.0, 0.0));
     let rope = SphericalJoint::new(None, weight).with_anchor(Vec3::ZERO);
-    let rope = lab.spawn((rope, BreakForce::default().with_response(0.05)));
+    let rope = lab.spawn(rope);
     let mut most: f32 = 0.0;
     for _ in 0..(2.0 / dt) as usize {
         lab.step();

@@ -38,6 +38,9 @@ pub struct Member {
     is_singular: bool,
     /// Principal axes and inertias at the beginning of the step; found when first needed.
     principal: Option<(Mat3, DVec3)>,
+    /// Its velocities after the last solve. Those during a sweep may include impulses of a blow that are about to be taken back, and the
+    /// curvature of a way grows with their square.
+    pub seen: [Vec3; 2],
     /// The part of its velocity change in this substep that joints gave, m/s and rad/s.
     pub given: [Vec3; 2],
 }
@@ -59,6 +62,7 @@ impl Member {
             answer: Mat3::ZERO,
             is_singular: false,
             principal: None,
+            seen: [Vec3::ZERO; 2],
             given: [Vec3::ZERO; 2],
         }
     }
@@ -67,6 +71,7 @@ impl Member {
     pub fn begin(&mut self, body: &Body) {
         *self = Self::new(self.body);
         self.moves = body.inverse_mass > 0.0;
+        self.seen = body.start;
         if !self.moves {
             return;
         }

@@ -275,7 +275,8 @@ impl Joints {
         }
         self.restart(velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
-            (linear, member.carry_spin(angular))
+            let was = problem.bodies[member.body as usize].start[1];
+            (linear, was, angular - was)
         });
     }
 
@@ -350,16 +351,16 @@ impl Joints {
             let body = member.body as usize;
             let ([linear, angular], was) = (read(velocities, body), read(ended, body));
             let [moves, turns] = member.given;
-            let spin = member.carry_spin(was[1]);
-            (linear - moves, spin + (angular - was[1] - turns))
+            (linear - moves, was[1], angular - was[1] - turns)
         });
     }
 
-    /// Applies the impulses of all pieces whose directions have changed. `bare` returns the velocities of a body without them.
+    /// Applies the impulses of all pieces whose directions have changed. `bare` returns the velocities of a body without them: the linear
+    /// one, the angular one at the end of the last substep, and what it has gained since.
     fn restart(
         &mut self,
         velocities: &[Cell<State>],
-        bare: impl Fn(&mut Member, &[Cell<State>]) -> (Vec3, Vec3),
+        bare: impl Fn(&Member, &[Cell<State>]) -> (Vec3, Vec3, Vec3),
     ) {
         for piece in &mut self.pieces {
             let is_refreshed = std::mem::take(&mut piece.is_refreshed);
@@ -397,10 +398,13 @@ impl Joints {
                 if is_refreshed {
                     member.stiffen(&bend, self.h);
                 }
-                let (linear, angular) = bare(member, velocities);
-                member.given = member.respond(push, moment);
-                let [moves, turns] = member.given;
-                let state = [linear + moves, angular + turns];
+                let (linear, was, gained) = bare(member, velocities);
+                let carried = member.carry_spin(was) - was;
+                let [moves, turns] = member.respond(push, moment);
+                member.seen[1] = was + carried;
+                // The next substep carries the spin anew, too.
+                member.given = [moves, turns + carried];
+                let state = [linear + moves, was + gained + member.given[1]];
                 velocities[member.body as usize].set(state.map(|velocity| velocity.extend(0.0)));
             }
             piece.is_stale |= is_refreshed;

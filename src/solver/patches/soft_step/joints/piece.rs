@@ -119,6 +119,8 @@ impl Piece {
         for link in &lists.links[self.links.clone()] {
             let bodies = link.ends.map(|end| lists.members[end].body as usize);
             let velocities = bodies.map(|body| read(contacts.velocities, body));
+            let seen = link.ends.map(|end| lists.members[end].seen);
+            let velocities = [velocities, seen];
             for row in &mut lists.rows[link.rows.clone()] {
                 row.find_lack(pass.soft, 1.0 / pass.rate, &link.geometry, velocities);
             }
@@ -321,6 +323,7 @@ impl Piece {
                 member.allowed(DVec3::new(d, e, f)),
             ];
             add(contacts.velocities, member.body as usize, change);
+            member.seen = read(contacts.velocities, member.body as usize);
             for (given, change) in member.given.iter_mut().zip(change) {
                 *given += change;
             }

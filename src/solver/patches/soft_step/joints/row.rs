@@ -168,17 +168,17 @@ impl Row {
         }
     }
 
-    /// The rate that it lacks.
+    /// Finds the rate that it lacks, from the velocities of A and B now and after the last solve.
     pub fn find_lack(
         &mut self,
         soft: bool,
         h: f32,
         geometry: &Geometry,
-        velocities: [[Vec3; 2]; 2],
+        [velocities, seen]: [[[Vec3; 2]; 2]; 2],
     ) {
         let mut wanted = if soft { self.law.rate } else { self.law.rigid };
         if self.law.is_held {
-            let bent = geometry.curvature(self.coordinate, self.direction, velocities);
+            let bent = geometry.curvature(self.coordinate, self.direction, seen);
             wanted -= CURVED * 0.5 * h * bent;
         }
         let leak = match soft || self.part != Part::Hold {

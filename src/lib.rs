@@ -69,6 +69,10 @@
 //! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), [`preview_task`](preview::preview_task()) |
 //! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
 //!
+//! # Joints
+//!
+//! [`joint`] connects bodies with each other and with the world: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break.
+//!
 //! # For builders
 //!
 //! [`masonry`] generates structures and undoes edits, [`grab`] holds bodies, and [`collapse`] reports structures that fail. The features `gizmos`,

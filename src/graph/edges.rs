@@ -135,6 +135,11 @@ impl ConstraintGraph {
         self.edges.len() - self.free.len()
     }
 
+    /// Returns true if there are edges of kinds of which there may be several between two bodies: joints.
+    pub(crate) fn has_joints(&self) -> bool {
+        self.edge_count() > self.known.len()
+    }
+
     /// The entities of a body's edges.
     pub(crate) fn edges_of(&self, slot: u32) -> impl ExactSizeIterator<Item = Entity> {
         let node = self.nodes.get(slot as usize);

@@ -63,6 +63,9 @@ fn of_changed_bodies(world: &World) -> Vec<Entity> {
         world.resource::<BodyTable>(),
         world.resource::<ConstraintGraph>(),
     );
+    if !graph.has_joints() {
+        return Vec::new();
+    }
     let changed = table.active().filter(|(_, body)| body.renewed);
     let changed = changed.map(|(slot, _)| slot).chain(table.removed_slots());
     changed

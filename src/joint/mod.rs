@@ -42,6 +42,14 @@
 //! A joint whose numbers or bodies are invalid gets the marker [`QuarantinedJoint`] and is reported by a [`JointError`] message and in the log. It
 //! does nothing; its bodies are simulated on. When its input is corrected it works again.
 //!
+//! # From Avian and Rapier
+//! Types and builder methods have Avian's names. Differences: a joint to the world needs no static body; an anchor that is not given is where the
+//! bodies are, and not at the origin of each; jointed bodies do not collide unless asked; there is no compliance or damping to tune, because
+//! joints are solved directly. From bevy_rapier: a joint is an entity and not a component of one of its bodies; `locked_axes` is
+//! [`GenericJoint::with_locked_axes`], `motor_velocity` and `motor_position` are [`JointMotor::velocity`] and [`JointMotor::position`].
+//!
+//! Under the point solvers ([`Pgs`](crate::solver::Pgs), [`Nncg`](crate::solver::Nncg)) joints are plain rows, which heavy loads stretch.
+//!
 //! # In a step
 //! The stage [`joints`](joints()), after *prepare*, adds and removes edges of the constraint graph ([`graph`](crate::graph)), of the kind *joint*. *Warm start*
 //! gathers the joints of each island, in the order of their bodies and then in spawn order. *Solve* computes them together with contacts, and

@@ -108,7 +108,11 @@ fn a_drawbridge_hangs_on_two_chains() {
             let turn = Quat::from_rotation_arc(Vec3::Y, step.normalize());
             let at = Transform::from_translation(start + 0.5 * step).with_rotation(turn);
             let link = lab.spawn((RigidBody::Dynamic, link, Mass(5.0), at));
-            let joint = lab.spawn(SphericalJoint::new(last, link).with_anchor(start));
+            let joint = lab.spawn(
+                SphericalJoint::new(last, link)
+                    .with_anchor(start)
+                    .with_friction(2.0),
+            );
             if i == 0 {
                 tops.push(joint);
             }

@@ -177,6 +177,10 @@ impl Piece {
                     self.solution[unknown] = row.lack as f64;
                 } else if change != 0.0 {
                     for (side, sign) in sides(row) {
+                        // The other side is a body that nothing moves.
+                        if pair.couplings[side].is_none() {
+                            continue;
+                        }
                         let end = pair.ends[side] - self.members.start;
                         let first = self.factor.first_of(end);
                         let numbers = row.numbers(sign);

@@ -62,6 +62,9 @@ pub struct Joints {
     offsets: Vec<Vec3>,
     /// By link: what it has done in this step.
     logs: Vec<Log>,
+    /// By member of a piece: the push and the moment of its joints, and their geometric stiffness.
+    pushes: Vec<[Vec3; 2]>,
+    bends: Vec<Mat3>,
     /// The joints of the problem.
     joints: Vec<JointConstraint>,
     h: f32,
@@ -369,8 +372,10 @@ impl Joints {
             if !is_refreshed && !is_stiffened {
                 continue;
             }
-            let (mut pushes, mut bends) = (Vec::new(), Vec::new());
+            let (pushes, bends) = (&mut self.pushes, &mut self.bends);
+            pushes.clear();
             pushes.resize(members.len(), [Vec3::ZERO; 2]);
+            bends.clear();
             bends.resize(members.len(), Mat3::ZERO);
             let first = piece.members.start;
             for link in &self.links[piece.links.clone()] {
@@ -392,11 +397,10 @@ impl Joints {
                     bends[end - first] += along - across;
                 }
             }
-            for (member, ([push, moment], bend)) in
-                members.iter_mut().zip(pushes.into_iter().zip(bends))
-            {
+            let forces = pushes.iter().zip(&*bends);
+            for (member, (&[push, moment], bend)) in members.iter_mut().zip(forces) {
                 if is_refreshed {
-                    member.stiffen(&bend, self.h);
+                    member.stiffen(bend, self.h);
                 }
                 let (linear, was, gained) = bare(member, velocities);
                 let carried = member.carry_spin(was) - was;

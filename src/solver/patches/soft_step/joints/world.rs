@@ -91,7 +91,6 @@ pub struct World {
     memory: Memory,
     pub gravity: Vec3,
     pub solver: SoftStep,
-    /// Sum of the potentials of springs is not known; tests with springs do not ask for energy.
     pub time: f32,
 }
 
@@ -275,6 +274,11 @@ impl World {
             (thing.linear, thing.angular) = (body.linear, body.angular);
         }
         self.time += dt;
+    }
+
+    /// Drops what the solver keeps.
+    pub fn forget(&mut self) {
+        self.memory.forget();
     }
 
     /// Steps for some seconds.

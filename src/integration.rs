@@ -61,7 +61,7 @@ pub fn integration(
             let before = pose.rotation;
             (pose.rotation, velocity.angular) = match (body.kind, mean) {
                 (RigidBody::Dynamic, None) => rotate(mass, before, velocity.angular, dt),
-                (RigidBody::Dynamic, Some(_)) => {
+                (RigidBody::Dynamic, Some(_)) if !matches!(motion, Motion::Exact { .. }) => {
                     carried(mass, before, angular, velocity.angular, dt)
                 }
                 _ => {

@@ -38,6 +38,7 @@
 //! | stage | module | paper | reads | writes |
 //! |---|---|---|---|---|
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
+//! | joints | [`joint`] | | joints | edges of the graph |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
 //! | islands | [`graph`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Inactive`](body::Inactive) |
@@ -63,9 +64,14 @@
 //! |---|---|---|
 //! | What is here? Does this fit? | [`SpatialQuery`](query::SpatialQuery) | [`spatial_query`](query::spatial_query) |
 //! | Which forces act on a body? | [`Contacts`](contact::Contacts) | [`contacts`](contact::contacts()) |
+//! | Which joints has a body, and what do they bear? | [`Joints`](joint::Joints) | [`joints_of`](joint::joints_of) |
 //! | What supports a body, and what does it support? | [`Supports`](contact::Supports) | [`supports`](contact::supports()) |
 //! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), [`preview_task`](preview::preview_task()) |
 //! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
+//!
+//! # Joints
+//!
+//! [`joint`] connects bodies with each other and with the world: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break.
 //!
 //! # For builders
 //!
@@ -96,6 +102,7 @@ pub mod gizmos;
 pub mod grab;
 pub mod graph;
 pub mod integration;
+pub mod joint;
 pub mod masonry;
 pub mod narrowphase;
 #[cfg(feature = "picking")]
@@ -139,6 +146,11 @@ pub mod prelude {
     };
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, GrabForce, Hand, HandPlugin, HandState, HeldBy};
+    pub use crate::joint::{
+        BreakForce, DistanceJoint, FixedJoint, GenericJoint, JointAnchor, JointAxes, JointBasis,
+        JointBroke, JointDisabled, JointError, JointForces, JointFrame, JointLimits, JointMotor,
+        Joints, PrismaticJoint, QuarantinedJoint, RevoluteJoint, SphericalJoint, SpringJoint,
+    };
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,
         preview_task,

@@ -11,6 +11,10 @@ use crate::contact::{
 };
 use crate::diagnosis::{BodyError, StepError, Suspects, Told};
 use crate::graph::{self, ConstraintGraph, Islands};
+use crate::joint::{
+    BreakForce, BrokenJoints, JointBroke, JointChanges, JointDisabled, JointError, JointForces,
+    QuarantinedJoint,
+};
 use crate::profile::{Profile, timed};
 use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
@@ -22,7 +26,7 @@ use crate::settings::{
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
 use crate::warm_start::{self, IslandProblems};
-use crate::{grab, integration, narrowphase, solve};
+use crate::{grab, integration, joint, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
@@ -73,6 +77,7 @@ impl PluginGroup for DrystonePlugins {
             .add(NormalStabilizationPlugin)
             .add(WarmStartPlugin)
             .add(SolverPlugin)
+            .add(JointPlugin)
             .add(IntegrationPlugin)
             .add(SleepingPlugin)
             .add(ContactEventsPlugin)
@@ -115,11 +120,15 @@ impl Plugin for StepPlugin {
             .init_resource::<LostPairs>()
             .init_resource::<EndedPairs>()
             .init_resource::<Untriggered>()
+            .init_resource::<JointChanges>()
+            .init_resource::<BrokenJoints>()
             .add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>()
             .add_message::<ContactForce>()
+            .add_message::<JointBroke>()
+            .add_message::<JointError>()
             // Other plugins may have put systems into the schedule already.
             .edit_schedule(PhysicsSchedule, order_stages)
             .add_systems(
@@ -324,6 +333,30 @@ impl Plugin for SolverPlugin {
     }
 }
 
+/// Adds the stage *joints*, and what reports joints that break. Without this plugin, joints do nothing.
+#[derive(Debug)]
+pub struct JointPlugin;
+
+impl Plugin for JointPlugin {
+    fn build(&self, app: &mut App) {
+        joint::register(app);
+        app.register_type::<BreakForce>()
+            .register_type::<JointDisabled>()
+            .register_type::<JointForces>()
+            .register_type::<QuarantinedJoint>()
+            .add_observer(joint::look_at_disabled);
+        stages!(
+            app,
+            Joints: "joints" joint::joints,
+            ContactEvents: "contact_events" joint::joint_events,
+        );
+    }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
+}
+
 /// Adds the stage *integration*, which moves bodies and writes their `Transform`.
 #[derive(Debug)]
 pub struct IntegrationPlugin;
@@ -439,7 +472,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 12] = [
+    const OTHERS: [(&str, Add); 13] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)
@@ -454,6 +487,7 @@ mod tests {
             _ = app.add_plugins(WarmStartPlugin)
         }),
         ("SolverPlugin", |app| _ = app.add_plugins(SolverPlugin)),
+        ("JointPlugin", |app| _ = app.add_plugins(JointPlugin)),
         ("IntegrationPlugin", |app| {
             _ = app.add_plugins(IntegrationPlugin)
         }),

@@ -6,6 +6,7 @@
 
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
+use crate::joint::{JointBroke, JointError};
 use crate::profile::Profile;
 pub use crate::settings::STEP_LENGTHS;
 use crate::settings::{self, SolverSettings, StepTime};
@@ -27,6 +28,8 @@ pub struct RefreshSchedule;
 pub enum PhysicsSystems {
     /// Reads and checks the components that the user changed, and fills the [`BodyTable`](crate::body::BodyTable).
     Prepare,
+    /// Reads and checks joints, and adds and removes their edges.
+    Joints,
     /// Adds and removes contact pairs.
     Broadphase,
     /// Computes the contact points at xᵗ, and matches them with the previous ones.
@@ -55,8 +58,9 @@ pub enum PhysicsSystems {
 
 impl PhysicsSystems {
     /// All sets, in the order in which they run.
-    pub const ORDER: [Self; 13] = [
+    pub const ORDER: [Self; 14] = [
         Self::Prepare,
+        Self::Joints,
         Self::Broadphase,
         Self::Narrowphase,
         Self::Islands,
@@ -110,6 +114,8 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<ContactStarted>>().update();
     world.resource_mut::<Messages<ContactEnded>>().update();
     world.resource_mut::<Messages<ContactForce>>().update();
+    world.resource_mut::<Messages<JointBroke>>().update();
+    world.resource_mut::<Messages<JointError>>().update();
     let others = world.get_resource::<StepMessages>().cloned();
     others
         .into_iter()
@@ -155,6 +161,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
         world.run_schedule(PhysicsSchedule);
     }
     crate::contact::trigger(world);
+    crate::joint::trigger(world);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())
 }

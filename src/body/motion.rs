@@ -26,6 +26,14 @@ pub enum Motion {
         /// The velocity at the end of the step, as the solver computed it.
         end: Velocity,
     },
+    /// As `Mean`, for a body with joints: the rotation is exactly that of the mean angular velocity, and the end velocity has the gyroscopic
+    /// change. If *integration* changed either, joints would not close.
+    Exact {
+        /// The mean velocity over the step.
+        mean: Velocity,
+        /// The velocity at the end of the step, as the solver computed it.
+        end: Velocity,
+    },
 }
 
 impl Motion {
@@ -34,8 +42,8 @@ impl Motion {
     pub(crate) fn mean(&self, velocity: &Velocity) -> Option<Velocity> {
         match *self {
             Self::Steady | Self::Flight { .. } => None,
-            Self::Mean { mean, end } if end == *velocity => Some(mean),
-            Self::Mean { mean, end } => Some(Velocity {
+            Self::Mean { mean, end } | Self::Exact { mean, end } if end == *velocity => Some(mean),
+            Self::Mean { mean, end } | Self::Exact { mean, end } => Some(Velocity {
                 linear: mean.linear + (velocity.linear - end.linear),
                 angular: mean.angular + (velocity.angular - end.angular),
             }),

@@ -9,6 +9,7 @@ use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
+use bevy_platform::collections::HashMap;
 use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::shape::Shape;
@@ -220,6 +221,8 @@ pub struct BodyTable {
     free: Vec<u32>,
     /// Slots whose body was removed since the last broadphase.
     pub(crate) removed: Vec<u32>,
+    /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
+    not_colliding: HashMap<[u32; 2], u32>,
     spawn_orders: u64,
     visits: u64,
     /// The change tick of the last visit of *prepare*, in the world that the table is in.
@@ -407,6 +410,32 @@ impl BodyTable {
             self.remove(entity, BodyIndex(slot));
         }
         gone.into_iter().map(|(_, entity)| entity).collect()
+    }
+
+    /// Slots whose body was removed since the last broadphase.
+    pub(crate) fn removed_slots(&self) -> impl Iterator<Item = u32> {
+        self.removed.iter().copied()
+    }
+
+    /// Returns true if joints say that two bodies do not collide.
+    #[inline]
+    pub(crate) fn joints_except(&self, [a, b]: [u32; 2]) -> bool {
+        !self.not_colliding.is_empty() && self.not_colliding.contains_key(&[a.min(b), a.max(b)])
+    }
+
+    /// Counts the joints that say that two bodies do not collide: one more, or one less. Returns true if this changes whether they collide.
+    pub(crate) fn count_exception(&mut self, [a, b]: [u32; 2], more: bool) -> bool {
+        let count = self.not_colliding.entry([a.min(b), a.max(b)]).or_default();
+        *count = if more {
+            *count + 1
+        } else {
+            count.saturating_sub(1)
+        };
+        let (is_first, is_last) = (more && *count == 1, *count == 0);
+        if is_last {
+            self.not_colliding.remove(&[a.min(b), a.max(b)]);
+        }
+        is_first || is_last
     }
 
     pub(crate) fn recycle(&mut self, slot: u32) {

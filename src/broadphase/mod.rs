@@ -95,7 +95,7 @@ impl Broadphase {
         let (Some(one), Some(two)) = (table.get(a), table.get(b)) else {
             return false;
         };
-        if !may_collide(one, two) {
+        if table.joints_except([a, b]) || !may_collide(one, two) {
             return false;
         }
         match (&self.fat[a as usize], &self.fat[b as usize]) {
@@ -219,6 +219,7 @@ pub fn broadphase(
         if a != b
             && let (Some(one), Some(two)) = (table.get(a), table.get(b))
             && may_collide(one, two)
+            && !table.joints_except(key)
         {
             overlaps.push(key);
         }

@@ -37,7 +37,8 @@
 
 use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
-use crate::graph::ConstraintGraph;
+use crate::graph::{ConstraintGraph, EdgeKind};
+use crate::joint::{JointEdge, JointForces};
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -111,6 +112,7 @@ pub struct Contacts<'w, 's> {
     time: Res<'w, StepTime>,
     bodies: Query<'w, 's, &'static BodyIndex, With<RigidBody>>,
     pairs: Query<'w, 's, Pair>,
+    pub(super) joints: Query<'w, 's, (&'static JointEdge, &'static JointForces)>,
 }
 
 impl fmt::Debug for Contacts<'_, '_> {
@@ -196,6 +198,28 @@ impl Contacts<'_, '_> {
         }
         // The order in the graph depends on the history of the pairs.
         found.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
+        found
+            .into_iter()
+            .map(|(_, by, force)| (by, force))
+            .collect()
+    }
+
+    /// The joints of the body in a slot, in spawn order, each with the other body and the force on this one, N, world axes. For a joint to the
+    /// world the other body is the joint itself.
+    pub(super) fn joined(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 4]> {
+        let mut found = SmallVec::<[_; 4]>::new();
+        for joint in self.graph.edges_of_kind(slot, EdgeKind::Joint) {
+            let Ok((edge, forces)) = self.joints.get(joint) else {
+                continue;
+            };
+            let of_a = edge.slots[0] == slot;
+            let by = edge.definition.bodies[usize::from(of_a)];
+            if by.is_none_or(|by| self.slot(by).is_ok()) {
+                let force = if of_a { -forces.force } else { forces.force };
+                found.push((edge.order, by.unwrap_or(joint), force));
+            }
+        }
+        found.sort_unstable_by_key(|&(order, by, _)| (order, by));
         found
             .into_iter()
             .map(|(_, by, force)| (by, force))

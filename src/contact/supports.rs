@@ -1,6 +1,7 @@
 //! Supports: [`Supports`], a system parameter that tells which bodies support which.
 //!
 //! A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its weight.
+//! So does a body that another hangs on by a [joint](crate::joint). What hangs on the world is supported by the joint.
 //! This is computed from the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a support
 //! is removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
 //!
@@ -45,6 +46,8 @@ use crate::settings::Gravity;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use glam::Vec3;
+use smallvec::SmallVec;
 use std::collections::VecDeque;
 use std::fmt;
 use std::ops::Range;
@@ -62,7 +65,7 @@ const STEADY: f32 = 1e-5;
 pub struct Bearing {
     /// The body that is supported.
     pub above: Entity,
-    /// The body that supports it.
+    /// The body that supports it; for a body that hangs on the world, the joint.
     pub below: Entity,
     /// The supporting force, against gravity, N.
     pub force: f32,
@@ -118,7 +121,7 @@ impl Supports<'_, '_> {
             return Ok(Vec::new());
         };
         let up = -self.gravity.0.normalize_or_zero();
-        let neighbours = self.contacts.neighbours(slot).into_iter();
+        let neighbours = self.neighbours(slot).into_iter();
         let forces = neighbours.map(|(by, force)| (by, force.dot(up)));
         let bearing = |(below, force)| Bearing {
             above: body,
@@ -143,12 +146,33 @@ impl Supports<'_, '_> {
         let slot = self.contacts.slot(body)?;
         let down = self.gravity.0.normalize_or_zero();
         let mut bearings = Vec::new();
-        let neighbours = self.contacts.neighbours(slot).into_iter();
+        let neighbours = self.neighbours(slot).into_iter();
         for (other, _) in neighbours.filter(|(_, force)| force.dot(down) > 0.0) {
-            let by = self.supported_by(other)?;
+            let by = self.supported_by_any(other)?;
             bearings.extend(by.into_iter().filter(|bearing| bearing.below == body));
         }
         Ok(bearings)
+    }
+
+    /// The supports of a body. A joint to the world has none.
+    fn supported_by_any(&self, below: Entity) -> Result<Vec<Bearing>, NotABody> {
+        match self.contacts.joints.contains(below) {
+            true => Ok(Vec::new()),
+            false => self.supported_by(below),
+        }
+    }
+
+    /// The bodies that press or pull on the body in a slot, with their total force over all faces and joints, N, world axes. Those that touch it
+    /// come first, each kind in spawn order.
+    fn neighbours(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 8]> {
+        let mut found = self.contacts.neighbours(slot);
+        for (by, force) in self.contacts.joined(slot) {
+            match found.iter_mut().find(|(known, _)| *known == by) {
+                Some((_, sum)) => *sum += force,
+                None => found.push((by, force)),
+            }
+        }
+        found
     }
 
     /// Minimum force of a support of a body, N. `None` for bodies that cannot fall.
@@ -173,7 +197,7 @@ impl Supports<'_, '_> {
                 continue;
             }
             let first = path.len();
-            path.extend(self.supported_by(body)?);
+            path.extend(self.supported_by_any(body)?);
             below.insert(body, first..path.len());
             for bearing in &path[first..] {
                 *uppers.entry(bearing.below).or_default() += 1;
@@ -220,13 +244,13 @@ impl Supports<'_, '_> {
         let mut next = vec![body];
         while let Some(lower) = next.pop() {
             let slot = self.contacts.slot(lower)?;
-            let neighbours = self.contacts.neighbours(slot).into_iter();
+            let neighbours = self.neighbours(slot).into_iter();
             for (above, _) in neighbours.filter(|(_, force)| force.dot(down) > 0.0) {
                 if above == body || search.knows(above) {
                     continue;
                 }
                 // Its force may be below the threshold.
-                let by = self.supported_by(above)?;
+                let by = self.supported_by_any(above)?;
                 if by.iter().any(|bearing| bearing.below == lower) {
                     next.extend(search.decide(above)?);
                 }
@@ -290,7 +314,7 @@ impl Search<'_, '_, '_> {
         while let Some(here) = next.pop() {
             let by = match self.stands.contains(&here) {
                 true => Vec::new(),
-                false => self.supports.supported_by(here)?,
+                false => self.supports.supported_by_any(here)?,
             };
             // A body without supports is the ground, or falls by itself.
             if by.is_empty() {

@@ -1,4 +1,4 @@
-//! Debug rendering: shapes, bounding boxes, contacts, impulses, anchors, islands, sleep and loads as lines, with [`bevy_gizmos`]. Needs
+//! Debug rendering: shapes, bounding boxes, contacts, impulses, anchors, joints, islands, sleep and loads as lines, with [`bevy_gizmos`]. Needs
 //! the feature `gizmos`.
 //!
 //! Add [`PhysicsGizmosPlugin`] to an app that draws gizmos. The gizmo config group [`PhysicsGizmos`] switches each kind of drawing:
@@ -21,6 +21,7 @@
 //!     .run();
 //! ```
 
+mod joints;
 mod outline;
 
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, Sleeping};
@@ -50,7 +51,7 @@ impl Plugin for PhysicsGizmosPlugin {
     fn build(&self, app: &mut App) {
         app.init_gizmo_group::<PhysicsGizmos>().add_systems(
             PostUpdate,
-            (shapes, boxes, contacts).after(TransformSystems::Propagate),
+            (shapes, boxes, contacts, joints::joints).after(TransformSystems::Propagate),
         );
     }
 }
@@ -75,6 +76,8 @@ pub struct PhysicsGizmos {
     pub impulses: bool,
     /// Draw the slip of each anchored face, from its middle. Default: false.
     pub anchors: bool,
+    /// Draw the joints: their anchors, with the axes and limits of each. Default: false.
+    pub joints: bool,
     /// Length of the ray for a force, m/N. Default: 5e-5.
     pub metres_per_newton: f32,
     /// Magnification of slips, without unit. Default: 100.
@@ -93,6 +96,7 @@ impl Default for PhysicsGizmos {
             contacts: false,
             impulses: false,
             anchors: false,
+            joints: false,
             metres_per_newton: 5e-5,
             slip_scale: 100.0,
         }

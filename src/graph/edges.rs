@@ -1,7 +1,8 @@
 //! Edges, and the adjacency of bodies: which pairs exist, and which of them link their bodies.
 //!
 //! Invariants:
-//! - An edge is identified by its kind and its two slots. There is at most one edge of a kind between two bodies.
+//! - An edge is identified by its number and its entity. Of some kinds there is at most one edge between two bodies ([`EdgeKind::is_single`]).
+//! - One end of an edge may be the world ([`WORLD`]), which has no slot and no node.
 //! - An edge appears once in the list of each of its two bodies. In each list the edges that *link* come first.
 //! - Every change is recorded in [`Changes`] until [`Islands`](super::Islands) takes it over. So the cost of updating islands and levels is
 //!   proportional to the number of changes.
@@ -11,7 +12,6 @@
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
-use bevy_platform::collections::hash_map::Entry;
 
 /// The kind of constraint of an edge. To add a kind, add a variant, document it, and insert and remove its edges where its components are
 /// added and removed.
@@ -19,11 +19,37 @@ use bevy_platform::collections::hash_map::Entry;
 pub(crate) enum EdgeKind {
     /// Two bodies whose boxes overlap: a [`ContactPair`](crate::contact::ContactPair). It links them while its manifold has points.
     Contact,
+    /// A [joint](crate::joint). It links its bodies as long as it exists.
+    Joint,
 }
+
+impl EdgeKind {
+    /// Whether there is at most one edge of this kind between two bodies.
+    fn is_single(self) -> bool {
+        match self {
+            Self::Contact => true,
+            Self::Joint => false,
+        }
+    }
+
+    /// Whether the entity of an edge becomes inactive after its two bodies.
+    fn may_rest(self) -> bool {
+        match self {
+            Self::Contact => true,
+            // Stages find joints through the order of awake islands, so inactive ones cost nothing.
+            Self::Joint => false,
+        }
+    }
+}
+
+/// The slot of the world, as an end of an edge: a body that nothing moves, of support level 0. It is not in the
+/// [`BodyTable`](crate::body::BodyTable).
+pub(crate) const WORLD: u32 = u32::MAX;
 
 /// An edge that links its two bodies: something to solve acts between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Link {
+    pub kind: EdgeKind,
     /// Slots of bodies A and B.
     pub slots: [u32; 2],
     /// The entity that holds the components of the edge.
@@ -35,6 +61,7 @@ pub(crate) struct Link {
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     kind: EdgeKind,
+    exists: bool,
     links: bool,
     slots: [u32; 2],
     entity: Entity,
@@ -78,6 +105,7 @@ impl Changes {
 #[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 pub struct ConstraintGraph {
+    /// Edges of the kinds of which there is one between two bodies.
     known: HashMap<(EdgeKind, [u32; 2]), u32>,
     edges: Vec<Edge>,
     free: Vec<u32>,
@@ -92,8 +120,8 @@ pub struct ConstraintGraph {
 
 impl MapEntities for ConstraintGraph {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
-        for &edge in self.known.values() {
-            self.edges[edge as usize].entity.map_entities(mapper);
+        for edge in self.edges.iter_mut().filter(|edge| edge.exists) {
+            edge.entity.map_entities(mapper);
         }
         for (_, entity) in &mut self.settling {
             entity.map_entities(mapper);
@@ -104,7 +132,12 @@ impl MapEntities for ConstraintGraph {
 impl ConstraintGraph {
     /// Number of edges.
     pub fn edge_count(&self) -> usize {
-        self.known.len()
+        self.edges.len() - self.free.len()
+    }
+
+    /// Returns true if there are edges of kinds of which there may be several between two bodies: joints.
+    pub(crate) fn has_joints(&self) -> bool {
+        self.edge_count() > self.known.len()
     }
 
     /// The entities of a body's edges.
@@ -114,12 +147,28 @@ impl ConstraintGraph {
         edges.iter().map(|&edge| self.edges[edge as usize].entity)
     }
 
+    /// The entities of a body's edges of one kind.
+    pub(crate) fn edges_of_kind(&self, slot: u32, kind: EdgeKind) -> impl Iterator<Item = Entity> {
+        let node = self.nodes.get(slot as usize);
+        let edges = node.map_or(&[][..], |node| &node.edges);
+        let edges = edges.iter().map(|&edge| &self.edges[edge as usize]);
+        edges
+            .filter(move |edge| edge.kind == kind)
+            .map(|edge| edge.entity)
+    }
+
     /// The edges that link a body to others.
     pub(crate) fn links_of(&self, slot: u32) -> impl Iterator<Item = Link> {
         let links = self.linked_edges(slot).iter();
         links.map(|&edge| {
-            let Edge { slots, entity, .. } = self.edges[edge as usize];
+            let Edge {
+                kind,
+                slots,
+                entity,
+                ..
+            } = self.edges[edge as usize];
             Link {
+                kind,
                 slots,
                 pair: entity,
                 edge,
@@ -127,7 +176,7 @@ impl ConstraintGraph {
         })
     }
 
-    /// The slots of the bodies that a body is linked to.
+    /// The slots of the bodies that a body is linked to, [`WORLD`] included.
     pub(super) fn neighbours(&self, slot: u32) -> impl Iterator<Item = u32> {
         let links = self.linked_edges(slot).iter();
         links.map(move |&edge| {
@@ -146,24 +195,32 @@ impl ConstraintGraph {
         self.edges.len()
     }
 
-    /// Adds an edge that does not link yet and returns its number, or `None` if it exists already. [`Self::name`] sets its entity later.
-    pub(super) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> Option<u32> {
-        let Entry::Vacant(entry) = self.known.entry((kind, slots)) else {
+    /// Adds an edge that does not link yet and returns its number, or `None` if there may be only one and it exists already. [`Self::name`]
+    /// sets its entity later.
+    pub(crate) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> Option<u32> {
+        if kind.is_single() && self.known.contains_key(&(kind, slots)) {
             return None;
-        };
+        }
         let number = self.free.pop().unwrap_or(self.edges.len() as u32);
-        entry.insert(number);
-        let last = slots.into_iter().max().unwrap_or(0) as usize;
+        if kind.is_single() {
+            self.known.insert((kind, slots), number);
+        }
+        let bodies = slots.into_iter().filter(|&slot| slot != WORLD);
+        let last = bodies.max().unwrap_or(0) as usize;
         if self.nodes.len() <= last {
             self.nodes.resize_with(last + 1, Node::default);
         }
         let places = slots.map(|slot| {
+            if slot == WORLD {
+                return 0;
+            }
             let list = &mut self.nodes[slot as usize].edges;
             list.push(number);
             list.len() as u32 - 1
         });
         let edge = Edge {
             kind,
+            exists: true,
             links: false,
             slots,
             entity: Entity::PLACEHOLDER,
@@ -188,18 +245,18 @@ impl ConstraintGraph {
     }
 
     /// Sets the entity of an edge.
-    pub(super) fn name(&mut self, edge: u32, entity: Entity) {
+    pub(crate) fn name(&mut self, edge: u32, entity: Entity) {
         self.edges[edge as usize].entity = entity;
     }
 
     /// The entity of an edge, or `None` if the edge does not exist.
     pub(super) fn entity(&self, edge: u32) -> Option<Entity> {
         let known = self.edges.get(edge as usize)?;
-        (self.known.get(&(known.kind, known.slots)) == Some(&edge)).then_some(known.entity)
+        known.exists.then_some(known.entity)
     }
 
     /// Removes the edge with this number if it still belongs to this entity.
-    pub(super) fn remove(&mut self, edge: u32, entity: Entity) {
+    pub(crate) fn remove(&mut self, edge: u32, entity: Entity) {
         if self.entity(edge) != Some(entity) {
             return;
         }
@@ -210,9 +267,15 @@ impl ConstraintGraph {
             places,
             ..
         } = self.edges[edge as usize];
-        self.known.remove(&(kind, slots));
+        if kind.is_single() {
+            self.known.remove(&(kind, slots));
+        }
+        self.edges[edge as usize].exists = false;
         self.free.push(edge);
         for (slot, place) in slots.into_iter().zip(places) {
+            if slot == WORLD {
+                continue;
+            }
             let list = &mut self.nodes[slot as usize].edges;
             list.swap_remove(place as usize);
             if let Some(&moved) = list.get(place as usize) {
@@ -223,7 +286,7 @@ impl ConstraintGraph {
     }
 
     /// Sets whether an existing edge links its bodies.
-    pub(super) fn set_links(&mut self, edge: u32, links: bool) {
+    pub(crate) fn set_links(&mut self, edge: u32, links: bool) {
         let Edge {
             links: linked,
             slots,
@@ -233,7 +296,7 @@ impl ConstraintGraph {
             return;
         }
         self.edges[edge as usize].links = links;
-        for slot in slots {
+        for slot in slots.into_iter().filter(|&slot| slot != WORLD) {
             let node = &mut self.nodes[slot as usize];
             // Swap the edge with the first that does not link, or with the last that does.
             let to = if links { node.links } else { node.links - 1 };
@@ -282,7 +345,7 @@ impl ConstraintGraph {
         };
         for &number in &node.edges {
             let edge = &self.edges[number as usize];
-            if settles(edge.slots[1 - edge.end(slot)]) {
+            if edge.kind.may_rest() && settles(edge.slots[1 - edge.end(slot)]) {
                 self.settling.push((number, edge.entity));
             }
         }

@@ -13,7 +13,7 @@
 //!    it loses its level for now, and its neighbours one level above it are checked in turn.
 //! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest up.
 
-use super::edges::ConstraintGraph;
+use super::edges::{ConstraintGraph, WORLD};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -58,6 +58,7 @@ impl Levels {
         renewed: &[u32],
     ) {
         let slots = [linked, unlinked].into_iter().flat_map(<[_]>::as_flattened);
+        let slots = slots.filter(|&&slot| slot != WORLD);
         let last = slots.chain(renewed).max();
         if let Some(&last) = last
             && self.levels.len() <= last as usize
@@ -86,6 +87,9 @@ impl Levels {
             }
         }
         for &slot in unlinked.as_flattened() {
+            if slot == WORLD {
+                continue;
+            }
             let level = self.levels[slot as usize];
             if kind(slot) == Kind::Dynamic && level != Self::NONE {
                 self.queue.push(Reverse((level, slot)));
@@ -95,7 +99,7 @@ impl Levels {
             if self.levels[slot as usize] != level || kind(slot) != Kind::Dynamic {
                 continue;
             }
-            let mut below = graph.neighbours(slot).map(|n| self.levels[n as usize]);
+            let mut below = graph.neighbours(slot).map(|n| level_of(&self.levels, n));
             if !below.any(|below| below != Self::NONE && below + 1 == level) {
                 self.remove(graph, slot);
             }
@@ -118,10 +122,10 @@ impl Levels {
         // A new link may have ended again since, so both lists are checked against the current links.
         for &slot in self.lost.iter().chain(linked.as_flattened()) {
             // A static body is at one end of many links, and has many neighbours. Its level is known.
-            if kind(slot) != Kind::Dynamic {
+            if slot == WORLD || kind(slot) != Kind::Dynamic {
                 continue;
             }
-            let below = graph.neighbours(slot).map(|n| self.levels[n as usize]);
+            let below = graph.neighbours(slot).map(|n| level_of(&self.levels, n));
             let below = below.min().filter(|&below| below != Self::NONE);
             self.queue
                 .extend(below.map(|below| Reverse((below + 1, slot))));
@@ -157,8 +161,17 @@ impl Levels {
         condition: impl Fn(u32) -> bool,
     ) {
         let neighbours = graph.neighbours(slot);
-        let neighbours = neighbours.filter(|&n| condition(self.levels[n as usize]));
+        let neighbours = neighbours.filter(|&n| n != WORLD && condition(self.levels[n as usize]));
         self.queue.extend(neighbours.map(|n| Reverse((level, n))));
+    }
+}
+
+/// The level of a body or of the world.
+#[inline]
+fn level_of(levels: &[u32], slot: u32) -> u32 {
+    match slot {
+        WORLD => 0,
+        slot => levels[slot as usize],
     }
 }
 
@@ -176,13 +189,21 @@ pub(super) fn recompute(
     for &slot in &queue {
         levels[slot as usize] = 0;
     }
-    let mut next = 0;
-    while let Some(&slot) = queue.get(next) {
-        next += 1;
-        for n in graph.neighbours(slot) {
+    for slot in (0..slots).filter(|&slot| kind(slot) == Kind::Dynamic) {
+        if graph.neighbours(slot).any(|n| n == WORLD) {
+            levels[slot as usize] = 1;
+            queue.push(slot);
+        }
+    }
+    queue.sort_by_key(|&slot| levels[slot as usize]);
+    // Bodies at level 1 that hang on the world come after those at level 0, so the search still goes level by level.
+    let mut queue = std::collections::VecDeque::from(queue);
+    while let Some(slot) = queue.pop_front() {
+        for n in graph.neighbours(slot).filter(|&n| n != WORLD) {
+            let level = levels[slot as usize] + 1;
             if levels[n as usize] == Levels::NONE {
-                levels[n as usize] = levels[slot as usize] + 1;
-                queue.push(n);
+                levels[n as usize] = level;
+                queue.push_back(n);
             }
         }
     }

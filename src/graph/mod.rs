@@ -3,8 +3,9 @@
 //! # Invariants
 //! - A body is identified by its slot in the [`BodyTable`](crate::body::BodyTable). A slot is reused only after all edges of its former body
 //!   are removed, and a node remembers which body it represents.
-//! - An edge exists as long as its entity does: a [`ContactPair`](crate::contact::ContactPair) exists while two boxes overlap. An edge *links*
-//!   its bodies while there is something to solve between them: a contact links while its manifold has points.
+//! - An edge exists as long as its entity does: a [`ContactPair`](crate::contact::ContactPair) exists while two boxes overlap, the edge of a
+//!   [joint](crate::joint) while the joint is enabled. An edge *links* its bodies while there is something to solve between them: a contact
+//!   links while its manifold has points, a joint as long as its edge exists.
 //! - The adjacency of bodies is stored once, in [`ConstraintGraph`]. All code that needs the neighbours of a body reads it.
 //! - [`Islands`] and levels of support are views of the links. They are updated change by change, and after every update they equal the result
 //!   of a search through the whole graph. The cost is proportional to the number of changes: a contact that begins in a wall of 10 000 bricks
@@ -13,7 +14,7 @@
 //! - Lists in this module have no defined order, and nothing is solved in their order. Solvers sort by level of support and spawn order.
 //!
 //! # In a step
-//! 1. *Broadphase*, second half ([`pair_changes`]): edges begin and end.
+//! 1. *Joints* ([`joints`](crate::joint::joints())): edges of joints begin and end, and link at once. Then *broadphase*, second half ([`pair_changes`]): edges begin and end.
 //! 2. *Narrowphase* reports the edges whose contact gained its first point or lost its last.
 //! 3. *Islands* ([`islands`](islands())): links begin and end, islands merge and split, levels are updated, islands wake. Then
 //!    ([`activation`](activation())) bodies and pairs become inactive or active.
@@ -34,6 +35,7 @@ mod waking;
 
 pub use activation::activate;
 pub use edges::ConstraintGraph;
+pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};
 pub use pairs::pair_changes;
 pub use sleeping::sleeping;

@@ -1,7 +1,7 @@
 //! Tests that compare the views of the graph with a search through the whole graph, after every change of randomly drawn graphs.
 
 use super::ConstraintGraph;
-use super::edges::EdgeKind;
+use super::edges::{EdgeKind, WORLD};
 use super::islands::Islands;
 use super::levels::{self, Kind, Levels};
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, SpawnOrder, Velocity};
@@ -16,6 +16,8 @@ pub(crate) struct Site {
     pub graph: ConstraintGraph,
     pub islands: Islands,
     edges: BTreeMap<[u32; 2], (u32, Entity, bool)>,
+    /// Joints: slots, number and entity. There may be several between two bodies, and some are to the world.
+    joints: Vec<([u32; 2], u32, Entity)>,
     /// The existing bodies.
     bodies: BTreeMap<u32, Entity>,
     /// Bodies that were added or changed since the last update. Only bodies that were active in an update become inactive.
@@ -46,6 +48,9 @@ impl Site {
         for slots in ends.into_iter().filter(|slots| slots.contains(&slot)) {
             self.disconnect(slots);
         }
+        while let Some(i) = self.joints.iter().position(|of| of.0.contains(&slot)) {
+            self.part(i);
+        }
         self.table.remove(entity, BodyIndex(slot));
         self.table.recycle(slot);
         self.graph.changes.gone.push(slot);
@@ -57,6 +62,19 @@ impl Site {
             self.graph.name(edge, entity);
             self.edges.insert(slots, (edge, entity, false));
         }
+    }
+
+    fn join(&mut self, slots: [u32; 2]) {
+        let edge = self.graph.insert(EdgeKind::Joint, slots).unwrap();
+        let entity = self.entity();
+        self.graph.name(edge, entity);
+        self.graph.set_links(edge, true);
+        self.joints.push((slots, edge, entity));
+    }
+
+    fn part(&mut self, joint: usize) {
+        let (_, edge, entity) = self.joints.swap_remove(joint);
+        self.graph.remove(edge, entity);
     }
 
     fn disconnect(&mut self, slots: [u32; 2]) {
@@ -118,6 +136,15 @@ impl Site {
                 }
             }
             40..45 if !edges.is_empty() => self.disconnect(*rng.choice(&edges).unwrap()),
+            45..49 => {
+                let other = slot + rng.u32(1..=3);
+                if rng.u8(0..6) == 0 {
+                    self.join([WORLD, slot]);
+                } else if self.bodies.contains_key(&other) {
+                    self.join([slot, other]);
+                }
+            }
+            49..54 if !self.joints.is_empty() => self.part(rng.usize(0..self.joints.len())),
             _ if !edges.is_empty() => {
                 let links = rng.u8(0..5) < 3;
                 self.link(*rng.choice(&edges).unwrap(), links);
@@ -133,7 +160,8 @@ impl Site {
     /// The islands, found by a flood fill.
     fn wanted_islands(&self) -> BTreeSet<Vec<u32>> {
         let links = self.edges.iter().filter(|(_, known)| known.2);
-        let links: Vec<[u32; 2]> = links.map(|(&slots, _)| slots).collect();
+        let joints = self.joints.iter().map(|joint| joint.0);
+        let links: Vec<[u32; 2]> = links.map(|(&slots, _)| slots).chain(joints).collect();
         let mut label: BTreeMap<u32, u32> = self.bodies.keys().map(|&slot| (slot, slot)).collect();
         loop {
             let mut changed = false;

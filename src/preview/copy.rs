@@ -8,6 +8,7 @@ use crate::collider::Collider;
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
 };
+use crate::joint::{self, BreakForce, JointEdge, JointForces};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
@@ -176,6 +177,27 @@ pub(super) fn copy(
     };
     copy_description(original, &mut copy);
     copy.id()
+}
+
+/// A copy of a joint between copies of its bodies.
+pub(super) fn copy_joint(
+    world: &World,
+    joint: Entity,
+    shadow: &mut World,
+    copies: &HashMap<Entity, Entity>,
+) -> Option<Entity> {
+    let original = world.get_entity(joint).ok()?;
+    let bodies = original.get::<JointEdge>()?.definition.bodies;
+    let bodies = bodies.map(|body| body.and_then(|body| copies.get(&body).copied()));
+    let mut copy = shadow.spawn_empty();
+    if let Some(forces) = original.get::<JointForces>() {
+        copy.insert(*forces);
+    }
+    if let Some(breaks) = original.get::<BreakForce>() {
+        copy.insert(*breaks);
+    }
+    joint::copy(original, bodies, &mut copy);
+    Some(copy.id())
 }
 
 pub(super) fn to_transform(pose: Pose) -> Transform {

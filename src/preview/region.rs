@@ -5,7 +5,8 @@ use super::copy::{Contact, contact};
 use crate::body::{BodyState, BodyTable, Pending, is_body};
 use crate::broadphase::Broadphase;
 use crate::contact::ContactPair;
-use crate::graph::ConstraintGraph;
+use crate::graph::{ConstraintGraph, EdgeKind, WORLD};
+use crate::joint::JointEdge;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -86,8 +87,11 @@ impl<'w> Region<'w> {
         };
         region.slots.retain(there);
         let has_lost = |pair: Entity| {
+            let joint = world.get::<JointEdge>(pair);
+            let joined = joint.map_or(&[][..], |joint| &joint.definition.bodies);
             let pair = world.get::<ContactPair>(pair);
             pair.is_some_and(|pair| pair.touching && !pair.bodies.iter().all(is_there))
+                || !joined.iter().flatten().all(is_there)
         };
         let slots = region.slots.iter().copied();
         let bereft = slots.filter(|&slot| region.graph.edges_of(slot).any(has_lost));
@@ -98,7 +102,7 @@ impl<'w> Region<'w> {
         Ok(region)
     }
 
-    /// Adds the structure that a body is in: the bodies that it touches, those that they touch, and so on, up to static and kinematic bodies.
+    /// Adds the structure that a body is in: the bodies that it touches or is joined to, those that they touch, and so on, up to static and kinematic bodies.
     fn add(&mut self, world: &World, first: u32) {
         let mut next = vec![first];
         while let Some(slot) = next.pop() {
@@ -109,14 +113,36 @@ impl<'w> Region<'w> {
             if !self.structure.insert(slot) || !goes_on {
                 continue;
             }
-            for pair in self.graph.edges_of(slot) {
-                if let Some(pair) = world.get::<ContactPair>(pair)
-                    && pair.touching
-                {
-                    next.extend(pair.slots.iter().filter(|&&other| other != slot));
+            for edge in self.graph.edges_of(slot) {
+                let pair = world.get::<ContactPair>(edge);
+                let touching = pair.filter(|pair| pair.touching).map(|pair| pair.slots);
+                let joined = world.get::<JointEdge>(edge).map(|joint| joint.slots);
+                if let Some(slots) = touching.or(joined) {
+                    next.extend(
+                        slots
+                            .iter()
+                            .filter(|&&other| other != slot && other != WORLD),
+                    );
                 }
             }
         }
+    }
+
+    /// The joints of which all bodies are copied, in spawn order.
+    pub fn joints(&self, world: &World, copies: &HashMap<Entity, Entity>) -> Vec<Entity> {
+        let slots = self.slots.iter();
+        let joints = slots.flat_map(|&slot| self.graph.edges_of_kind(slot, EdgeKind::Joint));
+        let mut joints: Vec<_> = joints
+            .filter_map(|joint| {
+                let edge = world.get::<JointEdge>(joint)?;
+                let mut bodies = edge.definition.bodies.iter().flatten();
+                let copied = bodies.all(|body| copies.contains_key(body));
+                copied.then_some((edge.order, joint))
+            })
+            .collect();
+        joints.sort_unstable();
+        joints.dedup();
+        joints.into_iter().map(|(_, joint)| joint).collect()
     }
 
     /// The contacts between the bodies that are copied.

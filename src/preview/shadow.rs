@@ -1,10 +1,11 @@
 //! The shadow: a copy of part of a world.
 
-use super::copy::{Activity, OriginalState, copy, empty, to_transform};
+use super::copy::{Activity, OriginalState, copy, copy_joint, empty, to_transform};
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
 use crate::collider::{Collider, CollisionExceptions};
+use crate::joint::JointEdge;
 use crate::schedule::step;
 use crate::settings::STEP_LENGTHS;
 use crate::settings::{Preset, SleepSettings, StepTime};
@@ -34,6 +35,8 @@ pub struct Shadow {
     world: World,
     /// In spawn order.
     bodies: Vec<Copied>,
+    /// Copies of joints, and the bodies of the originals.
+    joints: Vec<(Entity, [Option<Entity>; 2])>,
     /// The copy of the body that the edit moves or adds.
     edited: Option<Entity>,
     /// Length of a step of the original world, s.
@@ -84,6 +87,7 @@ impl Shadow {
                 }
                 let mut shadow = Self::around(world, bodies)?;
                 for &body in bodies {
+                    shadow.remove_joints_of(body);
                     if let Some(copy) = shadow.copy_of(body) {
                         shadow.world.despawn(copy);
                     }
@@ -215,6 +219,7 @@ impl Shadow {
         let mut shadow = Self {
             world: empty(world),
             bodies: Vec::new(),
+            joints: Vec::new(),
             edited: None,
             dt: length_of_a_step(world),
         };
@@ -235,6 +240,14 @@ impl Shadow {
             poses.insert(copy, (from, from != body.pose));
         }
         let contacts = region.contacts(world, &copies);
+        for joint in region.joints(world, &copies) {
+            if let Some(copy) = copy_joint(world, joint, &mut shadow.world, &copies) {
+                let bodies = world
+                    .get::<JointEdge>(joint)
+                    .map(|edge| edge.definition.bodies);
+                shadow.joints.push((copy, bodies.unwrap_or_default()));
+            }
+        }
         for body in region.pending {
             shadow.bring_up_to_date(world, body);
         }
@@ -243,6 +256,23 @@ impl Shadow {
             .world
             .insert_resource(OriginalState { contacts, poses });
         Ok(shadow)
+    }
+
+    /// Removes the copies of a body's joints, and wakes the bodies at their other ends.
+    fn remove_joints_of(&mut self, body: Entity) {
+        let removed = self
+            .joints
+            .extract_if(.., |(_, bodies)| bodies.contains(&Some(body)));
+        for (joint, bodies) in removed.collect::<Vec<_>>() {
+            self.world.despawn(joint);
+            for other in bodies.into_iter().flatten() {
+                if let Some(copy) = self.copy_of(other)
+                    && let Some(mut sleeping) = self.world.get_mut::<Sleeping>(copy)
+                {
+                    sleeping.wake();
+                }
+            }
+        }
     }
 
     /// Copies the collision exceptions between bodies.

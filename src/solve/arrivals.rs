@@ -3,11 +3,12 @@
 //! Sleeping islands are not solved. Without further care, the contacts of a body that is added asleep would have no impulses until its island
 //! wakes: queries of forces and supports would not include it, and the structure would take up its load only then. So in the step in which
 //! bodies are added, the contacts of their island get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever
-//! the solver.
+//! the solver. Islands with joints get none: their contacts and joints are loaded when they wake.
 
 use super::patches::settle;
 use super::{Solve, SolveRows};
-use crate::warm_start::{GatherContext, Island, Order, Pairs, PatchRows, Stored};
+use crate::graph::EdgeKind;
+use crate::warm_start::{GatherContext, Island, IslandOrder, Order, Pairs, PatchRows, Stored};
 
 impl Solve<'_> {
     /// Loads the sleeping islands that bodies were added to in this step.
@@ -21,6 +22,12 @@ impl Solve<'_> {
         });
         let mut islands: Vec<Island<PatchRows>> = Vec::new();
         let (gravity, dt) = (self.context.gravity.0, self.context.time.dt);
+        let is_jointed = |order: &IslandOrder| {
+            order.bodies.iter().any(|member| {
+                let mut joints = self.graph.edges_of_kind(member.slot, EdgeKind::Joint);
+                joints.next().is_some()
+            })
+        };
         let (contacts, _) = order.contacts(pairs);
         for (number, &id) in order.numbered().iter().enumerate() {
             let mut island = Island::default();
@@ -48,9 +55,14 @@ impl Solve<'_> {
             context: self.context,
         };
         let mut rest = &*contacts;
-        for island in &mut islands {
+        for (number, island) in islands.iter_mut().enumerate() {
             let (contacts, others) = rest.split_at(island.in_order);
             rest = others;
+            // Statics knows no joints.
+            if is_jointed(order.of(number)) {
+                island.diverged = true;
+                continue;
+            }
             if contacts.is_empty() {
                 continue;
             }

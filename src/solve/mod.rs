@@ -23,10 +23,13 @@ use crate::body::{BodyIndex, BodyTable, Inactive, Motion, Quarantined, Velocity,
 use crate::contact::{ContactImpulses, Manifold};
 use crate::grab::GrabForce;
 use crate::graph::{ConstraintGraph, Islands};
+use crate::joint::BrokenJoints;
 use crate::profile::SolvePart;
 use crate::settings::Method;
-use crate::solver::{Body, GrabConstraint, SolveReport};
-use crate::warm_start::{Island, IslandProblems, LARGE, Pairs, ProblemSet, Rows, SolveContext};
+use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
+use crate::warm_start::{
+    Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
+};
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
 use glam::Vec3;
@@ -63,13 +66,14 @@ trait SolveRows: Rows {
         solver: &Self::Solver,
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
+        joints: &mut [JointConstraint],
         context: &SolveContext,
     ) -> SolveReport;
 
     /// Returns true if an island with this many contacts is best solved together with others.
     fn is_small(&self, contacts: usize) -> bool;
 
-    /// Solves several small islands without grabs.
+    /// Solves several small islands without grabs and joints.
     fn solve_each(
         solver: &Self::Solver,
         islands: &mut [(&mut Self, &mut [Body])],
@@ -93,8 +97,13 @@ pub fn solve(
     (mut problems, mut reports): (ResMut<IslandProblems>, ReportWriter),
     mut pairs: Pairs,
     mut bodies: Bodies,
-    mut grabs: Grabs,
+    (mut grabs, mut joints, mut broken): (Grabs, Joints, ResMut<BrokenJoints>),
 ) {
+    let acting = &mut Acting {
+        grabs: &mut grabs,
+        joints: &mut joints,
+        broken: &mut broken,
+    };
     let stage = Solve {
         table: &table,
         graph: &graph,
@@ -110,15 +119,22 @@ pub fn solve(
     match solver.method() {
         Method::Points(solver) => {
             let problems = &mut problems.by_points;
-            stage.run(solver, problems, &mut pairs, &mut bodies, &mut grabs);
+            stage.run(solver, problems, &mut pairs, &mut bodies, acting);
             reports.report(problems);
         }
         Method::Patches(solver) => {
             let problems = &mut problems.by_patches;
-            stage.run(solver, problems, &mut pairs, &mut bodies, &mut grabs);
+            stage.run(solver, problems, &mut pairs, &mut bodies, acting);
             reports.report(problems);
         }
     }
+}
+
+/// Where the forces of grabs and joints are stored.
+struct Acting<'a, 'w, 's> {
+    grabs: &'a mut Grabs<'w, 's>,
+    joints: &'a mut Joints<'w, 's>,
+    broken: &'a mut BrokenJoints,
 }
 
 /// The data that the stage reads.
@@ -136,13 +152,13 @@ impl Solve<'_> {
         problems: &mut ProblemSet<R>,
         pairs: &mut Pairs,
         bodies: &mut Bodies,
-        grabs: &mut Grabs,
+        acting: &mut Acting,
     ) {
         let start = Instant::now();
         self.take_velocities(problems, bodies);
         self.solve_each(solver, &mut problems.islands);
         let solved = Instant::now();
-        self.store(problems, pairs, bodies, grabs);
+        self.store(problems, pairs, bodies, acting);
         let profile = &self.context.profile;
         profile.add_part(SolvePart::Sweeps, solved - start);
         profile.add_part(SolvePart::Store, solved.elapsed());
@@ -183,7 +199,8 @@ impl Solve<'_> {
             }
         }
         for (slot, copy) in islands.iter_mut().flat_map(Island::copies) {
-            if let Some(velocity) = velocities[slot as usize] {
+            // The world has no slot.
+            if let Some(&Some(velocity)) = velocities.get(slot as usize) {
                 let Velocity { linear, angular } = velocity;
                 (copy.linear, copy.angular) = (linear, angular);
                 copy.start = [linear, angular];
@@ -203,13 +220,15 @@ impl Solve<'_> {
         let work = islands.iter_mut().filter(|island| island.is_solved());
         let solve = |island: &mut Island<R>| {
             let (bodies, grabs) = (&mut island.bodies, &mut island.grabs);
-            island.report = island.rows.solve(solver, bodies, grabs, context);
+            let joints = &mut island.joints;
+            island.report = island.rows.solve(solver, bodies, grabs, joints, context);
             take_back_if_wrong(island);
         };
         let threads = &context.threads;
         if many {
             let (mut small, large): (Vec<_>, Vec<_>) = work.partition(|island| {
-                island.grabs.is_empty() && island.rows.is_small(island.contacts())
+                let only_touches = island.grabs.is_empty() && island.joints.is_empty();
+                only_touches && island.rows.is_small(island.contacts())
             });
             let solve_small = |some: &mut [&mut Island<R>]| match some {
                 [island] => solve(island),
@@ -260,6 +279,10 @@ fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
         }
         for grab in &mut island.grabs {
             (grab.force, grab.torque) = (Vec3::ZERO, Vec3::ZERO);
+        }
+        for joint in &mut island.joints {
+            joint.forces = [0.0; 7];
+            (joint.mean, joint.filtered) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
         }
     }
 }

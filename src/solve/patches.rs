@@ -3,8 +3,8 @@
 use super::SolveRows;
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::solver::{
-    Body, FEW, GrabConstraint, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SolveReport,
-    patches,
+    Body, FEW, GrabConstraint, JointConstraint, PatchConstraint, PatchPoint, PatchProblem,
+    PatchSolver, SolveReport, patches,
 };
 use crate::warm_start::{LARGE, PatchRows, SolveContext};
 
@@ -17,9 +17,10 @@ impl SolveRows for PatchRows {
         solver: &dyn PatchSolver,
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
+        joints: &mut [JointConstraint],
         context: &SolveContext,
     ) -> SolveReport {
-        solver.solve(&mut problem(self, bodies, grabs, context))
+        solver.solve(&mut problem(self, bodies, grabs, joints, context))
     }
 
     fn is_small(&self, contacts: usize) -> bool {
@@ -32,7 +33,8 @@ impl SolveRows for PatchRows {
         context: &SolveContext,
     ) -> Vec<SolveReport> {
         let problems = islands.iter_mut();
-        let problems = problems.map(|(rows, bodies)| problem(rows, bodies, &mut [], context));
+        let problems =
+            problems.map(|(rows, bodies)| problem(rows, bodies, &mut [], &mut [], context));
         let mut problems: Vec<PatchProblem> = problems.collect();
         solver.solve_each(&mut problems)
     }
@@ -65,7 +67,7 @@ impl SolveRows for PatchRows {
 /// Computes the static loads of the contacts instead of a solve, and sets the impulses of the step to these loads over the whole step. Returns
 /// false if a result is not finite.
 pub(super) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveContext) -> bool {
-    patches::settle(&mut problem(rows, bodies, &mut [], context));
+    patches::settle(&mut problem(rows, bodies, &mut [], &mut [], context));
     // The impulses of all substeps, because later substeps leave these contacts as they are.
     let whole = context.time.substeps as f32;
     for patch in &mut rows.patches {
@@ -84,6 +86,7 @@ fn problem<'a>(
     rows: &'a mut PatchRows,
     bodies: &'a mut [Body],
     grabs: &'a mut [GrabConstraint],
+    joints: &'a mut [JointConstraint],
     context: &SolveContext,
 ) -> PatchProblem<'a> {
     let threads = match context.threads.runs_in_parallel(rows.points.len() / LARGE) {
@@ -95,6 +98,7 @@ fn problem<'a>(
         patches: &mut rows.patches,
         points: &mut rows.points,
         grabs,
+        joints,
         dt: context.time.dt,
         longest: context.time.max_recent_dt,
         gravity: context.gravity.0,

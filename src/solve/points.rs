@@ -2,7 +2,9 @@
 
 use super::SolveRows;
 use crate::contact::{ContactImpulses, Impulse, Lists, Manifold, PatchImpulse, PointFriction, fit};
-use crate::solver::{Body, GrabConstraint, PointProblem, PointSolver, SolveReport};
+use crate::solver::{
+    Body, GrabConstraint, JointConstraint, PointProblem, PointSolver, SolveReport,
+};
 use crate::warm_start::{PointRows, SolveContext};
 
 impl SolveRows for PointRows {
@@ -14,12 +16,14 @@ impl SolveRows for PointRows {
         solver: &dyn PointSolver,
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
+        joints: &mut [JointConstraint],
         context: &SolveContext,
     ) -> SolveReport {
         let mut problem = PointProblem {
             bodies,
             constraints: &mut self.constraints,
             grabs,
+            joints,
             dt: context.time.dt,
             free_merit: 0.0,
             record_history: context.solver.record_history,
@@ -39,7 +43,7 @@ impl SolveRows for PointRows {
     ) -> Vec<SolveReport> {
         let islands = islands.iter_mut();
         islands
-            .map(|(rows, bodies)| rows.solve(solver, bodies, &mut [], context))
+            .map(|(rows, bodies)| rows.solve(solver, bodies, &mut [], &mut [], context))
             .collect()
     }
 

@@ -1,9 +1,10 @@
 //! Storing the results of a solve in the components of bodies, pairs and grabs, which are found by their entities.
 
-use super::{Bodies, Grabs, Solve, SolveRows};
+use super::{Acting, Bodies, Grabs, Solve, SolveRows};
 use crate::body::{Motion, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::grab::GrabForce;
+use crate::joint::{JointBroke, JointForces};
 use crate::solver::GrabConstraint;
 use crate::warm_start::{Island, LARGE, Pairs, ProblemSet, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
@@ -15,11 +16,12 @@ impl Solve<'_> {
         problems: &mut ProblemSet<R>,
         pairs: &mut Pairs,
         bodies: &mut Bodies,
-        grabs: &mut Grabs,
+        acting: &mut Acting,
     ) {
         self.store_impulses(problems, pairs);
         self.store_bodies(problems, bodies);
-        store_grabs(problems, grabs);
+        store_grabs(problems, acting.grabs);
+        store_joints(problems, acting);
         let diverged = problems.islands.iter_mut();
         for island in diverged.filter(|island| island.diverged) {
             island.rows.clear();
@@ -69,6 +71,10 @@ impl Solve<'_> {
             self.context.speeds.cap(&mut end);
             *velocity.bypass_change_detection() = end;
             *motion.bypass_change_detection() = match solved.motion {
+                Some(mean) if solved.motion_is_exact => Motion::Exact {
+                    mean: clean(mean),
+                    end,
+                },
                 Some(mean) => Motion::Mean {
                     mean: clean(mean),
                     end,
@@ -94,6 +100,27 @@ fn store_grabs<R: SolveRows>(problems: &ProblemSet<R>, grabs: &mut Grabs) {
         {
             let &GrabConstraint { force, torque, .. } = grab;
             kept.set_if_neq(GrabForce { force, torque });
+        }
+    }
+}
+
+/// Stores the forces of joints, and finds those that break.
+fn store_joints<R: SolveRows>(problems: &ProblemSet<R>, acting: &mut Acting) {
+    for gathered in &problems.joints.gathered {
+        let Some(island) = problems.islands.get(gathered.island as usize) else {
+            continue;
+        };
+        let Some(solved) = island.joints.get(gathered.index as usize) else {
+            continue;
+        };
+        if let Ok((edge, mut forces, breaks)) = acting.joints.get_mut(gathered.joint)
+            && edge.edge == gathered.edge
+        {
+            forces.set_if_neq(JointForces::of(solved));
+            if breaks.is_some_and(|breaks| breaks.is_exceeded(&forces)) && !island.diverged {
+                let broke = JointBroke::new(gathered.joint, edge, &forces);
+                acting.broken.found.push((edge.order, broke));
+            }
         }
     }
 }

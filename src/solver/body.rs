@@ -17,6 +17,9 @@ pub struct Body {
     pub start: [Vec3; 2],
     /// The mean linear and angular velocity over the step, set by solvers that take substeps; m/s, rad/s.
     pub motion: Option<[Vec3; 2]>,
+    /// Set by solvers for bodies with joints: the rotation vector of the step is exactly the angular part of `motion` times its length, and
+    /// `angular` includes the gyroscopic change. Integration must change neither, or joints would not close.
+    pub motion_is_exact: bool,
     /// Number of bodies on the way down to a fixed one, itself included; 0 for a body without support.
     pub level: u32,
 }
@@ -31,6 +34,7 @@ impl Default for Body {
             inverse_inertia: Mat3::ZERO,
             start: [Vec3::ZERO; 2],
             motion: None,
+            motion_is_exact: false,
             level: 0,
         }
     }

@@ -9,6 +9,7 @@ mod body;
 mod by_body;
 mod grab;
 mod groups;
+mod joint;
 mod lanes;
 pub mod patches;
 pub mod points;
@@ -19,6 +20,7 @@ mod width;
 
 pub use body::Body;
 pub use grab::GrabConstraint;
+pub use joint::{JointAxis, JointConstraint, JointMotor};
 pub use patches::{
     FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
 };

@@ -13,6 +13,8 @@ pub enum StabilityError {
     NotABody(Entity),
     /// The body is static or kinematic, and cannot fail.
     Fixed(Entity),
+    /// The body has a [joint](crate::joint), whose force the analysis does not know.
+    Jointed(Entity),
     /// The body that is pulled does not belong to the structure.
     NotOfStructure(Entity),
     /// A direction is zero or not finite, or the direction of a tilt is parallel to gravity.
@@ -37,6 +39,10 @@ impl fmt::Display for StabilityError {
             Self::Fixed(entity) => write!(
                 f,
                 "{entity} is static or kinematic: name only the dynamic bodies of a structure"
+            ),
+            Self::Jointed(entity) => write!(
+                f,
+                "{entity} has a joint: only structures that stand by contact have a margin"
             ),
             Self::NotOfStructure(entity) => {
                 write!(

@@ -44,6 +44,7 @@ mod structure;
 pub use error::StabilityError;
 
 use crate::body::BodyTable;
+use crate::graph::{ConstraintGraph, EdgeKind};
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -229,7 +230,10 @@ impl Question {
         if structure.len() > MAX_BODIES {
             return Err(StabilityError::TooMany(structure.len()));
         }
-        let table = world.resource::<BodyTable>();
+        let (table, graph) = (
+            world.resource::<BodyTable>(),
+            world.resource::<ConstraintGraph>(),
+        );
         let mut slots = Vec::with_capacity(structure.len());
         for &body in structure {
             let slot = table.slot_of(world, body);
@@ -237,6 +241,10 @@ impl Question {
             let state = table.get(slot).ok_or(StabilityError::NotABody(body))?;
             if !state.is_dynamic() {
                 return Err(StabilityError::Fixed(body));
+            }
+            let mut joints = graph.edges_of_kind(slot, EdgeKind::Joint);
+            if joints.next().is_some() {
+                return Err(StabilityError::Jointed(body));
             }
             slots.push(slot);
         }

@@ -22,6 +22,10 @@ use crate::contact::{
 use crate::diagnosis::{Suspects, Told};
 use crate::grab::{GrabForce, Hand, HandState, HeldBy};
 use crate::graph::{ConstraintGraph, Islands};
+use crate::joint::{
+    self, BreakForce, BrokenJoints, JointChanges, JointDisabled, JointEdge, JointForces,
+    QuarantinedJoint,
+};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
@@ -46,6 +50,9 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(component: ContactForceEvents, Load, Watch, Stands);
     // Hands.
     list!(component: HandState, Hand);
+    // Joints.
+    joint::visit(visitor);
+    list!(component: JointEdge, JointForces, BreakForce, JointDisabled, QuarantinedJoint);
     // Any entity: components of Bevy that drystone reads.
     list!(component: Transform, ChildOf, Name, Disabled);
     // Pairs.
@@ -56,6 +63,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);
+    list!(resource: JointChanges, BrokenJoints);
 
     list!(derived: Pending, IslandProblems);
 }

@@ -1,9 +1,9 @@
-//! The problem of one island: its bodies, contacts and grabs.
+//! The problem of one island: its bodies, contacts, joints and grabs.
 
 use super::{IslandOrder, SolveContext, SolverContact};
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::revision::Revision;
-use crate::solver::{Body, GrabConstraint, SolveReport};
+use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
 
 /// The contacts of an island in the form that a kind of solver needs: points or patches.
@@ -47,8 +47,16 @@ pub(crate) struct Island<R> {
     ends: Vec<[u32; 2]>,
     /// Slots of the static and kinematic bodies. Impulses cannot change them, so several islands may have copies.
     copies: Vec<u32>,
+    /// The indices of those bodies in the problem, by slot.
+    copy_indices: HashMap<u32, u32>,
+    /// Whether the ends of contacts and joints are known.
+    has_ends: bool,
     /// The grabs that hold some of the bodies.
     pub grabs: Vec<GrabConstraint>,
+    /// The joints between the bodies.
+    pub joints: Vec<JointConstraint>,
+    /// Slots of the bodies of each joint.
+    pub joint_slots: Vec<[u32; 2]>,
     pub rows: R,
     pub report: SolveReport,
     /// Whether the solve diverged and was undone.
@@ -72,9 +80,9 @@ impl<R: Rows> Island<R> {
         self.ends.len()
     }
 
-    /// Returns true if some of its bodies touch something or are held.
+    /// Returns true if some of its bodies touch something, are joined or are held.
     pub fn is_solved(&self) -> bool {
-        !self.ends.is_empty() || !self.grabs.is_empty()
+        !self.ends.is_empty() || !self.grabs.is_empty() || !self.joints.is_empty()
     }
 
     /// The sum of the normal impulses that a contact starts from, N·s.
@@ -92,11 +100,15 @@ impl<R: Rows> Island<R> {
         self.in_order = order.contacts();
         self.bodies.clear();
         self.grabs.clear();
+        self.joints.clear();
+        self.joint_slots.clear();
         self.diverged = false;
         self.dynamic = 0;
         if !kept {
             self.ends.clear();
             self.copies.clear();
+            self.copy_indices.clear();
+            self.has_ends = false;
             self.rows.clear();
         }
     }
@@ -111,15 +123,17 @@ impl<R: Rows> Island<R> {
             inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
             start: [body.velocity.linear, body.velocity.angular],
             motion: None,
+            motion_is_exact: false,
             level,
         });
     }
 
     /// Takes the contacts, and copies of the static and kinematic bodies that they touch.
     pub fn gather(&mut self, contacts: &[SolverContact], from: &GatherContext) {
-        if self.ends.is_empty() {
+        if !self.has_ends {
             self.find_ends(contacts, from.local);
         }
+        self.place_joints(from.local);
         self.add_copies(from.table);
         self.rows
             .refresh(contacts, &self.ends, &self.bodies, from.context);
@@ -137,10 +151,11 @@ impl<R: Rows> Island<R> {
     }
 
     fn find_ends(&mut self, contacts: &[SolverContact], local: &[u32]) {
-        let mut known: HashMap<u32, u32> = HashMap::default();
+        self.has_ends = true;
         let dynamic = self.bodies.len() as u32;
-        let copies = &mut self.copies;
-        let mut end = |slot: u32| match local[slot as usize] {
+        let (copies, known) = (&mut self.copies, &mut self.copy_indices);
+        // The world has no slot in the list.
+        let mut end = |slot: u32| match local.get(slot as usize).copied().unwrap_or(u32::MAX) {
             u32::MAX => *known.entry(slot).or_insert_with(|| {
                 copies.push(slot);
                 dynamic + copies.len() as u32 - 1
@@ -151,6 +166,19 @@ impl<R: Rows> Island<R> {
             .iter()
             .map(|contact| contact.pair.slots.map(&mut end));
         self.ends.extend(ends);
+        for slot in self.joint_slots.as_flattened() {
+            end(*slot);
+        }
+    }
+
+    /// Sets the indices of the bodies of joints.
+    fn place_joints(&mut self, local: &[u32]) {
+        for (joint, slots) in self.joints.iter_mut().zip(&self.joint_slots) {
+            joint.bodies = slots.map(|slot| match local.get(slot as usize) {
+                Some(&local) if local != u32::MAX => local,
+                _ => self.copy_indices[&slot],
+            });
+        }
     }
 
     fn add_copies(&mut self, table: &BodyTable) {

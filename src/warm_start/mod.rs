@@ -1,6 +1,6 @@
 //! The stage **warm start**: updates the problem of every awake island and sets the impulses that its contacts start from.
 //!
-//! The problem of an island consists of its bodies, its contacts and the grabs on its bodies. It is kept from step to step: while no contact
+//! The problem of an island consists of its bodies, its contacts, its joints and the grabs on its bodies. It is kept from step to step: while no contact
 //! begins or ends, only bodies that moved and contacts that were detected anew are updated. Then each contact gets the impulse that it starts
 //! from. It follows from the forces at the end of the last step, whatever the length of that step was. The stage [solve](crate::solve)
 //! computes the impulses and stores them.
@@ -11,11 +11,12 @@
 //! - Changes of a pair take effect in the next step, except those of `ContactImpulses`, which *solve* overwrites, because the problem has its
 //!   own copy. If the number of patches or points of a pair is changed, the computed impulses do not fit any more. The pair then has none, and
 //!   starts from zero in the next step.
-//! - A [`Grab`] that is inserted or removed takes effect in the next step.
+//! - A [`Grab`] or a [joint](crate::joint) that is inserted, changed or removed takes effect in the next step.
 //! - Bodies and pairs that are despawned are still part of the solve, but nothing is stored for them.
 
 mod contact;
 mod island;
+mod joints;
 mod order;
 mod patches;
 mod points;
@@ -34,6 +35,7 @@ use bevy_ecs::system::SystemParam;
 use bevy_platform::time::Instant;
 pub(crate) use contact::SolverContact;
 pub(crate) use island::{GatherContext, Island, Rows};
+pub(crate) use joints::{JointOrder, Joints};
 pub(crate) use order::{IslandOrder, Member, Order, Stored};
 pub(crate) use patches::PatchRows;
 pub(crate) use points::PointRows;
@@ -92,7 +94,7 @@ pub fn warm_start(
     ),
     mut problems: ResMut<IslandProblems>,
     mut pairs: Pairs,
-    grabs: Grabs,
+    (grabs, joints): (Grabs, Joints),
 ) {
     let stage = WarmStart {
         table: &table,
@@ -104,11 +106,11 @@ pub fn warm_start(
     match context.solver.solver.method() {
         Method::Points(_) => {
             problems.by_patches.order.forget();
-            stage.run(&mut problems.by_points, &mut pairs, &grabs);
+            stage.run(&mut problems.by_points, &mut pairs, (&grabs, &joints));
         }
         Method::Patches(_) => {
             problems.by_points.order.forget();
-            stage.run(&mut problems.by_patches, &mut pairs, &grabs);
+            stage.run(&mut problems.by_patches, &mut pairs, (&grabs, &joints));
         }
     }
     problems.prepared = Some(context.solver.solver.clone());
@@ -123,13 +125,20 @@ struct WarmStart<'a> {
 }
 
 impl WarmStart<'_> {
-    fn run<R: Rows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs, grabs: &Grabs) {
+    fn run<R: Rows>(
+        &self,
+        problems: &mut ProblemSet<R>,
+        pairs: &mut Pairs,
+        (grabs, joints): (&Grabs, &Joints),
+    ) {
         let start = Instant::now();
         problems.order.keep(self.table, self.graph, self.islands);
         let (contacts, complete) = problems.order.contacts(pairs);
         problems.arrange();
         self.gather_bodies(problems, complete);
         self.gather_grabs(problems, grabs);
+        let context = (self.table, self.graph, self.islands);
+        problems.gather_joints(context, joints);
         let ProblemSet { order, islands, .. } = problems;
         let points = contacts.iter();
         let points = points.map(|contact| contact.manifold.points.len()).sum();
@@ -209,8 +218,10 @@ impl WarmStart<'_> {
         let parts = islands.iter_mut().filter_map(|island| {
             let (contacts, others) = rest.split_at(island.in_order);
             rest = others;
-            // A body that touches nothing and is not held needs no solver.
-            (!contacts.is_empty() || !island.grabs.is_empty()).then_some((island, contacts))
+            // A body that touches nothing, has no joint and is not held needs no solver.
+            let is_acted_on =
+                !contacts.is_empty() || !island.grabs.is_empty() || !island.joints.is_empty();
+            is_acted_on.then_some((island, contacts))
         });
         let threads = &self.context.threads;
         if threads.runs_in_parallel(points) {

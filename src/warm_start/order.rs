@@ -9,7 +9,7 @@ use super::Pairs;
 use super::contact::SolverContact;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, revise_edited};
-use crate::graph::{ConstraintGraph, Islands};
+use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::revision::Revision;
 use crate::settings::PhysicsThreads;
 use bevy_ecs::change_detection::ContiguousMut;
@@ -214,6 +214,7 @@ impl Order {
         for (local, body) in (0..).zip(bodies) {
             // A contact is taken once, from the list of its higher body.
             let links = from.graph.links_of(body.slot);
+            let links = links.filter(|link| link.kind == EdgeKind::Contact);
             lower.extend(links.filter_map(|link| {
                 let [a, b] = link.slots;
                 let other = if a == body.slot { b } else { a };

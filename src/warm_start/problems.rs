@@ -1,7 +1,7 @@
 //! The resource with the problems of the awake islands.
 
 use super::order::put_in_place;
-use super::{Island, Member, Order, PatchRows, PointRows, Rows};
+use super::{Island, JointOrder, Member, Order, PatchRows, PointRows, Rows};
 use crate::body::Velocity;
 use crate::settings::ContactSolver;
 use bevy_ecs::prelude::*;
@@ -9,7 +9,7 @@ use std::fmt;
 
 /// The problems of the awake islands, between the stages *warm start* and *solve*. At any other time it appears empty.
 ///
-/// An island has a problem if some of its bodies touch something or are held.
+/// An island has a problem if some of its bodies touch something, are joined or are held.
 #[derive(Resource, Default)]
 pub struct IslandProblems {
     pub(crate) by_points: ProblemSet<PointRows>,
@@ -30,6 +30,7 @@ impl fmt::Debug for IslandProblems {
 pub(crate) struct ProblemSet<R> {
     pub order: Order,
     pub islands: Vec<Island<R>>,
+    pub joints: JointOrder,
     /// Scratch of *solve*, by slot: the velocity of a body that is not in a problem.
     pub velocities: Vec<Option<Velocity>>,
     /// Scratch of *solve*: the slots of those bodies.
@@ -110,6 +111,7 @@ impl<R: Rows> ProblemSet<R> {
                 contacts: order.pairs().zip(impulses).collect(),
                 points: island.points(),
                 grabs: island.grabs.len(),
+                joints: island.joints.len(),
             }
         })
     }
@@ -122,6 +124,7 @@ pub struct IslandProblem<'a> {
     contacts: Vec<(Entity, f32)>,
     points: usize,
     grabs: usize,
+    joints: usize,
 }
 
 impl IslandProblem<'_> {
@@ -144,5 +147,10 @@ impl IslandProblem<'_> {
     /// Number of its bodies that are held by a grab.
     pub fn grabs(&self) -> usize {
         self.grabs
+    }
+
+    /// Number of its joints.
+    pub fn joints(&self) -> usize {
+        self.joints
     }
 }

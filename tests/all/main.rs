@@ -20,6 +20,7 @@ mod hands;
 mod headless;
 mod hits;
 mod hulls;
+mod joints;
 mod loads;
 mod masonry;
 mod meters;

@@ -4,6 +4,7 @@
 
 mod ground;
 mod hand;
+mod joined;
 mod masonry;
 mod motion;
 mod name;
@@ -54,6 +55,12 @@ pub enum Scene {
     Dropped,
     /// A cube sunk so many metres into another.
     Overlap(f32),
+    /// A chain of so many links of 1 kg and 0.4 m that hangs from the world, with a ball of 100 kg at its end.
+    Chain(u32),
+    /// A bridge of so many planks 0.5 × 0.1 × 2 m between two piers, each hung on its neighbours at both edges; 10 t on the middle.
+    Bridge(u32),
+    /// So many ragdolls of fifteen bodies each, dropped onto a heap of bricks.
+    Ragdolls(u32),
     /// The task of the paper's Figure 1: a scripted hand builds a stack of n, presses on its top edge and tips it.
     Pressed(u32),
 }
@@ -131,6 +138,8 @@ impl Scene {
             | Self::Dominoes(n)
             | Self::Cantilever(n)
             | Self::Pressed(n) => count(n),
+            Self::Chain(n) | Self::Bridge(n) => count(n) + 1,
+            Self::Ragdolls(n) => 15 * count(n),
             Self::Incline(_) | Self::Rolling | Self::Sliding => 1,
             Self::Overlap(_) => 2,
             Self::Dropped => Self::Wall(6, 6).bodies() + 1,
@@ -148,6 +157,9 @@ impl Scene {
                 | Self::Sliding
                 | Self::Dropped
                 | Self::Overlap(_)
+                | Self::Chain(_)
+                | Self::Bridge(_)
+                | Self::Ragdolls(_)
         )
     }
 
@@ -176,6 +188,9 @@ impl Scene {
             Self::Sliding => site.sliding(),
             Self::Dropped => site.dropped(),
             Self::Overlap(depth) => site.overlap(depth),
+            Self::Chain(n) => site.chain(n),
+            Self::Bridge(n) => site.bridge(n),
+            Self::Ragdolls(n) => site.ragdolls(n),
             Self::Pressed(n) => Some(site.pressed(n)),
         };
         Built {
@@ -285,6 +300,9 @@ mod tests {
             "dropped",
             "overlap:0.4",
             "pressed:5",
+            "chain:40",
+            "bridge:9",
+            "ragdolls:2",
         ] {
             let scene: Scene = name.parse().unwrap();
             let built = scene.build(&mut World::new(), &SceneOptions::default());

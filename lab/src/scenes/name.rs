@@ -9,7 +9,8 @@ use std::str::FromStr;
 /// How every scene is called.
 pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, tower:N, arch:N, heap:N, \
     pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
-    cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N";
+    cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N, chain:N, bridge:N, \
+    ragdolls:N";
 
 /// The kinds of piles, by name.
 const GRAINS: [(Grain, &str); 4] = [
@@ -116,6 +117,9 @@ impl FromStr for Scene {
             "cantilever" => Self::Cantilever(count()?),
             "overlap" => Self::Overlap(number(size, OVERLAPS)?),
             "pressed" => Self::Pressed(count()?),
+            "chain" => Self::Chain(count()?),
+            "bridge" => Self::Bridge(count()?),
+            "ragdolls" => Self::Ragdolls(count()?),
             "rolling" if size.is_empty() => Self::Rolling,
             "sliding" if size.is_empty() => Self::Sliding,
             "dropped" if size.is_empty() => Self::Dropped,
@@ -152,6 +156,9 @@ impl fmt::Display for Scene {
             Self::Dropped => f.write_str("dropped"),
             Self::Overlap(depth) => write!(f, "overlap:{depth}"),
             Self::Pressed(n) => write!(f, "pressed:{n}"),
+            Self::Chain(n) => write!(f, "chain:{n}"),
+            Self::Bridge(n) => write!(f, "bridge:{n}"),
+            Self::Ragdolls(n) => write!(f, "ragdolls:{n}"),
         }
     }
 }
@@ -181,6 +188,9 @@ mod tests {
             "dropped",
             "overlap:0.4",
             "pressed:5",
+            "chain:40",
+            "bridge:40",
+            "ragdolls:100",
         ] {
             assert_eq!(name.parse::<Scene>().unwrap().to_string(), name);
         }
@@ -225,6 +235,7 @@ mod tests {
             ("dominoes:100001", "100000 bodies"),
             ("cantilever:100001", "100000 bodies"),
             ("pressed:100001", "100000 bodies"),
+            ("ragdolls:6667", "100000 bodies"),
             ("massratio:2x100000", "100000 bodies"),
             ("arch:2", "from 3 to 1000"),
             ("arch:100000", "from 3 to 1000"),

@@ -9,7 +9,7 @@ mod memory;
 mod restitution;
 mod soft_step;
 
-use super::{Body, GrabConstraint, SolveReport};
+use super::{Body, GrabConstraint, JointConstraint, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 pub use memory::Memory;
@@ -52,6 +52,8 @@ pub struct PatchProblem<'a> {
     pub points: &'a mut [PatchPoint],
     /// Grabs that hold some of the bodies.
     pub grabs: &'a mut [GrabConstraint],
+    /// Joints between some of the bodies.
+    pub joints: &'a mut [JointConstraint],
     /// Length of the step, s.
     pub dt: f32,
     /// The longest of recent steps, s; at least `dt`. It sets a stiffness that must not increase for a step that is short by chance.

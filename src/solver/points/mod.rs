@@ -44,12 +44,13 @@ mod nncg;
 mod pgs;
 
 use super::grab::ActiveGrab;
+use super::joint::PlainJoint;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
 use super::lanes::{F32x4, F32xN};
 use super::walls::{self, Walls};
 use super::width::Width;
-use super::{Body, GrabConstraint, Lanes, SolveReport};
+use super::{Body, GrabConstraint, JointConstraint, Lanes, SolveReport};
 use blocks::{Cone, Disc, Square};
 pub(crate) use constraint::PatchFrame;
 pub use constraint::{PointConstraint, PointInput, tangents};
@@ -154,6 +155,8 @@ pub struct PointProblem<'a> {
     pub constraints: &'a mut [PointConstraint],
     /// Grabs that hold some of the bodies.
     pub grabs: &'a mut [GrabConstraint],
+    /// Joints between some of the bodies.
+    pub joints: &'a mut [JointConstraint],
     /// Length of the step, s.
     pub dt: f32,
     /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].
@@ -185,6 +188,25 @@ impl PointProblem<'_> {
             let held = ActiveGrab::new(grab, body, self.dt);
             body.add(held.warm_start());
         }
+        for joint in &mut *self.joints {
+            joint.forces = joint.forces.map(|force| share * force);
+        }
+        if share != 0.0 {
+            for joint in self.plain_joints() {
+                let ends = joint.joint.bodies;
+                for (body, change) in ends.into_iter().zip(joint.warm_start()) {
+                    self.bodies[body as usize].add(change);
+                }
+            }
+        }
+    }
+
+    /// The joints that have an effect, ready to be visited.
+    fn plain_joints(&self) -> Vec<PlainJoint> {
+        let joints = self.joints.iter();
+        joints
+            .filter_map(|joint| PlainJoint::new(joint, self.bodies, self.dt))
+            .collect()
     }
 
     /// The grabs, prepared for a sweep, each with the contacts that limit the motion of its body.
@@ -210,7 +232,7 @@ impl PointProblem<'_> {
         SolveReport::new(self.free_merit, self.record_history)
     }
 
-    /// Does one projected Gauss–Seidel sweep over all grabs and then over all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
+    /// Does one projected Gauss–Seidel sweep over all grabs, all joints and then all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
         let mut change = 0.0;
         for (i, mut held) in self.held().into_iter().enumerate() {
@@ -222,6 +244,22 @@ impl PointProblem<'_> {
             self.bodies[held.grab.body as usize].add(moved);
             change += changed;
             self.grabs[i] = held.found();
+        }
+        for joint in &mut *self.joints {
+            let Some(mut plain) = PlainJoint::new(joint, self.bodies, self.dt) else {
+                continue;
+            };
+            let ends = joint.bodies.map(|body| body as usize);
+            let mut velocities =
+                ends.map(|end| [self.bodies[end].linear, self.bodies[end].angular]);
+            change += plain.relax(&mut velocities);
+            for (end, velocity) in ends.into_iter().zip(velocities) {
+                [self.bodies[end].linear, self.bodies[end].angular] = velocity;
+            }
+            // The low-pass follows once a step, and not in each sweep.
+            let filtered = joint.filtered;
+            *joint = plain.found();
+            joint.filtered = filtered;
         }
         let bodies = &mut *self.bodies;
         for pair in self.constraints.chunk_by_mut(|a, b| a.bodies == b.bodies) {

@@ -87,6 +87,13 @@ pub struct Spring {
 }
 
 impl Spring {
+    /// b = ωh (2ζ + ωh), the effective mass of a row over its compliance, and the correction speed per distance, 1/s.
+    pub fn stiffness_and_bias(&self) -> (f32, f32) {
+        let turned = self.omega * self.h;
+        let a = 2.0 * self.damping_ratio + turned;
+        (turned * a, self.omega / a)
+    }
+
     /// The coefficients of springs whose stiffness is scaled by a factor.
     #[inline(always)]
     fn softness<L: F32xN>(&self, stiffness: L) -> Softness<L> {

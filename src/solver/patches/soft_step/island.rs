@@ -2,6 +2,7 @@
 
 use super::block::{Block, Pass, Points};
 use super::grabs::GrabPlaces;
+use super::joints::Joints;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::pipeline::{Pipeline, Work};
 use crate::revision::Revision;
@@ -82,13 +83,16 @@ pub struct Island<L: F32xN> {
     /// Grabs. They are visited before the contacts of their bodies, so that the contacts they press against decide last.
     pub(super) grabs: Vec<ActiveGrab>,
     pub(super) grab_places: GrabPlaces,
+    /// Joints. They are solved after all contacts of a sweep.
+    pub(super) joints: Joints,
     /// Present once there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
 }
 
 impl<L: F32xN> Island<L> {
-    /// Finds the places of grabs among the blocks.
+    /// Finds the places of grabs among the blocks, and the connected pieces of joints.
     pub fn place_grabs(&mut self, problem: &PatchProblem) {
+        self.joints.place(problem, &self.batches);
         if self.grab_places.place(&self.batches, problem) {
             self.pipeline = None;
         }
@@ -164,6 +168,7 @@ impl<L: F32xN> Island<L> {
             changes: Vec::new(),
             grabs: Vec::new(),
             grab_places: GrabPlaces::default(),
+            joints: Joints::default(),
             pipeline: None,
         }
     }
@@ -240,7 +245,8 @@ impl<L: F32xN> Island<L> {
     pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
         let pipeline = self.pipeline.take();
         // Sweeps in both directions cannot be pipelined.
-        let overlap = problem.threads > 1 && self.alone && !passes.iter().any(|pass| pass.down);
+        let straight = self.joints.is_empty() && !passes.iter().any(|pass| pass.down);
+        let overlap = problem.threads > 1 && self.alone && straight;
         let pipeline = match overlap {
             true => pipeline.or_else(|| Some(self.find_pipeline(problem))),
             false => None,
@@ -263,13 +269,16 @@ impl<L: F32xN> Island<L> {
             true => self.sweep_as(Soft { first: pass.first }, pass),
             false => self.sweep_rigidly(pass),
         };
+        let jointed_change = self.visit_joints(pass);
         let bodies = self.inertias.len();
         let states = cells(&mut self.velocities).iter().take(bodies);
         let others = cells(&mut self.before).iter().zip(cells(&mut self.motions));
         for (velocity, (before, motion)) in states.zip(others) {
             pass.end(velocity, before, motion);
         }
-        held_change + change
+        self.drift_joints(pass, pass.extrapolates);
+        self.end_joints(pass);
+        held_change + change + jointed_change
     }
 
     /// Visits each block once. Returns Σ W Δλ², J.

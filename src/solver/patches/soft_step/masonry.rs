@@ -189,6 +189,7 @@ impl Masonry {
             patches: &mut self.patches,
             points: &mut self.points,
             grabs: &mut self.grabs,
+            joints: &mut [],
             dt: DT,
             longest: DT,
             gravity: self.gravity,

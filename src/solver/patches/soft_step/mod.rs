@@ -42,6 +42,7 @@ mod gaps;
 mod grabs;
 mod halves;
 mod island;
+mod joints;
 mod kept;
 mod kinds;
 mod load_statistics;
@@ -199,7 +200,7 @@ impl SoftStep {
         let (budget, bounces) = self.begin::<L>(problem, &mut scratch);
         let gaps = Gaps::of(problem);
         let hits = blows::expected(problem, &gaps);
-        let straight = hits || budget.downwards;
+        let straight = hits || budget.downwards || !problem.joints.is_empty();
         let mut kept = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
         let island = &mut kept.island;
         island.deepest = parting::deepest(&gaps);

@@ -5,7 +5,7 @@ use super::halves::Part;
 use super::island::Island;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
-use crate::solver::lanes::{F32xN, Kernel, State};
+use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use glam::Vec4;
 
 /// The data from which blocks are refreshed.
@@ -147,7 +147,10 @@ impl<L: F32xN> Island<L> {
         let h = problem.dt / substeps as f32;
         self.grab_places.begin(problem, h, &mut self.grabs);
         self.refresh(problem, spring, &passes[0], f32::INFINITY);
-        self.warm_start().sqrt()
+        let missing = self.warm_start();
+        let velocities = cells(&mut self.velocities);
+        self.joints.begin(problem, spring, substeps, velocities);
+        missing.sqrt()
     }
 
     /// Stores the results in the problem. Loads at rest follow them by the share `rate`.
@@ -165,5 +168,6 @@ impl<L: F32xN> Island<L> {
             [body.linear, body.angular] = velocity.map(Vec4::truncate);
             body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
         }
+        self.joints.store(problem, &self.motions);
     }
 }

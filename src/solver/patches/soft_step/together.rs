@@ -46,6 +46,7 @@ impl Joint {
             patches: &mut self.patches,
             points: &mut self.points,
             grabs: &mut [],
+            joints: &mut [],
             memory,
             threads: 1,
             ..*like
@@ -91,7 +92,7 @@ fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
 }
 
 impl SoftStep {
-    /// Solves each problem: those that get the same sweeps together, and those with blows or deep overlaps alone.
+    /// Solves each problem: those that get the same sweeps together, and those with joints, blows or deep overlaps alone.
     pub(super) fn solve_together<L: F32xN>(
         &self,
         problems: &mut [PatchProblem],
@@ -100,7 +101,8 @@ impl SoftStep {
         let mut begun = Vec::with_capacity(problems.len());
         for (number, problem) in problems.iter_mut().enumerate() {
             let gaps = Gaps::of(problem);
-            if blows::expected(problem, &gaps) || parting::is_needed(&gaps) {
+            let has_joints = !problem.joints.is_empty();
+            if has_joints || blows::expected(problem, &gaps) || parting::is_needed(&gaps) {
                 reports[number] = self.solve(problem);
                 continue;
             }

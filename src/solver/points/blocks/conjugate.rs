@@ -6,6 +6,7 @@
 
 use super::visit::{Masses, Motion, Relax};
 use super::{Blocks, Cone, Points};
+use crate::solver::joint::PlainJoint;
 use crate::solver::lanes::{F32xN, State, Vec3xN};
 use crate::solver::points::{Direction, PointProblem};
 use glam::Vec3;
@@ -19,6 +20,8 @@ pub struct Conjugate<L: F32xN, C> {
     motions: Vec<[State; 2]>,
     /// By grab: p, N·s and N·m·s, and λ before the last sweep.
     grabs: Vec<[[Vec3; 2]; 2]>,
+    /// By row of all joints: p, and λ before the last sweep, N·s or N·m·s.
+    joints: Vec<[f32; 2]>,
     /// Share of the direction by which points still have to move.
     beta: f32,
 }
@@ -34,9 +37,12 @@ struct Steps<L> {
 
 impl<L: F32xN, C: Cone> Conjugate<L, C> {
     pub fn of(problem: &PointProblem) -> Self {
-        let blocks = Blocks::of(problem);
+        let mut blocks = Blocks::of(problem);
+        let rows = blocks.joints.iter_mut().flat_map(PlainJoint::impulses);
+        let joints = rows.map(|impulse| [0.0, *impulse]).collect();
         let velocities = blocks.velocities[..problem.bodies.len()].iter();
         Self {
+            joints,
             steps: vec![Steps::default(); blocks.points.len()],
             motions: velocities.map(|&v| [State::default(), v]).collect(),
             grabs: blocks
@@ -70,6 +76,15 @@ impl<L: F32xN, C: Cone> Conjugate<L, C> {
                 direction[i] = step + gradient;
                 before[i] = held.impulse[i];
             }
+        }
+        let rows = self.blocks.joints.iter_mut();
+        let rows = rows.flat_map(PlainJoint::impulses);
+        for (impulse, [direction, before]) in rows.zip(&mut self.joints) {
+            let gradient = *impulse - *before;
+            let step = beta * *direction;
+            *impulse += step;
+            *direction = step + gradient;
+            *before = *impulse;
         }
         for (velocity, [direction, before]) in
             self.blocks.velocities.iter_mut().zip(&mut self.motions)

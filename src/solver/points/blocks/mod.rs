@@ -14,6 +14,7 @@ mod visit;
 use super::{Direction, PointConstraint, PointProblem};
 use crate::solver::batches::Batches;
 use crate::solver::grab::ActiveGrab;
+use crate::solver::joint::PlainJoint;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use block::{Block, Patches, Points};
 pub use cone::{Cone, Disc, Square};
@@ -38,6 +39,8 @@ pub struct Blocks<L: F32xN, C> {
     velocities: Vec<State>,
     /// Grabs. They are visited before the blocks, so that the contacts they press against decide last.
     grabs: Vec<ActiveGrab>,
+    /// Joints that have an effect, visited after grabs.
+    joints: Vec<PlainJoint>,
     cone: PhantomData<C>,
 }
 
@@ -88,7 +91,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
             patches: &mut patches,
             points: &mut points,
         });
-        let grabs = problem.held();
+        let (grabs, joints) = (problem.held(), problem.plain_joints());
         Self {
             batches,
             pairs,
@@ -97,6 +100,7 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
             points,
             velocities,
             grabs,
+            joints,
             cone: PhantomData,
         }
     }
@@ -110,12 +114,14 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
         let grabs = self.grabs.iter_mut();
         let velocities = cells(&mut self.velocities);
         let held: f32 = grabs.map(|held| held.visit(velocities)).sum();
+        let joints = self.joints.iter_mut();
+        let jointed: f32 = joints.map(|joint| joint.visit(velocities)).sum();
         let swept = L::run(Sweep {
             blocks: self,
             forwards: direction == Direction::Forwards,
             relax,
         });
-        held + swept
+        held + jointed + swept
     }
 
     /// Stores impulses and velocities in the problem.
@@ -134,6 +140,14 @@ impl<L: F32xN, C: Cone> Blocks<L, C> {
         }
         for (grab, held) in problem.grabs.iter_mut().zip(&self.grabs) {
             *grab = held.found();
+        }
+        let mut joints = self.joints.iter();
+        for joint in &mut *problem.joints {
+            if joint.acts(problem.bodies)
+                && let Some(plain) = joints.next()
+            {
+                *joint = plain.found();
+            }
         }
         for (body, velocity) in problem.bodies.iter_mut().zip(&self.velocities) {
             if body.inverse_mass > 0.0 {

@@ -68,6 +68,7 @@ impl Solved {
             bodies: &mut bodies,
             constraints: &mut constraints,
             grabs: &mut [],
+            joints: &mut [],
             dt: 0.1,
             free_merit: 1.0,
             record_history: false,

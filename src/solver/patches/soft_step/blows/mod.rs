@@ -102,7 +102,8 @@ fn longest_square_gyration(body: &Body) -> f32 {
 pub struct Blows<L> {
     hot: Hot<L>,
     hand_down: HandDown,
-    /// By body: the square of its mean radius of gyration, m²; 0 for a body that takes no blow.
+    /// By body: the square of its mean radius of gyration, m²; 0 for a body that takes no blow, as one with joints: these are solved
+    /// directly, with the contacts that carry it.
     square_gyrations: Vec<f32>,
     /// Bodies that may take a blow: those that hit others in this step, and the neighbours of bodies that have taken one.
     candidates: Vec<u32>,
@@ -117,11 +118,11 @@ pub struct Blows<L> {
 impl<L: F32xN> Blows<L> {
     fn begin(&mut self, problem: &PatchProblem, island: &Island<L>) {
         self.square_gyrations.clear();
-        let square_gyrations = problem.bodies.iter().map(|body| {
+        let square_gyrations = problem.bodies.iter().enumerate().map(|(number, body)| {
             let square = body.square_gyration();
             let turns_little = body.angular.length() * problem.dt <= TURNED;
             let is_stocky = longest_square_gyration(body) <= SLENDER * SLENDER * square;
-            match turns_little && is_stocky {
+            match turns_little && is_stocky && !island.joints.hold(number) {
                 true => square,
                 false => 0.0,
             }
@@ -193,7 +194,8 @@ impl<L: F32xN> Island<L> {
                 blows.earlier.clear();
                 blows.earlier.extend(impulses);
                 let soft = Soft { first: pass.first };
-                tell(held_change + self.sweep_as(soft, pass));
+                let swept = self.sweep_as(soft, pass);
+                tell(held_change + swept + self.visit_joints(pass));
                 takes_blow = blows.find(problem, self);
                 if takes_blow {
                     let Blows { hot, hand_down, .. } = &mut *blows;
@@ -201,6 +203,7 @@ impl<L: F32xN> Island<L> {
                     self.sweep_more(problem, blows, pass, SOFT_SWEEPS);
                 }
                 self.drift(pass);
+                self.drift_joints(pass, false);
                 if takes_blow {
                     let rigid = Pass {
                         soft: false,
@@ -209,10 +212,12 @@ impl<L: F32xN> Island<L> {
                     self.sweep_more(problem, blows, &rigid, RIGID_SWEEPS);
                 }
             } else {
-                tell(self.visit_grabs() + self.sweep_rigidly(pass));
+                let swept = self.visit_grabs() + self.sweep_rigidly(pass);
+                tell(swept + self.visit_joints(pass));
             }
             let is_last = number + 1 == passes.len();
             self.extrapolate(pass);
+            self.end_joints(pass);
             if takes_blow && (pass.extrapolates || is_last) {
                 blows.hot.visit_all();
                 L::run(Forget {
@@ -245,6 +250,7 @@ impl<L: F32xN> Island<L> {
                 over: if sweep < sweeps { OVER } else { 0.0 },
                 pass,
             });
+            self.visit_joints(pass);
             if !hot.visit_stirred(problem, &self.batches) {
                 break;
             }

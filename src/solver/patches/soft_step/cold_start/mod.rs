@@ -45,12 +45,13 @@ impl New {
         let fall = problem.gravity.length() * problem.dt;
         let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
         let moves = |body: &&Body| body.inverse_mass > 0.0;
+        let jointed = jointed(problem);
+        let is_jointed = |body: usize| !jointed.is_empty() && jointed[body];
         let pairs = || {
-            problem
-                .bodies
-                .iter()
-                .zip(body_loads)
-                .filter(|(body, _)| moves(body))
+            let pairs = problem.bodies.iter().zip(body_loads).enumerate();
+            pairs.filter_map(|(number, pair)| {
+                (moves(&pair.0) && !is_jointed(number)).then_some(pair)
+            })
         };
         let unloaded =
             |(body, body_loads): &(&Body, &BodyLoad)| body_loads.is_unloaded(body, problem);
@@ -61,8 +62,9 @@ impl New {
         let stands = hand_down::standing(problem, closed);
         let bodies = problem.bodies.iter().zip(body_loads).zip(stands);
         let bodies: Vec<[bool; 2]> = bodies
-            .map(|((body, body_loads), stands)| {
-                let still = moves(&body) && stands && slower(body, PUT);
+            .enumerate()
+            .map(|(number, ((body, body_loads), stands))| {
+                let still = moves(&body) && stands && slower(body, PUT) && !is_jointed(number);
                 [
                     still && !body_loads.carries,
                     slower(body, RESTS) && still && unloaded(&(body, body_loads)),
@@ -71,13 +73,28 @@ impl New {
             .collect();
         let new = bodies.iter().filter(|[new, _]| *new).count();
         let moved = problem.bodies.iter().filter(moves);
-        let all = 2 * new > moved.count() && problem.bodies.iter().all(|body| slower(body, fall));
+        // Statics knows no joints.
+        let all = 2 * new > moved.count()
+            && jointed.is_empty()
+            && problem.bodies.iter().all(|body| slower(body, fall));
         let bodies: Vec<bool> = bodies
             .into_iter()
             .map(|[new, unloaded]| new || unloaded)
             .collect();
         bodies.contains(&true).then_some(Self { bodies, all })
     }
+}
+
+/// By body: a joint holds it; empty if there are no joints. Such bodies are never new: a direct solve finds the loads of their contacts.
+fn jointed(problem: &PatchProblem) -> Vec<bool> {
+    let mut jointed = Vec::new();
+    for joint in problem.joints.iter() {
+        jointed.resize(problem.bodies.len(), false);
+        for body in joint.bodies {
+            jointed[body as usize] = true;
+        }
+    }
+    jointed
 }
 
 /// Gives contacts that carry nothing yet their impulses and loads at rest in equilibrium. Returns whether there were any.

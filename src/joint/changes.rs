@@ -1,0 +1,328 @@
+//! The stage **joints**: reads joints that were written, checks them, and adds and removes their edges in the constraint graph.
+//!
+//! A joint has an edge while it takes part in the simulation. It has none while it is disabled, while its input is invalid
+//! ([`QuarantinedJoint`]), and while one of its bodies does not take part: it waits for that body. Joints without an edge are looked at in every
+//! step, those with one only if they were written, or if something happened to their bodies.
+
+use super::definition::JointDefinition;
+use super::edge::{JointChanges, JointEdge};
+use super::frame::resolve;
+use super::list::{DetachedJoints, WrittenJoints, definition, set_frames};
+use super::{
+    BreakForce, JointDisabled, JointError, JointForces, JointFrame, JointProblem, QuarantinedJoint,
+};
+use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
+use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
+use crate::revision::Revision;
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::name::Name;
+use bevy_ecs::prelude::*;
+
+/// What is to be done with a joint.
+enum Finding {
+    /// It takes part: its bodies are in these slots.
+    Ready(JointDefinition, [u32; 2]),
+    /// It is disabled, or waits for a body.
+    Idle,
+    /// Its input is invalid.
+    Invalid(JointProblem),
+}
+
+/// The system of the stage.
+pub fn joints(
+    world: &mut World,
+    written: &mut QueryState<Entity, WrittenJoints>,
+    detached: &mut QueryState<Entity, DetachedJoints>,
+) {
+    let mut found = std::mem::take(&mut world.resource_mut::<JointChanges>().written);
+    found.extend(written.iter(world));
+    found.extend(detached.iter(world));
+    found.extend(of_changed_bodies(world));
+    if !found.is_empty() {
+        let mut found: Vec<(SpawnOrder, Entity)> = found
+            .into_iter()
+            .filter_map(|joint| Some((order_of(world.get_entity(joint).ok()?), joint)))
+            .collect();
+        // Joints without a number were spawned before the plugins were added.
+        found.sort_unstable_by_key(|&(order, joint)| (order, joint.index_u32(), joint));
+        found.dedup();
+        for (_, joint) in found {
+            update(world, joint);
+        }
+    }
+    forget_lost(world);
+    activate(world);
+}
+
+fn order_of(joint: EntityRef) -> SpawnOrder {
+    joint.get().copied().unwrap_or(SpawnOrder::NONE)
+}
+
+/// The joints of bodies that left, or are not dynamic any more.
+fn of_changed_bodies(world: &World) -> Vec<Entity> {
+    let (table, graph) = (
+        world.resource::<BodyTable>(),
+        world.resource::<ConstraintGraph>(),
+    );
+    if !graph.has_joints() {
+        return Vec::new();
+    }
+    let changed = table.active().filter(|(_, body)| body.renewed);
+    let changed = changed.map(|(slot, _)| slot).chain(table.removed_slots());
+    changed
+        .flat_map(|slot| graph.edges_of_kind(slot, EdgeKind::Joint))
+        .collect()
+}
+
+/// Adds, changes or removes the edge of a joint.
+fn update(world: &mut World, joint: Entity) {
+    match examine(world, joint) {
+        Finding::Ready(definition, slots) => {
+            attach(world, joint, definition, slots);
+            let mut joint = world.entity_mut(joint);
+            if joint.take::<QuarantinedJoint>().is_some() {
+                tracing::info!(
+                    "joint {} works again: its input has been mended",
+                    joint.id()
+                );
+            }
+        }
+        Finding::Idle => {
+            detach(world, joint);
+            world.entity_mut(joint).remove::<QuarantinedJoint>();
+        }
+        Finding::Invalid(problem) => {
+            detach(world, joint);
+            report(world, joint, problem);
+        }
+    }
+}
+
+/// Finds out whether a joint can take part in the simulation.
+fn examine(world: &mut World, joint: Entity) -> Finding {
+    let of = world.entity(joint);
+    let (count, Some(definition)) = definition(of) else {
+        return Finding::Idle;
+    };
+    if of.contains::<JointDisabled>() || of.contains::<Disabled>() {
+        return Finding::Idle;
+    }
+    if count > 1 {
+        return Finding::Invalid(JointProblem::SeveralJoints);
+    }
+    if let Err(problem) = definition.check() {
+        return Finding::Invalid(problem);
+    }
+    if of
+        .get()
+        .is_some_and(|breaks: &BreakForce| !breaks.is_valid())
+    {
+        return Finding::Invalid(JointProblem::InvalidBreakForce);
+    }
+    let [one, other] = definition.bodies;
+    if let Some(body) = one
+        && one == other
+    {
+        return Finding::Invalid(JointProblem::SameBody { body });
+    }
+    let table = world.resource::<BodyTable>();
+    let mut slots = [WORLD; 2];
+    for (slot, body) in slots.iter_mut().zip(definition.bodies) {
+        let Some(body) = body else {
+            continue;
+        };
+        match table.slot_of(world, body) {
+            Some(known) => *slot = known,
+            None if is_body(world, body) || is_disabled(world, body) => return Finding::Idle,
+            None => return Finding::Invalid(JointProblem::NotABody { entity: body }),
+        }
+    }
+    let is_dynamic = |&slot: &u32| table.get(slot).is_some_and(BodyState::is_dynamic);
+    match slots.iter().any(is_dynamic) {
+        true => Finding::Ready(definition, slots),
+        false => Finding::Invalid(JointProblem::NothingMoves),
+    }
+}
+
+fn is_disabled(world: &World, body: Entity) -> bool {
+    let body = world.get_entity(body);
+    body.is_ok_and(|body| body.contains::<Disabled>() && body.contains::<BodyIndex>())
+}
+
+/// Gives a joint its edge, or takes over what has changed about it.
+fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32; 2]) {
+    let definition = settle(world, joint, found, slots);
+    let table = world.resource::<BodyTable>();
+    let spawn_orders =
+        slots.map(|slot| table.get(slot).map_or(SpawnOrder::NONE, |b| b.spawn_order));
+    if let Err(problem) = definition.check() {
+        detach(world, joint);
+        report(world, joint, problem);
+        return;
+    }
+    if let Some(mut known) = world.get_mut::<JointEdge>(joint) {
+        let is_same = known.slots == slots
+            && known.spawn_orders == spawn_orders
+            && known.definition.bodies == definition.bodies
+            && known.definition.collision == definition.collision;
+        if is_same {
+            if known.definition != definition {
+                known.definition = definition;
+                known.revision = Revision::next();
+                wake(&mut world.resource_mut::<BodyTable>(), slots);
+            }
+            return;
+        }
+        detach(world, joint);
+        forget_lost(world);
+    }
+    let mut order = order_of(world.entity(joint));
+    if order == SpawnOrder::NONE {
+        order = world.resource_mut::<BodyTable>().next_spawn_order();
+        world.entity_mut(joint).insert(order);
+    }
+    let mut graph = world.resource_mut::<ConstraintGraph>();
+    let edge = graph.insert(EdgeKind::Joint, slots);
+    let edge = edge.expect("there may be several joints between two bodies");
+    graph.name(edge, joint);
+    graph.set_links(edge, true);
+    let mut table = world.resource_mut::<BodyTable>();
+    if !definition.collision {
+        except(&mut table, slots, true);
+    }
+    // Bodies that are added asleep together with their joint stay asleep.
+    let arrives = |&slot: &u32| table.get(slot).is_none_or(|body| body.arrived);
+    if !slots.iter().all(arrives) {
+        wake(&mut table, slots);
+    }
+    let mut joint = world.entity_mut(joint);
+    joint.insert(JointEdge {
+        slots,
+        edge,
+        spawn_orders,
+        order,
+        definition,
+        revision: Revision::next(),
+    });
+    if !joint.contains::<JointForces>() {
+        joint.insert(JointForces::default());
+    }
+}
+
+/// Replaces frames that are not local by local ones, in the component too.
+fn settle(
+    world: &mut World,
+    joint: Entity,
+    found: JointDefinition,
+    slots: [u32; 2],
+) -> JointDefinition {
+    let is_settled = found.distance != Some(super::definition::Distance::Kept);
+    let is_local = found.frames.iter().all(JointFrame::is_local);
+    if is_local && is_settled && !needs_length(world, joint) {
+        return normalized(found);
+    }
+    let table = world.resource::<BodyTable>();
+    let bodies = slots.map(|slot| table.get(slot));
+    let poses = bodies.map(|body| body.map_or(Pose::default(), |body| body.pose));
+    let centers = bodies.map(|body| body.map(|body| body.center));
+    let frames = resolve(found.frames, poses, centers, found.is_apart());
+    let local = JointDefinition { frames, ..found };
+    let anchors = local.anchors();
+    let [a, b]: [_; 2] = std::array::from_fn(|i| poses[i].transform_point(anchors[i]));
+    set_frames(&mut world.entity_mut(joint), frames, a.distance(b));
+    let (_, settled) = definition(world.entity(joint));
+    normalized(settled.unwrap_or(local))
+}
+
+/// Returns true for a spring whose rest length is that which it has when it is added.
+fn needs_length(world: &World, joint: Entity) -> bool {
+    let spring = world.get::<super::SpringJoint>(joint);
+    spring.is_some_and(|spring| spring.rest_length.is_none())
+}
+
+/// With rotations of unit length.
+fn normalized(mut definition: JointDefinition) -> JointDefinition {
+    for frame in &mut definition.frames {
+        if let super::JointBasis::Local(turn) = &mut frame.basis
+            && !turn.is_normalized()
+        {
+            *turn = turn.normalize();
+        }
+    }
+    definition
+}
+
+/// Takes a joint out of the simulation.
+fn detach(world: &mut World, joint: Entity) {
+    let mut joint = world.entity_mut(joint);
+    if joint.contains::<JointEdge>() {
+        joint.remove::<JointEdge>();
+        joint.insert(JointForces::default());
+    }
+}
+
+/// Removes the edges of joints that were despawned or detached, and wakes their bodies.
+fn forget_lost(world: &mut World) {
+    let lost = std::mem::take(&mut world.resource_mut::<JointChanges>().lost);
+    for (joint, edge) in lost {
+        let mut graph = world.resource_mut::<ConstraintGraph>();
+        graph.remove(edge.edge, joint);
+        let mut table = world.resource_mut::<BodyTable>();
+        if !edge.definition.collision {
+            except(&mut table, edge.slots, false);
+        }
+        // A slot may be empty by now; it does not belong to another body before the next stage.
+        wake(&mut table, edge.slots);
+    }
+}
+
+/// Counts a joint whose bodies do not collide. If that changes anything, *broadphase* looks at one of the bodies again.
+fn except(table: &mut BodyTable, slots: [u32; 2], more: bool) {
+    if slots.contains(&WORLD) || !table.count_exception(slots, more) {
+        return;
+    }
+    let dynamic = slots.into_iter().rev().find(|&slot| {
+        let body = table.get(slot);
+        body.is_some_and(BodyState::is_dynamic)
+    });
+    if let Some(slot) = dynamic
+        && let Some(body) = table.get_mut(slot)
+    {
+        body.renewed = true;
+        table.mark_dirty(slot);
+    }
+}
+
+/// Wakes the dynamic ones of two bodies.
+fn wake(table: &mut BodyTable, slots: [u32; 2]) {
+    for slot in slots {
+        let body = table.get_mut(slot);
+        if let Some(body) = body.filter(|body| body.is_dynamic()) {
+            body.disturbed = true;
+            table.mark_dirty(slot);
+        }
+    }
+}
+
+/// Reports a joint once for each problem.
+fn report(world: &mut World, joint: Entity, problem: JointProblem) {
+    let mut of = world.entity_mut(joint);
+    if of.get() == Some(&QuarantinedJoint { problem }) {
+        return;
+    }
+    let name = of.get::<Name>().map(|name| name.as_str().to_owned());
+    let (_, found) = definition(of.as_readonly());
+    of.insert(QuarantinedJoint { problem });
+    let error = JointError {
+        joint,
+        name,
+        bodies: found.map_or([None; 2], |found| found.bodies),
+        problem,
+    };
+    match problem {
+        // Despawning a body is nothing unusual.
+        JointProblem::NotABody { .. } => tracing::warn!("{error}"),
+        _ => tracing::error!("{error}"),
+    }
+    world.write_message(error);
+}

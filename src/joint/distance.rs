@@ -1,0 +1,124 @@
+//! The distance joint: a rod or a rope.
+
+use super::builder::joint_builder;
+use super::definition::{Distance, JointDefinition, JointType};
+use super::list::look_again;
+use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
+use crate::body::SpawnOrder;
+use crate::solver::JointAxis;
+use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
+use glam::{Quat, Vec3};
+
+/// Keeps the distance of two anchors within limits: a rod if minimum and maximum are equal, a rope if there is only a maximum.
+///
+/// Without limits it is a rod of the length that it has when it is added. Anchors that are not given are at the centres of mass.
+///
+/// ```
+/// use bevy_transform::components::Transform;
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// let bucket = (RigidBody::Dynamic, Collider::ball(0.2), Mass(5.0));
+/// let bucket = world.spawn((bucket, Transform::from_xyz(0.0, 2.5, 0.0))).id();
+/// // A rope of 2 m, slack at first.
+/// let rope = world
+///     .spawn(DistanceJoint::new(None, bucket).with_local_anchor1(Vec3::Y * 3.0).with_max_distance(2.0))
+///     .id();
+/// drystone::step(world, 1.0 / 60.0).unwrap();
+/// assert_eq!(world.get::<JointForces>(rope).unwrap().force, Vec3::ZERO);
+/// for _ in 0..180 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// let height = world.get::<Transform>(bucket).unwrap().translation.y;
+/// assert!((height - 1.0).abs() < 0.01);
+/// ```
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+#[component(on_remove = look_again)]
+#[require(JointForces, SpawnOrder)]
+pub struct DistanceJoint {
+    /// The first body; `None` is the world.
+    #[entities]
+    pub body1: Option<Entity>,
+    /// The second body; `None` is the world.
+    #[entities]
+    pub body2: Option<Entity>,
+    /// The frame on body 1.
+    pub frame1: JointFrame,
+    /// The frame on body 2.
+    pub frame2: JointFrame,
+    /// Limits of the distance, m; the maximum must be above zero. Default: the distance when the joint is added.
+    pub limits: Option<JointLimits>,
+    /// Whether the two bodies collide with each other. Default: false.
+    pub collision: bool,
+}
+
+joint_builder!(DistanceJoint);
+
+impl DistanceJoint {
+    /// A rod between two bodies. `None` is the world.
+    pub fn new(body1: impl Into<Option<Entity>>, body2: impl Into<Option<Entity>>) -> Self {
+        Self {
+            body1: body1.into(),
+            body2: body2.into(),
+            frame1: JointFrame::default(),
+            frame2: JointFrame::default(),
+            limits: None,
+            collision: false,
+        }
+    }
+
+    /// With limits, m.
+    pub fn with_limits(mut self, min: f32, max: f32) -> Self {
+        self.limits = Some(JointLimits { min, max });
+        self
+    }
+
+    /// A rope: with a maximum of the distance only, m.
+    pub fn with_max_distance(mut self, max: f32) -> Self {
+        let min = self.limits.map_or(0.0, |limits| limits.min);
+        self.limits = Some(JointLimits { min, max });
+        self
+    }
+
+    /// With a minimum of the distance, m.
+    pub fn with_min_distance(mut self, min: f32) -> Self {
+        let max = self.limits.map_or(f32::INFINITY, |limits| limits.max);
+        self.limits = Some(JointLimits { min, max });
+        self
+    }
+
+    /// A rod of this length, m.
+    pub fn with_length(self, length: f32) -> Self {
+        self.with_limits(length, length)
+    }
+}
+
+impl JointType for DistanceJoint {
+    fn definition(&self) -> JointDefinition {
+        let bodies = [self.body1, self.body2];
+        let frames = [self.frame1, self.frame2];
+        JointDefinition {
+            axes: [JointAxis::FREE; 6],
+            distance: Some(match self.limits {
+                Some(limits) => Distance::Axis(limits.axis()),
+                None => Distance::Kept,
+            }),
+            ..JointDefinition::locked(bodies, frames, self.collision)
+        }
+    }
+
+    fn settle(&mut self, frames: [JointFrame; 2], distance: f32) {
+        [self.frame1, self.frame2] = frames;
+        if self.limits.is_none() {
+            self.limits = Some(JointLimits::new(distance, distance));
+        }
+    }
+
+    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
+        [self.body1, self.body2] = bodies;
+    }
+}

@@ -1,0 +1,212 @@
+//! The forces of joints, and joints that break.
+
+use super::JointEdge;
+use super::list::look_again;
+use crate::body::{SpawnOrder, limits};
+use crate::solver::JointConstraint;
+use bevy_ecs::entity::{EntityMapper, MapEntities};
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::Vec3;
+
+/// Force and torque of a joint on body 2 in the last step; body 1 gets the opposite. Drystone writes it. Zero while the joint is disabled.
+///
+/// For bodies that sleep they are those with which they came to rest.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub struct JointForces {
+    /// The mean force at the anchor on body 2 over the step, N, world axes.
+    pub force: Vec3,
+    /// The mean torque on body 2 in addition to that of the force, N·m, world axes.
+    pub torque: Vec3,
+    /// The largest magnitude during the step of the force, N, filtered by a low-pass with the time constant [`BreakForce::response`]. It does
+    /// not depend on the length of a step, and a blow that lasts a substep does not count much.
+    pub filtered_force: f32,
+    /// The largest magnitude of the torque, N·m, filtered as the force is.
+    pub filtered_torque: f32,
+    /// What the next solve starts from: the forces along and torques about the axes, N and N·m.
+    pub(crate) start: [f32; 7],
+    /// Force and torque in the axes of the frame on body 1, filtered, N and N·m.
+    pub(crate) filtered: [Vec3; 2],
+}
+
+impl JointForces {
+    /// The result of a solve.
+    pub(crate) fn of(solved: &JointConstraint) -> Self {
+        let [force, torque] = solved.mean;
+        Self {
+            force,
+            torque,
+            filtered_force: solved.peak[0],
+            filtered_torque: solved.peak[1],
+            start: solved.forces,
+            filtered: solved.filtered,
+        }
+    }
+}
+
+/// Makes a joint break when its force or torque exceeds a maximum: [`JointBroke`] is sent, and the joint gets
+/// [`JointDisabled`](super::JointDisabled). Remove that component to mend it.
+///
+/// Forces are filtered, so that a joint breaks at the same load whatever the length of a step is, and not by a blow that lasts a substep.
+///
+/// ```
+/// use bevy_transform::components::Transform;
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// let lamp = (RigidBody::Dynamic, Collider::ball(0.2), Mass(3.0));
+/// let lamp = world.spawn((lamp, Transform::from_xyz(0.0, 2.0, 0.0))).id();
+/// let hook = world.spawn((FixedJoint::new(None, lamp), BreakForce::new(50.0))).id();
+/// for _ in 0..60 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// assert!(!world.entity(hook).contains::<JointDisabled>());
+/// world.entity_mut(lamp).insert(Mass(6.0));
+/// for _ in 0..60 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// assert!(world.entity(hook).contains::<JointDisabled>());
+/// assert!(world.get::<Transform>(lamp).unwrap().translation.y < 1.0);
+/// ```
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[component(on_remove = look_again)]
+pub struct BreakForce {
+    /// Maximum force, N. Default: infinite.
+    pub force: f32,
+    /// Maximum torque, N·m. Default: infinite.
+    pub torque: f32,
+    /// Time constant of the low-pass for the forces that are compared, s. Default: 0.01.
+    pub response: f32,
+}
+
+impl Default for BreakForce {
+    /// A joint that does not break.
+    fn default() -> Self {
+        Self {
+            force: f32::INFINITY,
+            torque: f32::INFINITY,
+            response: JointConstraint::default().filter,
+        }
+    }
+}
+
+impl BreakForce {
+    /// Breaks above a force, N.
+    pub fn new(force: f32) -> Self {
+        Self {
+            force,
+            ..Self::default()
+        }
+    }
+
+    /// Breaks above a torque, too, N·m.
+    pub fn with_torque(self, torque: f32) -> Self {
+        Self { torque, ..self }
+    }
+
+    /// With a time constant of the low-pass, s.
+    pub fn with_response(self, response: f32) -> Self {
+        Self { response, ..self }
+    }
+
+    pub(super) fn is_valid(&self) -> bool {
+        self.force >= 0.0 && self.torque >= 0.0 && limits::share_of(self.response, 1e3)
+    }
+
+    /// Returns true if a joint with these forces breaks.
+    pub(crate) fn is_exceeded(&self, forces: &JointForces) -> bool {
+        forces.filtered_force > self.force || forces.filtered_torque > self.torque
+    }
+}
+
+/// A joint has broken. It is sent as a message, and triggered as an entity event on the joint after the step.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct JointBroke {
+    /// The joint.
+    #[event_target]
+    pub joint: Entity,
+    /// Body 1; `None` is the world.
+    pub body1: Option<Entity>,
+    /// Body 2; `None` is the world.
+    pub body2: Option<Entity>,
+    /// The filtered force at which it broke, N.
+    pub force: f32,
+    /// The filtered torque at which it broke, N·m.
+    pub torque: f32,
+}
+
+impl JointBroke {
+    pub(crate) fn new(joint: Entity, edge: &JointEdge, forces: &JointForces) -> Self {
+        let [body1, body2] = edge.definition.bodies;
+        Self {
+            joint,
+            body1,
+            body2,
+            force: forces.filtered_force,
+            torque: forces.filtered_torque,
+        }
+    }
+}
+
+impl MapEntities for JointBroke {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.joint.map_entities(mapper);
+        self.body1.map_entities(mapper);
+        self.body2.map_entities(mapper);
+    }
+}
+
+/// Joints that broke in this step, and events that are still to be triggered.
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
+#[doc(hidden)]
+pub struct BrokenJoints {
+    pub(crate) found: Vec<(SpawnOrder, JointBroke)>,
+    untriggered: Vec<JointBroke>,
+}
+
+impl MapEntities for BrokenJoints {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        let found = self.found.iter_mut().map(|(_, broke)| broke);
+        for broke in found.chain(&mut self.untriggered) {
+            broke.map_entities(mapper);
+        }
+    }
+}
+
+/// Part of the stage *contact events*: disables the joints that broke, and reports them.
+pub fn joint_events(
+    mut commands: Commands,
+    mut broken: ResMut<BrokenJoints>,
+    mut messages: MessageWriter<JointBroke>,
+) {
+    let mut found = std::mem::take(&mut broken.found);
+    found.sort_unstable_by_key(|&(order, broke)| (order, broke.joint));
+    for (_, broke) in found {
+        if let Ok(mut joint) = commands.get_entity(broke.joint) {
+            joint.try_insert(super::JointDisabled);
+        }
+        messages.write(broke);
+        broken.untriggered.push(broke);
+    }
+}
+
+/// Runs the observers. This happens outside the schedule, because observers need the whole world.
+pub(crate) fn trigger(world: &mut World) {
+    let Some(mut broken) = world.get_resource_mut::<BrokenJoints>() else {
+        return;
+    };
+    if broken.untriggered.is_empty() {
+        return;
+    }
+    for broke in std::mem::take(&mut broken.untriggered) {
+        if world.get_entity(broke.joint).is_ok() {
+            world.trigger(broke);
+        }
+    }
+}

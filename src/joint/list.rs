@@ -1,0 +1,89 @@
+//! The list of joint types. To add a type, write its component in a file of its own, and add its name here.
+//!
+//! From the list follow the change detection of joints, the conversion to the form that solvers need, reflection, and the part of the
+//! [state](crate::state) that joints are.
+
+use super::{
+    DistanceJoint, FixedJoint, GenericJoint, JointChanges, JointDefinition, JointDisabled,
+    JointEdge, JointFrame, JointType, PrismaticJoint, RevoluteJoint, SphericalJoint, SpringJoint,
+};
+use crate::joint::BreakForce;
+use crate::state::visitor::Visitor;
+use bevy_app::App;
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
+
+macro_rules! joint_types {
+    ($($Type:ident),+ $(,)?) => {
+        /// Filter for joints.
+        pub(crate) type IsJoint = Or<($(With<$Type>,)+)>;
+
+        /// Filter for joints that were written since the system ran last.
+        pub(super) type WrittenJoints = (
+            Or<($(Changed<$Type>,)+ Changed<BreakForce>)>,
+            With<JointEdge>,
+        );
+
+        /// Filter for joints that have no edge, because they are new, invalid, or wait for a body.
+        pub(super) type DetachedJoints = (
+            IsJoint,
+            Without<JointEdge>,
+            Without<JointDisabled>,
+            Without<Disabled>,
+        );
+
+        /// The number of joint components of an entity, and the definition of the last of them.
+        pub(super) fn definition(joint: EntityRef) -> (usize, Option<JointDefinition>) {
+            let (mut count, mut found) = (0, None);
+            $(if let Some(of) = joint.get::<$Type>() {
+                count += 1;
+                found = Some(of.definition());
+            })+
+            (count, found)
+        }
+
+        /// Replaces frames that are given in the world, or not given, by local ones.
+        pub(super) fn set_frames(joint: &mut EntityWorldMut, frames: [JointFrame; 2], distance: f32) {
+            $(if let Some(mut of) = joint.get_mut::<$Type>() {
+                of.bypass_change_detection().settle(frames, distance);
+            })+
+        }
+
+        /// The joint component of an entity as a copy that refers to other bodies.
+        pub(crate) fn copy(joint: EntityRef, bodies: [Option<Entity>; 2], to: &mut EntityWorldMut) {
+            $(if let Some(of) = joint.get::<$Type>() {
+                let mut of = of.clone();
+                of.set_bodies(bodies);
+                to.insert(of);
+            })+
+        }
+
+        /// Registers all types for reflection.
+        pub(crate) fn register(app: &mut App) {
+            $(app.register_type::<$Type>();)+
+        }
+
+        /// Passes every joint type to a visitor.
+        pub(crate) fn visit(visitor: &mut impl Visitor) {
+            $(visitor.component::<$Type>();)+
+        }
+    };
+}
+joint_types!(
+    FixedJoint,
+    RevoluteJoint,
+    PrismaticJoint,
+    SphericalJoint,
+    DistanceJoint,
+    SpringJoint,
+    GenericJoint,
+);
+
+/// Hook of the joint types and of [`JointDisabled`]: the next step looks at the joint again.
+pub(super) fn look_again(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut changes) = world.get_resource_mut::<JointChanges>() {
+        changes.written.push(context.entity);
+    }
+}

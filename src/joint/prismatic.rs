@@ -1,0 +1,130 @@
+//! The prismatic joint: a slider.
+
+use super::builder::joint_builder;
+use super::definition::{JointDefinition, JointType};
+use super::list::look_again;
+use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
+use crate::body::SpawnOrder;
+use crate::solver::{JointAxis, JointMotor};
+use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
+use glam::{Quat, Vec3};
+
+/// A slider: body 2 moves along one axis of body 1 and does not turn. For lifts, drawers, portcullises, pistons.
+///
+/// The position is that of the anchor of body 2 along the slider axis, from the anchor of body 1, m.
+///
+/// ```
+/// use bevy_transform::components::Transform;
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// let lift = (RigidBody::Dynamic, Collider::cuboid(1.0, 0.1, 1.0), Mass(100.0));
+/// let lift = world.spawn((lift, Transform::from_xyz(0.0, 1.0, 0.0))).id();
+/// // It goes up at 0.5 m/s, and 2 m at most.
+/// world.spawn(
+///     PrismaticJoint::new(None, lift)
+///         .with_slider_axis(Vec3::Y)
+///         .with_limits(0.0, 2.0)
+///         .with_motor(JointMotor::velocity(0.5, 5_000.0)),
+/// );
+/// for _ in 0..60 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// let height = world.get::<Transform>(lift).unwrap().translation.y;
+/// assert!((height - 1.5).abs() < 0.02);
+/// ```
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+#[component(on_remove = look_again)]
+#[require(JointForces, SpawnOrder)]
+pub struct PrismaticJoint {
+    /// The first body; `None` is the world.
+    #[entities]
+    pub body1: Option<Entity>,
+    /// The second body; `None` is the world.
+    #[entities]
+    pub body2: Option<Entity>,
+    /// The frame on body 1.
+    pub frame1: JointFrame,
+    /// The frame on body 2.
+    pub frame2: JointFrame,
+    /// The axis of the slider in the frames of the joint, of any length but zero. Default: x.
+    pub slider_axis: Vec3,
+    /// Limits of the position, m. Default: none.
+    pub limits: Option<JointLimits>,
+    /// A motor along the axis: m, m/s, N. Default: none.
+    pub motor: Option<JointMotor>,
+    /// Maximum force of dry friction, N. Default: 0.
+    pub friction: f32,
+    /// Whether the two bodies collide with each other. Default: false.
+    pub collision: bool,
+}
+
+joint_builder!(PrismaticJoint);
+
+impl PrismaticJoint {
+    /// A slider along x between two bodies. `None` is the world.
+    pub fn new(body1: impl Into<Option<Entity>>, body2: impl Into<Option<Entity>>) -> Self {
+        Self {
+            body1: body1.into(),
+            body2: body2.into(),
+            frame1: JointFrame::default(),
+            frame2: JointFrame::default(),
+            slider_axis: Vec3::X,
+            limits: None,
+            motor: None,
+            friction: 0.0,
+            collision: false,
+        }
+    }
+
+    /// With an axis, in the frames of the joint. If these are not given, they are the axes of the world when the joint is added.
+    pub fn with_slider_axis(mut self, axis: Vec3) -> Self {
+        self.slider_axis = axis;
+        self
+    }
+
+    /// With limits, m.
+    pub fn with_limits(mut self, min: f32, max: f32) -> Self {
+        self.limits = Some(JointLimits { min, max });
+        self
+    }
+
+    /// With a motor.
+    pub fn with_motor(mut self, motor: JointMotor) -> Self {
+        self.motor = Some(motor);
+        self
+    }
+
+    /// With dry friction: the maximum force (N) with which it resists motion.
+    pub fn with_friction(mut self, friction: f32) -> Self {
+        self.friction = friction;
+        self
+    }
+}
+
+impl JointType for PrismaticJoint {
+    fn definition(&self) -> JointDefinition {
+        let bodies = [self.body1, self.body2];
+        let frames = [self.frame1, self.frame2];
+        let mut joint =
+            JointDefinition::locked(bodies, frames, self.collision).about(self.slider_axis);
+        joint.axes[0] = JointAxis {
+            motor: self.motor,
+            friction: self.friction,
+            ..self.limits.unwrap_or_default().axis()
+        };
+        joint
+    }
+
+    fn settle(&mut self, frames: [JointFrame; 2], _: f32) {
+        [self.frame1, self.frame2] = frames;
+    }
+
+    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
+        [self.body1, self.body2] = bodies;
+    }
+}

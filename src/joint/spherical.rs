@@ -1,0 +1,128 @@
+//! The spherical joint: a ball in a socket.
+
+use super::builder::joint_builder;
+use super::definition::{JointDefinition, JointType};
+use super::list::look_again;
+use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
+use crate::body::SpawnOrder;
+use crate::solver::JointAxis;
+use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
+use glam::{Quat, Vec3};
+
+/// A ball in a socket: the anchors stay together, and the bodies turn freely about them. For links of a chain, shoulders, hips, pendulums.
+///
+/// Limits are of the rotation of body 2 relative to body 1 as a rotation vector: its part along the twist axis, and the parts along the two
+/// axes across it.
+///
+/// ```
+/// use bevy_transform::components::Transform;
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// let ball = (RigidBody::Dynamic, Collider::ball(0.2), Mass(5.0));
+/// let ball = world.spawn((ball, Transform::from_xyz(1.0, 3.0, 0.0))).id();
+/// // A pendulum of 1 m, let go from the side.
+/// world.spawn(SphericalJoint::new(None, ball).with_anchor(Vec3::Y * 3.0));
+/// for _ in 0..30 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+///     let at = world.get::<Transform>(ball).unwrap().translation;
+///     assert!((at.distance(Vec3::Y * 3.0) - 1.0).abs() < 5e-3);
+/// }
+/// ```
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+#[component(on_remove = look_again)]
+#[require(JointForces, SpawnOrder)]
+pub struct SphericalJoint {
+    /// The first body; `None` is the world.
+    #[entities]
+    pub body1: Option<Entity>,
+    /// The second body; `None` is the world.
+    #[entities]
+    pub body2: Option<Entity>,
+    /// The frame on body 1.
+    pub frame1: JointFrame,
+    /// The frame on body 2.
+    pub frame2: JointFrame,
+    /// The axis of twist in the frames of the joint, of any length but zero. Default: y.
+    pub twist_axis: Vec3,
+    /// Limits of the rotation about the twist axis, rad. Default: none.
+    pub twist_limits: Option<JointLimits>,
+    /// Limits of the rotation about each of the two axes across, rad. Default: none.
+    pub swing_limits: Option<JointLimits>,
+    /// Maximum torque of dry friction about each axis, N·m. Default: 0.
+    pub friction: f32,
+    /// Whether the two bodies collide with each other. Default: false.
+    pub collision: bool,
+}
+
+joint_builder!(SphericalJoint);
+
+impl SphericalJoint {
+    /// A ball in a socket between two bodies. `None` is the world.
+    pub fn new(body1: impl Into<Option<Entity>>, body2: impl Into<Option<Entity>>) -> Self {
+        Self {
+            body1: body1.into(),
+            body2: body2.into(),
+            frame1: JointFrame::default(),
+            frame2: JointFrame::default(),
+            twist_axis: Vec3::Y,
+            twist_limits: None,
+            swing_limits: None,
+            friction: 0.0,
+            collision: false,
+        }
+    }
+
+    /// With an axis of twist, in the frames of the joint. If these are not given, they are the axes of the world when the joint is added.
+    pub fn with_twist_axis(mut self, axis: Vec3) -> Self {
+        self.twist_axis = axis;
+        self
+    }
+
+    /// With limits of the rotation about the twist axis, rad.
+    pub fn with_twist_limits(mut self, min: f32, max: f32) -> Self {
+        self.twist_limits = Some(JointLimits { min, max });
+        self
+    }
+
+    /// With limits of the rotation about each of the two axes across the twist axis, rad.
+    pub fn with_swing_limits(mut self, min: f32, max: f32) -> Self {
+        self.swing_limits = Some(JointLimits { min, max });
+        self
+    }
+
+    /// With dry friction: the maximum torque (N·m) about each axis with which it resists motion.
+    pub fn with_friction(mut self, friction: f32) -> Self {
+        self.friction = friction;
+        self
+    }
+}
+
+impl JointType for SphericalJoint {
+    fn definition(&self) -> JointDefinition {
+        let bodies = [self.body1, self.body2];
+        let frames = [self.frame1, self.frame2];
+        let mut joint =
+            JointDefinition::locked(bodies, frames, self.collision).about(self.twist_axis);
+        let limits = [self.twist_limits, self.swing_limits, self.swing_limits];
+        for (axis, limits) in joint.axes[3..].iter_mut().zip(limits) {
+            *axis = JointAxis {
+                friction: self.friction,
+                ..limits.unwrap_or_default().axis()
+            };
+        }
+        joint
+    }
+
+    fn settle(&mut self, frames: [JointFrame; 2], _: f32) {
+        [self.frame1, self.frame2] = frames;
+    }
+
+    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
+        [self.body1, self.body2] = bodies;
+    }
+}

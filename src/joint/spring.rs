@@ -1,0 +1,134 @@
+//! The spring joint.
+
+use super::builder::joint_builder;
+use super::definition::{Distance, JointDefinition, JointType};
+use super::list::look_again;
+use super::{JointAnchor, JointBasis, JointForces, JointFrame};
+use crate::body::SpawnOrder;
+use crate::solver::{JointAxis, JointMotor};
+use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
+use glam::{Quat, Vec3};
+
+/// A spring with a damper between two anchors, along the line between them.
+///
+/// Without a rest length it is relaxed as it is when it is added. Anchors that are not given are at the centres of mass.
+///
+/// ```
+/// use bevy_transform::components::Transform;
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// let weight = (RigidBody::Dynamic, Collider::ball(0.2), Mass(2.0));
+/// let weight = world.spawn((weight, Transform::from_xyz(0.0, 2.0, 0.0))).id();
+/// world.spawn(
+///     SpringJoint::new(None, weight)
+///         .with_local_anchor1(Vec3::Y * 3.0)
+///         .with_stiffness(200.0)
+///         .with_damping(40.0),
+/// );
+/// for _ in 0..240 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// // It has stretched by its weight over its stiffness.
+/// let height = world.get::<Transform>(weight).unwrap().translation.y;
+/// assert!((height - (2.0 - 2.0 * 9.81 / 200.0)).abs() < 2e-3);
+/// ```
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug)]
+#[component(on_remove = look_again)]
+#[require(JointForces, SpawnOrder)]
+pub struct SpringJoint {
+    /// The first body; `None` is the world.
+    #[entities]
+    pub body1: Option<Entity>,
+    /// The second body; `None` is the world.
+    #[entities]
+    pub body2: Option<Entity>,
+    /// The frame on body 1.
+    pub frame1: JointFrame,
+    /// The frame on body 2.
+    pub frame2: JointFrame,
+    /// Length at which it exerts no force, m. Default: the distance when the joint is added.
+    pub rest_length: Option<f32>,
+    /// Force per metre of stretch, N/m. Default: 1000.
+    pub stiffness: f32,
+    /// Force per speed of stretching, N·s/m. Default: 0.
+    pub damping: f32,
+    /// Maximum force, N. Default: infinite.
+    pub max_force: f32,
+    /// Whether the two bodies collide with each other. Default: false.
+    pub collision: bool,
+}
+
+joint_builder!(SpringJoint);
+
+impl SpringJoint {
+    /// A spring between two bodies. `None` is the world.
+    pub fn new(body1: impl Into<Option<Entity>>, body2: impl Into<Option<Entity>>) -> Self {
+        Self {
+            body1: body1.into(),
+            body2: body2.into(),
+            frame1: JointFrame::default(),
+            frame2: JointFrame::default(),
+            rest_length: None,
+            stiffness: 1000.0,
+            damping: 0.0,
+            max_force: f32::INFINITY,
+            collision: false,
+        }
+    }
+
+    /// With a rest length, m.
+    pub fn with_rest_length(mut self, length: f32) -> Self {
+        self.rest_length = Some(length);
+        self
+    }
+
+    /// With a stiffness, N/m.
+    pub fn with_stiffness(mut self, stiffness: f32) -> Self {
+        self.stiffness = stiffness;
+        self
+    }
+
+    /// With a damping, N·s/m.
+    pub fn with_damping(mut self, damping: f32) -> Self {
+        self.damping = damping;
+        self
+    }
+
+    /// With a maximum force, N.
+    pub fn with_max_force(mut self, max_force: f32) -> Self {
+        self.max_force = max_force;
+        self
+    }
+}
+
+impl JointType for SpringJoint {
+    fn definition(&self) -> JointDefinition {
+        let bodies = [self.body1, self.body2];
+        let frames = [self.frame1, self.frame2];
+        JointDefinition {
+            axes: [JointAxis::FREE; 6],
+            distance: Some(Distance::Spring(JointMotor {
+                target_position: self.rest_length.unwrap_or(0.0),
+                target_velocity: 0.0,
+                stiffness: self.stiffness,
+                damping: self.damping,
+                max_force: self.max_force,
+            })),
+            ..JointDefinition::locked(bodies, frames, self.collision)
+        }
+    }
+
+    fn settle(&mut self, frames: [JointFrame; 2], distance: f32) {
+        [self.frame1, self.frame2] = frames;
+        self.rest_length.get_or_insert(distance);
+    }
+
+    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
+        [self.body1, self.body2] = bodies;
+    }
+}

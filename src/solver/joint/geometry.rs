@@ -1,0 +1,278 @@
+//! The coordinates of a joint, and the directions in which they change.
+
+use super::JointConstraint;
+use bevy_math::ops;
+use glam::{Quat, Vec3};
+
+/// The motion of a body since the beginning of the step: displacement of its centre, m, and rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    pub moved: Vec3,
+    pub turned: Quat,
+}
+
+impl Placement {
+    /// No motion.
+    pub const START: Self = Self {
+        moved: Vec3::ZERO,
+        turned: Quat::IDENTITY,
+    };
+}
+
+/// A joint in a configuration of its bodies.
+///
+/// Forces along a coordinate act at the anchor of B on both bodies. So they are opposite on one line, and keep angular momentum also where
+/// the anchors are apart.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry {
+    /// From the centres of mass to the anchor of B, world axes, m.
+    pub arms: [Vec3; 2],
+    /// From the anchor of A to that of B, m.
+    pub gap: Vec3,
+    /// The axes of A's frame, world.
+    pub axes: [Vec3; 3],
+    /// A's frame in the world.
+    frame: Quat,
+    /// B's frame relative to A's.
+    relative: Quat,
+    /// The axis of the only rotation that is not locked.
+    hinge: Option<usize>,
+}
+
+/// A coordinate: its value, and the direction of its rate.
+///
+/// The rate of a translation or a distance is the relative velocity at B's anchor along the direction; that of a rotation is the relative
+/// angular velocity along it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Coordinate {
+    /// m or rad.
+    pub value: f32,
+    pub direction: Vec3,
+}
+
+/// Below this sine or distance a direction is not defined by it.
+const NONE: f32 = 1e-6;
+
+impl Geometry {
+    pub fn new(joint: &JointConstraint, placements: [Placement; 2]) -> Self {
+        let turned = [0, 1].map(|side| placements[side].turned * joint.arms[side]);
+        let way = [0, 1].map(|side| placements[side].moved + (turned[side] - joint.arms[side]));
+        let gap = joint.gap + (way[1] - way[0]);
+        let [frame, other] = [0, 1].map(|side| placements[side].turned * joint.frames[side]);
+        let relative = frame.inverse() * other;
+        let mut turns = (3..6).filter(|&axis| !joint.axes[axis].is_locked());
+        let hinge = match (turns.next(), turns.next()) {
+            (Some(axis), None) => Some(axis - 3),
+            _ => None,
+        };
+        Self {
+            arms: [turned[0] + gap, turned[1]],
+            gap,
+            axes: [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| frame * axis),
+            frame,
+            // The shorter way.
+            relative: if relative.w < 0.0 {
+                -relative
+            } else {
+                relative
+            },
+            hinge,
+        }
+    }
+
+    /// Three translations, three rotations and the distance.
+    pub fn coordinate(&self, number: usize) -> Coordinate {
+        match number {
+            0..3 => Coordinate {
+                value: self.axes[number].dot(self.gap),
+                direction: self.axes[number],
+            },
+            3..6 => match self.hinge {
+                Some(hinge) if number == hinge + 3 => self.angle(hinge),
+                Some(hinge) => self.tilt(hinge, number - 3),
+                None => self.turn(number - 3),
+            },
+            _ => {
+                let distance = self.gap.length();
+                Coordinate {
+                    value: distance,
+                    direction: match distance > NONE {
+                        true => self.gap / distance,
+                        false => self.axes[0],
+                    },
+                }
+            }
+        }
+    }
+
+    /// A vector of the world in A's frame.
+    pub fn local(&self, vector: Vec3) -> Vec3 {
+        self.frame.inverse() * vector
+    }
+
+    /// The angle of a hinge, −π to π.
+    fn angle(&self, hinge: usize) -> Coordinate {
+        let about = Vec3::from(self.relative.xyz())[hinge];
+        let (own, other) = self.hinge_axes(hinge);
+        let cosine = own.dot(other);
+        Coordinate {
+            value: 2.0 * ops::atan2(about, self.relative.w),
+            direction: match cosine > -0.5 {
+                true => self.frame * ((own + other) / (1.0 + cosine)),
+                false => self.axes[hinge],
+            },
+        }
+    }
+
+    /// A component of the rotation that brings the hinge axis of A to that of B.
+    fn tilt(&self, hinge: usize, axis: usize) -> Coordinate {
+        let (own, other) = self.hinge_axes(hinge);
+        let across = own.cross(other);
+        let sine = across.length();
+        let scale = match sine > NONE {
+            true => ops::atan2(sine, own.dot(other)) / sine,
+            false => 1.0,
+        };
+        Coordinate {
+            value: scale * across[axis],
+            direction: self.axes[axis],
+        }
+    }
+
+    /// The hinge axes of A and B in A's frame.
+    fn hinge_axes(&self, hinge: usize) -> (Vec3, Vec3) {
+        let own = Vec3::AXES[hinge];
+        (own, self.relative * own)
+    }
+
+    /// A component of the rotation vector φ. Its rate is ω − ½ φ×ω + k φ×(φ×ω), with ω the relative angular velocity in A's frame.
+    fn turn(&self, axis: usize) -> Coordinate {
+        let sine = self.relative.xyz();
+        let length = sine.length();
+        let half = ops::atan2(length, self.relative.w);
+        let scale = if length > NONE {
+            2.0 * half / length
+        } else {
+            2.0
+        };
+        let turn = scale * sine;
+        let square = turn.length_squared();
+        let curved = match square > 1e-4 {
+            true => (1.0 - half * self.relative.w / length) / square,
+            false => 1.0 / 12.0,
+        };
+        let own = Vec3::AXES[axis];
+        let across = turn.cross(own);
+        Coordinate {
+            value: turn[axis],
+            direction: self.frame * (own + 0.5 * across + curved * turn.cross(across)),
+        }
+    }
+
+    /// The acceleration of a translation or a distance at constant velocities of the bodies, m/s²: a straight motion over a short time h
+    /// changes the coordinate by h times its rate and ½h² times this. `velocities` are linear and angular ones of A and B.
+    pub fn curvature(&self, coordinate: usize, direction: Vec3, velocities: [[Vec3; 2]; 2]) -> f32 {
+        let [[_, turns], [_, spins]] = velocities;
+        let twice = |spin: Vec3, arm: Vec3| spin.cross(spin.cross(arm));
+        let rate = self.rate(velocities);
+        let inward = twice(spins, self.arms[1]) - twice(turns, self.arms[0]);
+        match coordinate {
+            0..3 => direction.dot(inward) + 2.0 * turns.cross(direction).dot(rate),
+            3..6 => 0.0,
+            _ => {
+                let rate = rate + turns.cross(self.gap);
+                let along = direction.dot(rate);
+                let across = rate.length_squared() - along * along;
+                let distance = self.gap.length().max(NONE);
+                direction.dot(inward + twice(turns, self.gap)) + across / distance
+            }
+        }
+    }
+
+    /// The velocity of B's anchor relative to the point of A there, m/s.
+    fn rate(&self, [[a, turns], [b, spins]]: [[Vec3; 2]; 2]) -> Vec3 {
+        (b + spins.cross(self.arms[1])) - (a + turns.cross(self.arms[0]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::JointAxis;
+    use std::f32::consts::PI;
+
+    fn joint(free: &[usize]) -> JointConstraint {
+        let mut joint = JointConstraint {
+            arms: [Vec3::new(0.3, -0.2, 0.5), Vec3::new(-0.4, 0.1, 0.2)],
+            gap: Vec3::new(0.3, 0.2, -0.1),
+            frames: [
+                Quat::from_scaled_axis(Vec3::new(0.2, 0.7, -0.4)),
+                Quat::from_scaled_axis(Vec3::new(0.9, 0.4, 0.1)),
+            ],
+            axes: [JointAxis::LOCKED; 6],
+            ..Default::default()
+        };
+        for &axis in free {
+            joint.axes[axis] = JointAxis::FREE;
+        }
+        joint
+    }
+
+    const VELOCITIES: [[Vec3; 2]; 2] = [
+        [Vec3::new(0.3, 0.1, -0.5), Vec3::new(0.4, -0.6, 0.2)],
+        [Vec3::new(-0.2, 0.4, 0.3), Vec3::new(-0.1, 0.5, 0.7)],
+    ];
+
+    fn after(seconds: f32) -> [Placement; 2] {
+        VELOCITIES.map(|[linear, angular]| Placement {
+            moved: seconds * linear,
+            turned: Quat::from_scaled_axis(seconds * angular),
+        })
+    }
+
+    /// Rates and curvatures are those of finite differences.
+    #[test]
+    fn directions_are_derivatives() {
+        for (free, numbers) in [(vec![0, 1, 2, 3, 4, 5], 0..7), (vec![], 0..3)] {
+            let joint = joint(&free);
+            let now = Geometry::new(&joint, after(0.0));
+            for number in numbers {
+                let h = 0.01;
+                let [before, later] =
+                    [-h, h].map(|h| Geometry::new(&joint, after(h)).coordinate(number).value);
+                let Coordinate { value, direction } = now.coordinate(number);
+                let [[_, turns], [_, spins]] = VELOCITIES;
+                let rate = match number {
+                    3..6 => spins - turns,
+                    6 => now.rate(VELOCITIES) + turns.cross(now.gap),
+                    _ => now.rate(VELOCITIES),
+                };
+                let rate = direction.dot(rate);
+                let found = (later - before) / (2.0 * h);
+                assert!((rate - found).abs() < 1e-3, "{number}: {rate} {found}");
+                if number < 3 || number == 6 {
+                    let bent = now.curvature(number, direction, VELOCITIES);
+                    let found = (later - 2.0 * value + before) / (h * h);
+                    assert!((bent - found).abs() < 0.02, "{number}: {bent} {found}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_hinge_has_its_full_angle() {
+        for (axis, about) in Vec3::AXES.into_iter().enumerate() {
+            for angle in [-3.1f32, -2.0, -0.5, 0.0, 1.0, 2.5, 3.1] {
+                let mut joint = joint(&[axis + 3]);
+                let tilt = Quat::from_scaled_axis(0.01 * Vec3::AXES[(axis + 1) % 3]);
+                joint.frames[1] = joint.frames[0] * tilt * Quat::from_axis_angle(about, angle);
+                let geometry = Geometry::new(&joint, [Placement::START; 2]);
+                let values = [3, 4, 5].map(|number| geometry.coordinate(number).value);
+                assert!((values[axis] - angle).abs() < 1e-3, "{values:?} {angle}");
+                assert!((values[(axis + 1) % 3] - 0.01).abs() < 1e-4, "{values:?}");
+                assert!(values[(axis + 2) % 3].abs() < 1e-4, "{values:?}");
+                assert!(values[axis].abs() <= PI);
+            }
+        }
+    }
+}

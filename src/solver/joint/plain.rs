@@ -1,0 +1,167 @@
+//! A joint row by row, for solvers of points: each row is relaxed by itself, as a contact is. Such a joint yields under load, and the more
+//! so the more bodies hang on each other; Soft Step solves joints directly.
+
+use super::rows::{Times, take_share};
+use super::{COORDINATES, Geometry, JointConstraint, Law, Part, Placement, rows_of};
+use crate::solver::Body;
+use crate::solver::lanes::State;
+use glam::{Mat3, Vec3, Vec4};
+use std::cell::Cell;
+
+/// The share of an error of position that is corrected in a step.
+const SHARE: f32 = 0.2;
+
+/// Fastest correction, m/s and rad/s.
+const FASTEST: f32 = 2.0;
+
+/// The share of the curvature of a way that its rows allow for, as in Soft Step.
+const CURVED: f32 = 0.9;
+
+/// A joint during a step.
+#[derive(Clone, Debug)]
+pub struct PlainJoint {
+    pub joint: JointConstraint,
+    h: f32,
+    inverse: [(f32, Mat3); 2],
+    rows: Vec<Row>,
+}
+
+#[derive(Clone, Debug)]
+struct Row {
+    coordinate: usize,
+    /// Velocity along and about these is the rate of the coordinate: of both bodies' centres, and of the rotation of A and B.
+    linear: Vec3,
+    angular: [Vec3; 2],
+    law: Law,
+    /// Inverse effective mass and compliance.
+    response: f32,
+    /// N·s or N·m·s.
+    impulse: f32,
+}
+
+impl PlainJoint {
+    /// The joint in a step of `h` s; none if it has no effect.
+    pub fn new(joint: &JointConstraint, bodies: &[Body], h: f32) -> Option<Self> {
+        if !joint.acts(bodies) {
+            return None;
+        }
+        let ends = joint.bodies.map(|body| &bodies[body as usize]);
+        let geometry = Geometry::new(joint, [Placement::START; 2]);
+        let velocities = ends.map(|body| [body.linear, body.angular]);
+        let times = Times {
+            h,
+            left: h,
+            bias_rate: SHARE / h,
+            fastest: FASTEST,
+        };
+        let mut left = joint.forces.map(|force| h * force);
+        let kinds: Vec<(usize, Part)> = rows_of(joint).collect();
+        let rows = kinds.iter().enumerate().map(|(i, &(coordinate, part))| {
+            let found = geometry.coordinate(coordinate);
+            let mut law = Law::of(&joint.axis(coordinate), part, found.value, &times);
+            if law.is_held {
+                law.rate -=
+                    CURVED * 0.5 * h * geometry.curvature(coordinate, found.direction, velocities);
+            }
+            let direction = found.direction;
+            let (linear, angular) = match coordinate {
+                3..6 => (Vec3::ZERO, [direction; 2]),
+                _ => (direction, geometry.arms.map(|arm| arm.cross(direction))),
+            };
+            let response = |side: usize| {
+                let body = ends[side];
+                body.inverse_mass * linear.length_squared()
+                    + angular[side].dot(body.inverse_inertia * angular[side])
+            };
+            let is_last = kinds.get(i + 1).is_none_or(|next| next.0 != coordinate);
+            Row {
+                coordinate,
+                linear,
+                angular,
+                law,
+                response: response(0) + response(1) + law.compliance,
+                impulse: take_share(&mut left[coordinate], &law, is_last),
+            }
+        });
+        Some(Self {
+            h,
+            inverse: ends.map(|body| (body.inverse_mass, body.inverse_inertia)),
+            rows: rows.collect(),
+            joint: *joint,
+        })
+    }
+
+    /// Changes of the velocities of A and B by the impulses to begin with.
+    pub fn warm_start(&self) -> [[Vec3; 2]; 2] {
+        let mut change = [[Vec3::ZERO; 2]; 2];
+        for row in &self.rows {
+            row.push(row.impulse, &self.inverse, &mut change);
+        }
+        change
+    }
+
+    /// Relaxes each row once. `velocities` are linear and angular ones of A and B, and are changed. Returns Σ W Δλ², J.
+    pub fn relax(&mut self, velocities: &mut [[Vec3; 2]; 2]) -> f32 {
+        let mut sum = 0.0;
+        for row in &mut self.rows {
+            if row.response <= 0.0 {
+                continue;
+            }
+            let [a, b] = *velocities;
+            let rate =
+                row.linear.dot(b[0] - a[0]) + row.angular[1].dot(b[1]) - row.angular[0].dot(a[1]);
+            let lack = row.law.rate - rate - row.law.compliance * row.impulse;
+            let [low, high] = row.law.bounds;
+            let impulse = (row.impulse + lack / row.response).clamp(low, high);
+            let change = impulse - row.impulse;
+            row.impulse = impulse;
+            row.push(change, &self.inverse, velocities);
+            sum += row.response * change * change;
+        }
+        sum
+    }
+
+    /// [`relax`](Self::relax) with the velocities of all bodies.
+    pub fn visit(&mut self, velocities: &[Cell<State>]) -> f32 {
+        let ends = self.joint.bodies.map(|body| &velocities[body as usize]);
+        let mut found = ends.map(|end| end.get().map(Vec4::truncate));
+        let change = self.relax(&mut found);
+        for (end, found) in ends.into_iter().zip(found) {
+            end.set(found.map(|velocity| velocity.extend(0.0)));
+        }
+        change
+    }
+
+    /// The impulses of its rows.
+    pub fn impulses(&mut self) -> impl Iterator<Item = &mut f32> {
+        self.rows.iter_mut().map(|row| &mut row.impulse)
+    }
+
+    /// The joint with its forces.
+    pub fn found(&self) -> JointConstraint {
+        let mut joint = self.joint;
+        joint.forces = [0.0; COORDINATES];
+        let [mut force, mut torque] = [Vec3::ZERO; 2];
+        for row in &self.rows {
+            let along = row.impulse / self.h;
+            joint.forces[row.coordinate] += along;
+            match row.coordinate {
+                3..6 => torque += along * row.angular[1],
+                _ => force += along * row.linear,
+            }
+        }
+        joint.mean = [force, torque];
+        joint.filter_forces(self.h);
+        joint
+    }
+}
+
+impl Row {
+    fn push(&self, impulse: f32, inverse: &[(f32, Mat3); 2], to: &mut [[Vec3; 2]; 2]) {
+        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let (mass, inertia) = &inverse[side];
+            to[side][0] += sign * impulse * *mass * self.linear;
+            to[side][1] += *inertia * (sign * impulse * self.angular[side]);
+        }
+    }
+}

@@ -1,0 +1,367 @@
+//! A connected piece of the joint graph, and its direct solve.
+//!
+//! Motors, friction and limits have bounded impulses, and contacts only push. A solve takes the rows as it found them in the last sweep,
+//! bounded or free. Where an impulse passes its bound it is fixed there, a fixed one that would come back is freed, and the piece is solved
+//! again, at most [`PASSES`] times. An impulse that is cut without another solve leaves its joint open.
+
+use super::factor::{Coupling, Factor, Node};
+use super::leaf::{Contacts, Leaf, LeafPatch, add, read};
+use super::member::Member;
+use super::row::{Bound, Link, Row};
+use crate::solver::lanes::F32xN;
+use crate::solver::patches::soft_step::block::Pass;
+use glam::{DVec3, Vec3};
+use std::ops::Range;
+
+/// Upper bound of solves in a visit.
+const PASSES: usize = 5;
+
+/// A rate below which a fixed row counts as content, m/s or rad/s.
+const CONTENT: f64 = 1e-7;
+
+/// The joints between two bodies.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// The members; A and B of its first joint.
+    pub ends: [usize; 2],
+    pub rows: Range<usize>,
+    couplings: [Option<Coupling>; 2],
+    first: usize,
+}
+
+/// Bodies that are connected by joints, directly or through others that move.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Its moving bodies among the members.
+    pub members: Range<usize>,
+    pub links: Range<usize>,
+    pairs: Vec<Pair>,
+    factor: Factor,
+    /// The system differs from the factorized one.
+    pub is_stale: bool,
+    /// Directions have changed since the substep began.
+    pub is_refreshed: bool,
+    /// Its patches among the leaf patches.
+    pub patches: Range<usize>,
+    leaves: Vec<Leaf>,
+    /// The leaves in the factorized system.
+    factorized: Vec<u64>,
+    solution: Vec<f64>,
+}
+
+/// The lists of all pieces.
+pub struct Lists<'a> {
+    pub members: &'a mut [Member],
+    pub links: &'a [Link],
+    pub rows: &'a mut [Row],
+    pub patches: &'a [LeafPatch],
+    pub offsets: &'a [Vec3],
+}
+
+impl Piece {
+    /// `pairs` lists the members of each pair, and its rows.
+    pub fn new(
+        members: Range<usize>,
+        links: Range<usize>,
+        pairs: Vec<([usize; 2], Range<usize>)>,
+    ) -> Self {
+        let mut nodes = vec![
+            Node {
+                size: 6,
+                is_body: true,
+            };
+            members.len()
+        ];
+        let mut edges = Vec::new();
+        for (ends, rows) in &pairs {
+            let node = nodes.len();
+            nodes.push(Node {
+                size: rows.len(),
+                is_body: false,
+            });
+            let moved = ends.iter().filter(|end| members.contains(end));
+            edges.extend(moved.map(|end| [node, end - members.start]));
+        }
+        let factor = Factor::new(&nodes, &edges);
+        let count = members.len();
+        let couple = |node: usize, end: usize| {
+            let moves = members.contains(&end);
+            moves.then(|| factor.coupling(node, end - members.start))
+        };
+        let pairs = pairs.into_iter().enumerate().map(|(i, (ends, rows))| Pair {
+            couplings: ends.map(|end| couple(count + i, end)),
+            first: factor.first_of(count + i),
+            ends,
+            rows,
+        });
+        Self {
+            pairs: pairs.collect(),
+            members,
+            links,
+            solution: vec![0.0; factor.unknowns()],
+            factor,
+            is_stale: true,
+            is_refreshed: true,
+            patches: 0..0,
+            leaves: Vec::new(),
+            factorized: Vec::new(),
+        }
+    }
+
+    /// Brings the rates of its rows to the wanted ones. Returns Σ Δλ times what each row lacked, J.
+    pub fn visit<L: F32xN>(
+        &mut self,
+        pass: &Pass,
+        lists: &mut Lists,
+        contacts: &mut Contacts<L>,
+    ) -> f32 {
+        self.find_leaves(pass, lists, contacts);
+        for link in &lists.links[self.links.clone()] {
+            let bodies = link.ends.map(|end| lists.members[end].body as usize);
+            let velocities = bodies.map(|body| read(contacts.velocities, body));
+            let seen = link.ends.map(|end| lists.members[end].seen);
+            let velocities = [velocities, seen];
+            for row in &mut lists.rows[link.rows.clone()] {
+                row.find_lack(pass.soft, 1.0 / pass.rate, &link.geometry, velocities);
+            }
+        }
+        for round in 1..=PASSES {
+            self.solve(lists);
+            let last = round == PASSES;
+            if !self.fix_bounds(lists, last) {
+                break;
+            }
+            if last {
+                self.solve(lists);
+            }
+        }
+        self.apply(lists, contacts)
+    }
+
+    /// Finds the contacts that carry.
+    fn find_leaves<L: F32xN>(&mut self, pass: &Pass, lists: &Lists, contacts: &Contacts<L>) {
+        self.leaves.clear();
+        for number in self.patches.clone() {
+            lists.patches[number].collect(number, contacts, lists.offsets, pass, &mut self.leaves);
+        }
+        Leaf::share(&mut self.leaves, lists.patches);
+    }
+
+    /// Solves with the present bounds.
+    fn solve(&mut self, lists: &Lists) {
+        let active = || self.leaves.iter().filter(|leaf| leaf.is_active);
+        let keys = active().map(|leaf| leaf.key);
+        if self.is_stale || !keys.clone().eq(self.factorized.iter().copied()) {
+            self.factorized.clear();
+            self.factorized.extend(keys);
+            self.assemble(lists);
+            self.factor.factorize();
+            self.is_stale = false;
+        }
+        self.solution.fill(0.0);
+        for leaf in &self.leaves {
+            let first = self.factor.first_of(leaf.member - self.members.start);
+            let push = match leaf.is_active {
+                true => leaf.lack / leaf.compliance,
+                false => leaf.change,
+            };
+            for (to, number) in self.solution[first..][..6].iter_mut().zip(leaf.numbers) {
+                *to += push * number;
+            }
+        }
+        for pair in &self.pairs {
+            let unknowns = pair.first..;
+            for (row, unknown) in lists.rows[pair.rows.clone()].iter().zip(unknowns) {
+                let change = row.fixed_change();
+                if row.bound == Bound::Free {
+                    self.solution[unknown] = row.lack as f64;
+                } else if change != 0.0 {
+                    for (side, sign) in sides(row) {
+                        // The other side is a body that nothing moves.
+                        if pair.couplings[side].is_none() {
+                            continue;
+                        }
+                        let end = pair.ends[side] - self.members.start;
+                        let first = self.factor.first_of(end);
+                        let numbers = row.numbers(sign);
+                        for (to, number) in self.solution[first..][..6].iter_mut().zip(numbers) {
+                            *to += change as f64 * number;
+                        }
+                    }
+                }
+            }
+        }
+        self.factor.solve(&mut self.solution);
+    }
+
+    /// Writes the system.
+    fn assemble(&mut self, lists: &Lists) {
+        self.factor.clear();
+        for number in self.members.clone() {
+            let member = &lists.members[number];
+            let pivot = self.factor.pivot(number - self.members.start);
+            let mass = 1.0 / member.inverse_mass as f64;
+            let inertia = member.inertia + member.excess;
+            for i in 0..3 {
+                pivot[i * 7] = mass;
+                for j in 0..3 {
+                    pivot[(i + 3) * 6 + j + 3] = inertia.col(j)[i];
+                }
+            }
+        }
+        for leaf in self.leaves.iter().filter(|leaf| leaf.is_active) {
+            let pivot = self.factor.pivot(leaf.member - self.members.start);
+            for i in 0..6 {
+                let scaled = leaf.numbers[i] / leaf.compliance;
+                for j in 0..=i {
+                    pivot[i * 6 + j] += scaled * leaf.numbers[j];
+                }
+            }
+        }
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let size = pair.rows.len();
+            let rows = lists.rows[pair.rows.clone()].iter().enumerate();
+            let pivot = self.factor.pivot(self.members.len() + i);
+            for (number, row) in rows.clone() {
+                pivot[number * (size + 1)] = match row.bound {
+                    Bound::Free => -row.compliance as f64,
+                    _ => -1.0,
+                };
+            }
+            for (number, row) in rows.filter(|(_, row)| row.bound == Bound::Free) {
+                for (side, sign) in sides(row) {
+                    if let Some(coupling) = &pair.couplings[side] {
+                        self.factor.set(coupling, number, &row.numbers(sign));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Fixes impulses that have passed their bounds, and frees those that would come back; in the `last` round only the first. Returns
+    /// whether there were any.
+    fn fix_bounds(&mut self, lists: &mut Lists, last: bool) -> bool {
+        let mut changed = false;
+        let Self {
+            pairs,
+            factor,
+            members,
+            solution,
+            leaves,
+            ..
+        } = self;
+        let of = |member: usize| &solution[factor.first_of(member - members.start)..][..6];
+        for leaf in leaves.iter_mut() {
+            let left = leaf.lack - leaf.rate(of(leaf.member));
+            if leaf.is_active {
+                leaf.change = left / leaf.compliance;
+                if leaf.impulse + leaf.change < 0.0 {
+                    leaf.change = -leaf.impulse;
+                    leaf.is_active = false;
+                    changed = true;
+                }
+            } else if !last && left - leaf.compliance * leaf.change > CONTENT {
+                leaf.is_active = true;
+                changed = true;
+            }
+        }
+        for pair in pairs.iter() {
+            for number in pair.rows.clone() {
+                let row = &lists.rows[number];
+                let [low, high] = row.law.bounds;
+                let bound = match row.bound {
+                    Bound::Free => {
+                        let change = -solution[pair.first + number - pair.rows.start];
+                        let impulse = row.impulse as f64 + change;
+                        // Beyond rounding.
+                        let slack = 1e-6 * (row.impulse.abs() as f64 + change.abs());
+                        if impulse < low as f64 - slack {
+                            Bound::Low
+                        } else if impulse > high as f64 + slack {
+                            Bound::High
+                        } else {
+                            continue;
+                        }
+                    }
+                    fixed => {
+                        if last {
+                            continue;
+                        }
+                        let mut left = (row.lack - row.compliance * row.fixed_change()) as f64;
+                        for (side, sign) in sides(row) {
+                            if pair.couplings[side].is_some() {
+                                let numbers = row.numbers(sign);
+                                let change = of(pair.ends[side]).iter();
+                                left -= numbers.iter().zip(change).map(|(a, b)| a * b).sum::<f64>();
+                            }
+                        }
+                        let comes_back = match fixed {
+                            Bound::Low => left > CONTENT,
+                            _ => left < -CONTENT,
+                        };
+                        if !comes_back {
+                            continue;
+                        }
+                        Bound::Free
+                    }
+                };
+                lists.rows[number].bound = bound;
+                changed = true;
+            }
+        }
+        self.is_stale |= changed;
+        changed
+    }
+
+    /// Applies the solution.
+    fn apply<L: F32xN>(&mut self, lists: &mut Lists, contacts: &mut Contacts<L>) -> f32 {
+        let mut sum = 0.0;
+        for number in self.members.clone() {
+            let first = self.factor.first_of(number - self.members.start);
+            let Some(&[a, b, c, d, e, f]) = self.solution[first..].first_chunk() else {
+                continue;
+            };
+            let member = &mut lists.members[number];
+            let change = [
+                DVec3::new(a, b, c).as_vec3(),
+                member.allowed(DVec3::new(d, e, f)),
+            ];
+            add(contacts.velocities, member.body as usize, change);
+            member.seen = read(contacts.velocities, member.body as usize);
+            for (given, change) in member.given.iter_mut().zip(change) {
+                *given += change;
+            }
+        }
+        for pair in &self.pairs {
+            for (i, number) in pair.rows.clone().enumerate() {
+                let row = &mut lists.rows[number];
+                let [low, high] = row.law.bounds;
+                let found = match row.bound {
+                    Bound::Free => -self.solution[pair.first + i] as f32,
+                    _ => row.fixed_change(),
+                };
+                let impulse = (row.impulse + found).clamp(low, high);
+                sum += (impulse - row.impulse) * row.lack;
+                row.impulse = impulse;
+            }
+        }
+        for leaf in &self.leaves {
+            sum += (leaf.change * leaf.lack) as f32;
+            leaf.apply(lists.patches, lists.offsets, contacts);
+            let member = &mut lists.members[leaf.member];
+            let effect = leaf.effect(member);
+            for (given, change) in member.given.iter_mut().zip(effect) {
+                *given -= change;
+            }
+        }
+        sum
+    }
+}
+
+/// Each side of a pair with the side of a row's joint that is there: the joints of a pair may list its bodies in either order.
+fn sides(row: &Row) -> [(usize, usize); 2] {
+    match row.is_reversed {
+        false => [(0, 0), (1, 1)],
+        true => [(0, 1), (1, 0)],
+    }
+}

@@ -1,0 +1,267 @@
+//! The rows of joints in a substep.
+
+use super::member::Member;
+use crate::solver::JointConstraint;
+use crate::solver::joint::{Geometry, Law, Part, Times, take_share};
+use glam::Vec3;
+use std::ops::Range;
+
+/// How much stiffer the rows of joints are than springs of contacts.
+const STIFFER: f32 = 1e4;
+
+/// How much stiffer rows of motors and of friction are than that, which have no position to return to.
+const DRIVEN: f32 = 1e3;
+
+/// The share of the curvature of a way that rows allow for. A rigid row at an arm that turns takes the inward velocity that every straight
+/// substep needs, and most of a pendulum's energy with it. If rows allow for all of it, chains gain energy.
+const CURVED: f32 = 0.9;
+
+/// A rotation by more than this makes arms, directions and inertias stale, rad.
+const TURNED: f32 = 1e-4;
+
+/// Directions are refreshed where anchors have moved against each other by more than this share of the arms.
+const MOVED: f32 = 1e-4;
+
+/// Which bound holds the impulse of a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bound {
+    /// None: the solve finds it.
+    #[default]
+    Free,
+    Low,
+    High,
+}
+
+/// The joints between bodies: a joint with its rows.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Its index in the problem.
+    pub joint: usize,
+    /// Indices of A and B among the members.
+    pub ends: [usize; 2],
+    pub rows: Range<usize>,
+    pub geometry: Geometry,
+    /// The motions of A and B at the last refresh.
+    refreshed: [[Vec3; 2]; 2],
+}
+
+/// A row of a joint.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub coordinate: usize,
+    pub part: Part,
+    /// Its joint lists the bodies in the order that is not that of the pair.
+    pub is_reversed: bool,
+    /// The coordinate now and at the last refresh, m or rad.
+    value: f32,
+    refreshed: f32,
+    direction: Vec3,
+    /// The rate of its coordinate is that of B's centre less that of A's along `linear`, and of their rotations along `angular`.
+    pub linear: Vec3,
+    pub angular: [Vec3; 2],
+    pub law: Law,
+    /// Compliance γ: deviation from the wanted rate per impulse.
+    pub compliance: f32,
+    /// Inverse effective mass of its two bodies alone.
+    pub response: f32,
+    pub impulse: f32,
+    pub bound: Bound,
+    /// The rate that it lacks in a visit, before the solve.
+    pub lack: f32,
+}
+
+impl Row {
+    pub fn new(coordinate: usize, part: Part, is_reversed: bool) -> Self {
+        Self {
+            coordinate,
+            part,
+            is_reversed,
+            value: 0.0,
+            refreshed: 0.0,
+            direction: Vec3::ZERO,
+            linear: Vec3::ZERO,
+            angular: [Vec3::ZERO; 2],
+            law: Law::default(),
+            compliance: 0.0,
+            response: 0.0,
+            impulse: 0.0,
+            bound: Bound::Free,
+            lack: 0.0,
+        }
+    }
+
+    pub fn is_angular(&self) -> bool {
+        (3..6).contains(&self.coordinate)
+    }
+
+    /// Its row over the velocities of a side.
+    pub fn numbers(&self, side: usize) -> [f64; 6] {
+        let sign = if side == 0 { -1.0 } else { 1.0 };
+        let [a, b] = [self.linear, self.angular[side]].map(|v| (sign * v).as_dvec3());
+        [a.x, a.y, a.z, b.x, b.y, b.z]
+    }
+
+    /// Its rate for linear and angular velocities of A and B.
+    pub fn rate(&self, [a, b]: [[Vec3; 2]; 2]) -> f32 {
+        self.linear.dot(b[0] - a[0]) + (self.angular[1].dot(b[1]) - self.angular[0].dot(a[1]))
+    }
+
+    /// The push and the moment of an impulse on a side.
+    pub fn wrench(&self, side: usize, impulse: f32) -> [Vec3; 2] {
+        let impulse = if side == 0 { -impulse } else { impulse };
+        [impulse * self.linear, impulse * self.angular[side]]
+    }
+
+    /// Sets its direction from its coordinate.
+    fn aim(&mut self, geometry: &Geometry, ends: [&Member; 2]) {
+        let found = geometry.coordinate(self.coordinate);
+        (self.value, self.refreshed) = (found.value, found.value);
+        self.direction = found.direction;
+        (self.linear, self.angular) = match self.is_angular() {
+            true => (Vec3::ZERO, [self.direction; 2]),
+            false => {
+                let across = geometry.arms.map(|arm| arm.cross(self.direction));
+                (self.direction, across)
+            }
+        };
+        let response = |side: usize| ends[side].response(self.linear, self.angular[side]);
+        self.response = response(0) + response(1);
+    }
+
+    /// Updates its law. Returns whether its bounds have changed sides.
+    fn ask(&mut self, joint: &JointConstraint, times: &Times) -> bool {
+        let axis = joint.axis(self.coordinate);
+        let before = self.law.bounds;
+        self.law = Law::of(&axis, self.part, self.value, times);
+        let [low, high] = self.law.bounds;
+        if before == [low, high] {
+            return false;
+        }
+        self.impulse = self.impulse.clamp(low, high);
+        let was = self.bound;
+        self.bound = if self.impulse == low {
+            Bound::Low
+        } else if self.impulse == high {
+            Bound::High
+        } else {
+            Bound::Free
+        };
+        (was == Bound::Free) != (self.bound == Bound::Free)
+    }
+
+    /// Sets its compliance; `stiffness` is b of the springs of contacts: their effective mass over their compliance.
+    fn soften(&mut self, stiffness: f32) {
+        let least = self.response.max(f32::MIN_POSITIVE) / (STIFFER * stiffness);
+        self.compliance = match self.part {
+            Part::Hold => least,
+            _ => self.law.compliance.max(least / DRIVEN),
+        };
+    }
+
+    /// The change that brings its impulse to the bound that holds it.
+    pub fn fixed_change(&self) -> f32 {
+        let [low, high] = self.law.bounds;
+        match self.bound {
+            Bound::Free => 0.0,
+            Bound::Low => low - self.impulse,
+            Bound::High => high - self.impulse,
+        }
+    }
+
+    /// Finds the rate that it lacks, from the velocities of A and B now and after the last solve.
+    pub fn find_lack(
+        &mut self,
+        soft: bool,
+        h: f32,
+        geometry: &Geometry,
+        [velocities, seen]: [[[Vec3; 2]; 2]; 2],
+    ) {
+        let mut wanted = if soft { self.law.rate } else { self.law.rigid };
+        if self.law.is_held {
+            let bent = geometry.curvature(self.coordinate, self.direction, seen);
+            wanted -= CURVED * 0.5 * h * bent;
+        }
+        let leak = match soft || self.part != Part::Hold {
+            true => self.compliance * self.impulse,
+            false => 0.0,
+        };
+        self.lack = wanted - self.rate(velocities) - leak;
+    }
+}
+
+impl Link {
+    pub fn new(joint: usize, ends: [usize; 2], rows: Range<usize>, geometry: Geometry) -> Self {
+        Self {
+            joint,
+            ends,
+            rows,
+            geometry,
+            refreshed: [[Vec3::ZERO; 2]; 2],
+        }
+    }
+
+    /// Whether its directions are stale.
+    pub fn is_stale(&self, members: &[Member]) -> bool {
+        let [a, b] = self.motions(members);
+        let turned = a[1].length_squared().max(b[1].length_squared());
+        let Geometry { arms, gap, .. } = self.geometry;
+        let moved = (b[0] + b[1].cross(arms[1])) - (a[0] + a[1].cross(arms[0]));
+        let size = arms[0].length() + arms[1].length() + gap.length();
+        turned > TURNED * TURNED || moved.length_squared() > (MOVED * size).powi(2)
+    }
+
+    /// The motions of A and B since the last refresh, m and rad.
+    fn motions(&self, members: &[Member]) -> [[Vec3; 2]; 2] {
+        [0, 1].map(|side| {
+            let now = members[self.ends[side]].drifted;
+            [0, 1].map(|i| now[i] - self.refreshed[side][i])
+        })
+    }
+
+    /// Computes directions and coordinates.
+    pub fn point(&mut self, joint: &JointConstraint, rows: &mut [Row], members: &[Member]) {
+        let ends = self.ends.map(|end| &members[end]);
+        self.geometry = Geometry::new(joint, ends.map(|end| end.placement));
+        self.refreshed = ends.map(|end| end.drifted);
+        for row in &mut rows[self.rows.clone()] {
+            row.aim(&self.geometry, ends);
+        }
+    }
+
+    /// Updates coordinates along the directions of the last refresh.
+    pub fn follow(&self, rows: &mut [Row], members: &[Member]) {
+        let motions = self.motions(members);
+        for row in &mut rows[self.rows.clone()] {
+            row.value = row.refreshed + row.rate(motions);
+        }
+    }
+
+    /// Divides the forces of the joint among its rows, as impulses to begin with.
+    pub fn start(&self, joint: &JointConstraint, rows: &mut [Row], times: &Times) {
+        let mut left = joint.forces.map(|force| times.h * force);
+        let rows = &mut rows[self.rows.clone()];
+        for i in 0..rows.len() {
+            let number = rows[i].coordinate;
+            let is_last = rows.get(i + 1).is_none_or(|next| next.coordinate != number);
+            let row = &mut rows[i];
+            let law = Law::of(&joint.axis(number), row.part, row.value, times);
+            row.impulse = take_share(&mut left[number], &law, is_last);
+        }
+    }
+
+    /// Updates laws and compliances. Returns whether some bounds have changed sides.
+    pub fn ask(
+        &self,
+        joint: &JointConstraint,
+        rows: &mut [Row],
+        times: &Times,
+        stiffness: f32,
+    ) -> bool {
+        let mut changed = false;
+        for row in &mut rows[self.rows.clone()] {
+            changed |= row.ask(joint, times);
+            row.soften(stiffness);
+        }
+        changed
+    }
+}

@@ -1,0 +1,150 @@
+//! The joints of awake islands, as part of their problems.
+//!
+//! Joints are the links of their kind in the constraint graph between bodies that are solved. Each is identified by its entity and the number
+//! of its edge. They are solved in the order of their bodies, those between the same bodies in spawn order.
+
+use super::{Order, ProblemSet, Rows};
+use crate::body::{BodyTable, SpawnOrder};
+use crate::graph::{ConstraintGraph, EdgeKind, Islands};
+use crate::joint::{BreakForce, JointEdge, JointForces};
+use crate::revision::Revision;
+use crate::solver::JointConstraint;
+use bevy_ecs::prelude::*;
+
+pub(crate) type Joints<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static JointEdge,
+        &'static mut JointForces,
+        Option<&'static BreakForce>,
+    ),
+>;
+
+/// The joints that are solved, in order. It is computed when the order of bodies is.
+#[derive(Default)]
+pub(crate) struct JointOrder {
+    /// [Revision](crate::revision) of all islands; `None` if the order is not valid.
+    derived_from: Option<Revision>,
+    slots: Vec<JointSlot>,
+    /// Those that were gathered in this step.
+    pub gathered: Vec<GatheredJoint>,
+}
+
+/// The slot of a joint in the order.
+#[derive(Clone, Copy)]
+struct JointSlot {
+    island: u32,
+    joint: Entity,
+    edge: u32,
+    /// Revision of the joint when it was last gathered.
+    revision: Option<Revision>,
+}
+
+/// A joint that is part of a problem.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GatheredJoint {
+    pub island: u32,
+    /// Its index in the island.
+    pub index: u32,
+    pub joint: Entity,
+    pub edge: u32,
+}
+
+impl JointOrder {
+    /// Computes the order, for the bodies of `order`.
+    fn find(
+        &mut self,
+        order: &Order,
+        (table, graph, islands): (&BodyTable, &ConstraintGraph, &Islands),
+        joints: &Joints,
+    ) {
+        let local = |slot: u32| order.local.get(slot as usize).copied();
+        let is_solved = |slot: u32| local(slot).is_some_and(|local| local != u32::MAX);
+        // Bodies that are not solved come before the others, in spawn order; the world comes first.
+        let rank = |slot: u32| match local(slot).filter(|&local| local != u32::MAX) {
+            Some(local) => (1, u64::from(local)),
+            None => (0, table.get(slot).map_or(0, |body| body.spawn_order.0)),
+        };
+        // A link between two solved bodies is taken only once, from the list of A.
+        let bodies = (0..order.numbered().len()).flat_map(|number| &order.of(number).bodies);
+        let links = bodies.flat_map(|body| {
+            let links = graph.links_of(body.slot);
+            links
+                .filter(|link| link.kind == EdgeKind::Joint)
+                .filter(move |link| link.slots[0] == body.slot || !is_solved(link.slots[0]))
+        });
+        let mut slots: Vec<(_, JointSlot)> = links
+            .filter_map(|link| {
+                let (edge, ..) = joints.get(link.pair).ok()?;
+                let solved = link.slots.into_iter().find(|&slot| is_solved(slot))?;
+                let island = islands.of(solved)? as u32;
+                let [a, b] = link.slots.map(rank);
+                let key: (u32, _, _, SpawnOrder) = (island, a.max(b), a.min(b), edge.order);
+                let slot = JointSlot {
+                    island,
+                    joint: link.pair,
+                    edge: link.edge,
+                    revision: None,
+                };
+                Some((key, slot))
+            })
+            .collect();
+        slots.sort_unstable_by_key(|&(key, slot)| (key, slot.edge));
+        self.slots.clear();
+        self.slots.extend(slots.into_iter().map(|(_, slot)| slot));
+    }
+}
+
+impl<R: Rows> ProblemSet<R> {
+    /// Gathers the joints of awake islands.
+    pub(super) fn gather_joints(
+        &mut self,
+        context: (&BodyTable, &ConstraintGraph, &Islands),
+        joints: &Joints,
+    ) {
+        let Self {
+            order,
+            islands,
+            joints: known,
+            ..
+        } = self;
+        let (table, _, all) = context;
+        if known.derived_from != Some(all.revision()) || !table.removed.is_empty() {
+            known.find(order, context, joints);
+            known.derived_from = Some(all.revision());
+        }
+        known.gathered.clear();
+        for slot in &mut known.slots {
+            let Some(island) = islands.get_mut(slot.island as usize) else {
+                continue;
+            };
+            let found = joints.get(slot.joint).ok();
+            let found = found.filter(|(edge, ..)| edge.edge == slot.edge && edge.is_current(table));
+            let Some((edge, forces, breaks)) = found else {
+                // It was removed since the islands were updated, and is looked for again in the next step.
+                known.derived_from = None;
+                island.rows.clear();
+                continue;
+            };
+            // Solvers keep data about joints that stay as they are.
+            let revision = slot.revision.replace(edge.revision);
+            if revision.is_some_and(|revision| revision != edge.revision) {
+                island.rows.clear();
+            }
+            known.gathered.push(GatheredJoint {
+                island: slot.island,
+                index: island.joints.len() as u32,
+                joint: slot.joint,
+                edge: slot.edge,
+            });
+            island.joint_slots.push(edge.slots);
+            island.joints.push(JointConstraint {
+                forces: forces.start,
+                filtered: forces.filtered,
+                filter: breaks.copied().unwrap_or_default().response,
+                ..edge.constraint(table)
+            });
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Scenes with joints.
+
+use super::{body, chain, drain, forces};
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use drystone::prelude::*;
+use drystone_lab::scenes::{Scene, SceneOptions};
+use support::{G, Lab, assert_near};
+
+fn build(lab: &mut Lab, name: &str) -> Vec<Entity> {
+    let scene: Scene = name.parse().unwrap();
+    scene.build(&mut lab.world, &SceneOptions::default()).bodies
+}
+
+#[test]
+fn a_ragdoll_falls_on_bricks_and_asleep() {
+    let mut lab = Lab::new();
+    lab.dt = 1.0 / 60.0;
+    let bodies = build(&mut lab, "ragdolls:1");
+    let mut asleep = None;
+    for step in 0..60 * 8 {
+        lab.step();
+        if bodies
+            .iter()
+            .all(|&body| lab.world.get::<Sleeping>(body).unwrap().asleep)
+        {
+            asleep = Some(step as f32 / 60.0);
+            break;
+        }
+    }
+    println!("asleep after {asleep:?} s");
+    assert!(asleep.is_some_and(|time| time <= 5.0), "{asleep:?}");
+    assert_eq!(lab.errors(), []);
+}
+
+#[test]
+fn a_bridge_of_forty_planks_bears_ten_tons() {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    let bodies = build(&mut lab, "bridge:40");
+    lab.run(10.0);
+    let low = bodies
+        .iter()
+        .map(|&plank| lab.position(plank).y)
+        .fold(f32::INFINITY, f32::min);
+    let fast = bodies
+        .iter()
+        .map(|&plank| lab.velocity(plank).linear.length());
+    println!(
+        "lowest {low} m, fastest {:.2} mm/s",
+        1e3 * fast.fold(0.0, f32::max)
+    );
+    assert_eq!(lab.errors(), []);
+    assert_eq!(drain::<JointError>(&mut lab), []);
+}
+
+#[test]
+fn a_chain_comes_to_lie_on_bricks() {
+    let mut lab = Lab::new();
+    lab.dt = 1.0 / 60.0;
+    lab.ground();
+    for (x, y) in [(-0.5, 0.25), (0.5, 0.25), (0.0, 0.75)] {
+        body(
+            &mut lab,
+            Collider::cuboid(1.0, 0.5, 0.5),
+            500.0,
+            Vec3::new(x, y, 0.0),
+        );
+    }
+    let (links, joints) = chain(&mut lab, 12, 1.0, Vec3::new(0.1, 6.0, 0.05));
+    lab.run(0.5);
+    lab.world.despawn(joints[0]);
+    lab.run(8.0);
+    for &link in &links {
+        assert!(lab.position(link).y > 0.03, "{}", lab.position(link));
+        let speed = lab.velocity(link).linear.length();
+        assert!(speed < 0.02, "{speed}");
+    }
+    assert!(lab.world.get::<Sleeping>(links[0]).unwrap().asleep);
+    assert_eq!(lab.errors(), []);
+}
+
+/// A drawbridge of 500 kg on a pier, held by two chains of six links each.
+#[test]
+fn a_drawbridge_hangs_on_two_chains() {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    let pier = lab.spawn((
+        RigidBody::Static,
+        Collider::cuboid(1.0, 2.0, 3.0),
+        Transform::from_xyz(-0.5, 1.0, 0.0),
+    ));
+    let deck = body(
+        &mut lab,
+        Collider::cuboid(4.0, 0.2, 2.0),
+        500.0,
+        Vec3::new(2.0, 2.0, 0.0),
+    );
+    let hinge = RevoluteJoint::new(pier, deck).with_anchor(Vec3::new(0.0, 2.0, 0.0));
+    lab.spawn(hinge.with_hinge_axis(Vec3::Z));
+    let mut tops = Vec::new();
+    for z in [-1.0, 1.0] {
+        // From the pier's top, 3 m above, to the tip of the deck.
+        let (from, to) = (Vec3::new(0.0, 5.0, z), Vec3::new(4.0, 2.0, z));
+        let step = (to - from) / 6.0;
+        let mut last = pier;
+        for i in 0..6 {
+            let start = from + i as f32 * step;
+            let link = Collider::capsule(0.05, step.length() - 0.15);
+            let turn = Quat::from_rotation_arc(Vec3::Y, step.normalize());
+            let at = Transform::from_translation(start + 0.5 * step).with_rotation(turn);
+            let link = lab.spawn((RigidBody::Dynamic, link, Mass(5.0), at));
+            let joint = lab.spawn(
+                SphericalJoint::new(last, link)
+                    .with_anchor(start)
+                    .with_friction(2.0),
+            );
+            if i == 0 {
+                tops.push(joint);
+            }
+            last = link;
+        }
+        lab.spawn(SphericalJoint::new(last, deck).with_anchor(to));
+    }
+    lab.run(6.0);
+    let at = lab.position(deck);
+    println!("the deck is {:.2} mm low", 1e3 * (2.0 - at.y));
+    assert!((at.y - 2.0).abs() < 0.05, "{at}");
+    let speed = lab.velocity(deck).linear.length();
+    assert!(speed < 0.01, "{speed}");
+    // Each chain bears a quarter of the deck at its tip, and itself.
+    let pull = tops
+        .iter()
+        .map(|&top| forces(&lab, top).force.y)
+        .sum::<f32>();
+    assert_near(pull, 250.0 * G + 60.0 * G, 0.1, "both chains pull up");
+}

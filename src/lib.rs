@@ -104,6 +104,7 @@ mod plugin;
 pub mod preview;
 pub mod profile;
 pub mod query;
+pub mod revision;
 pub mod schedule;
 pub mod settings;
 pub mod solve;
@@ -112,7 +113,6 @@ pub mod solver;
 pub mod stability;
 pub mod stabilization;
 pub mod state;
-mod version;
 pub mod warm_start;
 
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of

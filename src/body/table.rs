@@ -5,7 +5,6 @@
 
 use super::{BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, SpawnOrder, Velocity};
 use crate::collider::Collider;
-use crate::version::next_version;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
@@ -225,11 +224,9 @@ pub struct BodyTable {
     visits: u64,
     /// The change tick of the last visit of *prepare*, in the world that the table is in.
     visited_at: Option<Tick>,
-    version: u64,
 }
 
 impl MapEntities for BodyTable {
-    /// In another world, data that was derived from the table that this one replaces is not valid for it; so the version changes.
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         for body in self.slots.iter_mut().flatten() {
             body.entity.map_entities(mapper);
@@ -239,7 +236,6 @@ impl MapEntities for BodyTable {
             body.map_entities(mapper);
         }
         self.visited_at = None;
-        self.version = next_version();
     }
 }
 
@@ -253,11 +249,6 @@ impl BodyTable {
     /// Number of slots, free ones included.
     pub fn slots(&self) -> usize {
         self.slots.len()
-    }
-
-    /// A version number that changes when a body is added or removed.
-    pub(crate) fn version(&self) -> u64 {
-        self.version
     }
 
     /// Number of bodies.
@@ -373,7 +364,6 @@ impl BodyTable {
 
     pub(crate) fn insert(&mut self, body: BodyState) -> BodyIndex {
         self.count += 1;
-        self.version = next_version();
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push(None);
             self.slots.len() as u32 - 1
@@ -390,7 +380,6 @@ impl BodyTable {
             self.active.remove(index.0 as usize);
             self.slots[index.0 as usize] = None;
             self.count -= 1;
-            self.version = next_version();
             self.removed.push(index.0);
         }
     }

@@ -28,7 +28,7 @@ pub(crate) type ParryManifold = ContactManifold<Axis, ()>;
 #[doc(hidden)]
 pub struct NarrowphaseCache {
     /// The relative pose of the bodies when the manifold was detected.
-    pub(crate) stand: Stand,
+    pub(crate) last_pose: CachedRelativePose,
     /// The axis along which two polyhedra were last found to be farthest apart.
     pub(crate) axis: Axis,
     /// Data of parry, for shapes that parry handles.
@@ -45,7 +45,7 @@ pub(crate) struct ParryCache {
 impl fmt::Debug for NarrowphaseCache {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("NarrowphaseCache")
-            .field("stand", &self.stand)
+            .field("last_pose", &self.last_pose)
             .field("axis", &self.axis)
             .finish_non_exhaustive()
     }
@@ -54,7 +54,7 @@ impl fmt::Debug for NarrowphaseCache {
 impl NarrowphaseCache {
     /// Discards the data, so that the next detection starts from scratch.
     pub(crate) fn forget(&mut self) {
-        self.stand.forget();
+        self.last_pose.forget();
         self.axis = Axis::Unknown;
         self.parry = None;
     }
@@ -63,7 +63,7 @@ impl NarrowphaseCache {
 /// The relative pose of two bodies at the last detection, the distance up to which contacts were searched, and a lower bound of their
 /// distance.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stand {
+pub(crate) struct CachedRelativePose {
     /// From the centre of mass of B to that of A, world axes, m.
     pub between: Vec3,
     /// Orientations of A and B, as numbers: a `Quat` would be padded to 16 bytes.
@@ -74,7 +74,7 @@ pub(crate) struct Stand {
     pub apart: f32,
 }
 
-impl Default for Stand {
+impl Default for CachedRelativePose {
     fn default() -> Self {
         Self {
             between: Vec3::ZERO,

@@ -99,7 +99,7 @@ pub fn contact_events(
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
     for (entity, mut pair, impulses) in &mut pairs {
-        let touches = pair.touching || !pair.empty && impulses.normal() > 0.0;
+        let touches = pair.touching || !pair.is_apart() && impulses.normal() > 0.0;
         if touches != pair.announced {
             let pair = pair.bypass_change_detection();
             pair.announced = touches;

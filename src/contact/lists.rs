@@ -3,13 +3,16 @@
 //! Their lengths change only here: by [`reorder`] after points were detected anew, and by [`fit`] after other code has changed the length of a
 //! list.
 
-use super::{ContactAnchors, ContactImpulses, ContactTargets, Manifold, Origins, inherit};
+use super::{
+    ContactAnchors, ContactImpulses, ContactTargets, ImpulseSum, Manifold, Origins, inherit,
+};
 use smallvec::{Array, SmallVec};
 
 /// The lists of a pair that a stage has access to.
 #[derive(Default)]
 pub(crate) struct Lists<'a> {
-    pub impulses: Option<&'a mut ContactImpulses>,
+    /// The flag is true if points have friction of their own, as under point solvers.
+    pub impulses: Option<(&'a mut ContactImpulses, bool)>,
     /// The flag is true if points have anchors, too.
     pub anchors: Option<(&'a mut ContactAnchors, bool)>,
     /// The flag is true if points have targets, too.
@@ -20,11 +23,11 @@ pub(crate) struct Lists<'a> {
 #[inline(always)]
 pub(crate) fn fit(manifold: &Manifold, lists: Lists) {
     let (points, patches) = (manifold.points.len(), manifold.patches.len());
-    if let Some(impulses) = lists.impulses {
+    if let Some((impulses, by_points)) = lists.impulses {
         set_length(&mut impulses.points, points);
         set_length(&mut impulses.patches, patches);
         // Only point solvers fill this list.
-        if !impulses.friction.is_empty() {
+        if by_points || !impulses.friction.is_empty() {
             set_length(&mut impulses.friction, points);
         }
     }
@@ -41,7 +44,7 @@ pub(crate) fn fit(manifold: &Manifold, lists: Lists) {
 }
 
 /// Moves entries to the indices of their points and patches in a manifold that was detected anew; the origins give the index in the old
-/// manifold. Entries of new points and patches have their default. Targets and slips must be computed anew.
+/// manifold. Entries of new points and patches have their default. The pair gets a new revision, so targets and slips are computed anew.
 pub(crate) fn reorder(
     points: &Origins,
     patches: &Origins,
@@ -49,16 +52,26 @@ pub(crate) fn reorder(
     anchors: &mut ContactAnchors,
     targets: &mut ContactTargets,
 ) {
-    impulses.reorder(points);
+    inherit(points, &mut impulses.points);
+    if !impulses.friction.is_empty() {
+        inherit(points, &mut impulses.friction);
+    }
+    if let Some(earlier) = &mut impulses.earlier {
+        earlier.reorder(points);
+    }
     inherit(patches, &mut impulses.patches);
     if !anchors.points.is_empty() {
         inherit(points, &mut anchors.points);
     }
     inherit(patches, &mut anchors.patches);
-    anchors.measured = false;
     targets.points.clear();
     targets.patches.clear();
     set_length(&mut targets.patches, patches.len());
+}
+
+/// Makes the sums of earlier substeps as long as the list of points.
+pub(super) fn fit_sums(sums: &mut Vec<ImpulseSum>, manifold: &Manifold) {
+    set_length(sums, manifold.points.len());
 }
 
 #[inline(always)]
@@ -142,7 +155,7 @@ mod tests {
         impulses.points.push(pushed(3.0));
         targets.points.push(Target::default());
         let lists = Lists {
-            impulses: Some(&mut impulses),
+            impulses: Some((&mut impulses, false)),
             anchors: Some((&mut anchors, true)),
             targets: Some((&mut targets, false)),
         };
@@ -166,13 +179,12 @@ mod tests {
         let mut anchors = ContactAnchors::default();
         let mut targets = ContactTargets::default();
         impulses.points.extend([1.0, 2.0].map(pushed));
-        anchors.measured = true;
         let points = Origins::from_slice(&[None, Some(1), Some(0)]);
         let patches = Origins::from_slice(&[None]);
         reorder(&points, &patches, &mut impulses, &mut anchors, &mut targets);
         let normals = impulses.points.iter().map(|point| point.normal);
         assert_eq!(normals.collect::<Vec<_>>(), [0.0, 2.0, 1.0]);
         assert_eq!((impulses.patches.len(), targets.patches.len()), (1, 1));
-        assert!(anchors.points.is_empty() && !anchors.measured);
+        assert!(anchors.points.is_empty());
     }
 }

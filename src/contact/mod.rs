@@ -9,6 +9,7 @@
 //! [`islands`](crate::graph::islands()) were updated are solved from the next step on.
 
 pub(crate) mod cache;
+mod edits;
 mod events;
 mod feature;
 mod force_events;
@@ -19,7 +20,8 @@ mod supports;
 mod whole_step;
 
 pub use cache::NarrowphaseCache;
-pub(crate) use cache::{ParryCache, ParryManifold, Stand};
+pub(crate) use cache::{CachedRelativePose, ParryCache, ParryManifold};
+pub(crate) use edits::{is_edited, revise_edited};
 pub(crate) use events::trigger;
 pub use events::{
     ContactEnded, ContactEvents, ContactStarted, EndedPairs, Untriggered, contact_events,
@@ -34,6 +36,7 @@ pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 
 use crate::body::{BodyState, SpawnOrder};
+use crate::revision::Revision;
 use crate::solver::Slip;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
@@ -72,14 +75,10 @@ pub struct ContactPair {
     pub rolling_radius: f32,
     /// Whether some point is inside the collision envelope.
     pub touching: bool,
-    /// Whether collision detection has run for the pair.
-    pub(crate) detected: bool,
-    /// Whether both bodies sleep or stand still, so that nothing about the pair changes. The stage *islands* may wake them afterwards.
-    pub(crate) idle: bool,
-    /// Number of detections in which the manifold was not recycled.
-    pub(crate) revision: u32,
-    /// Whether the last detection found nothing and the pair has no points and no impulses.
-    pub(crate) empty: bool,
+    /// What the stages have to do for the pair.
+    pub(crate) state: PairState,
+    /// Changes when contacts are detected anew, not recycled, and when the user edits the pair. See [`revision`](crate::revision).
+    pub(crate) revision: Revision,
     /// Number of steps for which detection is skipped, for a pair of a [crowd](crate::narrowphase::crowd).
     pub(crate) waits: u8,
     /// Whether the last event that was sent says that the bodies touch.
@@ -88,7 +87,12 @@ pub struct ContactPair {
 
 impl ContactPair {
     /// The pair of two bodies that have just come near each other.
-    pub(crate) fn new(edge: u32, slots: [u32; 2], [a, b]: [&BodyState; 2]) -> Self {
+    pub(crate) fn new(
+        edge: u32,
+        slots: [u32; 2],
+        [a, b]: [&BodyState; 2],
+        revision: Revision,
+    ) -> Self {
         let mut pair = Self {
             bodies: [a.entity, b.entity],
             slots,
@@ -99,10 +103,8 @@ impl ContactPair {
             rolling_friction: 0.0,
             rolling_radius: 0.0,
             touching: false,
-            detected: false,
-            idle: false,
-            revision: 0,
-            empty: false,
+            state: PairState::New,
+            revision,
             waits: 0,
             announced: false,
         };
@@ -127,10 +129,45 @@ impl ContactPair {
         self.spawn_orders = other.spawn_orders;
     }
 
+    /// Records that the user has edited the pair: stages no longer skip it, and derive anew what they derived from it.
+    pub(crate) fn revise(&mut self, revision: Revision) {
+        self.revision = revision;
+        if self.state != PairState::New {
+            self.state = PairState::Live;
+        }
+    }
+
+    /// Returns true if both bodies sleep or stand still.
+    #[inline]
+    pub(crate) fn is_idle(&self) -> bool {
+        self.state == PairState::Idle
+    }
+
+    /// Returns true if the pair has no points and no impulses.
+    #[inline]
+    pub(crate) fn is_apart(&self) -> bool {
+        self.state == PairState::Apart
+    }
+
     /// Returns true if A (0) or B (1) is this body, and not another in the same slot.
     pub(crate) fn is_of(&self, i: usize, body: &BodyState) -> bool {
         (body.entity, body.spawn_order) == (self.bodies[i], self.spawn_orders[i])
     }
+}
+
+/// What the stages have to do for a pair. The narrowphase sets it in every step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum PairState {
+    /// Its contacts must be detected: the pair is new, or one of its bodies was changed.
+    #[default]
+    New,
+    /// The last detection found no points, and no impulses are left. Detection is skipped while the bodies are far enough apart; all other
+    /// stages skip the pair.
+    Apart,
+    /// Both bodies sleep or stand still, so that nothing about the pair changes. Stages skip it, unless *islands* wakes one of the bodies.
+    Idle,
+    /// All stages process it.
+    Live,
 }
 
 /// Pairs that were despawned, by drystone or by the user, until the broadphase has handled them.
@@ -297,7 +334,7 @@ impl ContactImpulses {
     #[inline(always)]
     pub(crate) fn fit(&mut self, manifold: &Manifold) {
         let lists = Lists {
-            impulses: Some(self),
+            impulses: Some((self, false)),
             ..Default::default()
         };
         fit(manifold, lists);
@@ -343,21 +380,6 @@ pub struct PatchImpulse {
     pub dragged: Slip,
 }
 
-/// True if a column, or one row of it, was written since this system ran last, by code that did not bypass change detection. The stages bypass
-/// it, so this finds the user's edits.
-macro_rules! is_edited {
-    ($column:expr, $row:expr) => {{
-        let (last, this) = ($column.last_run_tick(), $column.this_run_tick());
-        $column.changed_ticks_slice()[$row].is_newer_than(last, this)
-    }};
-    ($column:expr) => {{
-        let (last, this) = ($column.last_run_tick(), $column.this_run_tick());
-        let mut ticks = $column.changed_ticks_slice().iter();
-        ticks.any(|tick| tick.is_newer_than(last, this))
-    }};
-}
-pub(crate) use is_edited;
-
 /// The impulse on A in part of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ImpulseSum {
@@ -375,8 +397,8 @@ pub struct ContactAnchors {
     pub points: Vec<Anchor>,
     /// One for each patch, with pair-pose anchors.
     pub patches: SmallVec<[PatchAnchor; 1]>,
-    /// Whether the anchors are the same as when slips were last measured.
-    pub(crate) measured: bool,
+    /// The revision of the pair when slips were last measured; `None` if an anchor was written since.
+    pub(crate) measured: Option<Revision>,
 }
 
 /// The relative pose of the two bodies of a patch when it began to stick.

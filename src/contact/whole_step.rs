@@ -3,7 +3,8 @@
 //! During a step with substeps [`ContactImpulses`] holds the impulses of the current substep, which the classification of friction needs.
 //! [`Earlier`] holds the sums of the substeps before it.
 
-use super::{ContactImpulses, ImpulseSum, Manifold, Origins, inherit};
+use super::lists::fit_sums;
+use super::{ContactImpulses, ImpulseSum, Manifold, Origins};
 use crate::body::Inactive;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -16,6 +17,23 @@ pub(crate) struct Earlier {
     points: Vec<ImpulseSum>,
     /// The sum at points that have ended.
     elsewhere: ImpulseSum,
+}
+
+impl Earlier {
+    /// Moves the sums after points came, went or changed their indices. Those of points that ended are kept as one sum.
+    pub(super) fn reorder(&mut self, origins: &Origins) {
+        if self.points.is_empty() {
+            return;
+        }
+        let mut gone = std::mem::take(&mut self.points);
+        self.points.extend(origins.iter().map(|origin| {
+            let kept = origin.and_then(|i| gone.get_mut(i as usize));
+            kept.map(std::mem::take).unwrap_or_default()
+        }));
+        for lost in gone {
+            self.elsewhere.add(lost.normal, lost.tangential);
+        }
+    }
 }
 
 impl ContactImpulses {
@@ -39,9 +57,7 @@ impl ContactImpulses {
     fn set_aside(&mut self, manifold: &Manifold) {
         self.fit(manifold);
         let mut earlier = self.earlier.take().unwrap_or_default();
-        earlier
-            .points
-            .resize(self.points.len(), ImpulseSum::default());
+        fit_sums(&mut earlier.points, manifold);
         for (number, patch) in manifold.patches.iter().enumerate() {
             for point in manifold.range(patch) {
                 let tangential = self.tangential_at(patch, number, point);
@@ -55,26 +71,6 @@ impl ContactImpulses {
         }
         for patch in &mut self.patches {
             patch.tangential = Vec3::ZERO;
-        }
-    }
-
-    /// Moves the impulses after points came, went or changed their indices. Impulses of points that ended are kept as a sum.
-    pub(crate) fn reorder(&mut self, origins: &Origins) {
-        inherit(origins, &mut self.points);
-        if !self.friction.is_empty() {
-            inherit(origins, &mut self.friction);
-        }
-        let Some(earlier) = self.earlier.as_mut().filter(|e| !e.points.is_empty()) else {
-            return;
-        };
-        let mut gone = std::mem::take(&mut earlier.points);
-        for origin in origins {
-            let kept = origin.and_then(|i| gone.get_mut(i as usize));
-            let kept = kept.map(std::mem::take).unwrap_or_default();
-            earlier.points.push(kept);
-        }
-        for lost in gone {
-            earlier.elsewhere.add(lost.normal, lost.tangential);
         }
     }
 

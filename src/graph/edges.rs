@@ -11,6 +11,7 @@
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_platform::collections::hash_map::Entry;
 
 /// The kind of constraint of an edge. To add a kind, add a variant, document it, and insert and remove its edges where its components are
 /// added and removed.
@@ -147,11 +148,11 @@ impl ConstraintGraph {
 
     /// Adds an edge that does not link yet and returns its number, or `None` if it exists already. [`Self::name`] sets its entity later.
     pub(super) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> Option<u32> {
-        if self.known.contains_key(&(kind, slots)) {
+        let Entry::Vacant(entry) = self.known.entry((kind, slots)) else {
             return None;
-        }
+        };
         let number = self.free.pop().unwrap_or(self.edges.len() as u32);
-        self.known.insert((kind, slots), number);
+        entry.insert(number);
         let last = slots.into_iter().max().unwrap_or(0) as usize;
         if self.nodes.len() <= last {
             self.nodes.resize_with(last + 1, Node::default);
@@ -173,6 +174,12 @@ impl ConstraintGraph {
             None => self.edges.push(edge),
         }
         Some(number)
+    }
+
+    /// Makes room for new edges, so that inserting many at once moves the lists only once.
+    pub(super) fn reserve(&mut self, count: usize) {
+        self.known.reserve(count);
+        self.edges.reserve(count.saturating_sub(self.free.len()));
     }
 
     /// Returns true if there is an edge of this kind between the two bodies.

@@ -11,8 +11,8 @@ use super::levels::{Kind, Levels};
 use super::partition::Partition;
 use crate::body::{BodyState, BodyTable, Inactive, Sleeping, SpawnOrder};
 use crate::contact::{ContactPair, LostPairs, Manifold};
+use crate::revision::Revision;
 use crate::settings::StepTime;
-use crate::version::next_version;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -29,7 +29,7 @@ pub struct Islands {
     known: Vec<Option<Known>>,
     /// The active bodies, in the order of their slots.
     active: Vec<Member>,
-    version: u64,
+    revision: Revision,
     pub(super) woke: bool,
     pub(super) deactivation: Deactivation,
     /// Pairs of slots of bodies that touched in the last step and no longer do.
@@ -54,7 +54,8 @@ impl MapEntities for Islands {
         for (pair, _) in &mut self.deactivation.pairs {
             pair.map_entities(mapper);
         }
-        self.version = next_version();
+        self.revision = Revision::next();
+        self.partition.mark_all(self.revision);
     }
 }
 
@@ -132,15 +133,20 @@ impl Islands {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
     }
 
-    /// The graph version of the last change of an island: of its members, its contacts, or which of its bodies sleep. Data derived from an
-    /// island must be rebuilt if it is older than this version.
-    pub fn changed(&self, island: usize) -> u64 {
-        self.partition.changed(self.partition.numbered()[island])
+    /// The [revision](crate::revision) of an island. It changes with its members, its links, and which of its bodies sleep.
+    pub fn revision_of(&self, island: usize) -> Revision {
+        self.partition.revision(self.partition.numbered()[island])
     }
 
-    /// The graph version. It changes whenever a link or the activity of a body changes.
-    pub fn version(&self) -> u64 {
-        self.version
+    /// The [revision](crate::revision) of an island by its [identity](Self::id), or `None` if it has no number.
+    pub(crate) fn revision_of_id(&self, id: u32) -> Option<Revision> {
+        let exists = (id as usize) < self.partition.ids() && self.partition.number(id).is_some();
+        exists.then(|| self.partition.revision(id))
+    }
+
+    /// The [revision](crate::revision) of all islands. It changes whenever a link or the activity of a body changes.
+    pub fn revision(&self) -> Revision {
+        self.revision
     }
 
     /// Returns true if the island sleeps and some of its bodies were added in this step.
@@ -161,6 +167,21 @@ impl Islands {
     /// Identity of a dynamic body's island, whether awake, asleep or inactive. It is unique until the next step.
     pub(crate) fn id(&self, slot: u32) -> Option<u32> {
         self.partition.id(slot)
+    }
+
+    /// Upper bound of identities: all identities in use are below it.
+    pub(crate) fn ids(&self) -> usize {
+        self.partition.ids()
+    }
+
+    /// Identities of the islands that have a number, by number.
+    pub(crate) fn numbered(&self) -> &[u32] {
+        self.partition.numbered()
+    }
+
+    /// Slots of all bodies in an island by its identity, whether awake, asleep or inactive.
+    pub(crate) fn members_of_id(&self, id: u32) -> &[u32] {
+        self.partition.members(id)
     }
 
     /// Slots of all bodies in the island of a dynamic body, whether awake, asleep or inactive.
@@ -266,7 +287,7 @@ impl Islands {
         if same && graph.changes.is_empty() {
             return;
         }
-        self.version = next_version();
+        self.revision = Revision::next();
         let changes = std::mem::take(&mut graph.changes);
         let mut update = Update {
             linked: changes.linked,
@@ -302,7 +323,7 @@ impl Islands {
         self.partition.renumber();
         let slots = linked.as_flattened().iter().chain(&ends);
         for &slot in slots.chain(&renewed).chain(&activity_changed) {
-            self.partition.mark(slot, self.version);
+            self.partition.mark(slot, self.revision);
         }
     }
 
@@ -392,7 +413,7 @@ impl ConstraintGraph {
                 return false;
             }
             // Contact events are sent at the end of a whole step, so a pair may become inactive only in the first substep of the next.
-            let settled = pair.idle && time.substep == 0;
+            let settled = pair.is_idle() && time.substep == 0;
             if settled {
                 idle.push((entity, pair.slots));
             }

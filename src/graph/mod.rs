@@ -29,7 +29,7 @@ mod pairs;
 mod partition;
 mod sleeping;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod waking;
 
 pub use activation::activate;

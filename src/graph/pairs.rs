@@ -14,6 +14,7 @@ use crate::contact::{
     NarrowphaseCache,
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use crate::revision::Revision;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashSet;
@@ -129,14 +130,16 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator
     // The tree's shape depends on its history; the order of pairs must not. Two bodies that have both left their boxes are there twice.
     overlaps.sort_unstable();
     overlaps.dedup();
+    graph.reserve(overlaps.len());
     let mut warnings = Vec::new();
     let mut new: Vec<ContactPair> = Vec::new();
+    let revision = Revision::next();
     for (_, slots) in overlaps {
         if let Some(bodies) = table.both(slots)
             && let Some(edge) = graph.insert(EdgeKind::Contact, slots)
         {
             warn(bodies, &mut warnings);
-            new.push(ContactPair::new(edge, slots, bodies));
+            new.push(ContactPair::new(edge, slots, bodies, revision));
         }
     }
     // Name each of many bodies in one place only once.

@@ -13,6 +13,7 @@
 //! has found all bodies it can reach; these are split off. So the cost of a split is proportional to its smaller part.
 
 use super::edges::ConstraintGraph;
+use crate::revision::Revision;
 use std::collections::VecDeque;
 
 /// The place of a body in the partition.
@@ -39,8 +40,8 @@ struct Island {
     /// The first active member; [`NONE`] if there is none.
     first: u32,
     number: u32,
-    /// Graph version of the last change of the island.
-    changed: u64,
+    /// Changes with the members, links and activity of the island.
+    revision: Revision,
 }
 
 /// The islands.
@@ -103,15 +104,22 @@ impl Partition {
         (island.active as usize) < island.members.len()
     }
 
-    /// The graph version of the last change of an island.
-    pub fn changed(&self, island: u32) -> u64 {
-        self.islands[island as usize].changed
+    /// The revision of an island.
+    pub fn revision(&self, island: u32) -> Revision {
+        self.islands[island as usize].revision
     }
 
-    /// Records a change of the island of a body in this version, which may be only a change of activity.
-    pub fn mark(&mut self, slot: u32, version: u64) {
+    /// Gives the island of a body a new revision, after a change that may be only one of activity.
+    pub fn mark(&mut self, slot: u32, revision: Revision) {
         if let Some(island) = self.id(slot) {
-            self.islands[island as usize].changed = version;
+            self.islands[island as usize].revision = revision;
+        }
+    }
+
+    /// Gives all islands a new revision.
+    pub fn mark_all(&mut self, revision: Revision) {
+        for island in &mut self.islands {
+            island.revision = revision;
         }
     }
 

@@ -8,9 +8,10 @@
 
 use super::{PairColumns, is_idle};
 use crate::body::{BodyTable, Inactive};
-use crate::contact::{ContactPair, Manifold, Origins, reorder};
+use crate::contact::{ContactPair, Manifold, Origins, PairState, reorder};
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
+use crate::revision::Revision;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 
@@ -80,6 +81,7 @@ pub fn crowd(
     {
         suspects.0.push((body.entity, BodyProblem::Crowded));
     }
+    let revision = Revision::next();
     for DeepPair { pair, .. } in deep {
         let Ok((_, columns)) = pairs.get_mut(pair) else {
             continue;
@@ -92,11 +94,15 @@ pub fn crowd(
         let targets = targets.bypass_change_detection();
         let none = Origins::default();
         reorder(&none, &none, impulses, anchors, targets);
-        cache.bypass_change_detection().stand.forget();
-        pair.revision = pair.revision.wrapping_add(1);
+        cache.bypass_change_detection().last_pose.forget();
+        pair.revision = revision;
         pair.waits = (WAITS / 2 + (pair.spawn_orders[0].0 + pair.spawn_orders[1].0) % WAITS) as u8;
         pair.touching = false;
-        pair.empty = time.substep == 0;
+        // Only in the first substep are there no impulses left of points that are gone.
+        pair.state = match time.substep {
+            0 => PairState::Apart,
+            _ => PairState::Live,
+        };
         graph.report([(pair.edge, pair.announced)]);
     }
 }

@@ -26,9 +26,10 @@ pub use crowd::crowd;
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-    is_edited, reorder,
+    PairState, reorder, revise_edited,
 };
 use crate::graph::ConstraintGraph;
+use crate::revision::Revision;
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
 };
@@ -60,6 +61,7 @@ pub fn narrowphase(
     let table = &*table;
     // Edges whose contact has begun or ended.
     let changed = Mutex::new(Vec::new());
+    let revision = Revision::next();
     for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
@@ -69,7 +71,8 @@ pub fn narrowphase(
             manifolds: &manifolds,
             time: &time,
             fall: gravity.0.length() * time.dt,
-            edited: is_edited!(manifold),
+            edited: revise_edited!(pair, manifold),
+            revision,
         };
         let columns = (
             pair.bypass_change_detection(),
@@ -102,8 +105,10 @@ struct Rules<'a> {
     time: &'a StepTime,
     /// Change of speed by gravity in the step, m/s.
     fall: f32,
-    /// Whether a system of the user's has changed a manifold.
+    /// Whether the user has edited a manifold.
     edited: bool,
+    /// The revision of the pairs whose contacts are detected anew.
+    revision: Revision,
 }
 
 /// The data that a pair keeps for each of its points and patches.
@@ -129,12 +134,15 @@ fn look(
         pair.combine([a, b]);
         // Parry would keep the points of the old shapes.
         cache.forget();
-        pair.empty = false;
+        pair.state = PairState::New;
         pair.waits = 0;
     }
-    pair.idle = pair.detected && is_idle(a) && is_idle(b);
-    if pair.idle {
+    if pair.state != PairState::New && is_idle(a) && is_idle(b) {
+        pair.state = PairState::Idle;
         return None;
+    }
+    if pair.is_idle() {
+        pair.state = PairState::Live;
     }
     if pair.waits > 0 && a.put_from.is_none() && b.put_from.is_none() {
         pair.waits -= 1;
@@ -145,37 +153,36 @@ fn look(
     // In a falling heap most pairs end here, and read no more of their columns. The distance is larger than that of a search: a body
     // that is hit in this step moves farther than it was expected to.
     let search = reach + little;
-    let stand = cache.stand;
-    if pair.empty && !rules.edited && stand.is_apart(a, b, search, || stand.since(a, b)) {
+    let last = cache.last_pose;
+    if pair.is_apart() && last.is_apart(a, b, search, || last.since(a, b)) {
         return None;
     }
     let had_points = !manifold.points.is_empty();
-    pair.detected = true;
     impulses.begin_substep(time, manifold);
     if put_apart(a, b) {
-        cache.stand.forget();
+        cache.last_pose.forget();
         anchors.points.fill(Default::default());
         anchors.patches.fill(Default::default());
-        anchors.measured = false;
+        anchors.measured = None;
     }
     let curved = a.is_curved() || b.is_curved();
     // Contacts of rolling bodies must be computed where they are, or the bodies would gain speed.
     let limit = if curved { CREPT * little } else { little };
-    let stand = cache.stand;
-    let since = stand.since(a, b);
-    if manifold.points.is_empty() && stand.is_apart(a, b, search, || since) {
+    let last = cache.last_pose;
+    let since = last.since(a, b);
+    if manifold.points.is_empty() && last.is_apart(a, b, search, || since) {
         // There was no contact, and there can be none.
-    } else if stand.holds(since.way(), limit, reach) {
+    } else if last.holds(since.way(), limit, reach) {
         if a.moved || b.moved || rules.edited {
             since.refresh(manifold);
         }
     } else {
-        pair.revision = pair.revision.wrapping_add(1);
+        pair.revision = rules.revision;
         let reach = reach + limit;
         let old = std::mem::take(manifold);
         manifold.between = a.center - b.center;
         let apart = detect::detect(rules, a, b, reach, cache, &old, manifold);
-        let lost = match manifold.points.is_empty() && stand.is_known() {
+        let lost = match manifold.points.is_empty() && last.is_known() {
             true => since.lost(&old, cache, little),
             false => None,
         };
@@ -199,13 +206,13 @@ fn look(
                 true => f32::INFINITY,
                 false => rules.manifolds.match_radius,
             };
-            let turns = stand.turns([a, b]);
+            let turns = last.turns([a, b]);
             let origins = matching::match_points(&old, manifold, turns, radius);
             let of_patches = matching::match_patches(&old, manifold);
             reorder(&origins, &of_patches, impulses, anchors, targets);
-            cache.stand.take(a, b);
+            cache.last_pose.take(a, b);
             if limit > 0.0 && !passing {
-                (cache.stand.reach, cache.stand.apart) = (reach, apart);
+                (cache.last_pose.reach, cache.last_pose.apart) = (reach, apart);
             }
         }
     }
@@ -213,7 +220,10 @@ fn look(
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
     let parted = touched && !pair.touching;
     // Only in the first substep are there no impulses left of points that are gone.
-    pair.empty = manifold.points.is_empty() && time.substep == 0;
+    pair.state = match manifold.points.is_empty() && time.substep == 0 {
+        true => PairState::Apart,
+        false => PairState::Live,
+    };
     let changed = manifold.points.is_empty() == had_points || parted;
     changed.then_some(parted)
 }

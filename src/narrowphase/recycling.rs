@@ -8,10 +8,10 @@
 //! falling heap this applies to nine pairs of ten.
 
 use crate::body::BodyState;
-use crate::contact::{Manifold, NarrowphaseCache, ParryManifold, Stand};
+use crate::contact::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
 use glam::{Quat, Vec3};
 
-impl Stand {
+impl CachedRelativePose {
     /// Stores the current relative pose. The manifold must not be recycled yet.
     pub(crate) fn take(&mut self, a: &BodyState, b: &BodyState) {
         self.between = a.center - b.center;

@@ -20,34 +20,40 @@ impl Solve<'_> {
             self.islands.arrives(island)
         });
         let mut islands: Vec<Island<PatchRows>> = Vec::new();
-        islands.resize_with(self.islands.count(), Island::default);
         let (gravity, dt) = (self.context.gravity.0, self.context.time.dt);
-        for (number, member) in (0..).zip(&order.bodies) {
-            let body = self.table.get(member.slot);
-            let body = body.expect("a member is in the table");
-            let level = self.islands.level(member.slot).unwrap_or(0);
-            let mut pushed = body.velocity;
-            let (scale, force) = (body.gravity_scale, &body.force);
-            pushed.push(
-                &body.mass,
-                body.pose.rotation,
-                gravity * scale,
-                Some(force),
-                dt,
-            );
-            islands[member.island as usize].add(number, body, &pushed, level);
-        }
         let (contacts, _) = order.contacts(pairs);
+        for (number, &id) in order.numbered().iter().enumerate() {
+            let mut island = Island::default();
+            island.begin(id, order.of(number), false);
+            for member in &order.of(number).bodies {
+                let body = self.table.get(member.slot);
+                let body = body.expect("a member is in the table");
+                let level = self.islands.level(member.slot).unwrap_or(0);
+                let mut pushed = body.velocity;
+                let (scale, force) = (body.gravity_scale, &body.force);
+                pushed.push(
+                    &body.mass,
+                    body.pose.rotation,
+                    gravity * scale,
+                    Some(force),
+                    dt,
+                );
+                island.add(body, &pushed, level);
+            }
+            islands.push(island);
+        }
         let from = GatherContext {
             table: self.table,
             local: &order.local,
             context: self.context,
         };
-        let mut first = 0;
-        for contacts in contacts.chunk_by(|a, b| a.island == b.island) {
-            let island = &mut islands[contacts[0].island as usize];
-            island.first_contact = first;
-            first += contacts.len() as u32;
+        let mut rest = &*contacts;
+        for island in &mut islands {
+            let (contacts, others) = rest.split_at(island.in_order);
+            rest = others;
+            if contacts.is_empty() {
+                continue;
+            }
             island.gather(contacts, &from);
             island.warm_start(contacts, self.context);
             let Island { rows, bodies, .. } = island;
@@ -57,10 +63,12 @@ impl Solve<'_> {
         order.store_each(pairs, None, |stored: Stored| {
             let island = &islands[stored.island as usize];
             if !island.diverged {
-                let contact = (stored.place - island.first_contact) as usize;
-                island
-                    .rows
-                    .store(contact, stored.manifold, stored.impulses, dt);
+                island.rows.store(
+                    stored.contact as usize,
+                    stored.manifold,
+                    stored.impulses,
+                    dt,
+                );
             }
         });
     }

@@ -1,7 +1,7 @@
 //! Solving a problem of points, and storing its impulses.
 
 use super::SolveRows;
-use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse, PointFriction};
+use crate::contact::{ContactImpulses, Impulse, Lists, Manifold, PatchImpulse, PointFriction, fit};
 use crate::solver::{Body, GrabConstraint, PointProblem, PointSolver, SolveReport};
 use crate::warm_start::{PointRows, SolveContext};
 
@@ -50,6 +50,11 @@ impl SolveRows for PointRows {
         to: &mut ContactImpulses,
         dt: f32,
     ) -> bool {
+        let lists = Lists {
+            impulses: Some((&mut *to, true)),
+            ..Default::default()
+        };
+        fit(manifold, lists);
         let ContactImpulses {
             points,
             friction,
@@ -58,7 +63,6 @@ impl SolveRows for PointRows {
         } = to;
         // Only patch solvers fill these.
         patches.fill(PatchImpulse::default());
-        friction.resize(points.len(), PointFriction::default());
         let mut solved = self.constraints[self.points_of(contact)].iter();
         let numbers = manifold.patches_with_points();
         for i in numbers.flat_map(|(.., range)| range) {

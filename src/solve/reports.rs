@@ -37,8 +37,9 @@ impl ReportWriter<'_> {
         let touching = islands.iter().filter(|island| island.points() > 0);
         self.reports.0.clear();
         self.reports.0.extend(touching.map(report));
-        let wrong = islands.iter().filter(|island| island.diverged);
-        let wrong = wrong.filter_map(|island| order.bodies[island.members()].first());
+        let wrong = islands.iter().enumerate();
+        let wrong = wrong.filter(|(_, island)| island.diverged);
+        let wrong = wrong.filter_map(|(number, _)| order.of(number).bodies.first());
         let wrong: Vec<Entity> = wrong.map(|member| member.entity).collect();
         let new = wrong
             .iter()

@@ -34,14 +34,14 @@ impl Solve<'_> {
         let threads = threads.runs_in_parallel(points / LARGE).then_some(threads);
         order.store_each(pairs, threads, |stored: Stored| {
             let Stored {
-                place,
                 island,
+                contact,
                 renewed,
                 manifold,
                 impulses,
             } = stored;
             let island = &islands[island as usize];
-            let contact = (place - island.first_contact) as usize;
+            let contact = contact as usize;
             impulses.fit(manifold);
             if island.diverged || renewed || !island.rows.store(contact, manifold, impulses, dt) {
                 impulses.forget();

@@ -5,7 +5,7 @@ use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
 use crate::body::{BodyState, BodyTable, Inactive};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, Lists, Manifold, ManifoldPatch,
-    PatchAnchor, fit, is_edited,
+    PatchAnchor, fit, revise_edited,
 };
 use crate::graph::Islands;
 use crate::settings::{
@@ -62,7 +62,7 @@ pub fn anchors(
     threads: Res<PhysicsThreads>,
     mut pairs: Query<
         (
-            &ContactPair,
+            &mut ContactPair,
             Ref<Manifold>,
             &mut ContactImpulses,
             &mut ContactAnchors,
@@ -75,20 +75,20 @@ pub fn anchors(
         return;
     }
     let (table, woke) = (&*table, islands.woke());
-    for (pairs, manifolds, mut impulses, mut anchors) in pairs
+    for (mut pairs, manifolds, mut impulses, mut anchors) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
     {
-        let edited = is_edited!(manifolds);
+        revise_edited!(pairs, manifolds);
         let columns = (
-            pairs,
+            &*pairs,
             &*manifolds,
             impulses.bypass_change_detection(),
             anchors.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, impulses, anchors)| {
             // A pair that is not solved keeps its state.
-            if pair.idle && !woke || pair.empty && !edited {
+            if pair.is_idle() && !woke || pair.is_apart() {
                 return;
             }
             let Some([a, b]) = table.both(pair.slots) else {
@@ -100,7 +100,7 @@ pub fn anchors(
             let bodies = [a, b];
             let by_pose = friction.anchors == AnchorRule::PairPose;
             let lists = Lists {
-                impulses: Some(&mut *impulses),
+                impulses: Some((&mut *impulses, false)),
                 anchors: Some((&mut *anchors, !by_pose)),
                 ..Default::default()
             };
@@ -172,16 +172,18 @@ fn hold_patches(
         anchor.sticking =
             !patch.curved && holds(friction.classifier, pair, manifold, impulses, i, was, dt);
         if !anchor.sticking {
-            anchors.measured &= !anchor.set;
+            if anchor.set {
+                anchors.measured = None;
+            }
             *anchor = PatchAnchor::default();
             continue;
         }
         if !anchor.set {
-            anchors.measured = false;
+            anchors.measured = None;
             *anchor = write_pose(bodies);
         }
         if dragged != Slip::default() {
-            anchors.measured = false;
+            anchors.measured = None;
             let center = bodies[0].center + patch.center;
             drag(bodies[1], anchor, patch.normal, center, dragged);
         }

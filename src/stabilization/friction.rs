@@ -6,7 +6,7 @@
 use crate::body::{BodyState, BodyTable, Inactive};
 use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Lists, Manifold,
-    ManifoldPatch, PatchAnchor, Target, fit, is_edited,
+    ManifoldPatch, PatchAnchor, Target, fit, revise_edited,
 };
 use crate::graph::Islands;
 use crate::settings::{
@@ -236,7 +236,7 @@ pub fn friction_error(
     (threads, active_settings): (Res<PhysicsThreads>, Res<ActiveSettings>),
     mut pairs: Query<
         (
-            &ContactPair,
+            &mut ContactPair,
             Ref<Manifold>,
             &mut ContactAnchors,
             &mut ContactTargets,
@@ -247,30 +247,30 @@ pub fn friction_error(
     let (table, settings, last) = (&*table, &*settings, time.previous_dt);
     let by_points = solver.solver.is_point_solver();
     let by_pose = settings.friction.anchors == AnchorRule::PairPose;
-    for (pairs, manifolds, mut anchors, mut targets) in pairs
+    for (mut pairs, manifolds, mut anchors, mut targets) in pairs
         .contiguous_iter_mut()
         .expect("pair components are stored in tables")
     {
-        let edited = active_settings.changed || is_edited!(manifolds) || is_edited!(anchors);
-        let activate = edited || islands.woke();
-        let always = edited || by_points || !by_pose;
+        revise_edited!(pairs, manifolds, anchors);
+        let activate = active_settings.changed || islands.woke();
+        let always = active_settings.changed || by_points || !by_pose;
         let columns = (
-            pairs,
+            &*pairs,
             &*manifolds,
             anchors.bypass_change_detection(),
             targets.bypass_change_detection(),
         );
         threads.each(columns, |(pair, manifold, anchors, targets)| {
-            if pair.idle && !activate || pair.empty && !always {
+            if pair.is_idle() && !activate || pair.is_apart() && !always {
                 return;
             }
             let Some([a, b]) = table.both(pair.slots) else {
                 return;
             };
-            if anchors.measured && !a.moved && !b.moved && !always {
+            if anchors.measured == Some(pair.revision) && !a.moved && !b.moved && !always {
                 return;
             }
-            anchors.measured = true;
+            anchors.measured = Some(pair.revision);
             let lists = Lists {
                 anchors: Some((&mut *anchors, !by_pose)),
                 targets: Some((&mut *targets, by_points)),

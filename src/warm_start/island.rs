@@ -1,10 +1,10 @@
 //! The problem of one island: its bodies, contacts and grabs.
 
-use super::{SolveContext, SolverContact};
+use super::{IslandOrder, SolveContext, SolverContact};
 use crate::body::{BodyState, BodyTable, Velocity};
+use crate::revision::Revision;
 use crate::solver::{Body, GrabConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
-use std::ops::Range;
 
 /// The contacts of an island in the form that a kind of solver needs: points or patches.
 pub(crate) trait Rows: Default + Send + Sync {
@@ -53,10 +53,14 @@ pub(crate) struct Island<R> {
     pub report: SolveReport,
     /// Whether the solve diverged and was undone.
     pub diverged: bool,
-    /// Range of its dynamic bodies in the [`Order`](super::Order).
-    members: Range<u32>,
-    /// Index of its first contact in the order.
-    pub first_contact: u32,
+    /// Identity of the island, if it has one.
+    pub id: Option<u32>,
+    /// [Revision](crate::revision) of the order of the island.
+    derived_from: Option<Revision>,
+    /// Number of its dynamic bodies.
+    dynamic: usize,
+    /// Number of its contacts in the [`Order`](super::Order).
+    pub in_order: usize,
 }
 
 impl<R: Rows> Island<R> {
@@ -73,21 +77,23 @@ impl<R: Rows> Island<R> {
         !self.ends.is_empty() || !self.grabs.is_empty()
     }
 
-    pub fn members(&self) -> Range<usize> {
-        self.members.start as usize..self.members.end as usize
-    }
-
     /// The sum of the normal impulses that a contact starts from, N·s.
     pub fn start_impulse(&self, contact: usize) -> f32 {
         self.rows.start_impulse(contact)
     }
 
-    /// Empties the problem, except for the data of the last step that is kept while no contact begins or ends.
-    pub fn begin(&mut self, kept: bool) {
+    /// Begins a step with the order of an island, or only those of its contacts that still exist. Data of the last step is kept if the order
+    /// is the same.
+    pub fn begin(&mut self, id: u32, order: &IslandOrder, complete: bool) {
+        let derived_from = complete.then_some(order.revision);
+        let kept = complete && self.derived_from == derived_from;
+        self.id = Some(id);
+        self.derived_from = derived_from;
+        self.in_order = order.contacts();
         self.bodies.clear();
         self.grabs.clear();
         self.diverged = false;
-        self.members = 0..0;
+        self.dynamic = 0;
         if !kept {
             self.ends.clear();
             self.copies.clear();
@@ -95,12 +101,9 @@ impl<R: Rows> Island<R> {
         }
     }
 
-    /// Adds a dynamic body with index `number` in the order.
-    pub fn add(&mut self, number: u32, body: &BodyState, velocity: &Velocity, level: u32) {
-        if self.bodies.is_empty() {
-            self.members.start = number;
-        }
-        self.members.end = number + 1;
+    /// Adds the next dynamic body in the order.
+    pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32) {
+        self.dynamic += 1;
         self.bodies.push(Body {
             linear: velocity.linear,
             inverse_mass: body.mass.inverse_mass,
@@ -129,9 +132,8 @@ impl<R: Rows> Island<R> {
 
     /// The static and kinematic bodies, by slot.
     pub fn copies(&mut self) -> impl Iterator<Item = (u32, &mut Body)> {
-        let dynamic = self.members().len();
         let copies = self.copies.iter().copied();
-        copies.zip(self.bodies.iter_mut().skip(dynamic))
+        copies.zip(self.bodies.iter_mut().skip(self.dynamic))
     }
 
     fn find_ends(&mut self, contacts: &[SolverContact], local: &[u32]) {

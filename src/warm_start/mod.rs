@@ -34,7 +34,7 @@ use bevy_ecs::system::SystemParam;
 use bevy_platform::time::Instant;
 pub(crate) use contact::SolverContact;
 pub(crate) use island::{GatherContext, Island, Rows};
-pub(crate) use order::{Member, Order, Stored};
+pub(crate) use order::{IslandOrder, Member, Order, Stored};
 pub(crate) use patches::PatchRows;
 pub(crate) use points::PointRows;
 pub(crate) use problems::{GrabbedBody, ProblemSet};
@@ -62,7 +62,7 @@ pub(crate) type Pairs<'w, 's> = Query<
     's,
     (
         Entity,
-        Ref<'static, ContactPair>,
+        &'static mut ContactPair,
         Ref<'static, Manifold>,
         &'static ContactTargets,
         &'static mut ContactImpulses,
@@ -125,9 +125,10 @@ struct WarmStart<'a> {
 impl WarmStart<'_> {
     fn run<R: Rows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs, grabs: &Grabs) {
         let start = Instant::now();
-        let kept = problems.order.keep(self.table, self.graph, self.islands);
+        problems.order.keep(self.table, self.graph, self.islands);
         let (contacts, complete) = problems.order.contacts(pairs);
-        self.gather_bodies(problems, kept && complete);
+        problems.arrange();
+        self.gather_bodies(problems, complete);
         self.gather_grabs(problems, grabs);
         let ProblemSet { order, islands, .. } = problems;
         let points = contacts.iter();
@@ -151,15 +152,17 @@ impl WarmStart<'_> {
     }
 
     /// Gathers the dynamic bodies of each awake island.
-    fn gather_bodies<R: Rows>(&self, problems: &mut ProblemSet<R>, kept: bool) {
+    fn gather_bodies<R: Rows>(&self, problems: &mut ProblemSet<R>, complete: bool) {
         let ProblemSet { order, islands, .. } = problems;
-        islands.resize_with(self.islands.count(), Island::default);
-        islands.iter_mut().for_each(|island| island.begin(kept));
-        for (number, member) in (0..).zip(&order.bodies) {
-            let body = self.table.get(member.slot);
-            let body = body.expect("a member is in the table");
-            let level = self.islands.level(member.slot).unwrap_or(0);
-            islands[member.island as usize].add(number, body, &body.velocity, level);
+        for (number, island) in islands.iter_mut().enumerate() {
+            let order_of_it = order.of(number);
+            island.begin(order.numbered()[number], order_of_it, complete);
+            for member in &order_of_it.bodies {
+                let body = self.table.get(member.slot);
+                let body = body.expect("a member is in the table");
+                let level = self.islands.level(member.slot).unwrap_or(0);
+                island.add(body, &body.velocity, level);
+            }
         }
     }
 
@@ -202,15 +205,12 @@ impl WarmStart<'_> {
         points: usize,
         work: impl Fn(&mut Island<R>, &[SolverContact]) + Sync,
     ) {
-        let (mut first, mut rest) = (0, contacts);
-        let parts = islands.iter_mut().enumerate();
-        let parts = parts.filter_map(|(i, island)| {
-            let count = rest.partition_point(|contact| contact.island as usize <= i);
-            let (contacts, others) = rest.split_at(count);
-            island.first_contact = first;
-            (first, rest) = (first + count as u32, others);
+        let mut rest = contacts;
+        let parts = islands.iter_mut().filter_map(|island| {
+            let (contacts, others) = rest.split_at(island.in_order);
+            rest = others;
             // A body that touches nothing and is not held needs no solver.
-            (count > 0 || !island.grabs.is_empty()).then_some((island, contacts))
+            (!contacts.is_empty() || !island.grabs.is_empty()).then_some((island, contacts))
         });
         let threads = &self.context.threads;
         if threads.runs_in_parallel(points) {

@@ -1,66 +1,104 @@
-//! The order in which bodies and contacts are solved. It is computed when islands change, and kept otherwise.
+//! The order in which bodies and contacts are solved. Each island has an order of its own, which is computed when the island changes and
+//! kept otherwise: a contact that begins costs other islands nothing. The islands follow each other by their numbers.
 //!
 //! The contacts are the links of the constraint graph between bodies that are solved. A pair is identified by the number of its edge and by
 //! its entity, not by its position in a query: a system between two stages may move pairs into other tables, for example by inserting a
 //! component.
 
 use super::Pairs;
-use super::contact::{SolverContact, sort_key};
-use crate::body::{BodyState, BodyTable};
-use crate::contact::{ContactImpulses, ContactPair, Manifold, is_edited};
+use super::contact::SolverContact;
+use crate::body::{BodyState, BodyTable, SpawnOrder};
+use crate::contact::{ContactImpulses, ContactPair, Manifold, revise_edited};
 use crate::graph::{ConstraintGraph, Islands};
+use crate::revision::Revision;
 use crate::settings::PhysicsThreads;
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
+use smallvec::SmallVec;
 
 /// The bodies and contacts that are solved, in order.
 #[derive(Default)]
 pub(crate) struct Order {
-    /// Versions of the islands and of the bodies for which the order was computed.
-    versions: Option<[u64; 2]>,
-    /// Dynamic bodies that are solved, sorted by island and rank.
-    pub bodies: Vec<Member>,
+    /// [Revision](crate::revision) of all islands; `None` if nothing of the order is valid.
+    derived_from: Option<Revision>,
+    /// By identity of an island.
+    islands: Vec<IslandOrder>,
+    /// Identities of islands, by number.
+    numbered: Vec<u32>,
     /// By slot: the index of the body in the problem of its island; `u32::MAX` if it is in none.
     pub local: Vec<u32>,
-    slots: Vec<OrderSlot>,
-    /// By number of an edge: its index in `slots`; `u32::MAX` if it is not solved.
-    by_edge: Vec<u32>,
+    /// By number of an edge: its place in the order.
+    by_edge: Vec<Place>,
     /// Scratch.
+    ranked: Vec<((u32, SpawnOrder), Member)>,
     places: Vec<u32>,
     spare: Vec<SolverContact<'static>>,
 }
 
+/// The bodies and contacts of one island, in order.
+#[derive(Default)]
+pub(crate) struct IslandOrder {
+    /// [Revision](crate::revision) of the island.
+    derived_from: Option<Revision>,
+    /// Revision of this order.
+    pub revision: Revision,
+    /// The number of the island.
+    number: u32,
+    /// Index of its first contact among those of all islands.
+    first: u32,
+    /// Dynamic bodies, sorted by rank.
+    pub bodies: Vec<Member>,
+    /// Contacts, sorted by their higher body, then by their lower body, so that all supports of a brick are visited together. Static and
+    /// kinematic bodies are lower than all others; they are sorted by spawn order.
+    slots: Vec<OrderSlot>,
+}
+
+/// The place of a contact in the order: the identity of its island, and its index in that.
+#[derive(Clone, Copy)]
+struct Place {
+    island: u32,
+    index: u32,
+}
+
+/// The edge is not solved.
+const NOWHERE: Place = Place {
+    island: u32::MAX,
+    index: 0,
+};
+
 /// The slot of a contact in the order.
 #[derive(Clone, Copy)]
 struct OrderSlot {
-    island: u32,
     pair: Entity,
     edge: u32,
     /// Revision of the pair when it was last gathered.
-    revision: Option<u32>,
+    revision: Option<Revision>,
 }
 
 /// A body of an island.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Member {
-    pub island: u32,
     pub slot: u32,
     pub entity: Entity,
 }
 
+/// The data from which an order is computed.
+struct Source<'a> {
+    table: &'a BodyTable,
+    graph: &'a ConstraintGraph,
+    islands: &'a Islands,
+}
+
 impl Order {
-    /// Computes the order anew if it is out of date. Returns true if it was up to date.
-    pub fn keep(&mut self, table: &BodyTable, graph: &ConstraintGraph, islands: &Islands) -> bool {
-        let versions = Some([islands.version(), table.version()]);
-        if self.versions == versions {
-            return true;
+    /// Brings the order of the awake islands up to date.
+    pub fn keep(&mut self, table: &BodyTable, graph: &ConstraintGraph, islands: &Islands) {
+        if self.derived_from != Some(islands.revision()) || !table.removed.is_empty() {
+            self.find(table, graph, islands, |_, body| body.is_awake());
         }
-        self.versions = versions;
-        self.find(table, graph, islands, |_, body| body.is_awake());
-        false
     }
 
-    /// Computes the order of the bodies that are to be solved. Of each island, either all bodies or none must be among them.
+    /// Computes the order of the bodies that are to be solved: of each island, either all bodies or none. Only islands whose revision has
+    /// changed are ordered anew.
     pub fn find(
         &mut self,
         table: &BodyTable,
@@ -68,127 +106,178 @@ impl Order {
         islands: &Islands,
         is_solved: impl Fn(usize, &BodyState) -> bool,
     ) {
-        self.order_bodies(table, islands, is_solved);
-        self.order_contacts(table, graph, islands);
+        if self.derived_from.is_none() {
+            self.islands.clear();
+            self.local.clear();
+            self.by_edge.clear();
+        }
+        self.derived_from = Some(islands.revision());
+        self.local.resize(table.slots(), u32::MAX);
+        self.by_edge.resize(graph.edge_numbers(), NOWHERE);
+        let source = Source {
+            table,
+            graph,
+            islands,
+        };
+        self.take_out_changed(&source);
+        self.numbered.clear();
+        self.numbered.extend_from_slice(islands.numbered());
+        let mut first = 0;
+        for number in 0..self.numbered.len() {
+            let id = self.numbered[number];
+            if self.islands[id as usize].derived_from.is_none() {
+                self.order_bodies(id, &source, |body| is_solved(number, body));
+                self.order_contacts(id, &source);
+            }
+            let island = &mut self.islands[id as usize];
+            (island.number, island.first) = (number as u32, first);
+            first += island.slots.len() as u32;
+        }
     }
 
     /// Discards the order, because other code has solved the islands.
     pub fn forget(&mut self) {
-        self.versions = None;
+        self.derived_from = None;
     }
 
-    fn order_bodies(
-        &mut self,
-        table: &BodyTable,
-        islands: &Islands,
-        is_solved: impl Fn(usize, &BodyState) -> bool,
-    ) {
-        let solved = table.active().filter_map(|(slot, body)| {
-            let island = islands.of(slot)?;
-            is_solved(island, body).then(|| (island, islands.rank(slot, body), slot, body.entity))
-        });
-        let mut solved: Vec<_> = solved.collect();
-        solved.sort_unstable_by_key(|&(island, rank, ..)| (island, rank));
-        self.local.clear();
-        self.local.resize(table.slots(), u32::MAX);
-        self.bodies.clear();
-        let mut last = None;
-        let mut local = 0;
-        for (island, _, slot, entity) in solved {
-            local = if last == Some(island) { local + 1 } else { 0 };
-            last = Some(island);
-            self.local[slot as usize] = local;
-            self.bodies.push(Member {
-                island: island as u32,
-                slot,
-                entity,
-            });
+    /// Takes the bodies and contacts of islands that have changed, or are gone, out of the order.
+    fn take_out_changed(&mut self, from: &Source) {
+        let islands = from.islands;
+        let count = islands.ids().max(self.islands.len());
+        self.islands.resize_with(count, IslandOrder::default);
+        for id in 0..count as u32 {
+            let island = &mut self.islands[id as usize];
+            island.number = u32::MAX;
+            if island.derived_from != islands.revision_of_id(id) {
+                self.take_out(id);
+            }
+        }
+        // Bodies that were removed from the table since the islands were updated, because their input is invalid.
+        for &slot in &from.table.removed {
+            let neighbours = from.graph.links_of(slot).flat_map(|link| link.slots);
+            for id in neighbours.chain([slot]).filter_map(|slot| islands.id(slot)) {
+                self.take_out(id);
+            }
         }
     }
 
-    fn order_contacts(&mut self, table: &BodyTable, graph: &ConstraintGraph, islands: &Islands) {
-        let local = &self.local;
-        let is_solved = |slot: u32| local[slot as usize] != u32::MAX;
-        // A link between two solved bodies is taken only once, from the list of A.
-        let links = self.bodies.iter().flat_map(|body| {
-            let links = graph.links_of(body.slot);
-            links.filter(move |link| link.slots[0] == body.slot || !is_solved(link.slots[0]))
-        });
-        let mut slots: Vec<(u128, OrderSlot)> = links
-            .filter_map(|link| {
-                let bodies = table.both(link.slots)?;
-                let solved = link.slots.into_iter().find(|&slot| is_solved(slot))?;
-                let island = islands.of(solved)? as u32;
-                let ends = link.slots.map(|slot| local[slot as usize]);
-                let at = OrderSlot {
-                    island,
+    fn take_out(&mut self, id: u32) {
+        let island = &mut self.islands[id as usize];
+        if island.derived_from.take().is_some() {
+            for member in &island.bodies {
+                self.local[member.slot as usize] = u32::MAX;
+            }
+            for slot in island.slots.drain(..) {
+                self.by_edge[slot.edge as usize] = NOWHERE;
+            }
+        }
+    }
+
+    fn order_bodies(&mut self, id: u32, from: &Source, is_solved: impl Fn(&BodyState) -> bool) {
+        let Source { table, islands, .. } = *from;
+        let island = &mut self.islands[id as usize];
+        island.derived_from = islands.revision_of_id(id);
+        island.revision = Revision::next();
+        let rank = |slot: u32| {
+            let body = table.get(slot).filter(|body| is_solved(body));
+            let body = body.filter(|_| !table.is_inactive(slot))?;
+            let entity = body.entity;
+            Some((islands.rank(slot, body), Member { slot, entity }))
+        };
+        let members = islands.members_of_id(id);
+        let is_member = |member: &Member| islands.id(member.slot) == Some(id);
+        self.ranked.clear();
+        // If the island has the bodies that it had before, they are nearly sorted, and sorting them again costs little.
+        match island.bodies.len() == members.len() && island.bodies.iter().all(is_member) {
+            true => {
+                let before = island.bodies.iter();
+                self.ranked
+                    .extend(before.filter_map(|member| rank(member.slot)));
+            }
+            false => {
+                let members = members.iter();
+                self.ranked.extend(members.filter_map(|&slot| rank(slot)));
+            }
+        }
+        self.ranked.sort_by_key(|&(rank, _)| rank);
+        island.bodies.clear();
+        for (local, &(_, member)) in (0..).zip(&self.ranked) {
+            self.local[member.slot as usize] = local;
+            island.bodies.push(member);
+        }
+    }
+
+    fn order_contacts(&mut self, id: u32, from: &Source) {
+        const MOVES: u64 = 1 << 63;
+        let IslandOrder { bodies, slots, .. } = &mut self.islands[id as usize];
+        let mut lower: SmallVec<[(u64, OrderSlot); 16]> = SmallVec::new();
+        for (local, body) in (0..).zip(bodies) {
+            // A contact is taken once, from the list of its higher body.
+            let links = from.graph.links_of(body.slot);
+            lower.extend(links.filter_map(|link| {
+                let [a, b] = link.slots;
+                let other = if a == body.slot { b } else { a };
+                let rank = match self.local[other as usize] {
+                    u32::MAX => from.table.get(other)?.spawn_order.0 & !MOVES,
+                    other => MOVES | other as u64,
+                };
+                let slot = OrderSlot {
                     pair: link.pair,
                     edge: link.edge,
                     revision: None,
                 };
-                Some((sort_key(island, bodies, ends), at))
-            })
-            .collect();
-        slots.sort_unstable_by_key(|&(key, _)| key);
-        self.slots.clear();
-        self.slots.extend(slots.into_iter().map(|(_, slot)| slot));
-        self.by_edge.clear();
-        self.by_edge.resize(graph.edge_numbers(), u32::MAX);
-        self.number_edges();
-    }
-
-    fn number_edges(&mut self) {
-        for (slot, at) in self.slots.iter().zip(0..) {
-            self.by_edge[slot.edge as usize] = at;
+                (rank < (MOVES | local)).then_some((rank, slot))
+            }));
+            lower.sort_unstable_by_key(|&(rank, _)| rank);
+            slots.extend(lower.drain(..).map(|(_, slot)| slot));
         }
+        number_edges(&mut self.by_edge, id, slots);
     }
 
-    /// The pairs of `count` contacts from index `first` on.
-    pub fn pairs(&self, first: u32, count: usize) -> impl Iterator<Item = Entity> {
-        let slots = &self.slots[first as usize..][..count];
-        slots.iter().map(|slot| slot.pair)
+    /// The identities of islands, by number.
+    pub fn numbered(&self) -> &[u32] {
+        &self.numbered
+    }
+
+    /// The number of an island, or `None` if it has none any more.
+    pub fn number(&self, id: u32) -> Option<u32> {
+        let island = self.islands.get(id as usize)?;
+        (island.number != u32::MAX).then_some(island.number)
+    }
+
+    /// The order of an island, by its number.
+    pub fn of(&self, number: usize) -> &IslandOrder {
+        &self.islands[self.numbered[number] as usize]
     }
 
     /// The contacts in order. The flag is false if some are missing, because their pairs were removed since the islands were updated.
     pub fn contacts<'a>(&mut self, pairs: &'a mut Pairs) -> (Vec<SolverContact<'a>>, bool) {
         let mut contacts = reuse(std::mem::take(&mut self.spare));
         self.places.clear();
-        for (entities, pairs, manifolds, targets, impulses) in pairs
+        for (entities, mut pairs, manifolds, targets, impulses) in pairs
             .contiguous_iter_mut()
             .expect("pair components are stored in tables")
         {
-            // This finds only the user's edits: our own stages bypass change detection and count revisions.
-            let edited = is_edited!(pairs) || is_edited!(manifolds) || is_edited!(impulses);
-            let edits: Vec<bool> = match edited {
-                true => (0..pairs.len())
-                    .map(|row| {
-                        is_edited!(pairs, row)
-                            || is_edited!(manifolds, row)
-                            || is_edited!(impulses, row)
-                    })
-                    .collect(),
-                false => Vec::new(),
-            };
-            let (pairs, manifolds) = (pairs.into_inner(), manifolds.into_inner());
+            revise_edited!(pairs, pairs, manifolds, impulses);
+            let (pairs, _) = ContiguousMut::bypass_change_detection_split(pairs);
+            let manifolds = manifolds.into_inner();
             let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
             let rows = impulses.iter_mut().zip(pairs).zip(manifolds).zip(targets);
             for (row, (((impulses, pair), manifold), targets)) in rows.enumerate() {
                 let Some(&at) = self.by_edge.get(pair.edge as usize) else {
                     continue;
                 };
-                let Some(slot) = self.slots.get_mut(at as usize) else {
+                let Some(island) = self.islands.get_mut(at.island as usize) else {
                     continue;
                 };
+                let slot = &mut island.slots[at.index as usize];
                 if slot.pair != entities[row] {
                     continue;
                 }
-                let revision = slot.revision.replace(pair.revision);
-                let edited = edits.get(row).copied().unwrap_or(false);
+                slot.revision = Some(pair.revision);
                 impulses.fit(manifold);
-                self.places.push(at);
+                self.places.push(island.first + at.index);
                 contacts.push(SolverContact {
-                    island: slot.island,
-                    changed: edited || revision != Some(pair.revision),
                     pair,
                     manifold,
                     targets,
@@ -196,12 +285,19 @@ impl Order {
                 });
             }
         }
-        let complete = contacts.len() == self.slots.len();
+        let complete = contacts.len() == self.contact_count();
         if !complete {
             self.leave_out_missing();
         }
         put_in_place(&mut contacts, &mut self.places);
         (contacts, complete)
+    }
+
+    /// Number of contacts of all islands.
+    fn contact_count(&self) -> usize {
+        let last = self.numbered.last();
+        let last = last.map(|&id| &self.islands[id as usize]);
+        last.map_or(0, |last| last.first as usize + last.slots.len())
     }
 
     /// Removes missing pairs from the order, which is then valid for this step only.
@@ -211,9 +307,19 @@ impl Order {
         found.sort_unstable();
         let place = |at: u32| found.partition_point(|other| *other < at) as u32;
         self.places.iter_mut().for_each(|at| *at = place(*at));
-        self.slots = found.iter().map(|&at| self.slots[at as usize]).collect();
-        self.by_edge.fill(u32::MAX);
-        self.number_edges();
+        self.by_edge.fill(NOWHERE);
+        let mut first = 0;
+        for &id in &self.numbered {
+            let island = &mut self.islands[id as usize];
+            let mut at = island.first;
+            island.slots.retain(|_| {
+                at += 1;
+                found.binary_search(&(at - 1)).is_ok()
+            });
+            island.first = first;
+            first += island.slots.len() as u32;
+            number_edges(&mut self.by_edge, id, &island.slots);
+        }
     }
 
     /// Takes back the memory of a list.
@@ -233,12 +339,13 @@ impl Order {
         for (entities, pairs, manifolds, _, impulses) in
             tables.expect("pair components are stored in tables")
         {
+            let (pairs, _) = ContiguousMut::bypass_change_detection_split(pairs);
             let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
             let columns = Columns {
                 by_edge: &self.by_edge,
-                slots: &self.slots,
+                islands: &self.islands,
                 entities,
-                pairs: pairs.into_inner(),
+                pairs,
                 manifolds: manifolds.into_inner(),
                 impulses,
             };
@@ -247,17 +354,37 @@ impl Order {
                 None => columns.each(&store),
             };
         }
-        if found < self.slots.len() {
+        if found < self.contact_count() {
             self.forget();
         }
     }
 }
 
+impl IslandOrder {
+    /// Number of contacts.
+    pub fn contacts(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// The pairs of the contacts.
+    pub fn pairs(&self) -> impl Iterator<Item = Entity> {
+        self.slots.iter().map(|slot| slot.pair)
+    }
+}
+
+/// Stores the places of the contacts of an island.
+fn number_edges(by_edge: &mut [Place], island: u32, slots: &[OrderSlot]) {
+    for (index, slot) in (0..).zip(slots) {
+        by_edge[slot.edge as usize] = Place { island, index };
+    }
+}
+
 /// A pair that was gathered, and the component to store its impulses in.
 pub(crate) struct Stored<'a> {
-    /// Its index in the order.
-    pub place: u32,
+    /// The number of its island.
     pub island: u32,
+    /// Its index in the island.
+    pub contact: u32,
     /// Whether its contacts were detected again after it was gathered.
     pub renewed: bool,
     pub manifold: &'a Manifold,
@@ -266,8 +393,8 @@ pub(crate) struct Stored<'a> {
 
 /// Columns of a table of pairs, or a range of their rows.
 struct Columns<'a> {
-    by_edge: &'a [u32],
-    slots: &'a [OrderSlot],
+    by_edge: &'a [Place],
+    islands: &'a [IslandOrder],
     entities: &'a [Entity],
     pairs: &'a [ContactPair],
     manifolds: &'a [Manifold],
@@ -284,19 +411,20 @@ impl Columns<'_> {
         let rows = self.impulses.iter_mut().zip(self.pairs);
         let rows = rows.zip(self.manifolds).zip(self.entities);
         for (((impulses, pair), manifold), &entity) in rows {
-            let Some(&place) = self.by_edge.get(pair.edge as usize) else {
+            let Some(&at) = self.by_edge.get(pair.edge as usize) else {
                 continue;
             };
-            let Some(slot) = self.slots.get(place as usize) else {
+            let Some(island) = self.islands.get(at.island as usize) else {
                 continue;
             };
+            let slot = &island.slots[at.index as usize];
             if slot.pair != entity {
                 continue;
             }
             found += 1;
             store(Stored {
-                place,
-                island: slot.island,
+                island: island.number,
+                contact: at.index,
                 renewed: slot.revision != Some(pair.revision),
                 manifold,
                 impulses,
@@ -324,7 +452,7 @@ impl Columns<'_> {
         };
         let other = Columns {
             by_edge: self.by_edge,
-            slots: self.slots,
+            islands: self.islands,
             entities: other_entities,
             pairs: other_pairs,
             manifolds: other_manifolds,
@@ -344,7 +472,7 @@ fn reuse<A, B>(mut list: Vec<A>) -> Vec<B> {
 }
 
 /// Moves each item to its place.
-fn put_in_place<T>(items: &mut [T], places: &mut [u32]) {
+pub(super) fn put_in_place<T>(items: &mut [T], places: &mut [u32]) {
     for i in 0..items.len() {
         while places[i] as usize != i {
             let place = places[i] as usize;
@@ -355,14 +483,4 @@ fn put_in_place<T>(items: &mut [T], places: &mut [u32]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn items_move_to_their_places() {
-        let mut places = [3, 0, 2, 4, 1];
-        let mut items = places;
-        put_in_place(&mut items, &mut places);
-        assert_eq!(items, [0, 1, 2, 3, 4]);
-    }
-}
+mod tests;

@@ -27,7 +27,7 @@ impl Rows for PatchRows {
         self.points.clear();
         self.firsts.clear();
         self.curved.clear();
-        self.memory.forget();
+        self.memory.renew();
     }
 
     fn points(&self) -> usize {
@@ -79,6 +79,7 @@ impl PatchRows {
                 let first = self.points.len() as u32;
                 self.points.extend(points);
                 self.curved.push(patch.curved);
+                self.memory.patches.push(contact.pair.revision);
                 self.patches.push(PatchConstraint {
                     bodies: *ends,
                     first,
@@ -91,10 +92,10 @@ impl PatchRows {
     /// Updates the rows of the last step: distances and slips, and everything that was detected anew. Returns false if there are no rows, or
     /// if the patches are not the same as before.
     fn refresh_kept(&mut self, contacts: &[SolverContact], ideal: f32) -> bool {
-        self.memory.expect_same();
         let rate = 1.0 / self.dt;
         let mut at = 0;
         for contact in contacts {
+            let revision = contact.pair.revision;
             for (i, patch, range) in contact.manifold.patches_with_points() {
                 let Some(kept) = self.patches.get_mut(at) else {
                     return false;
@@ -105,7 +106,7 @@ impl PatchRows {
                     return false;
                 }
                 let points = &mut self.points[kept.range()];
-                if contact.changed {
+                if self.memory.patches[number] != revision {
                     let (constraint, found) = contact.patch(i, patch, range, ideal);
                     *kept = PatchConstraint {
                         bodies: kept.bodies,
@@ -116,7 +117,7 @@ impl PatchRows {
                         *to = point;
                     }
                     self.curved[number] = patch.curved;
-                    self.memory.push_changed(number as u32);
+                    self.memory.patches[number] = revision;
                 } else {
                     kept.slip = contact.slip(i);
                     refresh(&contact.manifold.points[range], kept, points, rate, ideal);

@@ -1,5 +1,6 @@
 //! The resource with the problems of the awake islands.
 
+use super::order::put_in_place;
 use super::{Island, Member, Order, PatchRows, PointRows, Rows};
 use crate::body::Velocity;
 use crate::settings::ContactSolver;
@@ -68,15 +69,45 @@ impl IslandProblems {
 }
 
 impl<R: Rows> ProblemSet<R> {
+    /// Moves the problem of each island to the island's number. Numbers without a problem get an empty one, or one of an island that is gone.
+    pub fn arrange(&mut self) {
+        let Self { order, islands, .. } = self;
+        let numbered = order.numbered();
+        let ids = islands.iter().map(|island| island.id);
+        if ids.eq(numbered.iter().map(|&id| Some(id))) {
+            return;
+        }
+        let count = islands.len().max(numbered.len());
+        islands.resize_with(count, Island::default);
+        let known = |island: &Island<R>| order.number(island.id?);
+        let mut places: Vec<u32> = islands
+            .iter()
+            .map(|island| known(island).unwrap_or(u32::MAX))
+            .collect();
+        let mut is_free = vec![true; count];
+        for &place in places.iter().filter(|&&place| place != u32::MAX) {
+            is_free[place as usize] = false;
+        }
+        let mut free = (0..)
+            .zip(is_free)
+            .filter_map(|(at, free)| free.then_some(at));
+        for place in places.iter_mut().filter(|place| **place == u32::MAX) {
+            *place = free.next().expect("there is a place for every island");
+        }
+        put_in_place(islands, &mut places);
+        islands.truncate(numbered.len());
+    }
+
     fn iter(&self) -> impl Iterator<Item = IslandProblem<'_>> {
         let of_contacts = |island: &&Island<R>| island.is_solved();
-        self.islands.iter().filter(of_contacts).map(|island| {
-            let contacts = island.contacts();
-            let pairs = self.order.pairs(island.first_contact, contacts);
-            let impulses = (0..contacts).map(|contact| island.start_impulse(contact));
+        let islands = self.islands.iter().enumerate();
+        let islands = islands.filter(move |(_, island)| of_contacts(island));
+        islands.map(|(number, island)| {
+            let order = self.order.of(number);
+            let impulses = (0..island.contacts()).map(|contact| island.start_impulse(contact));
             IslandProblem {
-                bodies: &self.order.bodies[island.members()],
-                contacts: pairs.zip(impulses).collect(),
+                bodies: &order.bodies,
+                contacts: order.pairs().zip(impulses).collect(),
                 points: island.points(),
                 grabs: island.grabs.len(),
             }

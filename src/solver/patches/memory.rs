@@ -1,49 +1,81 @@
 //! The state that a solver keeps of an island from step to step.
 
+use crate::revision::Revision;
 use std::any::Any;
 
 /// The state that a solver keeps of an island. A solver receives it with every problem of the same island, and may leave it empty.
+///
+/// It also holds the [revisions](crate::revision) of the problem, from which the solver finds what has changed since it stored its state.
 #[derive(Debug, Default)]
 pub struct Memory {
-    kept: Option<Box<dyn Any + Send + Sync>>,
-    changed: Option<Vec<u32>>,
+    kept: Option<Kept>,
+    problem: Revision,
+    /// By patch.
+    pub(crate) patches: Vec<Revision>,
+}
+
+/// The state, and the revision of the problem that it was derived from.
+#[derive(Debug)]
+struct Kept {
+    problem: Revision,
+    state: Box<dyn Any + Send + Sync>,
 }
 
 impl Memory {
-    /// Drops the state: the next problem has other patches or other bodies.
-    pub fn forget(&mut self) {
+    /// Gives the problem a new revision: it has other patches or other bodies. The state is dropped.
+    pub(crate) fn renew(&mut self) {
+        self.discard();
+        self.problem = Revision::next();
+        self.patches.clear();
+    }
+
+    /// Drops the state.
+    pub fn discard(&mut self) {
         self.kept = None;
-        self.changed = None;
     }
 
-    /// The next problem equals the last one, except for distances, slips, velocities and impulses, and for the patches that are
-    /// [pushed](Self::push_changed) after this call.
-    pub fn expect_same(&mut self) {
-        self.changed.get_or_insert_default().clear();
+    /// The revision of the contact of each patch. If it is that of the last step, the patch equals that of the last step, except for its slip,
+    /// distances and impulses. Empty for a problem that is solved only once.
+    pub fn patches(&self) -> &[Revision] {
+        &self.patches
     }
 
-    /// Marks a patch that replaces one between the same bodies and with as many points, and was detected anew.
-    pub fn push_changed(&mut self, patch: u32) {
-        if let Some(changed) = &mut self.changed {
-            changed.push(patch);
-        }
-    }
-
-    /// Takes the state if this problem equals the last one, with the patches that differ, in ascending order.
-    pub fn take<T: Any>(&mut self) -> Option<(Box<T>, Vec<u32>)> {
-        let changed = self.changed.take();
-        let kept = self.kept.take()?.downcast().ok()?;
-        Some((kept, changed?))
+    /// Takes the state if the problem has the same bodies, patches and numbers of points as when it was stored.
+    pub fn take<T: Any>(&mut self) -> Option<Box<T>> {
+        let kept = self.kept.take()?;
+        let valid = kept.problem == self.problem;
+        kept.state.downcast().ok().filter(|_| valid)
     }
 
     /// The state that [`Self::take`] would return.
     pub fn peek<T: Any>(&self) -> Option<&T> {
-        self.changed.as_ref()?;
-        self.kept.as_ref()?.downcast_ref()
+        let kept = self.kept.as_ref()?;
+        let valid = kept.problem == self.problem;
+        kept.state.downcast_ref().filter(|_| valid)
     }
 
     /// Keeps a state for the next problem.
-    pub fn keep<T: Any + Send + Sync>(&mut self, kept: Box<T>) {
-        self.kept = Some(kept);
+    pub fn keep<T: Any + Send + Sync>(&mut self, state: Box<T>) {
+        self.kept = Some(Kept {
+            problem: self.problem,
+            state,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_is_valid_until_the_problem_changes() {
+        let mut memory = Memory::default();
+        memory.keep(Box::new(3));
+        assert_eq!(memory.peek(), Some(&3));
+        assert_eq!(memory.take(), Some(Box::new(3)));
+        assert_eq!(memory.take::<i32>(), None);
+        memory.keep(Box::new(3));
+        memory.renew();
+        assert_eq!(memory.take::<i32>(), None);
     }
 }

@@ -168,8 +168,6 @@ pub struct Block<L: F32xN> {
     pub(super) softness: Softness<L>,
     /// Stretch of its springs per velocity (impulse over effective mass), s.
     pub(super) gives: L,
-    /// The effective masses must be computed again.
-    pub(super) stale: bool,
     pub(super) first: u32,
     pub(super) count: u32,
 }
@@ -235,13 +233,9 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Computes W and the effective masses, if they are stale.
+    /// Computes W and the effective masses. This must follow after a lane was loaded or a body has turned.
     #[inline(always)]
     pub fn prepare(&mut self, points: &mut [Points<L>]) {
-        if !self.stale {
-            return;
-        }
-        self.stale = false;
         let frame = self.frame();
         let Frame { n, t1, t2 } = frame;
         let none = Vec3xN::default();

@@ -79,7 +79,6 @@ impl<L: F32xN> Block<L> {
     pub fn turn(&mut self, lane: usize, side: usize, inverse_inertia: &Mat3) {
         assert!(lane < L::LANES);
         self.inverse_inertia[side].set(lane, inverse_inertia);
-        self.stale = true;
     }
 
     /// Sets a lane's fastest correction, m/s.

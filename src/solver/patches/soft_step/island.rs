@@ -4,6 +4,7 @@ use super::block::{Block, Pass, Points};
 use super::grabs::GrabPlaces;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::pipeline::{Pipeline, Work};
+use crate::revision::Revision;
 use crate::solver::batches::Batches;
 use crate::solver::grab::ActiveGrab;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
@@ -58,8 +59,12 @@ pub struct Island<L: F32xN> {
     pub(super) inertias: Vec<Mat3>,
     /// By body: its inverse inertia differs from that of the last step.
     pub(super) turned: Vec<bool>,
-    /// By patch: its contact was detected anew.
+    /// By patch: the revision of the contact that its lane was loaded from. See [`Memory`](crate::solver::Memory).
+    pub(super) loaded: Vec<Revision>,
+    /// By patch: its contact has another revision than in the last step.
     pub(super) changed: Vec<bool>,
+    /// Whether effective masses were computed.
+    pub(super) prepared: bool,
     pub(super) batches: Batches,
     pub(super) blocks: Vec<Block<L>>,
     pub(super) points: Vec<Points<L>>,
@@ -145,7 +150,9 @@ impl<L: F32xN> Island<L> {
             alone: stands_by_itself(problem),
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
             turned: Vec::new(),
+            loaded: problem.memory.patches().to_vec(),
             changed: Vec::new(),
+            prepared: false,
             round_ends: batches.round_ends(first_seat),
             batches,
             blocks,
@@ -161,16 +168,17 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Begins a step. `changed` lists the patches that are new in the problem. The result equals that of an island made anew, to the bit:
-    /// edits elsewhere in a world must not change a simulation.
-    pub fn begin(&mut self, problem: &PatchProblem, changed: &[u32], substeps: usize) {
+    /// Begins a step. The result equals that of an island made anew, to the bit: edits elsewhere in a world must not change a simulation.
+    pub fn begin(&mut self, problem: &PatchProblem, substeps: usize) {
         self.substeps = substeps;
         self.find_turned(problem.bodies);
         self.changed.clear();
+        let revisions = self.loaded.iter_mut().zip(problem.memory.patches());
+        self.changed.extend(revisions.map(|(loaded, &now)| {
+            let before = std::mem::replace(loaded, now);
+            before != now
+        }));
         self.changed.resize(problem.patches.len(), false);
-        for &patch in changed {
-            self.changed[patch as usize] = true;
-        }
         let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));

@@ -32,18 +32,18 @@ pub struct Scratch {
 }
 
 impl<L: F32xN> Kept<L> {
-    /// The state of the last step if it is still valid, and the patches that are new since then; else a new one. `straight` asks for blocks
-    /// that are not skewed and have no rounds, for steps in which a visit or a sweep must end before the next begins.
+    /// The state of the last step if it is still valid; else a new one. `straight` asks for blocks that are not skewed and have no rounds, for
+    /// steps in which a visit or a sweep must end before the next begins.
     pub fn of(
-        kept: Option<(Box<Self>, Vec<u32>)>,
+        kept: Option<Box<Self>>,
         problem: &PatchProblem,
         lanes: Lanes,
         found: Option<Batches>,
         straight: bool,
-    ) -> (Box<Self>, Vec<u32>) {
+    ) -> Box<Self> {
         let alone = stands_by_itself(problem);
         let held = || problem.grabs.iter().map(|grab| grab.body);
-        let may_be = |kept: &Self, changed: &[u32]| {
+        let may_be = |kept: &Self| {
             let batches = &kept.island.batches;
             match straight {
                 true => batches.laps() == 1 && !batches.has_rounds(),
@@ -51,15 +51,16 @@ impl<L: F32xN> Kept<L> {
                 false => {
                     let for_grabs = || kept.straight_for.iter().copied();
                     (!kept.straight || !kept.straight_for.is_empty() && for_grabs().eq(held()))
-                        && (changed.is_empty() || *batches.rounds() == rounds(problem))
+                        && (kept.island.loaded == problem.memory.patches()
+                            || *batches.rounds() == rounds(problem))
                 }
             }
         };
-        let (mut kept, mut changed) = kept
-            .filter(|(kept, changed)| {
+        let mut kept = kept
+            .filter(|kept| {
                 kept.island.fastest == problem.max_correction_speed
                     && kept.island.alone == alone
-                    && may_be(kept, changed)
+                    && may_be(kept)
             })
             .unwrap_or_else(|| {
                 let batches = match straight {
@@ -68,7 +69,7 @@ impl<L: F32xN> Kept<L> {
                 };
                 let mut kept = Self::new(Island::new(problem, batches));
                 kept.straight = straight && (alone || !rounds(problem).is_empty());
-                (Box::new(kept), Vec::new())
+                Box::new(kept)
             });
         kept.island.place_grabs(problem);
         if kept.island.batches.laps() > 1 && !kept.island.grab_places.fit_laps() {
@@ -77,10 +78,9 @@ impl<L: F32xN> Kept<L> {
             kept.straight = true;
             kept.straight_for = held().collect();
             kept.island.place_grabs(problem);
-            changed.clear();
         }
         kept.island.lanes = lanes;
-        (kept, changed)
+        kept
     }
 
     pub fn new(island: Island<L>) -> Self {

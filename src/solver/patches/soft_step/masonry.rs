@@ -216,6 +216,6 @@ pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>
         damping_ratio: 5.0,
         h: DT / 7.0,
     };
-    island.start(problem, &[], 7, &spring, &passes);
+    island.start(problem, 7, &spring, &passes);
     (island, passes)
 }

@@ -192,7 +192,7 @@ impl SoftStep {
     ) -> SolveReport {
         let mut kept = problem.memory.take::<Kept<L>>();
         let mut scratch = match &mut kept {
-            Some((kept, _)) => std::mem::take(&mut kept.scratch),
+            Some(kept) => std::mem::take(&mut kept.scratch),
             None => Scratch::default(),
         };
         let span = tracing::info_span!("refresh").entered();
@@ -200,12 +200,12 @@ impl SoftStep {
         let gaps = Gaps::of(problem);
         let hits = blows::expected(problem, &gaps);
         let straight = hits || budget.downwards;
-        let (mut kept, changed) = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
+        let mut kept = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
         let island = &mut kept.island;
         island.deepest = parting::deepest(&gaps);
         let spring = self.spring(budget, problem.dt);
         self.plan_in(budget, problem.dt, &mut scratch.passes);
-        let free_merit = island.start(problem, &changed, budget.substeps, &spring, &scratch.passes);
+        let free_merit = island.start(problem, budget.substeps, &spring, &scratch.passes);
         drop(span);
         let span = tracing::info_span!("sweeps").entered();
         let mut report = SolveReport::new(free_merit, problem.record_history);

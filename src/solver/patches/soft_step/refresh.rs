@@ -12,7 +12,9 @@ use glam::Vec4;
 pub struct Fresh<'a, 'p> {
     pub problem: &'a PatchProblem<'p>,
     pub batches: &'a Batches,
-    /// By patch: its contact was detected anew.
+    /// Whether effective masses were computed before.
+    pub prepared: bool,
+    /// By patch: its contact has another revision.
     pub changed: &'a [bool],
     /// By body: its inertia has changed; none if none has.
     pub turned: Option<&'a [bool]>,
@@ -45,16 +47,19 @@ impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
             let points = part.points_of(i);
             let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
             let patches = fresh.batches.block(part.first + i);
+            let mut stale = !fresh.prepared;
             for (lane, number) in patches.clone() {
                 let patch = &problem.patches[number as usize];
                 if fresh.changed[number as usize] {
                     let stiffness = block.stiffness[lane];
                     block.load(points, lane, patch, problem, stiffness);
+                    stale = true;
                 } else if let Some(turned) = fresh.turned {
                     for (side, body) in patch.bodies.into_iter().enumerate() {
                         if turned[body as usize] {
                             let body = &problem.bodies[body as usize];
                             block.turn(lane, side, &body.inverse_inertia);
+                            stale = true;
                         }
                     }
                 }
@@ -63,7 +68,9 @@ impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
             if fresh.closed < f32::INFINITY {
                 block.rest(points, fresh.closed);
             }
-            block.prepare(points);
+            if stale {
+                block.prepare(points);
+            }
             block.soften(fresh.spring);
             part.found[i] = block.missing(points, fresh.velocities, fresh.pass);
             i += 1;
@@ -102,6 +109,7 @@ impl<L: F32xN> Island<L> {
         let fresh = Fresh {
             problem,
             batches: &self.batches,
+            prepared: self.prepared,
             changed: &self.changed,
             turned: self.turned.contains(&true).then_some(&*self.turned),
             substeps: self.substeps,
@@ -123,18 +131,18 @@ impl<L: F32xN> Island<L> {
                 fresh: &fresh,
             });
         });
+        self.prepared = true;
     }
 
     /// Prepares the first sweep: effective masses, the forces of a substep, and the warm start. Returns the merit of the free motion, √J.
     pub fn start(
         &mut self,
         problem: &PatchProblem,
-        changed: &[u32],
         substeps: usize,
         spring: &Spring,
         passes: &[Pass],
     ) -> f32 {
-        self.begin(problem, changed, substeps);
+        self.begin(problem, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
         let h = problem.dt / substeps as f32;
         self.grab_places.begin(problem, h, &mut self.grabs);

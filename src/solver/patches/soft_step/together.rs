@@ -105,7 +105,7 @@ impl SoftStep {
                 continue;
             }
             // The kept state will be out of date after this step.
-            problem.memory.forget();
+            problem.memory.discard();
             let (budget, bounces) = self.begin::<L>(problem, &mut Default::default());
             begun.push(Begun {
                 number,
@@ -151,7 +151,7 @@ impl SoftStep {
             self.spring(budget, problem.dt),
             self.plan(budget, problem.dt),
         );
-        island.start(&problem, &[], budget.substeps, &spring, &passes);
+        island.start(&problem, budget.substeps, &spring, &passes);
         for pass in &passes {
             island.sweep_alone(pass);
         }

@@ -127,7 +127,7 @@ impl<L: F32xN> Island<L> {
             h: SUBSTEP,
         };
         let mut island = Self::new(problem, batches(L::LANES, problem));
-        island.begin(problem, &[], 1);
+        island.begin(problem, 1);
         island.velocities.fill(State::default());
         island.before.fill(State::default());
         island.refresh(problem, &spring, &passes()[0], closed);

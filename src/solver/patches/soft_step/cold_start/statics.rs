@@ -187,7 +187,7 @@ impl<L: F32xN> Island<L> {
     /// An island at rest whose points touch unless they are open; and the merit of the free motion, J.
     fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
         let mut island = Self::new(problem, batches(L::LANES, problem));
-        island.begin(problem, &[], 1);
+        island.begin(problem, 1);
         island.velocities.fill(State::default());
         island.push(problem.bodies, 1.0);
         island.refresh(problem, &Spring::default(), pass, closed);

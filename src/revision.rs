@@ -1,0 +1,70 @@
+//! Revisions: the one way to say that something has changed.
+//!
+//! # The mechanism
+//! - A *source* has a [`Revision`]: a number that it shares with no other state. Whoever changes the source gives it a new one.
+//! - Data that is *derived* from a source keeps the revision that it was derived from, as an `Option<Revision>`; `None` means that it must be
+//!   derived anew in any case. It is valid while that revision equals the revision of its source.
+//!
+//! A revision says only *whether* a source is the same as before. Revisions have no order, and no result depends on their values. Every number
+//! is used once in a process. So data that was derived in one world is never taken for valid in another whose state was copied over it.
+//!
+//! A stage takes one revision each time it runs, and gives it to all sources that it changes in that run.
+//!
+//! | source | gets a new revision from | derived data that keeps it |
+//! |---|---|---|
+//! | [`ContactPair`](crate::contact::ContactPair), together with its manifold, impulses and anchors | *narrowphase*, when contacts are detected anew; a user's edit | slips (`ContactAnchors::measured`); the place of a contact in the order of a solve; the rows of a problem and the blocks of Soft Step, patch by patch ([`Memory`](crate::solver::Memory)) |
+//! | an island of [`Islands`](crate::graph::Islands): members, links, which bodies sleep | *islands* | the order of its bodies and contacts; its problem |
+//! | all of [`Islands`](crate::graph::Islands) | *islands* | which islands have an order |
+//! | the patches of a problem ([`Memory`](crate::solver::Memory)): their number, bodies and points | *warm start* | the state that a solver keeps |
+//!
+//! The stage *anchors* does not give a new revision to a pair when it writes an anchor, because rows do not read anchors. It sets
+//! `ContactAnchors::measured` to `None`.
+//!
+//! # Edits by users
+//! Users write components without a revision. Change ticks find these edits; stages bypass change detection when they write. Before a stage
+//! reads derived data, it calls `revise_edited!` (`contact/edits.rs`), which gives each edited pair a new revision. Nothing else depends on
+//! ticks of pairs, except that *islands* looks at the links of edited manifolds. Bodies are described by components that users write often
+//! with equal values; *prepare* reads those whose ticks changed and compares their values.
+//!
+//! # What needs no revision
+//! Facts about one step, such as [`BodyState::moved`](crate::body::BodyState::moved), and lists of changes that the next stage takes over,
+//! such as those of the constraint graph. They end with the step, so nothing can be out of date.
+
+use std::num::NonZeroU64;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Identifies one state of something that other data is derived from. See the [module](self).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Revision(NonZeroU64);
+
+impl Revision {
+    /// A revision that has not been used before in this process.
+    pub(crate) fn next() -> Self {
+        static LAST: AtomicU64 = AtomicU64::new(0);
+        let last = LAST.fetch_add(1, Ordering::Relaxed);
+        Self(NonZeroU64::MIN.saturating_add(last))
+    }
+}
+
+/// A revision that has not been used before, for a source that was just made.
+impl Default for Revision {
+    fn default() -> Self {
+        Self::next()
+    }
+}
+
+/// An absent revision takes no memory of its own.
+const _: () = assert!(size_of::<Option<Revision>>() == 8);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_revision_is_used_twice() {
+        let one = Revision::next();
+        assert_eq!(one, one);
+        assert_ne!(one, Revision::next());
+        assert_ne!(Revision::default(), Revision::default());
+    }
+}

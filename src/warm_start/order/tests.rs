@@ -1,0 +1,120 @@
+use super::*;
+use crate::body::RigidBody;
+use crate::graph::tests::Site;
+use fastrand::Rng;
+
+/// The bodies of an island, and the pairs of its contacts.
+type Content = (Vec<Member>, Vec<Entity>);
+
+impl Order {
+    fn content(&self) -> Vec<Content> {
+        let islands = (0..self.numbered.len()).map(|number| self.of(number));
+        islands
+            .map(|island| (island.bodies.clone(), island.pairs().collect()))
+            .collect()
+    }
+
+    fn keep_for(&mut self, site: &Site) {
+        self.keep(&site.table, &site.graph, &site.islands);
+    }
+
+    /// Compares the order with one that is computed from nothing.
+    fn check(&self, site: &Site) {
+        let mut anew = Order::default();
+        anew.keep_for(site);
+        assert_eq!(self.content(), anew.content());
+        assert_eq!(self.local, anew.local);
+        for (edge, (at, anew)) in self.by_edge.iter().zip(&anew.by_edge).enumerate() {
+            assert_eq!((at.island, at.index), (anew.island, anew.index), "{edge}");
+        }
+        let starts = |order: &Order| {
+            let ids = order.numbered.iter().map(|&id| &order.islands[id as usize]);
+            ids.map(|island| (island.number, island.first))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(starts(self), starts(&anew));
+    }
+}
+
+#[test]
+fn items_move_to_their_places() {
+    let mut places = [3, 0, 2, 4, 1];
+    let mut items = places;
+    put_in_place(&mut items, &mut places);
+    assert_eq!(items, [0, 1, 2, 3, 4]);
+}
+
+#[test]
+fn an_order_that_follows_changes_equals_one_computed_from_nothing() {
+    for seed in 0..20 {
+        let mut rng = Rng::with_seed(seed);
+        let mut site = Site::default();
+        let mut order = Order::default();
+        for _ in 0..300 {
+            for _ in 0..rng.u8(0..4) {
+                site.edit(&mut rng);
+            }
+            site.update();
+            order.keep_for(&site);
+            order.check(&site);
+        }
+        assert!(!order.content().is_empty());
+    }
+}
+
+/// Two stacks of two bodies on a floor.
+fn two_stacks() -> (Site, [u32; 5]) {
+    let mut site = Site::default();
+    let floor = site.spawn(RigidBody::Static);
+    let [a, b, c, d] = [(); 4].map(|()| site.spawn(RigidBody::Dynamic));
+    for slots in [[floor, a], [a, b], [floor, c], [c, d]] {
+        site.connect(slots);
+        site.link(slots, true);
+    }
+    site.update();
+    (site, [floor, a, b, c, d])
+}
+
+#[test]
+fn only_islands_that_changed_are_ordered_anew() {
+    let (mut site, [_, a, b, c, d]) = two_stacks();
+    let mut order = Order::default();
+    order.keep_for(&site);
+    let of =
+        |order: &Order, site: &Site, slot: u32| order.of(site.islands.of(slot).unwrap()).revision;
+    let before = [a, c].map(|slot| of(&order, &site, slot));
+    site.link([c, d], false);
+    site.update();
+    order.keep_for(&site);
+    let now = [a, c].map(|slot| of(&order, &site, slot));
+    assert_eq!(now[0], before[0]);
+    assert_ne!(now[1], before[1]);
+    // Another island gets another number, and keeps its order.
+    site.despawn(b);
+    site.despawn(a);
+    let before = of(&order, &site, c);
+    site.update();
+    order.keep_for(&site);
+    assert_eq!(of(&order, &site, c), before);
+    order.check(&site);
+}
+
+/// A body whose input is found to be invalid after *islands* is removed from the table before the solve.
+#[test]
+fn a_body_that_was_removed_since_the_islands_were_updated_is_not_ordered() {
+    for removed in 0..2 {
+        let (mut site, bodies) = two_stacks();
+        let mut order = Order::default();
+        order.keep_for(&site);
+        let slot = bodies[removed];
+        let entity = site.table.get(slot).unwrap().entity;
+        site.table.remove(entity, crate::body::BodyIndex(slot));
+        order.keep_for(&site);
+        order.check(&site);
+        let contents = order.content();
+        let contacts: usize = contents.iter().map(|(_, pairs)| pairs.len()).sum();
+        assert_eq!(contacts, 2);
+        let members = contents.iter().flat_map(|(bodies, _)| bodies);
+        assert!(members.into_iter().all(|member| member.entity != entity));
+    }
+}

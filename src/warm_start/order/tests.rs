@@ -50,6 +50,12 @@ fn an_order_that_follows_changes_equals_one_computed_from_nothing() {
         let mut rng = Rng::with_seed(seed);
         let mut site = Site::default();
         let mut order = Order::default();
+        for number in 0..8 {
+            site.spawn(match number {
+                0 => RigidBody::Static,
+                _ => RigidBody::Dynamic,
+            });
+        }
         for _ in 0..300 {
             for _ in 0..rng.u8(0..4) {
                 site.edit(&mut rng);

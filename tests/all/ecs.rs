@@ -214,6 +214,7 @@ fn every_stage_has_its_time() {
     let profile = lab.world.resource::<Profile>();
     let names = [
         "prepare",
+        "joints",
         "broadphase",
         "narrowphase",
         "islands",

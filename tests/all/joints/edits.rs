@@ -5,6 +5,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::Inactive;
+use drystone::diagnosis::BodyProblem;
 use drystone::prelude::*;
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
 use support::Lab;
@@ -305,7 +306,10 @@ fn edits_between_two_stages_never_panic() {
             for _ in 0..200 {
                 lab.step();
             }
-            assert_eq!(lab.errors(), [], "{gap:?}");
+            // Joints that contradict each other may make a solve diverge; it is undone and reported then.
+            for error in lab.errors() {
+                assert_eq!(error.problem, BodyProblem::Diverged, "{gap:?}");
+            }
             // Left alone, everything comes to rest, and what has no joint lies on the ground.
             lab.world.remove_resource::<Dice>();
             let mut joints = lab

@@ -58,25 +58,39 @@ pub fn integration(
             let (velocity, pose) = (velocity.bypass_change_detection(), &mut *pose);
             let way = dt * linear - dt * motion.lag();
             let center = pose.transform_point(mass.local_center) + way;
-            let before = pose.rotation;
+            let (before, from) = (pose.rotation, pose.position);
+            let locks = body.properties.locked_axes;
             (pose.rotation, velocity.angular) = match (body.kind, mean) {
+                (RigidBody::Dynamic, _) if locks.locks_rotation() && angular == Vec3::ZERO => {
+                    (before, velocity.angular)
+                }
+                // The gyroscopic term needs all three axes.
+                (RigidBody::Dynamic, _) if locks.locks_rotation() => {
+                    (turned_about(angular, before, dt), velocity.angular)
+                }
                 (RigidBody::Dynamic, None) => rotate(mass, before, velocity.angular, dt),
                 (RigidBody::Dynamic, Some(_)) => {
                     carried(mass, before, angular, velocity.angular, dt)
                 }
-                _ => {
-                    let turned = turn(angular.as_dvec3(), dt).as_quat() * before;
-                    (turned.normalize(), velocity.angular)
-                }
+                _ => (turned_about(angular, before, dt), velocity.angular),
             };
             pose.rotation = Quat::from_vec4(limits::flush_to_zero(pose.rotation.into()));
-            pose.position = center - pose.rotation * mass.local_center;
+            pose.position = match locks.is_unlocked() || pose.rotation != before {
+                true => center - pose.rotation * mass.local_center,
+                // Without rounding by way of the centre of mass.
+                false => from + way,
+            };
         }
         if !child {
             transform.translation = pose.position;
             transform.rotation = pose.rotation;
         }
     }
+}
+
+/// The rotation after turning for Δt by a constant angular velocity.
+fn turned_about(angular: Vec3, rotation: Quat, dt: f32) -> Quat {
+    (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize()
 }
 
 /// Movement per step below which a body that contacts hold does not move at all: this share of its radius, or this angle, rad. It is half

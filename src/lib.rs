@@ -124,9 +124,9 @@ pub use schedule::{advance, refresh, step};
 /// The types and functions that most users need.
 pub mod prelude {
     pub use crate::body::{
-        AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-        GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, SpawnOrder, Teleport,
-        Velocity,
+        AngularInertia, CenterOfMass, Damping, Density, Dominance, ExternalForce, ExternalImpulse,
+        GravityScale, LockedAxes, Mass, MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Quarantined,
+        RigidBody, Sleeping, SpawnOrder, Teleport, Velocity,
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{

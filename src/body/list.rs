@@ -8,7 +8,22 @@
 //!
 //! A component whose removal must be noticed has the hook [`lost_description`](super::lost_description).
 
-/// Passes the list to a macro, which generates items from it. The names of the components are resolved where the macro is used.
+/// The names of the listed components.
+pub(super) mod names {
+    pub use crate::body::{
+        AngularInertia, BodyIndex, CenterOfMass, Damping, Density, Dominance, ExternalForce,
+        ExternalImpulse, GravityScale, LockedAxes, Mass, MassProperties, MaxAngularSpeed,
+        MaxLinearSpeed, Motion, Pose, Sleeping, SpawnOrder, Velocity,
+    };
+    pub use crate::collider::{
+        Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+    };
+    pub use crate::contact::ContactEvents;
+    pub use crate::grab::Grab;
+}
+
+/// Passes the list to a macro, which generates items from it. The names of the components are those of
+/// [`names`], which every user of the list imports.
 ///
 /// | group | required | restored when removed | checked when written |
 /// |---|---|---|---|
@@ -66,6 +81,14 @@ macro_rules! body_properties {
                 layers: CollisionLayers,
                 /// Bodies that it does not collide with.
                 exceptions: CollisionExceptions,
+                /// Axes along which it does not move.
+                locked_axes: LockedAxes,
+                /// Its dominance group.
+                dominance: Dominance,
+                /// Its maximum linear speed.
+                max_linear_speed: MaxLinearSpeed,
+                /// Its maximum angular speed.
+                max_angular_speed: MaxAngularSpeed,
             }
         }
     };

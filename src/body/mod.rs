@@ -9,6 +9,7 @@
 
 mod complete;
 mod describe;
+mod dominance;
 mod forces;
 mod inactive;
 mod kept;
@@ -20,7 +21,9 @@ mod list;
     reason = "`derive(QueryData)` generates state types without `Debug`"
 )]
 mod listed;
+mod locked_axes;
 mod mass;
+mod max_speed;
 mod motion;
 mod pending;
 mod placement;
@@ -32,13 +35,16 @@ mod spawn_order;
 mod table;
 
 pub use complete::complete;
+pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
 pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
 pub(crate) use listed::{copy_description, properties_of, visit};
+pub use locked_axes::LockedAxes;
 pub(crate) use mass::weigh;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
+pub use max_speed::{MaxAngularSpeed, MaxLinearSpeed};
 pub use motion::Motion;
 pub use pending::{Pending, refresh};
 pub use placement::Teleport;

@@ -218,12 +218,14 @@ impl Visitor<'_, '_, '_> {
         let woken = body.asleep && !asleep;
         body.asleep = asleep;
         let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
+        let solved_as = body.properties.solved_as();
         if written
             && let Ok(description) = described.get_mut(entity)
             && let Err(problem) = describe(body, description)
         {
             self.suspects.0.push((entity, problem));
         }
+        let solved_anew = body.properties.solved_as() != solved_as;
         // This comes after `describe`, because the radius may be new.
         body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
         body.disturbed = self.rules.active_settings.changed
@@ -241,6 +243,9 @@ impl Visitor<'_, '_, '_> {
         let changed = body.disturbed || body.moved || woken || body.target.is_some();
         if changed {
             self.table.mark_dirty(index.0);
+        }
+        if solved_anew {
+            self.table.renew_version();
         }
         None
     }
@@ -295,7 +300,9 @@ fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &R
         return 0.0;
     }
     let dt = rules.time.dt;
-    let force = force.map_or(0.0, |force| force.force.length());
+    let force = force.map_or(0.0, |force| {
+        force.force.length() + force.local_force.length()
+    });
     let impulse = impulse.map_or(0.0, |impulse| impulse.linear.length());
     let pulled = grab.map_or(0.0, |grab| {
         (dt * body.mass.inverse_mass * grab.max_force).min(grab.max_speed)
@@ -311,12 +318,13 @@ pub(super) fn check(
 ) -> Option<BodyProblem> {
     let force = force.copied().unwrap_or_default();
     let impulse = impulse.copied().unwrap_or_default();
-    let forces = [force.force, force.torque, impulse.linear, impulse.angular];
+    let impulses = [impulse.linear, impulse.angular];
+    let mut forces = force.parts().into_iter().chain(impulses);
     if !limits::within(pose.position, limits::POSITION) || !limits::is_turn(pose.rotation) {
         Some(BodyProblem::NonFinitePose)
     } else if !velocity.is_within_limits() {
         Some(BodyProblem::NonFiniteVelocity)
-    } else if !forces.iter().all(|v| limits::within(*v, limits::FORCE)) {
+    } else if !forces.all(|v| limits::within(v, limits::FORCE)) {
         Some(BodyProblem::NonFiniteForce)
     } else if damping.is_some_and(|damping| !damping.is_valid()) {
         Some(BodyProblem::InvalidDamping)

@@ -260,6 +260,11 @@ impl BodyTable {
         self.version
     }
 
+    /// Changes the version, so that problems are rebuilt: a property that decides between which bodies contacts are solved has changed.
+    pub(super) fn renew_version(&mut self) {
+        self.version = next_version();
+    }
+
     /// Number of bodies.
     pub fn count(&self) -> usize {
         self.count

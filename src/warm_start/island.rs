@@ -41,11 +41,12 @@ pub(crate) struct GatherContext<'a> {
 /// The problem of one island.
 #[derive(Default)]
 pub(crate) struct Island<R> {
-    /// The awake dynamic bodies, followed by copies of the static and kinematic bodies that they touch.
+    /// The awake dynamic bodies, followed by copies of the static and kinematic bodies that they touch, and of dynamic bodies that
+    /// [dominate](crate::body::Dominance) others.
     pub bodies: Vec<Body>,
     /// Indices of the two bodies of each contact.
     ends: Vec<[u32; 2]>,
-    /// Slots of the static and kinematic bodies. Impulses cannot change them, so several islands may have copies.
+    /// Slots of the copied bodies. Impulses cannot change them, so several islands may have copies.
     copies: Vec<u32>,
     /// The grabs that hold some of the bodies.
     pub grabs: Vec<GrabConstraint>,
@@ -101,21 +102,24 @@ impl<R: Rows> Island<R> {
             self.members.start = number;
         }
         self.members.end = number + 1;
+        let mut start = body.velocity;
+        body.properties.locked_axes.stop(&mut start);
         self.bodies.push(Body {
             linear: velocity.linear,
             inverse_mass: body.mass.inverse_mass,
+            free_axes: body.properties.locked_axes.free_translations(),
             angular: velocity.angular,
-            inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
-            start: [body.velocity.linear, body.velocity.angular],
+            inverse_inertia: body.world_inverse_inertia(),
+            start: [start.linear, start.angular],
             motion: None,
             level,
         });
     }
 
-    /// Takes the contacts, and copies of the static and kinematic bodies that they touch.
+    /// Takes the contacts, and copies of the bodies that they touch and cannot move.
     pub fn gather(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         if self.ends.is_empty() {
-            self.find_ends(contacts, from.local);
+            self.find_ends(contacts, from);
         }
         self.add_copies(from.table);
         self.rows
@@ -127,27 +131,30 @@ impl<R: Rows> Island<R> {
         self.rows.warm_start(contacts, context);
     }
 
-    /// The static and kinematic bodies, by slot.
+    /// The copied bodies, by slot.
     pub fn copies(&mut self) -> impl Iterator<Item = (u32, &mut Body)> {
         let dynamic = self.members().len();
         let copies = self.copies.iter().copied();
         copies.zip(self.bodies.iter_mut().skip(dynamic))
     }
 
-    fn find_ends(&mut self, contacts: &[SolverContact], local: &[u32]) {
+    fn find_ends(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         let mut known: HashMap<u32, u32> = HashMap::default();
         let dynamic = self.bodies.len() as u32;
         let copies = &mut self.copies;
-        let mut end = |slot: u32| match local[slot as usize] {
-            u32::MAX => *known.entry(slot).or_insert_with(|| {
+        let mut end = |slot: u32, dominates: bool| match from.local[slot as usize] {
+            local if local != u32::MAX && !dominates => local,
+            _ => *known.entry(slot).or_insert_with(|| {
                 copies.push(slot);
                 dynamic + copies.len() as u32 - 1
             }),
-            local => local,
         };
-        let ends = contacts
-            .iter()
-            .map(|contact| contact.pair.slots.map(&mut end));
+        let ends = contacts.iter().map(|contact| {
+            let [a, b] = contact.pair.slots;
+            let dominates = from.table.both([a, b]);
+            let dominates = dominates.map_or([false; 2], |[a, b]| [a.dominates(b), b.dominates(a)]);
+            [end(a, dominates[0]), end(b, dominates[1])]
+        });
         self.ends.extend(ends);
     }
 

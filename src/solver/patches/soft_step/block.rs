@@ -8,6 +8,7 @@
 //!
 //! The module [`carry`](super::carry) loads patches into a block and stores them.
 
+use super::locks::{Locks, PushLocked};
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -115,6 +116,8 @@ pub struct Block<L: F32xN> {
     pub(super) arms: [Vec3xN<L>; 2],
     pub(super) inverse_inertia: [Symmetric<L>; 2],
     pub(super) inverse_mass: [L; 2],
+    /// The locked translations of its bodies. Nearly all blocks have none.
+    pub(super) locks: Option<Box<Locks<L>>>,
     pub(super) friction: L,
     /// W over (F_n, T_1, T_2), the coordinates of normals.
     pub(super) normals: Symmetric<L>,
@@ -229,8 +232,13 @@ impl<L: F32xN> Block<L> {
         let a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
         let b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
         let mass = self.inverse_mass[0] + self.inverse_mass[1];
+        let turned = a.cross(self.arms[0]);
+        let linear = match &self.locks {
+            None => force.scale_add(mass, turned),
+            Some(locks) => locks.respond(force, turned),
+        };
         SpatialVec {
-            linear: force.scale_add(mass, a.cross(self.arms[0])) + b.cross(self.arms[1]),
+            linear: linear + b.cross(self.arms[1]),
             angular: a + b,
         }
     }
@@ -330,6 +338,16 @@ impl<L: F32xN> Block<L> {
         velocities: &[Cell<State>],
     ) {
         let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
+        if let Some(locks) = &self.locks {
+            return L::run_rarely(PushLocked {
+                block: self,
+                locks,
+                force,
+                torque,
+                motions: [a, b],
+                velocities,
+            });
+        }
         let at_a = self.arms[0].cross_add(force, torque);
         let at_b = self.arms[1].cross_add(force, torque);
         let a = SpatialVec {

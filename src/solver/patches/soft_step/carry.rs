@@ -55,6 +55,7 @@ impl<L: F32xN> Block<L> {
             L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
+            self.load_locks(lane, side, body);
             self.turn(lane, side, &body.inverse_inertia);
         }
         self.friction[lane] = patch.friction;

@@ -45,6 +45,7 @@ mod island;
 mod kept;
 mod kinds;
 mod load_statistics;
+mod locks;
 #[cfg(test)]
 mod masonry;
 mod parting;

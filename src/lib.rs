@@ -125,8 +125,8 @@ pub use schedule::{advance, refresh, step};
 pub mod prelude {
     pub use crate::body::{
         AngularInertia, CenterOfMass, Damping, Density, Dominance, ExternalForce, ExternalImpulse,
-        GravityScale, LockedAxes, Mass, MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Quarantined,
-        RigidBody, Sleeping, SpawnOrder, Teleport, Velocity,
+        Forces, GravityScale, LockedAxes, Mass, MaxAngularSpeed, MaxLinearSpeed, Motion, Pose,
+        Quarantined, RigidBody, Sleeping, SpawnOrder, Teleport, Velocity,
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{

@@ -1,7 +1,8 @@
 //! External forces, gravity scale and damping of a body, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
 use super::{
-    BodyIndex, BodyState, BodyTable, Inactive, LockedAxes, MassProperties, Pose, Quarantined, Velocity, limits,
+    BodyIndex, BodyState, BodyTable, Inactive, LockedAxes, MassProperties, Pose, Quarantined,
+    Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};

@@ -170,7 +170,9 @@ mod tests {
 
     #[test]
     fn axes_are_locked_and_unlocked() {
-        let locks = LockedAxes::ALL_LOCKED.unlock_translation_y().unlock_rotation_z();
+        let locks = LockedAxes::ALL_LOCKED
+            .unlock_translation_y()
+            .unlock_rotation_z();
         assert_eq!(locks.locked_translations(), BVec3::new(true, false, true));
         assert_eq!(locks.locked_rotations(), BVec3::new(true, true, false));
         assert!(LockedAxes::new().is_unlocked());

@@ -7,6 +7,7 @@
 //! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part in
 //! the simulation until the value is corrected.
 
+mod apply;
 mod complete;
 mod describe;
 mod dominance;
@@ -34,6 +35,7 @@ mod sleeping;
 mod spawn_order;
 mod table;
 
+pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
 pub use complete::complete;
 pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};

@@ -102,6 +102,13 @@ impl Body {
         self.free_axes != Vec3::ONE
     }
 
+    /// Returns true if some rotation is locked.
+    pub(super) fn is_upright(&self) -> bool {
+        let i = self.inverse_inertia;
+        let turns = i.x_axis.x > 0.0 && i.y_axis.y > 0.0 && i.z_axis.z > 0.0;
+        self.inverse_mass > 0.0 && !turns
+    }
+
     /// Inverse effective mass of the centre of mass along a unit direction, 1/kg.
     #[inline]
     pub fn inverse_mass_along(&self, direction: Vec3) -> f32 {

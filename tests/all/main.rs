@@ -32,6 +32,7 @@ mod query;
 mod reference;
 mod refresh;
 mod rest;
+mod restraints;
 mod rods;
 mod round;
 mod sizes;

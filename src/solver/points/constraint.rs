@@ -64,7 +64,10 @@ pub fn tangents(normal: Vec3) -> [Vec3; 2] {
     [t, b]
 }
 
-/// The masses of two bodies in the frame of a normal. All points with that normal share it.
+/// Share of the inverse masses that is added to W where axes are locked. It changes the size of steps, not their goal.
+const EASE: f32 = 1e-4;
+
+/// Masses of two bodies in the frame of a normal, for all points with that normal.
 pub(crate) struct PatchFrame {
     /// The axes n, t1 and t2.
     axes: [Vec3; 3],
@@ -72,6 +75,8 @@ pub(crate) struct PatchFrame {
     /// locked axes have.
     inverse_mass: Vec3,
     inverse_mass_coupling: f32,
+    /// Added to the diagonal of W where axes are locked: its elements may be zero up to rounding, 1/kg.
+    ease: f32,
     /// Inverse inertias of A and B in the frame, 1/(kg·m²): xx, yy, zz, and xy, xz, yz.
     inverse_inertia: [[Vec3; 2]; 2],
 }
@@ -87,14 +92,20 @@ impl PatchFrame {
         };
         Self {
             axes: [normal, t1, t2],
-            inverse_mass: Vec3::from_array([normal, t1, t2].map(|axis| {
-                pair[0].inverse_mass_along(axis) + pair[1].inverse_mass_along(axis)
-            })),
+            inverse_mass: Vec3::from_array(
+                [normal, t1, t2].map(|axis| {
+                    pair[0].inverse_mass_along(axis) + pair[1].inverse_mass_along(axis)
+                }),
+            ),
             inverse_mass_coupling: pair
                 .into_iter()
                 .filter(|body| body.is_locked())
                 .map(|body| body.inverse_mass * (t1 * body.free_axes).dot(t2))
                 .fold(0.0, std::ops::Add::add),
+            ease: match pair.into_iter().any(Body::is_locked) {
+                true => EASE * (pair[0].inverse_mass + pair[1].inverse_mass),
+                false => 0.0,
+            },
             inverse_inertia: pair.map(|body| turned(&body.inverse_inertia)),
         }
     }
@@ -120,6 +131,7 @@ impl PatchFrame {
             diagonal.z += r.y * second.x - r.x * second.y;
             coupling += r.x * second.z - r.z * second.x;
         }
+        diagonal += self.ease;
         let (xx, yy, xy) = (diagonal.y, diagonal.z, coupling);
         let spread = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
         PointConstraint {

@@ -8,7 +8,7 @@
 //!
 //! The module [`carry`](super::carry) loads patches into a block and stores them.
 
-use super::locks::{Locks, PushLocked};
+use super::locks::{Ease, Locks, PushLocked};
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -116,7 +116,7 @@ pub struct Block<L: F32xN> {
     pub(super) arms: [Vec3xN<L>; 2],
     pub(super) inverse_inertia: [Symmetric<L>; 2],
     pub(super) inverse_mass: [L; 2],
-    /// The locked translations of its bodies. Nearly all blocks have none.
+    /// The inverse masses of its bodies along each axis, if some axis of them is locked. Nearly all blocks have none.
     pub(super) locks: Option<Box<Locks<L>>>,
     pub(super) friction: L,
     /// W over (F_n, T_1, T_2), the coordinates of normals.
@@ -267,12 +267,19 @@ impl<L: F32xN> Block<L> {
             xz: t2.dot(along_n.angular),
             yz: t2.dot(about_1.angular),
         };
-        self.twist_mass = n.dot(about_n.angular).inverse();
+        let turned = n.dot(about_n.angular);
+        self.twist_mass = turned.inverse();
         self.twist_to_tangents = [t1.dot(about_n.linear), t2.dot(about_n.linear)];
         self.twist_to_normals = on_normals(&frame, about_n);
         self.tangents_to_normals = [on_normals(&frame, along_1), on_normals(&frame, along_2)];
-        let (xx, yy) = (t1.dot(along_1.linear), t2.dot(along_2.linear));
+        let (mut xx, mut yy) = (t1.dot(along_1.linear), t2.dot(along_2.linear));
         let xy = t1.dot(along_2.linear);
+        let mut ease = Ease::default();
+        if self.locks.is_some() {
+            ease = Ease::of_locks(&self.inverse_mass, &self.normals);
+            (xx, yy) = (xx + ease.linear, yy + ease.linear);
+            self.twist_mass = (turned + ease.angular).inverse();
+        }
         let determinant = xx.mul_sub(yy, xy * xy).inverse();
         self.tangent_mass = [yy * determinant, xx * determinant, -xy * determinant];
         let half = L::splat(0.5);
@@ -280,6 +287,7 @@ impl<L: F32xN> Block<L> {
         self.isotropic_mass = (half * (xx + yy) + spread).inverse();
         if self.rolls {
             let Symmetric { yy, zz, yz, .. } = self.normals;
+            let (yy, zz) = (yy + ease.angular, zz + ease.angular);
             let determinant = yy.mul_sub(zz, yz * yz).inverse();
             self.rolling_mass = [zz * determinant, yy * determinant, -yz * determinant];
         }
@@ -292,7 +300,7 @@ impl<L: F32xN> Block<L> {
             point.radius = point.radius.max(spot);
             point.effect = self.normals.apply(along);
             let used = point.mass.select_above(L::ZERO, L::ONE, L::ZERO);
-            point.mass = used * along.dot(point.effect).inverse();
+            point.mass = used * (along.dot(point.effect) + ease.linear).inverse();
         }
     }
 

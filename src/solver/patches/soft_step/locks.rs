@@ -1,11 +1,11 @@
-//! Locked translations: bodies whose inverse mass differs from axis to axis.
+//! Locked axes: bodies whose inverse mass differs from axis to axis, or that do not turn about some axis.
 //!
 //! A block has one inverse mass for each body, and keeps one for each axis beside it only if one of its bodies is locked. So a visit to any
 //! other block costs one comparison more, and no memory.
 
 use super::block::Block;
 use crate::solver::Body;
-use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN};
+use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
 /// Inverse masses of the bodies of a block along the world axes, 1/kg.
@@ -40,7 +40,7 @@ fn along_axes<L: F32xN>(
 impl<L: F32xN> Block<L> {
     /// Loads the locked axes of a body, after its inverse mass.
     pub fn load_locks(&mut self, lane: usize, side: usize, body: &Body) {
-        if body.is_locked() && self.locks.is_none() {
+        if (body.is_locked() || body.is_upright()) && self.locks.is_none() {
             let inverse_masses = self.inverse_mass.map(|mass| Vec3xN {
                 x: mass,
                 y: mass,
@@ -90,5 +90,31 @@ impl<L: F32xN> Kernel for PushLocked<'_, L> {
         };
         L::scatter(self.velocities, &self.block.targets[0], &a);
         L::scatter(self.velocities, &self.block.targets[1], &b);
+    }
+}
+
+/// Inverse masses and inertias that are added to those of the rows of a block with locked axes. Along a locked axis a row has nearly none, up
+/// to rounding, and the effective mass that follows from that would be any number. An effective mass is the size of a step: the impulses that
+/// a row finds do not depend on it.
+#[derive(Clone, Copy, Default)]
+pub struct Ease<L> {
+    /// Of velocities, 1/kg.
+    pub linear: L,
+    /// Of spins, 1/(kg·m²).
+    pub angular: L,
+}
+
+/// Share of the sum of inverse masses or inertias.
+const EASE: f32 = 1e-4;
+
+impl<L: F32xN> Ease<L> {
+    /// For a block with these inverse masses, and this response of normals.
+    #[inline(always)]
+    pub fn of_locks(inverse_mass: &[L; 2], normals: &Symmetric<L>) -> Self {
+        let share = L::splat(EASE);
+        Self {
+            linear: share * (inverse_mass[0] + inverse_mass[1]),
+            angular: share * (normals.yy + normals.zz),
+        }
     }
 }

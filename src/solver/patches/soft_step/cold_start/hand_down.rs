@@ -86,8 +86,7 @@ impl Row {
     fn wanted(&self, [linear, angular]: [Vec3; 2]) -> f32 {
         match self.response > 0.0 {
             true => {
-                self.impulse
-                    - self.direction.dot(linear + angular.cross(self.arm)) / self.response
+                self.impulse - self.direction.dot(linear + angular.cross(self.arm)) / self.response
             }
             // The body is locked in this direction.
             false => 0.0,

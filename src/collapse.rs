@@ -30,8 +30,7 @@
 //! ```
 
 use crate::body::{
-    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, Quarantined, RigidBody, SpawnOrder,
-    Velocity,
+    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
 };
 use crate::contact::Contacts;
 use crate::grab::Grab;
@@ -235,8 +234,8 @@ type Watched<'w, 's> = Query<
         ),
     ),
     (
-        Without<Quarantined>,
-        // Inactive bodies only matter when they become inactive, because they then stand, and when their `Watch` changes.
+        Simulated,
+        // Of a body at rest only what is asked of it can change. What comes to rest stands.
         Or<(Without<Inactive>, Added<Inactive>, Changed<Watch>)>,
     ),
 >;

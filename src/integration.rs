@@ -13,8 +13,8 @@
 //! angular momentum. That keeps momentum and energy at any speed, but not the way in which the body tumbles.
 
 use crate::body::{
-    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, Quarantined,
-    RigidBody, Velocity, limits, local_pose,
+    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, RigidBody, Simulated,
+    Velocity, limits, local_pose,
 };
 use crate::settings::StepTime;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -37,7 +37,7 @@ pub fn integration(
             &mut Transform,
             Has<ChildOf>,
         ),
-        (Without<Quarantined>, Without<Inactive>),
+        (Simulated, Without<Inactive>),
     >,
 ) {
     let dt = time.dt;
@@ -110,7 +110,7 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
 #[doc(hidden)]
 pub fn child_transforms(
     table: Res<BodyTable>,
-    bodies: Query<(Entity, &BodyIndex, &Pose, &ChildOf), Without<Quarantined>>,
+    bodies: Query<(Entity, &BodyIndex, &Pose, &ChildOf), Simulated>,
     parents: Query<&ChildOf>,
     mut placed: Query<(&mut Transform, Option<&ChildOf>)>,
 ) {

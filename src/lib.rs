@@ -124,9 +124,10 @@ pub use schedule::{advance, refresh, step};
 /// The types and functions that most users need.
 pub mod prelude {
     pub use crate::body::{
-        AngularInertia, CenterOfMass, Damping, Density, Dominance, ExternalForce, ExternalImpulse,
-        Forces, GravityScale, LockedAxes, Mass, MaxAngularSpeed, MaxLinearSpeed, Motion, Pose,
-        Quarantined, RigidBody, Sleeping, SpawnOrder, Teleport, Velocity,
+        AngularInertia, CenterOfMass, ColliderDisabled, Damping, Density, Dominance, ExternalForce,
+        ExternalImpulse, Forces, GravityScale, LockedAxes, Mass, MaxAngularSpeed, MaxLinearSpeed,
+        Motion, Pose, Quarantined, RigidBody, RigidBodyDisabled, Sleeping, SpawnOrder, Teleport,
+        Velocity,
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{
@@ -150,8 +151,8 @@ pub mod prelude {
     };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{
-        ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
-        StabilizationSettings,
+        ContactSolver, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
+        SpeedLimits, StabilizationSettings,
     };
     pub use crate::{DrystonePlugins, step};
     pub use glam::{BVec3, Quat, Vec3};

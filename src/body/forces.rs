@@ -1,7 +1,7 @@
 //! External forces, gravity scale and damping of a body, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
 use super::{
-    BodyIndex, BodyState, BodyTable, Inactive, LockedAxes, MassProperties, Pose, Quarantined,
+    BodyIndex, BodyState, BodyTable, Inactive, LockedAxes, MassProperties, Pose, Simulated,
     Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
@@ -144,7 +144,7 @@ pub fn forces(
             Option<&GravityScale>,
             &mut Velocity,
         ),
-        (Without<Quarantined>, Without<Inactive>),
+        (Simulated, Without<Inactive>),
     >,
 ) {
     let dt = time.dt;

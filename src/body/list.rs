@@ -11,9 +11,9 @@
 /// The names of the listed components.
 pub(super) mod names {
     pub use crate::body::{
-        AngularInertia, BodyIndex, CenterOfMass, Damping, Density, Dominance, ExternalForce,
-        ExternalImpulse, GravityScale, LockedAxes, Mass, MassProperties, MaxAngularSpeed,
-        MaxLinearSpeed, Motion, Pose, Sleeping, SpawnOrder, Velocity,
+        AngularInertia, BodyIndex, CenterOfMass, ColliderDisabled, Damping, Density, Dominance,
+        ExternalForce, ExternalImpulse, GravityScale, LockedAxes, Mass, MassProperties,
+        MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Sleeping, SpawnOrder, Velocity,
     };
     pub use crate::collider::{
         Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
@@ -69,6 +69,7 @@ macro_rules! body_properties {
                 inertia: AngularInertia,
                 center: CenterOfMass,
                 events: ContactEvents,
+                collider_disabled: ColliderDisabled,
             }
             kept {
                 /// Coefficient of friction of the surface.

@@ -10,6 +10,7 @@
 mod apply;
 mod complete;
 mod describe;
+mod disabled;
 mod dominance;
 mod forces;
 mod inactive;
@@ -37,6 +38,8 @@ mod table;
 
 pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
 pub use complete::complete;
+pub(crate) use disabled::Simulated;
+pub use disabled::{ColliderDisabled, RigidBodyDisabled};
 pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;

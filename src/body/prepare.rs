@@ -6,7 +6,7 @@ use super::listed::{Changes, Described};
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,
-    GravityScale, Inactive, MassProperties, Pose, Quarantined, RigidBody, Sleeping, SpawnOrder,
+    GravityScale, Inactive, MassProperties, Pose, RigidBody, Simulated, Sleeping, SpawnOrder,
     Teleport, Velocity, limits,
 };
 use crate::collider::Collider;
@@ -46,22 +46,14 @@ pub fn prepare(
     (mut table, mut suspects): (ResMut<BodyTable>, ResMut<Suspects>),
     rules: Rules,
     mut bodies: ParamSet<(
-        Query<
-            Entity,
-            (
-                With<BodyIndex>,
-                Without<Quarantined>,
-                Without<Inactive>,
-                Changes,
-            ),
-        >,
+        Query<Entity, (With<BodyIndex>, Simulated, Without<Inactive>, Changes)>,
         InactiveBodies,
         InactiveChildren,
-        Query<Moving, (Without<Quarantined>, Without<Inactive>)>,
-        Query<Moving, Without<Quarantined>>,
+        Query<Moving, (Simulated, Without<Inactive>)>,
+        Query<Moving, Simulated>,
     )>,
     teleported: Query<Entity, (With<Teleport>, IsInactive)>,
-    mut described: Query<Described, Without<Quarantined>>,
+    mut described: Query<Described, Simulated>,
     placed: Placed,
 ) {
     let changed: EntityHashSet = bodies.p0().iter().collect();
@@ -166,7 +158,7 @@ impl Visitor<'_, '_, '_> {
     fn visit(
         &mut self,
         (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
-        described: &mut Query<Described, Without<Quarantined>>,
+        described: &mut Query<Described, Simulated>,
         placed: Placed,
     ) -> Option<(SpawnOrder, Entity)> {
         let (entity, kind, spawn_order, sleeping) = of;

@@ -3,7 +3,10 @@
 //! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
 //! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a step.
 
-use super::{BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, SpawnOrder, Velocity};
+use super::{
+    BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, RigidBodyDisabled, SpawnOrder,
+    Velocity,
+};
 use crate::collider::Collider;
 use crate::version::next_version;
 use bevy_ecs::change_detection::Tick;
@@ -246,7 +249,11 @@ impl MapEntities for BodyTable {
 /// Returns true if an entity is a body now: not despawned, not disabled, and with a [`RigidBody`].
 pub(crate) fn is_body(world: &World, entity: Entity) -> bool {
     let entity = world.get_entity(entity);
-    entity.is_ok_and(|body| body.contains::<RigidBody>() && !body.contains::<Disabled>())
+    entity.is_ok_and(|body| {
+        body.contains::<RigidBody>()
+            && !body.contains::<Disabled>()
+            && !body.contains::<RigidBodyDisabled>()
+    })
 }
 
 impl BodyTable {

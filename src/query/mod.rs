@@ -54,7 +54,7 @@ pub use overlaps::Overlap;
 pub use points::PointHit;
 pub use rays::RayHit;
 
-use crate::body::{BodyState, BodyTable, Pending, Pose, Quarantined, RigidBody};
+use crate::body::{BodyState, BodyTable, Pending, Pose, RigidBody, Simulated};
 use crate::broadphase::Broadphase;
 use crate::settings::PhysicsThreads;
 use bevy_ecs::prelude::*;
@@ -70,7 +70,7 @@ pub struct SpatialQuery<'w, 's> {
     broadphase: Res<'w, Broadphase>,
     table: Res<'w, BodyTable>,
     pending: Res<'w, Pending>,
-    poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Without<Quarantined>)>,
+    poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Simulated)>,
     threads: Res<'w, PhysicsThreads>,
 }
 

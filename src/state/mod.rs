@@ -12,7 +12,7 @@ pub(crate) mod visitor;
 
 pub use visitor::Visitor;
 
-use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, Teleport};
+use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
 use crate::broadphase::Broadphase;
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
@@ -23,8 +23,8 @@ use crate::diagnosis::{Suspects, Told};
 use crate::grab::{GrabForce, Hand, HandState, HeldBy};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
-    ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
-    StabilizationSettings, StepTime,
+    ActiveSettings, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
+    SpeedLimits, StabilizationSettings, StepTime,
 };
 use crate::warm_start::IslandProblems;
 use bevy_ecs::entity_disabling::Disabled;
@@ -42,7 +42,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     }
     // Bodies, written by users and stages.
     body::visit(visitor);
-    list!(component: Inactive, Quarantined, Teleport, GrabForce, HeldBy);
+    list!(component: Inactive, Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
     list!(component: ContactForceEvents, Load, Watch, Stands);
     // Hands.
     list!(component: HandState, Hand);
@@ -52,7 +52,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(component: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
 
     list!(resource: Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings);
-    list!(resource: SleepSettings, SpeedLimits, CollapseSettings);
+    list!(resource: SleepSettings, SpeedLimits, CollapseSettings, PhysicsTime);
     list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);

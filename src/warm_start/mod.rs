@@ -21,7 +21,7 @@ mod patches;
 mod points;
 mod problems;
 
-use crate::body::{BodyIndex, BodyTable, Inactive, Quarantined};
+use crate::body::{BodyIndex, BodyTable, Inactive, Simulated};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::grab::{Grab, GrabForce};
 use crate::graph::{ConstraintGraph, Islands};
@@ -79,7 +79,7 @@ type Grabs<'w, 's> = Query<
         &'static Grab,
         &'static GrabForce,
     ),
-    (Without<Quarantined>, Without<Inactive>),
+    (Simulated, Without<Inactive>),
 >;
 
 /// The system of the stage.

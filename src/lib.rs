@@ -131,11 +131,12 @@ pub mod prelude {
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{
-        Collider, CollisionExceptions, CollisionLayers, CombineRule, Friction, Restitution,
-        RollingFriction,
+        Collider, CollisionExceptions, CollisionLayer, CollisionLayers, CombineRule, Friction,
+        LayerMask, Restitution, RollingFriction, SurfaceVelocity,
     };
     pub use crate::contact::{
-        Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,
+        ActiveContactHooks, Bearing, CollidingEntities, ContactEnded, ContactEvents, ContactForce,
+        ContactForceEvents, ContactHook, ContactHooks, ContactModification, ContactPair,
         ContactStarted, Contacts, FaceForce, Load, NotABody, Supports, contacts, supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};

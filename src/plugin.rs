@@ -117,6 +117,7 @@ impl Plugin for StepPlugin {
             .init_resource::<LostPairs>()
             .init_resource::<EndedPairs>()
             .init_resource::<Untriggered>()
+            .init_resource::<contact::MovingSurfaces>()
             .add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
@@ -191,6 +192,9 @@ impl Plugin for BodyPlugin {
             .register_type::<body::MaxAngularSpeed>()
             .register_type::<body::RigidBodyDisabled>()
             .register_type::<body::ColliderDisabled>()
+            .register_type::<crate::collider::SurfaceVelocity>()
+            .register_type::<contact::ActiveContactHooks>()
+            .register_type::<contact::CollidingEntities>()
             .add_observer(body::lost_parent)
             .add_observer(grab::let_go_of_disabled);
         let profile = profile(app);
@@ -244,6 +248,7 @@ impl Plugin for CollisionPlugin {
             (
                 timed(&profile, "narrowphase", narrowphase::narrowphase),
                 timed(&profile, "narrowphase", narrowphase::crowd),
+                timed(&profile, "narrowphase", narrowphase::modify_contacts),
             )
                 .chain()
                 .in_set(PhysicsSystems::Narrowphase),
@@ -389,6 +394,7 @@ impl Plugin for ContactEventsPlugin {
                 timed(&profile, "contact_events", contact::whole_step),
                 timed(&profile, "contact_events", contact::loads),
                 timed(&profile, "contact_events", contact::contact_events),
+                timed(&profile, "contact_events", contact::colliding_entities),
                 timed(&profile, "contact_events", contact::contact_forces),
             )
                 .chain()

@@ -17,8 +17,9 @@ pub(super) mod names {
     };
     pub use crate::collider::{
         Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+        SurfaceVelocity,
     };
-    pub use crate::contact::ContactEvents;
+    pub use crate::contact::{ActiveContactHooks, ContactEvents};
     pub use crate::grab::Grab;
 }
 
@@ -90,6 +91,10 @@ macro_rules! body_properties {
                 max_linear_speed: MaxLinearSpeed,
                 /// Its maximum angular speed.
                 max_angular_speed: MaxAngularSpeed,
+                /// The velocity of its surface.
+                surface_velocity: SurfaceVelocity,
+                /// The hooks that are called for its contacts.
+                hooks: ActiveContactHooks,
             }
         }
     };

@@ -95,6 +95,7 @@ fn problem<'a>(
         patches: &mut rows.patches,
         points: &mut rows.points,
         grabs,
+        surfaces: &rows.surfaces,
         dt: context.time.dt,
         longest: context.time.max_recent_dt,
         gravity: context.gravity.0,

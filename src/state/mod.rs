@@ -16,8 +16,9 @@ use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisa
 use crate::broadphase::Broadphase;
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
-    ContactAnchors, ContactForceEvents, ContactImpulses, ContactPair, ContactTargets, EndedPairs,
-    Load, LostPairs, Manifold, NarrowphaseCache, Untriggered,
+    CollidingEntities, ContactAnchors, ContactForceEvents, ContactHooks, ContactImpulses,
+    ContactPair, ContactTargets, EndedPairs, Load, LostPairs, Manifold, MovingSurfaces,
+    NarrowphaseCache, Untriggered,
 };
 use crate::diagnosis::{Suspects, Told};
 use crate::grab::{GrabForce, Hand, HandState, HeldBy};
@@ -43,8 +44,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     // Bodies, written by users and stages.
     body::visit(visitor);
     list!(component: Inactive, Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
-    list!(component: ContactForceEvents, Load, Watch, Stands);
-    // Hands.
+    list!(component: CollidingEntities, ContactForceEvents, Load, Watch, Stands);
+    // Of hands.
     list!(component: HandState, Hand);
     // Any entity: components of Bevy that drystone reads.
     list!(component: Transform, ChildOf, Name, Disabled);
@@ -52,10 +53,10 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(component: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
 
     list!(resource: Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings);
-    list!(resource: SleepSettings, SpeedLimits, CollapseSettings, PhysicsTime);
+    list!(resource: SleepSettings, SpeedLimits, CollapseSettings, PhysicsTime, ContactHooks);
     list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
-    list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);
+    list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);
 
     list!(derived: Pending, IslandProblems);
 }

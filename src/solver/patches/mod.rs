@@ -52,6 +52,9 @@ pub struct PatchProblem<'a> {
     pub points: &'a mut [PatchPoint],
     /// Grabs that hold some of the bodies.
     pub grabs: &'a mut [GrabConstraint],
+    /// Tangential velocities that friction demands of A against B, m/s, world axes, by the index of the patch, in ascending order. Patches that
+    /// are not in the list demand zero.
+    pub surfaces: &'a [(u32, Vec3)],
     /// Length of the step, s.
     pub dt: f32,
     /// The longest of recent steps, s; at least `dt`. It sets a stiffness that must not increase for a step that is short by chance.

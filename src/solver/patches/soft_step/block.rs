@@ -118,6 +118,8 @@ pub struct Block<L: F32xN> {
     pub(super) inverse_mass: [L; 2],
     /// The inverse masses of its bodies along each axis, if some axis of them is locked. Nearly all blocks have none.
     pub(super) locks: Option<Box<Locks<L>>>,
+    /// Velocities that friction demands along both tangents, m/s, if a surface moves.
+    pub(super) surface: Option<Box<[L; 2]>>,
     pub(super) friction: L,
     /// W over (F_n, T_1, T_2), the coordinates of normals.
     pub(super) normals: Symmetric<L>,

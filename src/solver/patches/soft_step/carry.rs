@@ -94,11 +94,12 @@ impl<L: F32xN> Block<L> {
     pub fn begin(
         &mut self,
         points: &mut [Points<L>],
-        patches: impl Iterator<Item = (usize, u32)>,
+        patches: impl Iterator<Item = (usize, u32)> + Clone,
         problem: &PatchProblem,
         substeps: usize,
         deepest: f32,
     ) {
+        self.begin_surfaces(patches.clone(), problem);
         let mut found = Beginning::default();
         for (lane, number) in patches {
             let patch = &problem.patches[number as usize];

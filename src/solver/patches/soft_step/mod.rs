@@ -52,6 +52,7 @@ mod parting;
 mod pipeline;
 mod refresh;
 mod skewed_sweeps;
+mod surface;
 mod sweep_budget;
 mod together;
 mod upright;

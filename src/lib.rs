@@ -147,8 +147,8 @@ pub mod prelude {
     };
     pub use crate::profile::Profile;
     pub use crate::query::{
-        CastHit, Dir3, Overlap, PointHit, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery,
-        spatial_query,
+        CastHit, CharacterHit, Dir3, Ground, MoveAndSlide, Overlap, PointHit, QueryError,
+        QueryFilter, Ray3d, RayHit, Slide, SpatialQuery, spatial_query,
     };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{

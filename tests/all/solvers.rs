@@ -385,6 +385,7 @@ impl Patches {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
+            surfaces: &[],
             grabs: &mut [],
             dt: DT,
             longest: DT,

@@ -87,7 +87,7 @@ impl MoveAndSlide {
 pub struct Slide {
     /// Its position then, m.
     pub position: Vec3,
-    /// The ground that it stands on then, if it stands.
+    /// The ground that it stands on then, if it stands. A jump leaves the ground if its first step is longer than [`MoveAndSlide::margin`].
     pub ground: Option<Ground>,
     /// The obstacles that it met, in order.
     pub hits: Vec<CharacterHit>,
@@ -149,10 +149,7 @@ impl SpatialQuery<'_, '_> {
         if stood && !goes_up {
             walk.snap()?;
         }
-        let ground = match goes_up {
-            true => None,
-            false => self.ground(collider, walk.pose, rules, filter)?,
-        };
+        let ground = self.ground(collider, walk.pose, rules, filter)?;
         Ok(Slide {
             position: walk.pose.position,
             ground,

@@ -132,12 +132,12 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
             let Some(hit) = hit else {
                 break;
             };
-            let walkable = self.query.face_below(&hit, self.rules, self.filter)?;
-            if walkable.is_none() && stood && self.climb(rest)? {
+            // The edge of a step counts as a wall, until the character stands on it.
+            if !self.rules.is_walkable(hit.normal) && stood && self.climb(rest)? {
                 break;
             }
             self.note(&hit, rest);
-            planes.push(self.plane(walkable.unwrap_or(hit.normal), walkable.is_some()));
+            planes.push(self.plane(hit.normal));
             left = along(rest, &planes);
             // What would lead back is no way.
             if left.dot(way) < 0.0 {
@@ -149,9 +149,9 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
 
     /// The normal of the plane along which the character slides. At ground that is too steep to stand on it does not climb: for its way such
     /// ground is a wall, unless it comes down on it.
-    fn plane(&self, normal: Vec3, walkable: bool) -> Vec3 {
+    fn plane(&self, normal: Vec3) -> Vec3 {
         let up = normal.dot(*self.rules.up);
-        match !walkable && up > 0.0 {
+        match !self.rules.is_walkable(normal) && up > 0.0 {
             true => self.rules.level(normal).try_normalize().unwrap_or(normal),
             false => normal,
         }

@@ -1,7 +1,7 @@
 //! A character climbs stairs of loose bricks, and pushes a crate off the top: `cargo run --release --example character`.
 //!
-//! The character is a kinematic body that the game moves itself, by [`SpatialQuery::move_and_slide`]. It weighs nothing on what it stands on, and
-//! the bricks stay where they were put. What it runs into it pushes with a limited force.
+//! The character is no body: it only asks where it can go, by [`SpatialQuery::move_and_slide`]. It weighs nothing on what it stands on, and the
+//! bricks stay where they were put. The crate that it runs into it pushes with a limited force.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
@@ -13,7 +13,7 @@ const DT: f32 = 1.0 / 60.0;
 /// Speed of the character, m/s.
 const WALK: f32 = 2.0;
 /// The largest force with which it pushes, N.
-const PUSH: f32 = 1500.0;
+const PUSH: f32 = 320.0;
 /// Number of stairs, and their size, m.
 const STAIRS: usize = 8;
 const STAIR: Vec3 = Vec3::new(0.4, 0.2, 1.5);
@@ -28,15 +28,18 @@ pub struct Character {
     pub ground: Option<Ground>,
 }
 
+/// A body that the character pushes. Bricks of stairs are none.
+#[derive(Component)]
+pub struct Pushable;
+
 /// Moves the character by one step, and pushes what it runs into.
 pub fn walk(
-    mut commands: Commands,
     world: SpatialQuery,
-    mut characters: Query<(Entity, &mut Character, &mut Transform)>,
-    mut bodies: Query<Forces, Without<Character>>,
+    mut characters: Query<(&mut Character, &mut Transform)>,
+    mut bodies: Query<Forces, (With<Pushable>, Without<Character>)>,
     gravity: Res<Gravity>,
 ) {
-    for (entity, mut character, mut transform) in &mut characters {
+    for (mut character, mut transform) in &mut characters {
         let carried = character
             .ground
             .map_or(Vec3::ZERO, |ground| ground.velocity);
@@ -49,8 +52,7 @@ pub fn walk(
             position: transform.translation,
             rotation: transform.rotation,
         };
-        let own = [entity];
-        let filter = QueryFilter::default().excluding(&own);
+        let filter = QueryFilter::default();
         let rules = MoveAndSlide::default();
         let slide = world.move_and_slide(&character.shape, from, velocity * DT, &rules, &filter);
         let Ok(slide) = slide.inspect_err(|error| eprintln!("{error}")) else {
@@ -58,8 +60,6 @@ pub fn walk(
         };
         transform.translation = slide.position;
         character.ground = slide.ground;
-        // With a velocity of its own the body would shove what it only walks past.
-        commands.entity(entity).insert(Teleport);
         for hit in slide.hits {
             if let Ok(mut body) = bodies.get_mut(hit.entity) {
                 body.apply_linear_impulse_at_point(hit.push(PUSH, DT), hit.point);
@@ -92,21 +92,22 @@ pub fn play(seconds: f32) -> Outcome {
         (RigidBody::Dynamic, shape, Transform::from_translation(at))
     };
     let mut bricks = Vec::new();
-    for stair in 0..STAIRS {
-        // The last stair is a landing of three.
-        let last = if stair + 1 == STAIRS { 3 } else { 1 };
-        for (row, part) in (0..=stair).flat_map(|row| (0..last).map(move |part| (row, part))) {
-            let x = 1.0 + STAIR.x * (stair + part) as f32;
-            let at = Vec3::new(x, STAIR.y * (row as f32 + 0.5), 0.0);
-            // A joint of a millimetre between the columns.
-            bricks.push(world.spawn(brick(at, STAIR - Vec3::X * 1e-3)).id());
-        }
+    for (row, side) in (0..STAIRS).flat_map(|row| [(row, -0.25), (row, 0.25)]) {
+        // Each course begins one stair farther on, and all end together. Two loose bricks lie side by side in it.
+        let length = STAIR.x * (STAIRS + 2 - row) as f32;
+        let x = 0.8 + STAIR.x * row as f32 + 0.5 * length;
+        let at = Vec3::new(x, STAIR.y * (row as f32 + 0.5), side * STAIR.z);
+        bricks.push(
+            world
+                .spawn(brick(at, Vec3::new(length, STAIR.y, 0.5 * STAIR.z)))
+                .id(),
+        );
     }
     let top = STAIR.y * STAIRS as f32;
     let end = 1.0 + STAIR.x * (STAIRS + 1) as f32;
     let crate_at = Vec3::new(end, top + 0.25, 0.0);
     let pushed = world
-        .spawn((brick(crate_at, Vec3::splat(0.5)), Density(400.0)))
+        .spawn((brick(crate_at, Vec3::splat(0.5)), Density(400.0), Pushable))
         .id();
     let settled = |world: &World, body: Entity| world.get::<Transform>(body).unwrap().translation;
     for _ in 0..60 {
@@ -115,8 +116,6 @@ pub fn play(seconds: f32) -> Outcome {
     let put: Vec<Vec3> = bricks.iter().map(|&of| settled(world, of)).collect();
     let shape = Collider::capsule(0.3, 1.0);
     let character = (
-        RigidBody::Kinematic,
-        shape.clone(),
         Transform::from_xyz(-1.0, 0.81, 0.0),
         Character {
             shape,

@@ -11,7 +11,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
 /// A constant force (N) and torque (N·m) at the centre of mass, in world axes and in the axes of the body. They act in every step until they
-/// are changed. Default: zero. [`Forces`] applies them for a moment instead.
+/// are changed. Default: zero. [`Forces`](super::Forces) applies them for a moment instead.
 ///
 /// ```
 /// use drystone::prelude::*;

@@ -73,27 +73,22 @@ fn boxes_do_not_pass_a_thin_wall() {
     });
 }
 
-/// A rod that hits with one end gets a spin of hundreds of rad/s, which turns it by several turns in a step; then no engine knows where it is.
-/// A limit of its spin keeps it on its side.
+/// A rod of 1 m that hits with one end is turned by several turns in the step, and contacts are detected once a step. So some pass: a known limit.
 #[test]
-fn spinning_rods_do_not_pass_a_thin_wall() {
-    for turn in [0.0, 0.25, 0.5, 1.0, f32::INFINITY] {
-        for dt in [1.0 / 60.0, 0.1] {
-            let passed = through(
-                |lab, rng| {
-                    plate(lab);
-                    let rod = lab.body(Collider::cuboid(0.05, 1.0, 0.05), Vec3::ZERO);
-                    lab.world.entity_mut(rod).insert(MaxAngularSpeed(turn / dt));
-                    let spin = Vec3::new(rng.f32(), rng.f32(), rng.f32()) * 60.0 - 30.0;
-                    lab.set_velocity(rod, Vec3::ZERO, spin);
-                    rod
-                },
-                dt,
-            );
-            println!(
-                "rods that turn by {turn} rad a step at Δt {dt:.3} s: {passed} of {SHOTS} through"
-            );
-        }
+fn few_spinning_rods_pass_a_thin_wall() {
+    for dt in [1.0 / 60.0, 0.1] {
+        let passed = through(
+            |lab, rng| {
+                plate(lab);
+                let rod = lab.body(Collider::cuboid(0.05, 1.0, 0.05), Vec3::ZERO);
+                let spin = Vec3::new(rng.f32(), rng.f32(), rng.f32()) * 60.0 - 30.0;
+                lab.set_velocity(rod, Vec3::ZERO, spin);
+                rod
+            },
+            dt,
+        );
+        println!("rods at Δt {dt:.3} s: {passed} of {SHOTS} through");
+        assert!(passed <= SHOTS / 10, "{passed}");
     }
 }
 

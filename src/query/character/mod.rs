@@ -89,7 +89,7 @@ pub struct Slide {
     pub position: Vec3,
     /// The ground that it stands on then, if it stands. A jump leaves the ground if its first step is longer than [`MoveAndSlide::margin`].
     pub ground: Option<Ground>,
-    /// The obstacles that it met, in order.
+    /// The bodies that it met, in order, each once.
     pub hits: Vec<CharacterHit>,
 }
 
@@ -143,10 +143,10 @@ impl SpatialQuery<'_, '_> {
         }
         let mut walk = Walk::new(self, collider, from, rules, filter);
         walk.leave_overlaps()?;
-        let stood = self.ground(collider, walk.pose, rules, filter)?.is_some();
-        walk.slide(translation, stood)?;
+        let stood = self.ground(collider, walk.pose, rules, filter)?;
+        walk.slide(translation, stood.as_ref())?;
         let goes_up = translation.dot(*rules.up) > 1e-6;
-        if stood && !goes_up {
+        if stood.is_some() && !goes_up {
             walk.snap()?;
         }
         let ground = self.ground(collider, walk.pose, rules, filter)?;

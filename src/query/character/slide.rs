@@ -1,6 +1,6 @@
 //! The way of a character: casts, slides and steps.
 
-use super::MoveAndSlide;
+use super::{Ground, MoveAndSlide};
 use crate::body::Pose;
 use crate::collider::Collider;
 use crate::query::{CastHit, QueryError, QueryFilter, SpatialQuery};
@@ -121,7 +121,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
     }
 
     /// Goes along a way, and along the surfaces of obstacles with what is left of it.
-    pub fn slide(&mut self, way: Vec3, stood: bool) -> Result<(), QueryError> {
+    pub fn slide(&mut self, way: Vec3, stood: Option<&Ground>) -> Result<(), QueryError> {
         let mut left = way;
         let mut planes: Vec<Vec3> = Vec::new();
         for _ in 0..self.rules.max_slides {
@@ -133,7 +133,10 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
                 break;
             };
             // The edge of a step counts as a wall, until the character stands on it.
-            if !self.rules.is_walkable(hit.normal) && stood && self.climb(rest)? {
+            if let Some(stood) = stood
+                && !self.rules.is_walkable(hit.normal)
+                && self.climb(rest, stood)?
+            {
                 break;
             }
             self.note(&hit, rest);
@@ -159,6 +162,12 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
 
     fn note(&mut self, hit: &CastHit, rest: Vec3) {
         let blocked = hit.normal * rest.dot(hit.normal).min(0.0);
+        let known = self.hits.iter_mut().find(|of| of.entity == hit.entity);
+        if let Some(known) = known {
+            // One push for each body, or it would be several times as strong.
+            known.blocked += blocked;
+            return;
+        }
         let inverse_mass = self.query.inverse_mass(hit.entity);
         self.hits.push(CharacterHit {
             entity: hit.entity,
@@ -169,8 +178,8 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
         });
     }
 
-    /// Climbs a step that is in the way. Returns false, and stays, if there is none.
-    fn climb(&mut self, rest: Vec3) -> Result<bool, QueryError> {
+    /// Climbs a step that is in the way of a character that stood on some ground. Returns false, and stays, if there is none.
+    fn climb(&mut self, rest: Vec3, stood: &Ground) -> Result<bool, QueryError> {
         let rules = self.rules;
         let (up, forth) = (*rules.up, rules.level(rest));
         let Ok((ahead, length)) = Dir3::new_and_length(forth) else {
@@ -197,8 +206,10 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
         let Some(below) = below else {
             return Ok(false);
         };
+        // A round shape gets over the edge of a step that is too high.
+        let step = (below.point - stood.point).dot(up);
         let height = drop - below.distance + rules.margin;
-        if height <= NOTHING {
+        if height <= NOTHING || step > rules.step_height + rules.margin {
             return Ok(false);
         }
         // No higher than the step is, or a ceiling behind it would be met.

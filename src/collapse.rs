@@ -235,7 +235,7 @@ type Watched<'w, 's> = Query<
     ),
     (
         Simulated,
-        // Of a body at rest only what is asked of it can change. What comes to rest stands.
+        // Inactive bodies only matter when they become inactive, because they then stand, and when their `Watch` changes.
         Or<(Without<Inactive>, Added<Inactive>, Changed<Watch>)>,
     ),
 >;

@@ -45,7 +45,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     body::visit(visitor);
     list!(component: Inactive, Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
     list!(component: CollidingEntities, ContactForceEvents, Load, Watch, Stands);
-    // Of hands.
+    // Hands.
     list!(component: HandState, Hand);
     // Any entity: components of Bevy that drystone reads.
     list!(component: Transform, ChildOf, Name, Disabled);

@@ -513,7 +513,7 @@ fn a_body_that_is_not_mended_stays_away() {
             torque,
             ..Default::default()
         };
-        site.lab.world.entity_mut(site.victim).insert(push);
+        site.insert(push);
         site.lab.run(0.5);
         assert_eq!(site.lab.errors().len(), 1);
         // Another component is written, and the invalid one is written again.
@@ -555,7 +555,9 @@ fn a_body_comes_back_when_what_was_wrong_is_taken_off() {
         torque,
         ..Default::default()
     };
-    site.lab.world.entity_mut(site.victim).insert(force);
+    site.insert(force);
+    site.run_to_error();
+    site.remove::<ExternalForce>();
     site.lab.run(0.1);
     assert!(!site.is_quarantined());
     site.insert(Mass(0.0));

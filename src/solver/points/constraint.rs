@@ -67,7 +67,7 @@ pub fn tangents(normal: Vec3) -> [Vec3; 2] {
 /// Share of the inverse masses that is added to W where axes are locked. It changes the size of steps, not their goal.
 const EASE: f32 = 1e-4;
 
-/// Masses of two bodies in the frame of a normal, for all points with that normal.
+/// The masses of two bodies in the frame of a normal. All points with that normal share it.
 pub(crate) struct PatchFrame {
     /// The axes n, t1 and t2.
     axes: [Vec3; 3],
@@ -77,7 +77,7 @@ pub(crate) struct PatchFrame {
     inverse_mass_coupling: f32,
     /// Added to the diagonal of W where axes are locked: its elements may be zero up to rounding, 1/kg.
     ease: f32,
-    /// Inverse inertias of A and B in the frame, 1/(kg·m²): xx, yy, zz, and xy, xz, yz.
+    /// Inverse inertias of A and B in the frame, 1/(kg·m²): first xx, yy and zz, then xy, xz and yz.
     inverse_inertia: [[Vec3; 2]; 2],
 }
 

@@ -233,7 +233,7 @@ impl PointProblem<'_> {
         report
     }
 
-    /// One projected Gauss–Seidel sweep over all grabs and then all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
+    /// Does one projected Gauss–Seidel sweep over all grabs and then over all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
         let mut change = 0.0;
         for (i, mut held) in self.held().into_iter().enumerate() {

@@ -187,6 +187,7 @@ impl Game {
             let finger = ExternalForce {
                 force: force * out.normalize(),
                 torque: Vec3::ZERO,
+                ..Default::default()
             };
             self.world.entity_mut(plank).insert(finger);
             self.run(DT)?;

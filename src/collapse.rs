@@ -30,8 +30,7 @@
 //! ```
 
 use crate::body::{
-    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, Quarantined, RigidBody, SpawnOrder,
-    Velocity,
+    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
 };
 use crate::contact::Contacts;
 use crate::grab::Grab;
@@ -235,7 +234,7 @@ type Watched<'w, 's> = Query<
         ),
     ),
     (
-        Without<Quarantined>,
+        Simulated,
         // Inactive bodies only matter when they become inactive, because they then stand, and when their `Watch` changes.
         Or<(Without<Inactive>, Added<Inactive>, Changed<Watch>)>,
     ),

@@ -31,6 +31,10 @@ pub enum BodyProblem {
     DegenerateShape,
     /// The friction, rolling friction or restitution is negative, not finite or out of bounds.
     InvalidMaterial,
+    /// The surface velocity is NaN, infinite or out of bounds.
+    InvalidSurfaceVelocity,
+    /// The maximum linear or angular speed is NaN or negative.
+    InvalidMaxSpeed,
     /// The solve of its island gave an invalid velocity. The island keeps its velocities and poses from before the step, and starts
     /// without impulses.
     Diverged,
@@ -134,6 +138,14 @@ impl fmt::Display for BodyProblem {
                 f,
                 "its friction or rolling friction is not between 0 and {:.0e}, or its restitution not between 0 and 1",
                 limits::FRICTION
+            ),
+            Self::InvalidSurfaceVelocity => write!(
+                f,
+                "its surface velocity is not finite or above {:.0e} m/s",
+                limits::SPEED
+            ),
+            Self::InvalidMaxSpeed => f.write_str(
+                "its `MaxLinearSpeed` or `MaxAngularSpeed` is negative or not a number; an infinite one is no limit",
             ),
             Self::Diverged => f.write_str(
                 "the solve of its island went wrong, and was taken back; look for extreme forces, masses or sizes",

@@ -13,8 +13,8 @@
 //! angular momentum. That keeps momentum and energy at any speed, but not the way in which the body tumbles.
 
 use crate::body::{
-    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, Quarantined,
-    RigidBody, Velocity, limits, local_pose,
+    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, RigidBody, Simulated,
+    Velocity, limits, local_pose,
 };
 use crate::settings::StepTime;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -37,7 +37,7 @@ pub fn integration(
             &mut Transform,
             Has<ChildOf>,
         ),
-        (Without<Quarantined>, Without<Inactive>),
+        (Simulated, Without<Inactive>),
     >,
 ) {
     let dt = time.dt;
@@ -58,25 +58,39 @@ pub fn integration(
             let (velocity, pose) = (velocity.bypass_change_detection(), &mut *pose);
             let way = dt * linear - dt * motion.lag();
             let center = pose.transform_point(mass.local_center) + way;
-            let before = pose.rotation;
+            let (before, from) = (pose.rotation, pose.position);
+            let locks = body.properties.locked_axes;
             (pose.rotation, velocity.angular) = match (body.kind, mean) {
+                (RigidBody::Dynamic, _) if locks.locks_rotation() && angular == Vec3::ZERO => {
+                    (before, velocity.angular)
+                }
+                // The gyroscopic term needs all three axes.
+                (RigidBody::Dynamic, _) if locks.locks_rotation() => {
+                    (turned_about(angular, before, dt), velocity.angular)
+                }
                 (RigidBody::Dynamic, None) => rotate(mass, before, velocity.angular, dt),
                 (RigidBody::Dynamic, Some(_)) if !matches!(motion, Motion::Exact { .. }) => {
                     carried(mass, before, angular, velocity.angular, dt)
                 }
-                _ => {
-                    let turned = turn(angular.as_dvec3(), dt).as_quat() * before;
-                    (turned.normalize(), velocity.angular)
-                }
+                _ => (turned_about(angular, before, dt), velocity.angular),
             };
             pose.rotation = Quat::from_vec4(limits::flush_to_zero(pose.rotation.into()));
-            pose.position = center - pose.rotation * mass.local_center;
+            pose.position = match locks.is_unlocked() || pose.rotation != before {
+                true => center - pose.rotation * mass.local_center,
+                // Without rounding by way of the centre of mass.
+                false => from + way,
+            };
         }
         if !child {
             transform.translation = pose.position;
             transform.rotation = pose.rotation;
         }
     }
+}
+
+/// The rotation after turning for Δt by a constant angular velocity.
+fn turned_about(angular: Vec3, rotation: Quat, dt: f32) -> Quat {
+    (turn(angular.as_dvec3(), dt).as_quat() * rotation).normalize()
 }
 
 /// Movement per step below which a body that contacts hold does not move at all: this share of its radius, or this angle, rad. It is half
@@ -96,7 +110,7 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
 #[doc(hidden)]
 pub fn child_transforms(
     table: Res<BodyTable>,
-    bodies: Query<(Entity, &BodyIndex, &Pose, &ChildOf), Without<Quarantined>>,
+    bodies: Query<(Entity, &BodyIndex, &Pose, &ChildOf), Simulated>,
     parents: Query<&ChildOf>,
     mut placed: Query<(&mut Transform, Option<&ChildOf>)>,
 ) {

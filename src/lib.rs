@@ -131,17 +131,19 @@ pub use schedule::{advance, refresh, step};
 /// The types and functions that most users need.
 pub mod prelude {
     pub use crate::body::{
-        AngularInertia, CenterOfMass, Damping, Density, ExternalForce, ExternalImpulse,
-        GravityScale, Mass, Motion, Pose, Quarantined, RigidBody, Sleeping, SpawnOrder, Teleport,
+        AngularInertia, CenterOfMass, ColliderDisabled, Damping, Density, Dominance, ExternalForce,
+        ExternalImpulse, Forces, GravityScale, LockedAxes, Mass, MaxAngularSpeed, MaxLinearSpeed,
+        Motion, Pose, Quarantined, RigidBody, RigidBodyDisabled, Sleeping, SpawnOrder, Teleport,
         Velocity,
     };
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{
-        Collider, CollisionExceptions, CollisionLayers, CombineRule, Friction, Restitution,
-        RollingFriction,
+        Collider, CollisionExceptions, CollisionLayer, CollisionLayers, CombineRule, Friction,
+        LayerMask, Restitution, RollingFriction, SurfaceVelocity,
     };
     pub use crate::contact::{
-        Bearing, ContactEnded, ContactEvents, ContactForce, ContactForceEvents, ContactPair,
+        ActiveContactHooks, Bearing, CollidingEntities, ContactEnded, ContactEvents, ContactForce,
+        ContactForceEvents, ContactHook, ContactHooks, ContactModification, ContactPair,
         ContactStarted, Contacts, FaceForce, Load, NotABody, Supports, contacts, supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
@@ -157,13 +159,13 @@ pub mod prelude {
     };
     pub use crate::profile::Profile;
     pub use crate::query::{
-        CastHit, Dir3, Overlap, PointHit, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery,
-        spatial_query,
+        CastHit, CharacterHit, Dir3, Ground, MoveAndSlide, Overlap, PointHit, QueryError,
+        QueryFilter, Ray3d, RayHit, Slide, SpatialQuery, spatial_query,
     };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
     pub use crate::settings::{
-        ContactSolver, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
-        StabilizationSettings,
+        ContactSolver, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
+        SpeedLimits, StabilizationSettings,
     };
     pub use crate::{DrystonePlugins, step};
     pub use glam::{BVec3, Quat, Vec3};

@@ -20,8 +20,8 @@ use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
 };
 use crate::settings::{
-    ActiveSettings, Gravity, NarrowphaseSettings, PhysicsThreads, SleepSettings, SolverSettings,
-    SpeedLimits, StabilizationSettings, StepTime, uses_point_solver,
+    ActiveSettings, Gravity, NarrowphaseSettings, PhysicsThreads, PhysicsTime, SleepSettings,
+    SolverSettings, SpeedLimits, StabilizationSettings, StepTime, uses_point_solver,
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
@@ -106,6 +106,8 @@ impl Plugin for StepPlugin {
             .init_resource::<SpeedLimits>()
             .init_resource::<ActiveSettings>()
             .init_resource::<PhysicsThreads>()
+            .init_resource::<PhysicsTime>()
+            .register_type::<PhysicsTime>()
             .init_resource::<StepTime>()
             .init_resource::<Profile>()
             .init_resource::<Suspects>()
@@ -122,6 +124,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Untriggered>()
             .init_resource::<JointChanges>()
             .init_resource::<BrokenJoints>()
+            .init_resource::<contact::MovingSurfaces>()
             .add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
@@ -143,10 +146,17 @@ impl Plugin for StepPlugin {
 }
 
 fn take_step(world: &mut World) {
-    if let Some(time) = world.get_resource::<Time>() {
-        // Errors have been logged and sent as a message.
-        let _ = advance(world, time.delta_secs());
-    }
+    let Some(time) = world.get_resource::<Time>() else {
+        return;
+    };
+    let delta = time.delta_secs();
+    let physics = world.get_resource_mut::<PhysicsTime>();
+    // `next_step` counts requested steps down, and nothing else.
+    let delta = physics.map_or(delta, |mut time| {
+        time.bypass_change_detection().next_step(delta)
+    });
+    // Errors have been logged and sent as a message.
+    let _ = advance(world, delta);
 }
 
 /// The profile with which stages are timed, made by whichever plugin comes first.
@@ -185,7 +195,16 @@ pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(body::lost_parent)
+        app.register_type::<body::LockedAxes>()
+            .register_type::<body::Dominance>()
+            .register_type::<body::MaxLinearSpeed>()
+            .register_type::<body::MaxAngularSpeed>()
+            .register_type::<body::RigidBodyDisabled>()
+            .register_type::<body::ColliderDisabled>()
+            .register_type::<crate::collider::SurfaceVelocity>()
+            .register_type::<contact::ActiveContactHooks>()
+            .register_type::<contact::CollidingEntities>()
+            .add_observer(body::lost_parent)
             .add_observer(grab::let_go_of_disabled);
         let profile = profile(app);
         app.add_systems(
@@ -238,6 +257,7 @@ impl Plugin for CollisionPlugin {
             (
                 timed(&profile, "narrowphase", narrowphase::narrowphase),
                 timed(&profile, "narrowphase", narrowphase::crowd),
+                timed(&profile, "narrowphase", narrowphase::modify_contacts),
             )
                 .chain()
                 .in_set(PhysicsSystems::Narrowphase),
@@ -407,6 +427,7 @@ impl Plugin for ContactEventsPlugin {
                 timed(&profile, "contact_events", contact::whole_step),
                 timed(&profile, "contact_events", contact::loads),
                 timed(&profile, "contact_events", contact::contact_events),
+                timed(&profile, "contact_events", contact::colliding_entities),
                 timed(&profile, "contact_events", contact::contact_forces),
             )
                 .chain()
@@ -419,12 +440,12 @@ impl Plugin for ContactEventsPlugin {
     }
 }
 
-/// Adds the [`RefreshSchedule`], and runs it in every frame in which virtual time is paused, so that queries find bodies that were spawned or
+/// Adds the [`RefreshSchedule`], and runs it in every frame in which virtual time or [`PhysicsTime`] is paused, so that queries find bodies that were spawned or
 /// moved since the last step.
 #[derive(Debug)]
 pub struct RefreshPlugin;
 
-/// The system set in `PreUpdate` that runs [`refresh`](crate::refresh()) while virtual time is paused.
+/// The system set in `PreUpdate` that runs [`refresh`](crate::refresh()) while virtual time or [`PhysicsTime`] is paused.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RefreshSystems;
 
@@ -447,8 +468,9 @@ impl Plugin for RefreshPlugin {
     }
 }
 
-fn time_stands_still(time: Option<Res<Time<Virtual>>>) -> bool {
+fn time_stands_still(time: Option<Res<Time<Virtual>>>, physics: Option<Res<PhysicsTime>>) -> bool {
     time.is_some_and(|time| time.delta().is_zero())
+        || physics.is_some_and(|physics| physics.stands_still())
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ pub(super) fn describe(
         inertia,
         center,
         events,
+        collider_disabled,
         properties,
         ..
     } = &mut described;
@@ -44,6 +45,9 @@ pub(super) fn describe(
         return Err(BodyProblem::InvalidMass);
     }
     let kept = kept?;
+    // A collider that is switched off still gives the body its mass.
+    let collider = collider.filter(|_| collider_disabled.is_none());
+    let radius = collider.map_or(0.0, |_| radius);
     let same_shape = match (&body.collider, collider) {
         (Some(one), Some(other)) => one.is_same(other),
         (None, None) => true,

@@ -1,7 +1,8 @@
 //! External forces, gravity scale and damping of a body, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
 use super::{
-    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Pose, Quarantined, Velocity, limits,
+    BodyIndex, BodyState, BodyTable, Inactive, LockedAxes, MassProperties, Pose, Simulated,
+    Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};
@@ -9,7 +10,25 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
-/// A constant force (N) and torque (N·m) at the centre of mass, in world axes. They act in every step until they are changed. Default: zero.
+/// A constant force (N) and torque (N·m) at the centre of mass, in world axes and in the axes of the body. They act in every step until they
+/// are changed. Default: zero. [`Forces`](super::Forces) applies them for a moment instead.
+///
+/// ```
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// let mut thrust = ExternalForce { force: Vec3::Y * 9.81, ..Default::default() };
+/// // An engine at the tail of a rocket that looks along its own z axis, a little off the centre line.
+/// thrust.add_local_at(Vec3::Z * 2.0, Vec3::new(0.01, 0.0, -1.0));
+/// let rocket = world.spawn((RigidBody::Dynamic, Collider::ball(0.5), Mass(1.0), thrust)).id();
+/// for _ in 0..60 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// let velocity = world.get::<Velocity>(rocket).unwrap();
+/// assert!(velocity.linear.z > 1.9 && velocity.angular.y > 0.0 && velocity.linear.y.abs() < 1e-3);
+/// ```
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
@@ -18,6 +37,10 @@ pub struct ExternalForce {
     pub force: Vec3,
     /// Torque, N·m.
     pub torque: Vec3,
+    /// Force in the axes of the body, which turns with it, N.
+    pub local_force: Vec3,
+    /// Torque in the axes of the body, N·m.
+    pub local_torque: Vec3,
 }
 
 impl ExternalForce {
@@ -25,6 +48,29 @@ impl ExternalForce {
     pub fn add_at(&mut self, force: Vec3, arm: Vec3) {
         self.force += force;
         self.torque += arm.cross(force);
+    }
+
+    /// Adds a force (N) in the axes of the body, that acts at `arm` from the centre of mass (m, axes of the body).
+    pub fn add_local_at(&mut self, force: Vec3, arm: Vec3) {
+        self.local_force += force;
+        self.local_torque += arm.cross(force);
+    }
+
+    /// All its vectors, N and N·m.
+    pub(super) fn parts(&self) -> [Vec3; 4] {
+        [self.force, self.torque, self.local_force, self.local_torque]
+    }
+
+    /// Force and torque in world axes, for a body with this orientation, N and N·m.
+    #[inline]
+    fn world(&self, rotation: Quat) -> [Vec3; 2] {
+        match [self.local_force, self.local_torque] {
+            [Vec3::ZERO, Vec3::ZERO] => [self.force, self.torque],
+            [force, torque] => [
+                self.force + rotation * force,
+                self.torque + rotation * torque,
+            ],
+        }
     }
 }
 
@@ -98,7 +144,7 @@ pub fn forces(
             Option<&GravityScale>,
             &mut Velocity,
         ),
-        (Without<Quarantined>, Without<Inactive>),
+        (Simulated, Without<Inactive>),
     >,
 ) {
     let dt = time.dt;
@@ -112,11 +158,16 @@ pub fn forces(
         let velocity = velocity.bypass_change_detection();
         let before = *velocity;
         let scale = scale.map_or(1.0, |scale| scale.0);
-        velocity.push(mass, pose.rotation, scale * gravity.0, force, dt);
+        let body = table.get(index.0).map(|body| &body.properties);
+        let Some(properties) = body else {
+            continue;
+        };
+        let locks = properties.locked_axes;
+        velocity.push(mass, (pose.rotation, locks), scale * gravity.0, force, dt);
         let impulse = impulse.filter(|impulse| **impulse != ExternalImpulse::default());
         if let Some(impulse) = &impulse {
             velocity.linear += mass.inverse_mass * impulse.linear;
-            velocity.angular += turned(mass, pose.rotation, impulse.angular);
+            velocity.angular += turned(mass, (pose.rotation, locks), impulse.angular);
         }
         if let Some(damping) = damping {
             velocity.linear /= 1.0 + dt * damping.linear;
@@ -124,6 +175,7 @@ pub fn forces(
         }
         if velocity.is_within_limits() {
             speeds.cap(velocity);
+            properties.restrain(velocity);
             if let Some(mut impulse) = impulse {
                 *impulse = ExternalImpulse::default();
             }
@@ -135,28 +187,30 @@ pub fn forces(
 }
 
 impl Velocity {
-    /// Adds the effect of gravity (m/s²) and of a constant force over `dt` s.
+    /// Adds the effect of gravity (m/s²) and of a constant force over `dt` s on a body with this orientation. Locked translations are not
+    /// considered.
     #[inline]
     pub(crate) fn push(
         &mut self,
         mass: &MassProperties,
-        rotation: Quat,
+        (rotation, locks): (Quat, LockedAxes),
         gravity: Vec3,
         force: Option<&ExternalForce>,
         dt: f32,
     ) {
         self.linear += dt * gravity;
         if let Some(force) = force {
-            self.linear += dt * (mass.inverse_mass * force.force);
-            self.angular += dt * turned(mass, rotation, force.torque);
+            let [force, torque] = force.world(rotation);
+            self.linear += dt * (mass.inverse_mass * force);
+            self.angular += dt * turned(mass, (rotation, locks), torque);
         }
     }
 }
 
 /// The change of angular velocity by an angular impulse, world axes.
-fn turned(mass: &MassProperties, rotation: Quat, moment: Vec3) -> Vec3 {
+fn turned(mass: &MassProperties, (rotation, locks): (Quat, LockedAxes), moment: Vec3) -> Vec3 {
     match moment {
         Vec3::ZERO => Vec3::ZERO,
-        moment => mass.world_inverse_inertia(rotation) * moment,
+        moment => locks.restrict(mass.world_inverse_inertia(rotation)) * moment,
     }
 }

@@ -8,7 +8,7 @@
 use super::listed::Written;
 use super::placement::{Placed, user_pose};
 use super::rows::Rows;
-use super::{BodyTable, Pose, Quarantined};
+use super::{BodyTable, Pose, Simulated};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
@@ -26,7 +26,7 @@ impl Inactive {
 }
 
 /// Filter for inactive bodies.
-pub(super) type IsInactive = (With<Inactive>, Without<Quarantined>);
+pub(super) type IsInactive = (With<Inactive>, Simulated);
 
 /// The inactive bodies, with the components that users may write.
 pub(super) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;

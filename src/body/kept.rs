@@ -1,9 +1,6 @@
 //! The properties that the [`BodyTable`](super::BodyTable) copies.
 
-use super::list::body_properties;
-use crate::collider::{
-    CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
-};
+use super::list::{body_properties, names::*};
 
 macro_rules! table_copies {
     (

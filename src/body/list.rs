@@ -8,7 +8,23 @@
 //!
 //! A component whose removal must be noticed has the hook [`lost_description`](super::lost_description).
 
-/// Passes the list to a macro, which generates items from it. The names of the components are resolved where the macro is used.
+/// The names of the listed components.
+pub(super) mod names {
+    pub use crate::body::{
+        AngularInertia, BodyIndex, CenterOfMass, ColliderDisabled, Damping, Density, Dominance,
+        ExternalForce, ExternalImpulse, GravityScale, LockedAxes, Mass, MassProperties,
+        MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Sleeping, SpawnOrder, Velocity,
+    };
+    pub use crate::collider::{
+        Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
+        SurfaceVelocity,
+    };
+    pub use crate::contact::{ActiveContactHooks, ContactEvents};
+    pub use crate::grab::Grab;
+}
+
+/// Passes the list to a macro, which generates items from it. The names of the components are those of
+/// [`names`], which every user of the list imports.
 ///
 /// | group | required | restored when removed | checked when written |
 /// |---|---|---|---|
@@ -54,6 +70,7 @@ macro_rules! body_properties {
                 inertia: AngularInertia,
                 center: CenterOfMass,
                 events: ContactEvents,
+                collider_disabled: ColliderDisabled,
             }
             kept {
                 /// Coefficient of friction of the surface.
@@ -66,6 +83,18 @@ macro_rules! body_properties {
                 layers: CollisionLayers,
                 /// Bodies that it does not collide with.
                 exceptions: CollisionExceptions,
+                /// Axes along which it does not move.
+                locked_axes: LockedAxes,
+                /// Its dominance group.
+                dominance: Dominance,
+                /// Its maximum linear speed.
+                max_linear_speed: MaxLinearSpeed,
+                /// Its maximum angular speed.
+                max_angular_speed: MaxAngularSpeed,
+                /// The velocity of its surface.
+                surface_velocity: SurfaceVelocity,
+                /// The hooks that are called for its contacts.
+                hooks: ActiveContactHooks,
             }
         }
     };

@@ -1,19 +1,10 @@
 //! Items generated from the [list](super::list) of the properties of a body: queries, filters, and copies of components.
 
 use super::kept_property::KeptProperty;
-use super::list::body_properties;
+use super::list::{body_properties, names::*};
 use super::rows::Rows;
-use super::{
-    AngularInertia, BodyIndex, BodyProperties, CenterOfMass, Damping, Density, ExternalForce,
-    ExternalImpulse, GravityScale, Mass, MassProperties, Motion, Pose, RigidBody, Sleeping,
-    SpawnOrder, Velocity,
-};
-use crate::collider::{
-    Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
-};
-use crate::contact::ContactEvents;
+use super::{BodyProperties, RigidBody};
 use crate::diagnosis::BodyProblem;
-use crate::grab::Grab;
 use crate::state::visitor::Visitor;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;

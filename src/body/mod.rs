@@ -7,8 +7,15 @@
 //! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part in
 //! the simulation until the value is corrected.
 
+#[expect(
+    missing_debug_implementations,
+    reason = "`derive(QueryData)` generates state types without `Debug`"
+)]
+mod apply;
 mod complete;
 mod describe;
+mod disabled;
+mod dominance;
 mod forces;
 mod inactive;
 mod kept;
@@ -20,7 +27,9 @@ mod list;
     reason = "`derive(QueryData)` generates state types without `Debug`"
 )]
 mod listed;
+mod locked_axes;
 mod mass;
+mod max_speed;
 mod motion;
 mod pending;
 mod placement;
@@ -31,14 +40,20 @@ mod sleeping;
 mod spawn_order;
 mod table;
 
+pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
 pub use complete::complete;
+pub(crate) use disabled::Simulated;
+pub use disabled::{ColliderDisabled, RigidBodyDisabled};
+pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
 pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
 pub(crate) use listed::{copy_description, properties_of, visit};
+pub use locked_axes::LockedAxes;
 pub(crate) use mass::weigh;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
+pub use max_speed::{MaxAngularSpeed, MaxLinearSpeed};
 pub use motion::Motion;
 pub use pending::{Pending, refresh};
 pub use placement::Teleport;

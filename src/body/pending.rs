@@ -10,7 +10,7 @@ use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_writt
 use super::listed::{Changes, Described};
 use super::placement::{Placed, user_pose};
 use super::{
-    BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined, RigidBody, SpawnOrder, Velocity,
+    BodyIndex, BodyState, BodyTable, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
     limits,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
@@ -147,7 +147,7 @@ type Placing<'w> = (
     (&'w Transform, Option<&'w ChildOf>),
 );
 
-type Sound = (With<RigidBody>, Without<Quarantined>);
+type Sound = (With<RigidBody>, Simulated);
 
 type Active = (Sound, Without<Inactive>);
 
@@ -158,7 +158,7 @@ pub fn refresh(
     written: Query<Entity, (Active, Changes)>,
     (resting, children): (InactiveBodies, InactiveChildren),
     (active, all): (Query<Placing, Active>, Query<Placing, Sound>),
-    mut described: Query<Described, Without<Quarantined>>,
+    mut described: Query<Described, Simulated>,
     placed: Placed,
 ) {
     if pending.visit != table.visits() {

@@ -6,7 +6,7 @@ use super::listed::{Changes, Described};
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,
-    GravityScale, Inactive, MassProperties, Pose, Quarantined, RigidBody, Sleeping, SpawnOrder,
+    GravityScale, Inactive, MassProperties, Pose, RigidBody, Simulated, Sleeping, SpawnOrder,
     Teleport, Velocity, limits,
 };
 use crate::collider::Collider;
@@ -46,22 +46,14 @@ pub fn prepare(
     (mut table, mut suspects): (ResMut<BodyTable>, ResMut<Suspects>),
     rules: Rules,
     mut bodies: ParamSet<(
-        Query<
-            Entity,
-            (
-                With<BodyIndex>,
-                Without<Quarantined>,
-                Without<Inactive>,
-                Changes,
-            ),
-        >,
+        Query<Entity, (With<BodyIndex>, Simulated, Without<Inactive>, Changes)>,
         InactiveBodies,
         InactiveChildren,
-        Query<Moving, (Without<Quarantined>, Without<Inactive>)>,
-        Query<Moving, Without<Quarantined>>,
+        Query<Moving, (Simulated, Without<Inactive>)>,
+        Query<Moving, Simulated>,
     )>,
     teleported: Query<Entity, (With<Teleport>, IsInactive)>,
-    mut described: Query<Described, Without<Quarantined>>,
+    mut described: Query<Described, Simulated>,
     placed: Placed,
 ) {
     let changed: EntityHashSet = bodies.p0().iter().collect();
@@ -166,7 +158,7 @@ impl Visitor<'_, '_, '_> {
     fn visit(
         &mut self,
         (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
-        described: &mut Query<Described, Without<Quarantined>>,
+        described: &mut Query<Described, Simulated>,
         placed: Placed,
     ) -> Option<(SpawnOrder, Entity)> {
         let (entity, kind, spawn_order, sleeping) = of;
@@ -218,12 +210,14 @@ impl Visitor<'_, '_, '_> {
         let woken = body.asleep && !asleep;
         body.asleep = asleep;
         let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
+        let solved_as = body.properties.solved_as();
         if written
             && let Ok(description) = described.get_mut(entity)
             && let Err(problem) = describe(body, description)
         {
             self.suspects.0.push((entity, problem));
         }
+        let solved_anew = body.properties.solved_as() != solved_as;
         // This comes after `describe`, because the radius may be new.
         body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
         body.disturbed = self.rules.active_settings.changed
@@ -241,6 +235,9 @@ impl Visitor<'_, '_, '_> {
         let changed = body.disturbed || body.moved || woken || body.target.is_some();
         if changed {
             self.table.mark_dirty(index.0);
+        }
+        if solved_anew {
+            self.table.solve_anew(index.0);
         }
         None
     }
@@ -295,7 +292,9 @@ fn gains(body: &BodyState, (force, impulse, _, _, grab): Item<Pushed>, rules: &R
         return 0.0;
     }
     let dt = rules.time.dt;
-    let force = force.map_or(0.0, |force| force.force.length());
+    let force = force.map_or(0.0, |force| {
+        force.force.length() + force.local_force.length()
+    });
     let impulse = impulse.map_or(0.0, |impulse| impulse.linear.length());
     let pulled = grab.map_or(0.0, |grab| {
         (dt * body.mass.inverse_mass * grab.max_force).min(grab.max_speed)
@@ -311,12 +310,13 @@ pub(super) fn check(
 ) -> Option<BodyProblem> {
     let force = force.copied().unwrap_or_default();
     let impulse = impulse.copied().unwrap_or_default();
-    let forces = [force.force, force.torque, impulse.linear, impulse.angular];
+    let impulses = [impulse.linear, impulse.angular];
+    let mut forces = force.parts().into_iter().chain(impulses);
     if !limits::within(pose.position, limits::POSITION) || !limits::is_turn(pose.rotation) {
         Some(BodyProblem::NonFinitePose)
     } else if !velocity.is_within_limits() {
         Some(BodyProblem::NonFiniteVelocity)
-    } else if !forces.iter().all(|v| limits::within(*v, limits::FORCE)) {
+    } else if !forces.all(|v| limits::within(v, limits::FORCE)) {
         Some(BodyProblem::NonFiniteForce)
     } else if damping.is_some_and(|damping| !damping.is_valid()) {
         Some(BodyProblem::InvalidDamping)

@@ -3,7 +3,10 @@
 //! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
 //! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a step.
 
-use super::{BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, SpawnOrder, Velocity};
+use super::{
+    BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, RigidBodyDisabled, SpawnOrder,
+    Velocity,
+};
 use crate::collider::Collider;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -221,6 +224,9 @@ pub struct BodyTable {
     free: Vec<u32>,
     /// Slots whose body was removed since the last broadphase.
     pub(crate) removed: Vec<u32>,
+    /// Slots of bodies whose contacts are solved in another way since the last update of the islands: their [locks](super::LockedAxes) or
+    /// their [dominance](super::Dominance) have changed.
+    pub(crate) solved_anew: Vec<u32>,
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
     not_colliding: HashMap<[u32; 2], u32>,
     spawn_orders: u64,
@@ -245,13 +251,22 @@ impl MapEntities for BodyTable {
 /// Returns true if an entity is a body now: not despawned, not disabled, and with a [`RigidBody`].
 pub(crate) fn is_body(world: &World, entity: Entity) -> bool {
     let entity = world.get_entity(entity);
-    entity.is_ok_and(|body| body.contains::<RigidBody>() && !body.contains::<Disabled>())
+    entity.is_ok_and(|body| {
+        body.contains::<RigidBody>()
+            && !body.contains::<Disabled>()
+            && !body.contains::<RigidBodyDisabled>()
+    })
 }
 
 impl BodyTable {
     /// Number of slots, free ones included.
     pub fn slots(&self) -> usize {
         self.slots.len()
+    }
+
+    /// Records that a property of a body has changed that decides how its contacts are solved.
+    pub(super) fn solve_anew(&mut self, slot: u32) {
+        self.solved_anew.push(slot);
     }
 
     /// Number of bodies.

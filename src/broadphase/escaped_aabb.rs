@@ -2,7 +2,7 @@
 //! boxes. Until then [queries](crate::query) must test these bodies in addition to the tree.
 
 use super::{Broadphase, expected_travel};
-use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined};
+use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Simulated};
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use parry3d::bounding_volume::BoundingVolume;
@@ -13,10 +13,7 @@ pub fn escaped_aabb(
     table: Res<BodyTable>,
     time: Res<StepTime>,
     gravity: Res<Gravity>,
-    bodies: Query<
-        (Entity, &BodyIndex, &Pose),
-        (Changed<Pose>, Without<Quarantined>, Without<Inactive>),
-    >,
+    bodies: Query<(Entity, &BodyIndex, &Pose), (Changed<Pose>, Simulated, Without<Inactive>)>,
 ) {
     broadphase.escaped_aabb.clear();
     for (entity, index, pose) in &bodies {

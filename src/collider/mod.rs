@@ -4,16 +4,20 @@
 //! what it collides with. All lengths are in metres.
 
 mod exceptions;
+mod layer_mask;
 mod layers;
 mod material;
 mod polyhedron;
 mod sizes;
 mod solid;
+mod surface_velocity;
 
 pub use exceptions::CollisionExceptions;
+pub use layer_mask::{CollisionLayer, LayerMask};
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 pub use polyhedron::{Edge, Face, Moments, Polyhedron};
+pub use surface_velocity::SurfaceVelocity;
 
 use crate::body::MassProperties;
 use bevy_ecs::prelude::*;

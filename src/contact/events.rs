@@ -1,12 +1,13 @@
 //! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies that
 //! have [`ContactEvents`].
 
-use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair};
+use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyTable, Inactive, SpawnOrder};
 use crate::settings::StepTime;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::Vec3;
 
 /// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
@@ -28,6 +29,40 @@ pub struct ContactStarted {
     /// The normal impulse of the impact: Σλ_n over the whole step, including restitution, N·s. A soft landing continues over later steps; see
     /// [`ContactImpulses`].
     pub impulse: f32,
+    /// The point of the hit: the centre of pressure, or the mean of the points if they do not press yet; world, m.
+    pub point: Vec3,
+    /// Unit vector from `other` to `body`, world axes: the mean over the points. Zero if the contact was over before the end of the step.
+    pub normal: Vec3,
+}
+
+/// Where two bodies began to touch.
+#[derive(Clone, Copy, Default)]
+struct Hit {
+    point: Vec3,
+    /// From B to A.
+    normal: Vec3,
+}
+
+impl Hit {
+    /// The point and the normal of a contact, weighted by impulses if there are any. `center` is the centre of mass of A, m.
+    fn of(center: Vec3, manifold: &Manifold, impulses: &ContactImpulses) -> Self {
+        let presses = impulses.points.iter().any(|point| point.normal > 0.0);
+        let (mut sum, mut hit) = (0.0, Self::default());
+        for (_, patch, range) in manifold.patches_with_points() {
+            for i in range {
+                let pressed = impulses.points.get(i).map_or(0.0, |point| point.normal);
+                let weight = if presses { pressed } else { 1.0 };
+                sum += weight;
+                hit.point += weight * manifold.points[i].arm;
+                hit.normal += weight * patch.normal;
+            }
+        }
+        let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        Self {
+            point: center + share * hit.point,
+            normal: hit.normal.normalize_or_zero(),
+        }
+    }
 }
 
 /// Two bodies ceased to touch, or one of them was removed. As an entity event its target is `body`.
@@ -86,7 +121,7 @@ impl MapEntities for Untriggered {
 
 /// Sends [`ContactStarted`] and [`ContactEnded`]. With several substeps it does so once, for the whole step.
 pub fn contact_events(
-    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses), Without<Inactive>>,
+    mut pairs: Query<(Entity, &mut ContactPair, &Manifold, &ContactImpulses), Without<Inactive>>,
     (table, time): (Res<BodyTable>, Res<StepTime>),
     mut removed: ResMut<EndedPairs>,
     mut started: MessageWriter<ContactStarted>,
@@ -98,14 +133,17 @@ pub fn contact_events(
     }
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
-    for (entity, mut pair, impulses) in &mut pairs {
+    for (entity, mut pair, manifold, impulses) in &mut pairs {
         let touches = pair.touching || !pair.is_apart() && impulses.normal() > 0.0;
         if touches != pair.announced {
             let pair = pair.bypass_change_detection();
             pair.announced = touches;
             if touches {
                 let impulse = impulses.normal();
-                begins.push((pair.spawn_orders, pair.bodies, pair.slots, entity, impulse));
+                let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
+                let hit = Hit::of(center, manifold, impulses);
+                let of = (pair.bodies, pair.slots, entity);
+                begins.push((pair.spawn_orders, of, impulse, hit));
             } else {
                 ends.push((pair.spawn_orders, pair.bodies));
             }
@@ -113,17 +151,19 @@ pub fn contact_events(
     }
     begins.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
     ends.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
-    for (_, [a, b], slots, pair, impulse) in begins {
-        let event = |body, other| ContactStarted {
+    for (_, ([a, b], slots, pair), impulse, Hit { point, normal }) in begins {
+        let event = |body, other, normal| ContactStarted {
             body,
             other,
             pair,
             impulse,
+            point,
+            normal,
         };
-        started.write(event(a, b));
-        for (slot, body, other) in [(slots[0], a, b), (slots[1], b, a)] {
+        started.write(event(a, b, normal));
+        for (slot, body, other, normal) in [(slots[0], a, b, normal), (slots[1], b, a, -normal)] {
             if table.get(slot).is_some_and(|body| body.events) {
-                untriggered.started.push(event(body, other));
+                untriggered.started.push(event(body, other, normal));
             }
         }
     }

@@ -9,18 +9,22 @@
 //! [`islands`](crate::graph::islands()) were updated are solved from the next step on.
 
 pub(crate) mod cache;
+mod colliding;
 mod edits;
 mod events;
 mod feature;
 mod force_events;
 mod forces;
+mod hooks;
 mod lists;
+mod moving_surfaces;
 mod origins;
 mod supports;
 mod whole_step;
 
 pub use cache::NarrowphaseCache;
 pub(crate) use cache::{CachedRelativePose, ParryCache, ParryManifold};
+pub use colliding::{CollidingEntities, colliding_entities};
 pub(crate) use edits::{is_edited, revise_edited};
 pub(crate) use events::trigger;
 pub use events::{
@@ -29,7 +33,9 @@ pub use events::{
 pub use feature::FeatureId;
 pub use force_events::{ContactForce, ContactForceEvents, contact_forces};
 pub use forces::{Contacts, FaceForce, Load, NotABody, contacts, loads};
+pub use hooks::{ActiveContactHooks, ContactHook, ContactHooks, ContactModification, HookedPoint};
 pub(crate) use lists::{Lists, fit, reorder};
+pub use moving_surfaces::MovingSurfaces;
 pub(crate) use origins::{Origins, inherit};
 pub use supports::{Bearing, Supports, supports};
 pub(crate) use whole_step::Earlier;

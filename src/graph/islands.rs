@@ -211,6 +211,7 @@ pub fn islands(
     islands.parted.clear();
     islands.look(graph, &pairs);
     islands.update(graph, &table);
+    islands.revise(&std::mem::take(&mut table.solved_anew));
     islands.deactivation.pairs = graph.take_idle(&table, &pairs, &time);
     islands.woke = false;
     islands.arriving.clear();
@@ -277,6 +278,17 @@ impl Islands {
                 }
                 graph.set_links(edge, !manifold.points.is_empty());
             }
+        }
+    }
+
+    /// Gives the islands of bodies a new revision, because their contacts are solved in another way.
+    fn revise(&mut self, slots: &[u32]) {
+        if slots.is_empty() {
+            return;
+        }
+        self.revision = Revision::next();
+        for &slot in slots {
+            self.partition.mark(slot, self.revision);
         }
     }
 

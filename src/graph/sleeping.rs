@@ -5,7 +5,7 @@
 //! an awake body joins its island, and when a body that it touched is removed; see [`islands`](super::islands()).
 
 use super::Islands;
-use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Quarantined, Sleeping, Velocity};
+use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Simulated, Sleeping, Velocity};
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::prelude::*;
 
@@ -16,7 +16,7 @@ pub fn sleeping(
     (table, islands): (Res<BodyTable>, Res<Islands>),
     mut bodies: Query<
         (Entity, &BodyIndex, &mut Velocity, &mut Sleeping),
-        (Without<Quarantined>, Without<Inactive>),
+        (Simulated, Without<Inactive>),
     >,
     mut restless: Local<Vec<bool>>,
 ) {

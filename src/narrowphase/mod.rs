@@ -11,6 +11,7 @@ mod detect;
 mod dispatcher;
 mod forms;
 mod matching;
+mod modify;
 mod parry;
 mod passing;
 #[doc(hidden)]
@@ -23,6 +24,8 @@ mod round;
 use crate::body::{BodyState, BodyTable, Inactive, Pose};
 #[doc(hidden)]
 pub use crowd::crowd;
+#[doc(hidden)]
+pub use modify::modify_contacts;
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,

@@ -6,7 +6,8 @@ use crate::body::{
 };
 use crate::collider::Collider;
 use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
+    ContactAnchors, ContactHooks, ContactImpulses, ContactPair, ContactTargets, Manifold,
+    NarrowphaseCache,
 };
 use crate::joint::{self, BreakForce, JointEdge, JointForces};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -123,6 +124,9 @@ pub(super) fn empty(world: &World) -> World {
     shadow.insert_resource(*world.resource::<SpeedLimits>());
     shadow.insert_resource(*world.resource::<StepTime>());
     shadow.insert_resource(world.resource::<SolverSettings>().clone());
+    if let Some(hooks) = world.get_resource::<ContactHooks>() {
+        shadow.insert_resource(hooks.clone());
+    }
     shadow.insert_resource(world.resource::<ActiveSettings>().clone());
     // If the settings do not allow sleeping, no copy falls asleep, but the time for which it has been still is recorded all the same.
     let sleeping = *world.resource::<SleepSettings>();

@@ -38,6 +38,7 @@
 //! ```
 
 mod casts;
+mod character;
 mod error;
 mod filter;
 mod overlaps;
@@ -48,13 +49,14 @@ mod view;
 pub use bevy_math::Dir3;
 pub use bevy_shape::Ray3d;
 pub use casts::CastHit;
+pub use character::{CharacterHit, Ground, MoveAndSlide, Slide};
 pub use error::QueryError;
 pub use filter::QueryFilter;
 pub use overlaps::Overlap;
 pub use points::PointHit;
 pub use rays::RayHit;
 
-use crate::body::{BodyState, BodyTable, Pending, Pose, Quarantined, RigidBody};
+use crate::body::{BodyIndex, BodyState, BodyTable, Pending, Pose, RigidBody, Simulated};
 use crate::broadphase::Broadphase;
 use crate::settings::PhysicsThreads;
 use bevy_ecs::prelude::*;
@@ -70,7 +72,8 @@ pub struct SpatialQuery<'w, 's> {
     broadphase: Res<'w, Broadphase>,
     table: Res<'w, BodyTable>,
     pending: Res<'w, Pending>,
-    poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Without<Quarantined>)>,
+    poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Simulated)>,
+    slots: Query<'w, 's, &'static BodyIndex>,
     threads: Res<'w, PhysicsThreads>,
 }
 
@@ -123,6 +126,11 @@ impl SpatialQuery<'_, '_> {
             Some(number) => Some(view.get(number)?.pose),
             None => Some(*pose),
         }
+    }
+
+    /// The body as it was at the start of the last step, if it is in the simulation.
+    fn state(&self, body: Entity) -> Option<&BodyState> {
+        self.table.body(body, *self.slots.get(body).ok()?)
     }
 
     #[inline]

@@ -7,6 +7,7 @@
 mod check;
 mod columns;
 mod narrowphase;
+mod physics_time;
 mod preset;
 mod solver;
 mod stabilization;
@@ -16,6 +17,7 @@ mod time;
 pub use check::ActiveSettings;
 pub(crate) use check::check;
 pub use narrowphase::NarrowphaseSettings;
+pub use physics_time::PhysicsTime;
 pub use preset::Preset;
 pub(crate) use solver::Method;
 pub use solver::{ContactSolver, SolverSettings, uses_point_solver};

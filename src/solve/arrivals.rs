@@ -38,13 +38,15 @@ impl Solve<'_> {
                 let level = self.islands.level(member.slot).unwrap_or(0);
                 let mut pushed = body.velocity;
                 let (scale, force) = (body.gravity_scale, &body.force);
+                let locks = body.properties.locked_axes;
                 pushed.push(
                     &body.mass,
-                    body.pose.rotation,
+                    (body.pose.rotation, locks),
                     gravity * scale,
                     Some(force),
                     dt,
                 );
+                locks.stop(&mut pushed);
                 island.add(body, &pushed, level);
             }
             islands.push(island);

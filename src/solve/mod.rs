@@ -19,7 +19,7 @@ mod points;
 mod reports;
 mod store;
 
-use crate::body::{BodyIndex, BodyTable, Inactive, Motion, Quarantined, Velocity, limits};
+use crate::body::{BodyIndex, BodyTable, Inactive, Motion, Simulated, Velocity, limits};
 use crate::contact::{ContactImpulses, Manifold};
 use crate::grab::GrabForce;
 use crate::graph::{ConstraintGraph, Islands};
@@ -48,11 +48,10 @@ type Bodies<'w, 's> = Query<
         &'static mut Velocity,
         &'static mut Motion,
     ),
-    (Without<Quarantined>, Without<Inactive>),
+    (Simulated, Without<Inactive>),
 >;
 
-type Grabs<'w, 's> =
-    Query<'w, 's, &'static mut GrabForce, (Without<Quarantined>, Without<Inactive>)>;
+type Grabs<'w, 's> = Query<'w, 's, &'static mut GrabForce, (Simulated, Without<Inactive>)>;
 
 /// The contacts of an island, for one kind of solver.
 trait SolveRows: Rows {

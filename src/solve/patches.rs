@@ -99,6 +99,7 @@ fn problem<'a>(
         points: &mut rows.points,
         grabs,
         joints,
+        surfaces: &rows.surfaces,
         dt: context.time.dt,
         longest: context.time.max_recent_dt,
         gravity: context.gravity.0,

@@ -69,16 +69,17 @@ impl Solve<'_> {
             };
             let mut end = clean([solved.linear, solved.angular]);
             self.context.speeds.cap(&mut end);
+            body.properties.restrain(&mut end);
             *velocity.bypass_change_detection() = end;
             *motion.bypass_change_detection() = match solved.motion {
-                Some(mean) if solved.motion_is_exact => Motion::Exact {
-                    mean: clean(mean),
-                    end,
-                },
-                Some(mean) => Motion::Mean {
-                    mean: clean(mean),
-                    end,
-                },
+                Some(mean) => {
+                    let mut mean = clean(mean);
+                    body.properties.restrain(&mut mean);
+                    match solved.motion_is_exact {
+                        true => Motion::Exact { mean, end },
+                        false => Motion::Mean { mean, end },
+                    }
+                }
                 None if R::SUBSTEPS => {
                     let gained = end.linear - body.velocity.linear;
                     Motion::Flight {

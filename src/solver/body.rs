@@ -1,6 +1,6 @@
 //! Bodies in the form that solvers use.
 
-use glam::{Mat3, Vec3};
+use glam::{DMat3, Mat3, Vec3};
 
 /// A body of a solver. One with zero inverse mass and inertia does not react to impulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,6 +9,8 @@ pub struct Body {
     pub linear: Vec3,
     /// Inverse mass, 1/kg.
     pub inverse_mass: f32,
+    /// 1 for the world axes along which impulses change its linear velocity, 0 for those that are locked.
+    pub free_axes: Vec3,
     /// Angular velocity, world axes, rad/s.
     pub angular: Vec3,
     /// Inverse inertia in world axes, 1/(kg·m²).
@@ -30,6 +32,7 @@ impl Default for Body {
         Self {
             linear: Vec3::ZERO,
             inverse_mass: 0.0,
+            free_axes: Vec3::ONE,
             angular: Vec3::ZERO,
             inverse_inertia: Mat3::ZERO,
             start: [Vec3::ZERO; 2],
@@ -61,7 +64,7 @@ impl Body {
     #[inline]
     pub fn answer(&self, impulse: Vec3, arm: Vec3) -> [Vec3; 2] {
         [
-            self.inverse_mass * impulse,
+            self.inverse_mass * impulse * self.free_axes,
             self.inverse_inertia * arm.cross(impulse),
         ]
     }
@@ -94,6 +97,39 @@ impl Body {
     #[inline]
     pub fn response(&self, direction: Vec3, arm: Vec3) -> f32 {
         let turn = arm.cross(direction);
-        self.inverse_mass + turn.dot(self.inverse_inertia * turn)
+        self.inverse_mass_along(direction) + turn.dot(self.inverse_inertia * turn)
+    }
+
+    /// Returns true if some translation is locked.
+    #[inline]
+    pub fn is_locked(&self) -> bool {
+        self.free_axes != Vec3::ONE
+    }
+
+    /// Returns true if some rotation is locked.
+    pub(super) fn is_upright(&self) -> bool {
+        let i = self.inverse_inertia;
+        let turns = i.x_axis.x > 0.0 && i.y_axis.y > 0.0 && i.z_axis.z > 0.0;
+        self.inverse_mass > 0.0 && !turns
+    }
+
+    /// Inverse effective mass of the centre of mass along a unit direction, 1/kg.
+    #[inline]
+    pub fn inverse_mass_along(&self, direction: Vec3) -> f32 {
+        match self.is_locked() {
+            false => self.inverse_mass,
+            true => self.inverse_mass * (direction * self.free_axes).length_squared(),
+        }
+    }
+
+    /// The inertia in world axes, kg·m². About locked axes, about which the body does not turn, it is any finite number.
+    pub(super) fn inertia(&self) -> DMat3 {
+        let mut inverse = self.inverse_inertia.as_dmat3();
+        for axis in 0..3 {
+            if inverse.col(axis)[axis] == 0.0 {
+                inverse.col_mut(axis)[axis] = 1.0;
+            }
+        }
+        inverse.inverse()
     }
 }

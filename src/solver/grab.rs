@@ -16,6 +16,9 @@ use std::cell::Cell;
 /// The share of a grab's strength that it reserves for braking; the rest may carry a load.
 const BRAKES: f32 = 0.5;
 
+/// The inverse mass of a body along an axis that is locked, as a share of its inverse mass. With none, effective masses would be infinite.
+const RIGID: f32 = 1e-6;
+
 /// The largest rotation of a body by a pull in one step, rad, if the torque of the grab cannot stop as much. Within a step a rotating body
 /// moves as if along a tangent; with larger rotations, a body that is pulled by a corner would be thrown back and forth.
 const TURN: f32 = 0.5;
@@ -66,7 +69,7 @@ pub(super) struct ActiveGrab {
     masses: [Mat3; 2],
     /// Lower bounds of the effective masses over all directions.
     least: [f32; 2],
-    inverse_mass: f32,
+    inverse_mass: Vec3,
     inverse_inertia: Mat3,
     /// Factor of √distance for the largest speed at which it can still brake, for the point and the spin.
     braking: [f32; 2],
@@ -81,8 +84,12 @@ impl ActiveGrab {
         let arm = grab.arm;
         let skew = Mat3::from_cols(arm.cross(Vec3::X), arm.cross(Vec3::Y), arm.cross(Vec3::Z));
         let inertia = body.inverse_inertia;
-        let response =
-            Mat3::from_diagonal(Vec3::splat(body.inverse_mass)) + skew.transpose() * inertia * skew;
+        let inverse_mass = body.inverse_mass * body.free_axes;
+        let mut response = Mat3::from_diagonal(inverse_mass) + skew.transpose() * inertia * skew;
+        if body.is_locked() {
+            // Along an axis that is locked, and about which the arm does not turn it, the point does not move.
+            response += Mat3::from_diagonal(Vec3::splat(RIGID * body.inverse_mass));
+        }
         let eases = [body.inverse_mass, trace(&inertia) / 3.0];
         let strengths = [grab.max_force, grab.max_torque];
         let [reach, spin] = [(response, grab.axes[0]), (inertia, grab.axes[1])].map(within);
@@ -94,7 +101,7 @@ impl ActiveGrab {
             wanted: [Vec3::ZERO; 2],
             masses: [(reach, grab.axes[0]), (spin, grab.axes[1])].map(inverse_within),
             least: [reach, spin].map(|w| trace(&w).max(f32::MIN_POSITIVE).recip()),
-            inverse_mass: body.inverse_mass,
+            inverse_mass,
             inverse_inertia: inertia,
             braking: std::array::from_fn(|i| (2.0 * BRAKES * strengths[i] * eases[i]).sqrt()),
             impulse: [

@@ -6,7 +6,7 @@
 use crate::body::{BodyState, BodyTable, Inactive};
 use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Lists, Manifold,
-    ManifoldPatch, PatchAnchor, Target, fit, revise_edited,
+    ManifoldPatch, MovingSurfaces, PatchAnchor, Target, fit, revise_edited,
 };
 use crate::graph::Islands;
 use crate::settings::{
@@ -229,7 +229,7 @@ fn measure(
 
 /// Measures the slip of all pairs and writes it to their [`ContactTargets`].
 pub fn friction_error(
-    (table, islands): (Res<BodyTable>, Res<Islands>),
+    (table, islands, surfaces): (Res<BodyTable>, Res<Islands>, Res<MovingSurfaces>),
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     solver: Res<SolverSettings>,
@@ -277,6 +277,10 @@ pub fn friction_error(
                 ..Default::default()
             };
             fit(manifold, lists);
+            if let Some(velocity) = surfaces.get(pair.edge) {
+                slide(velocity, manifold, anchors, targets);
+                return;
+            }
             for (i, patch) in manifold.patches.iter().enumerate() {
                 let range = manifold.range(patch);
                 let points = &manifold.points[range.clone()];
@@ -294,6 +298,25 @@ pub fn friction_error(
                 }
             }
         });
+    }
+}
+
+/// Sets the targets of a pair whose surfaces move against their bodies: a velocity instead of a slip.
+fn slide(
+    velocity: Vec3,
+    manifold: &Manifold,
+    anchors: &mut ContactAnchors,
+    targets: &mut ContactTargets,
+) {
+    anchors.patches.fill(PatchAnchor::default());
+    anchors.points.fill(Anchor::default());
+    targets.patches.fill(None);
+    for patch in &manifold.patches {
+        let range = manifold.range(patch);
+        // Only point solvers have targets of points.
+        for target in targets.points.get_mut(range).into_iter().flatten() {
+            target.tangential = project(patch.normal, velocity);
+        }
     }
 }
 

@@ -12,12 +12,13 @@ pub(crate) mod visitor;
 
 pub use visitor::Visitor;
 
-use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, Teleport};
+use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
 use crate::broadphase::Broadphase;
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
-    ContactAnchors, ContactForceEvents, ContactImpulses, ContactPair, ContactTargets, EndedPairs,
-    Load, LostPairs, Manifold, NarrowphaseCache, Untriggered,
+    CollidingEntities, ContactAnchors, ContactForceEvents, ContactHooks, ContactImpulses,
+    ContactPair, ContactTargets, EndedPairs, Load, LostPairs, Manifold, MovingSurfaces,
+    NarrowphaseCache, Untriggered,
 };
 use crate::diagnosis::{Suspects, Told};
 use crate::grab::{GrabForce, Hand, HandState, HeldBy};
@@ -27,8 +28,8 @@ use crate::joint::{
     QuarantinedJoint,
 };
 use crate::settings::{
-    ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
-    StabilizationSettings, StepTime,
+    ActiveSettings, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
+    SpeedLimits, StabilizationSettings, StepTime,
 };
 use crate::warm_start::IslandProblems;
 use bevy_ecs::entity_disabling::Disabled;
@@ -46,8 +47,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     }
     // Bodies, written by users and stages.
     body::visit(visitor);
-    list!(component: Inactive, Quarantined, Teleport, GrabForce, HeldBy);
-    list!(component: ContactForceEvents, Load, Watch, Stands);
+    list!(component: Inactive, Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
+    list!(component: CollidingEntities, ContactForceEvents, Load, Watch, Stands);
     // Hands.
     list!(component: HandState, Hand);
     // Joints.
@@ -59,10 +60,10 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(component: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
 
     list!(resource: Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings);
-    list!(resource: SleepSettings, SpeedLimits, CollapseSettings);
+    list!(resource: SleepSettings, SpeedLimits, CollapseSettings, PhysicsTime, ContactHooks);
     list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
-    list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);
+    list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);
     list!(resource: JointChanges, BrokenJoints);
 
     list!(derived: Pending, IslandProblems);

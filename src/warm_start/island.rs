@@ -41,11 +41,12 @@ pub(crate) struct GatherContext<'a> {
 /// The problem of one island.
 #[derive(Default)]
 pub(crate) struct Island<R> {
-    /// The awake dynamic bodies, followed by copies of the static and kinematic bodies that they touch.
+    /// The awake dynamic bodies, followed by copies of the static and kinematic bodies that they touch, and of dynamic bodies that
+    /// [dominate](crate::body::Dominance) others.
     pub bodies: Vec<Body>,
     /// Indices of the two bodies of each contact.
     ends: Vec<[u32; 2]>,
-    /// Slots of the static and kinematic bodies. Impulses cannot change them, so several islands may have copies.
+    /// Slots of the copied bodies. Impulses cannot change them, so several islands may have copies.
     copies: Vec<u32>,
     /// The indices of those bodies in the problem, by slot.
     copy_indices: HashMap<u32, u32>,
@@ -116,22 +117,25 @@ impl<R: Rows> Island<R> {
     /// Adds the next dynamic body in the order.
     pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32) {
         self.dynamic += 1;
+        let mut start = body.velocity;
+        body.properties.locked_axes.stop(&mut start);
         self.bodies.push(Body {
             linear: velocity.linear,
             inverse_mass: body.mass.inverse_mass,
+            free_axes: body.properties.locked_axes.free_translations(),
             angular: velocity.angular,
-            inverse_inertia: body.mass.world_inverse_inertia(body.pose.rotation),
-            start: [body.velocity.linear, body.velocity.angular],
+            inverse_inertia: body.world_inverse_inertia(),
+            start: [start.linear, start.angular],
             motion: None,
             motion_is_exact: false,
             level,
         });
     }
 
-    /// Takes the contacts, and copies of the static and kinematic bodies that they touch.
+    /// Takes the contacts, and copies of the bodies that they touch and cannot move.
     pub fn gather(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         if !self.has_ends {
-            self.find_ends(contacts, from.local);
+            self.find_ends(contacts, from);
         }
         self.place_joints(from.local);
         self.add_copies(from.table);
@@ -144,30 +148,34 @@ impl<R: Rows> Island<R> {
         self.rows.warm_start(contacts, context);
     }
 
-    /// The static and kinematic bodies, by slot.
+    /// The copied bodies, by slot.
     pub fn copies(&mut self) -> impl Iterator<Item = (u32, &mut Body)> {
         let copies = self.copies.iter().copied();
         copies.zip(self.bodies.iter_mut().skip(self.dynamic))
     }
 
-    fn find_ends(&mut self, contacts: &[SolverContact], local: &[u32]) {
+    fn find_ends(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         self.has_ends = true;
         let dynamic = self.bodies.len() as u32;
         let (copies, known) = (&mut self.copies, &mut self.copy_indices);
         // The world has no slot in the list.
-        let mut end = |slot: u32| match local.get(slot as usize).copied().unwrap_or(u32::MAX) {
-            u32::MAX => *known.entry(slot).or_insert_with(|| {
+        let local = |slot: u32| from.local.get(slot as usize).copied().unwrap_or(u32::MAX);
+        let mut end = |slot: u32, dominates: bool| match local(slot) {
+            local if local != u32::MAX && !dominates => local,
+            _ => *known.entry(slot).or_insert_with(|| {
                 copies.push(slot);
                 dynamic + copies.len() as u32 - 1
             }),
-            local => local,
         };
-        let ends = contacts
-            .iter()
-            .map(|contact| contact.pair.slots.map(&mut end));
+        let ends = contacts.iter().map(|contact| {
+            let [a, b] = contact.pair.slots;
+            let dominates = from.table.both([a, b]);
+            let dominates = dominates.map_or([false; 2], |[a, b]| [a.dominates(b), b.dominates(a)]);
+            [end(a, dominates[0]), end(b, dominates[1])]
+        });
         self.ends.extend(ends);
         for slot in self.joint_slots.as_flattened() {
-            end(*slot);
+            end(*slot, false);
         }
     }
 

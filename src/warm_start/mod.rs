@@ -22,8 +22,8 @@ mod patches;
 mod points;
 mod problems;
 
-use crate::body::{BodyIndex, BodyTable, Inactive, Quarantined};
-use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold};
+use crate::body::{BodyIndex, BodyTable, Inactive, Simulated};
+use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold, MovingSurfaces};
 use crate::grab::{Grab, GrabForce};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::{Profile, SolvePart};
@@ -53,6 +53,7 @@ pub struct SolveContext<'w> {
     pub(crate) time: Res<'w, StepTime>,
     pub(crate) threads: Res<'w, PhysicsThreads>,
     pub(crate) profile: Res<'w, Profile>,
+    pub(crate) surfaces: Res<'w, MovingSurfaces>,
 }
 
 /// An island is divided among threads if it has this many times as many points as other items need. A wall of 1 000 bricks (12 000 points)
@@ -81,7 +82,7 @@ type Grabs<'w, 's> = Query<
         &'static Grab,
         &'static GrabForce,
     ),
-    (Without<Quarantined>, Without<Inactive>),
+    (Simulated, Without<Inactive>),
 >;
 
 /// The system of the stage.

@@ -19,6 +19,8 @@ pub(crate) struct PatchRows {
     /// Length of the step in which they were last solved, s.
     dt: f32,
     pub memory: Memory,
+    /// Velocities of surfaces that move, by the index of the patch.
+    pub surfaces: Vec<(u32, Vec3)>,
 }
 
 impl Rows for PatchRows {
@@ -27,6 +29,7 @@ impl Rows for PatchRows {
         self.points.clear();
         self.firsts.clear();
         self.curved.clear();
+        self.surfaces.clear();
         self.memory.renew();
     }
 
@@ -46,6 +49,7 @@ impl Rows for PatchRows {
             self.clear();
             self.rebuild(contacts, ends, ideal);
         }
+        self.find_surfaces(contacts, context);
     }
 
     fn warm_start(&mut self, _: &[SolverContact], context: &SolveContext) {
@@ -64,6 +68,21 @@ impl Rows for PatchRows {
 }
 
 impl PatchRows {
+    /// Finds the patches whose surfaces move.
+    fn find_surfaces(&mut self, contacts: &[SolverContact], context: &SolveContext) {
+        self.surfaces.clear();
+        if context.surfaces.is_empty() {
+            return;
+        }
+        for (i, contact) in contacts.iter().enumerate() {
+            if let Some(velocity) = context.surfaces.get(contact.pair.edge) {
+                let patches = self.patches_of(i);
+                let moving = patches.map(|patch| (patch as u32, velocity));
+                self.surfaces.extend(moving);
+            }
+        }
+    }
+
     /// The patches of a contact.
     pub fn patches_of(&self, contact: usize) -> Range<usize> {
         let end = self.firsts.get(contact + 1).copied();

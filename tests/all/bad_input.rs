@@ -167,6 +167,7 @@ fn forces_that_are_not_finite() {
         let force = ExternalForce {
             force: Vec3::Y * bad,
             torque: Vec3::ZERO,
+            ..Default::default()
         };
         spoil(force, BodyProblem::NonFiniteForce, ExternalForce::default());
         let impulse = ExternalImpulse {
@@ -480,6 +481,7 @@ fn a_body_comes_back_by_itself_when_its_input_is_mended() {
     let push = |force| ExternalForce {
         force,
         torque: Vec3::ZERO,
+        ..Default::default()
     };
     let kick = |linear| ExternalImpulse {
         linear,
@@ -506,7 +508,11 @@ fn a_body_that_is_not_mended_stays_away() {
     for force in [Vec3::splat(f32::NAN), Vec3::X * 1e19] {
         let mut site = Site::new();
         let torque = Vec3::ZERO;
-        let push = ExternalForce { force, torque };
+        let push = ExternalForce {
+            force,
+            torque,
+            ..Default::default()
+        };
         site.insert(push);
         site.lab.run(0.5);
         assert_eq!(site.lab.errors().len(), 1);
@@ -526,7 +532,11 @@ fn a_body_comes_back_when_what_was_wrong_is_taken_off() {
     let force = Vec3::X * 1e19;
     let torque = Vec3::ZERO;
     let bad = (
-        ExternalForce { force, torque },
+        ExternalForce {
+            force,
+            torque,
+            ..Default::default()
+        },
         Damping {
             linear: -1.0,
             angular: 0.0,
@@ -540,7 +550,11 @@ fn a_body_comes_back_when_what_was_wrong_is_taken_off() {
     assert!(!site.is_quarantined());
     site.stands();
     let torque = Vec3::ZERO;
-    let force = ExternalForce { force, torque };
+    let force = ExternalForce {
+        force,
+        torque,
+        ..Default::default()
+    };
     site.insert(force);
     site.run_to_error();
     site.remove::<ExternalForce>();

@@ -455,6 +455,7 @@ fn forces_act_in_every_step_and_impulses_once() {
     let force = ExternalForce {
         force: Vec3::X * 500.0,
         torque: Vec3::Y * 100.0,
+        ..Default::default()
     };
     lab.world.entity_mut(pushed).insert(force);
     let struck = lab.cube(Vec3::Z * 10.0);
@@ -740,6 +741,7 @@ fn a_force_a_velocity_and_other_gravity_wake() {
     let force = ExternalForce {
         force: Vec3::Y,
         torque: Vec3::ZERO,
+        ..Default::default()
     };
     lab.world.entity_mut(cubes[1]).insert(force);
     lab.step();

@@ -153,10 +153,12 @@ fn forces_beyond_all_bounds() {
         let force = ExternalForce {
             force: Vec3::X * strong,
             torque: Vec3::ZERO,
+            ..Default::default()
         };
         let torque = ExternalForce {
             force: Vec3::ZERO,
             torque: Vec3::Z * strong,
+            ..Default::default()
         };
         let impulse = ExternalImpulse {
             linear: Vec3::X * strong,

@@ -383,6 +383,7 @@ fn surfaces_layers_and_forces_may_be_taken_off() {
     let push = ExternalForce {
         force: Vec3::X * 8000.0,
         torque: Vec3::ZERO,
+        ..Default::default()
     };
     let pushed = lab.cube(Vec3::new(0.0, 0.5, 5.0));
     lab.world.entity_mut(pushed).insert((

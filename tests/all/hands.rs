@@ -174,6 +174,7 @@ fn what_is_pushed_hard_does_not_get_into_a_wall() {
                 "force" => cubes.insert(ExternalForce {
                     force: strong,
                     torque: Vec3::ZERO,
+                    ..Default::default()
                 }),
                 "impulse" => cubes.insert(ExternalImpulse {
                     linear: strong * dt,

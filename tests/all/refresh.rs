@@ -364,9 +364,11 @@ fn a_force_may_be_computed_from_the_mass_before_the_first_step() {
     let body = lab.body(brick(), Vec3::Y * 5.0);
     let force = Vec3::Y * G * lab.mass(body).mass();
     let torque = Vec3::ZERO;
-    lab.world
-        .entity_mut(body)
-        .insert(ExternalForce { force, torque });
+    lab.world.entity_mut(body).insert(ExternalForce {
+        force,
+        torque,
+        ..Default::default()
+    });
     lab.run(1.0);
     assert!(lab.world.get::<Quarantined>(body).is_none());
     assert!(lab.position(body).distance(Vec3::Y * 5.0) < 1e-3);

@@ -386,6 +386,7 @@ impl Patches {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
+            surfaces: &[],
             grabs: &mut [],
             joints: &mut [],
             dt: DT,

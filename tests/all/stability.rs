@@ -262,6 +262,7 @@ fn it_is_what_happens_when_a_brick_is_pulled() {
             let push = ExternalForce {
                 force: force * direction,
                 torque: Vec3::ZERO,
+                ..Default::default()
             };
             lab.world.entity_mut(bodies[brick]).insert(push);
             lab.step();

@@ -502,6 +502,7 @@ fn values_that_are_not_the_default() {
     let force = ExternalForce {
         force: Vec3::X * 300.0,
         torque: Vec3::Y * 20.0,
+        ..Default::default()
     };
     run.body(cube(), 0.0, 1.0, (force, Friction::new(0.1)));
     let damping = Damping {

@@ -98,6 +98,7 @@ fn by_a_force() {
                 .insert(ExternalForce {
                     force: Vec3::Y,
                     torque: Vec3::ZERO,
+                    ..Default::default()
                 });
         },
         |_| true,

@@ -119,6 +119,7 @@ impl Part {
             12 => Self::Force(ExternalForce {
                 force: dice.vector(300.0),
                 torque: dice.vector(100.0),
+                ..Default::default()
             }),
             13 => Self::Impulse(ExternalImpulse {
                 linear: dice.vector(100.0),

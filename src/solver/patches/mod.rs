@@ -54,6 +54,9 @@ pub struct PatchProblem<'a> {
     pub grabs: &'a mut [GrabConstraint],
     /// Joints between some of the bodies.
     pub joints: &'a mut [JointConstraint],
+    /// Tangential velocities that friction demands of A against B, m/s, world axes, by the index of the patch, in ascending order. Patches that
+    /// are not in the list demand zero.
+    pub surfaces: &'a [(u32, Vec3)],
     /// Length of the step, s.
     pub dt: f32,
     /// The longest of recent steps, s; at least `dt`. It sets a stiffness that must not increase for a step that is short by chance.

@@ -219,6 +219,11 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
             let bodies = patch.bodies.map(|body| body as usize);
             let arms = patch.arms.map(|arm| arm + point.offset);
             let response = |i: usize| problem.bodies[bodies[i]].response(patch.normal, arms[i]);
+            let response = response(0) + response(1);
+            if response <= 0.0 {
+                // Locked axes keep both bodies from moving along the normal.
+                continue;
+            }
             rows.push(Row {
                 point: index,
                 patch: number,
@@ -226,7 +231,7 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
                 bodies,
                 normal: patch.normal,
                 arms,
-                response: response(0) + response(1),
+                response,
                 leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
                 least: match bounces {
                     Some(_) => 0.0,
@@ -253,7 +258,8 @@ fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body])
     }
     let first = &patch[0];
     let [a, b] = first.bodies.map(|body| &bodies[body]);
-    let takes = push * push * (a.inverse_mass + b.inverse_mass)
+    let masses = [a, b].map(|body| body.inverse_mass_along(first.normal));
+    let takes = push * push * (masses[0] + masses[1])
         + turns[0].dot(a.inverse_inertia * turns[0])
         + turns[1].dot(b.inverse_inertia * turns[1]);
     if missing > 0.0 && takes > 0.0 {
@@ -305,7 +311,7 @@ fn affordable(
 /// The energy that contacts have taken from a body in the substeps, J: its energy before the step, plus the work of forces, less its energy
 /// now.
 fn spent(body: &Body, now: [Vec3; 2], push: [Vec3; 2]) -> f64 {
-    let inertia = body.inverse_inertia.as_dmat3().inverse();
+    let inertia = body.inertia();
     let product = |[v, w]: [DVec3; 2], [x, y]: [DVec3; 2]| {
         v.dot(x) / body.inverse_mass as f64 + w.dot(inertia * y)
     };

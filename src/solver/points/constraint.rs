@@ -64,12 +64,19 @@ pub fn tangents(normal: Vec3) -> [Vec3; 2] {
     [t, b]
 }
 
+/// Share of the inverse masses that is added to W where axes are locked. It changes the size of steps, not their goal.
+const EASE: f32 = 1e-4;
+
 /// The masses of two bodies in the frame of a normal. All points with that normal share it.
 pub(crate) struct PatchFrame {
     /// The axes n, t1 and t2.
     axes: [Vec3; 3],
-    /// Sum of the inverse masses of A and B, 1/kg.
-    inverse_mass: f32,
+    /// Inverse mass of A and B together along n, t1, t2, 1/kg; and its off-diagonal element for the two tangents, which only bodies with
+    /// locked axes have.
+    inverse_mass: Vec3,
+    inverse_mass_coupling: f32,
+    /// Added to the diagonal of W where axes are locked: its elements may be zero up to rounding, 1/kg.
+    ease: f32,
     /// Inverse inertias of A and B in the frame, 1/(kg·m²): first xx, yy and zz, then xy, xz and yz.
     inverse_inertia: [[Vec3; 2]; 2],
 }
@@ -85,7 +92,20 @@ impl PatchFrame {
         };
         Self {
             axes: [normal, t1, t2],
-            inverse_mass: pair[0].inverse_mass + pair[1].inverse_mass,
+            inverse_mass: Vec3::from_array(
+                [normal, t1, t2].map(|axis| {
+                    pair[0].inverse_mass_along(axis) + pair[1].inverse_mass_along(axis)
+                }),
+            ),
+            inverse_mass_coupling: pair
+                .into_iter()
+                .filter(|body| body.is_locked())
+                .map(|body| body.inverse_mass * (t1 * body.free_axes).dot(t2))
+                .fold(0.0, std::ops::Add::add),
+            ease: match pair.into_iter().any(Body::is_locked) {
+                true => EASE * (pair[0].inverse_mass + pair[1].inverse_mass),
+                false => 0.0,
+            },
             inverse_inertia: pair.map(|body| turned(&body.inverse_inertia)),
         }
     }
@@ -95,8 +115,8 @@ impl PatchFrame {
     pub(crate) fn prepare(&self, input: &PointInput) -> PointConstraint {
         let [normal, t1, t2] = self.axes;
         let framed = |n: f32, t: Vec3| Vec3::new(n, t1.dot(t), t2.dot(t));
-        let mut diagonal = Vec3::splat(self.inverse_mass);
-        let mut coupling = 0.0;
+        let mut diagonal = self.inverse_mass;
+        let mut coupling = self.inverse_mass_coupling;
         for (&[of, mixed], arm) in self.inverse_inertia.iter().zip(input.arms) {
             let r = framed(normal.dot(arm), arm);
             let [xy, xz, yz] = mixed.to_array();
@@ -111,6 +131,7 @@ impl PatchFrame {
             diagonal.z += r.y * second.x - r.x * second.y;
             coupling += r.x * second.z - r.z * second.x;
         }
+        diagonal += self.ease;
         let (xx, yy, xy) = (diagonal.y, diagonal.z, coupling);
         let spread = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
         PointConstraint {

@@ -232,6 +232,29 @@ impl PointProblem<'_> {
         SolveReport::new(self.free_merit, self.record_history)
     }
 
+    /// Returns true if some body has a locked translation. Blocks of lanes have one inverse mass for each body, and cannot solve it.
+    fn has_locks(&self) -> bool {
+        self.bodies.iter().any(Body::is_locked)
+    }
+
+    /// Sweeps back and forth over one contact after the other, until the residual is at most `tolerance`.
+    fn sweep_alone(
+        &mut self,
+        iterations: usize,
+        tolerance: f32,
+        cone: FrictionCone,
+    ) -> SolveReport {
+        let mut report = self.report();
+        for k in 0..iterations {
+            let direction = Direction::of_sweep(k, iterations);
+            let change = self.sweep(direction, Grouping::Pair, cone);
+            if report.record(change.sqrt()) <= tolerance {
+                break;
+            }
+        }
+        report
+    }
+
     /// Does one projected Gauss–Seidel sweep over all grabs, all joints and then all contacts, pair after pair. Returns Σ Wᵢᵢ Δλᵢ², J.
     pub fn sweep(&mut self, direction: Direction, grouping: Grouping, cone: FrictionCone) -> f32 {
         let mut change = 0.0;

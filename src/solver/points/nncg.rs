@@ -65,6 +65,9 @@ impl PointSolver for Nncg {
 
 impl Method for Nncg {
     fn solve_as<L: F32xN, C: Cone>(&self, problem: &mut PointProblem) -> SolveReport {
+        if problem.has_locks() {
+            return problem.sweep_alone(self.iterations, self.tolerance, self.cone);
+        }
         let mut report = problem.report();
         let mut blocks = Conjugate::<L, C>::of(problem);
         let mut last = f32::INFINITY;

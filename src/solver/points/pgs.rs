@@ -54,6 +54,9 @@ impl PointSolver for Pgs {
 
 impl Method for Pgs {
     fn solve_as<L: F32xN, C: Cone>(&self, problem: &mut PointProblem) -> SolveReport {
+        if problem.has_locks() {
+            return problem.sweep_alone(self.iterations, self.tolerance, self.cone);
+        }
         let mut report = problem.report();
         let mut blocks = Blocks::<L, C>::of(problem);
         for k in 0..self.iterations {

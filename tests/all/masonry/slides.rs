@@ -155,6 +155,7 @@ impl Slide {
         lab.world.entity_mut(slider).insert(ExternalForce {
             force: self.spin() * Vec3::NEG_Z * 0.2 * weight,
             torque: Vec3::ZERO,
+            ..Default::default()
         });
         self.track(lab, slider, 1.5)
     }

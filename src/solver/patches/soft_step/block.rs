@@ -8,6 +8,7 @@
 //!
 //! The module [`carry`](super::carry) loads patches into a block and stores them.
 
+use super::locks::{Ease, Locks, PushLocked};
 use crate::solver::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -122,6 +123,10 @@ pub struct Block<L: F32xN> {
     pub(super) arms: [Vec3xN<L>; 2],
     pub(super) inverse_inertia: [Symmetric<L>; 2],
     pub(super) inverse_mass: [L; 2],
+    /// The inverse masses of its bodies along each axis, if some axis of them is locked. Nearly all blocks have none.
+    pub(super) locks: Option<Box<Locks<L>>>,
+    /// Velocities that friction demands along both tangents, m/s, if a surface moves.
+    pub(super) surface: Option<Box<[L; 2]>>,
     pub(super) friction: L,
     /// W over (F_n, T_1, T_2), the coordinates of normals.
     pub(super) normals: Symmetric<L>,
@@ -234,8 +239,13 @@ impl<L: F32xN> Block<L> {
         let a = self.inverse_inertia[0].apply(torque + self.arms[0].cross(force));
         let b = self.inverse_inertia[1].apply(torque + self.arms[1].cross(force));
         let mass = self.inverse_mass[0] + self.inverse_mass[1];
+        let turned = a.cross(self.arms[0]);
+        let linear = match &self.locks {
+            None => force.scale_add(mass, turned),
+            Some(locks) => locks.respond(force, turned),
+        };
         SpatialVec {
-            linear: force.scale_add(mass, a.cross(self.arms[0])) + b.cross(self.arms[1]),
+            linear: linear + b.cross(self.arms[1]),
             angular: a + b,
         }
     }
@@ -260,12 +270,19 @@ impl<L: F32xN> Block<L> {
             xz: t2.dot(along_n.angular),
             yz: t2.dot(about_1.angular),
         };
-        self.twist_mass = n.dot(about_n.angular).inverse();
+        let turned = n.dot(about_n.angular);
+        self.twist_mass = turned.inverse();
         self.twist_to_tangents = [t1.dot(about_n.linear), t2.dot(about_n.linear)];
         self.twist_to_normals = on_normals(&frame, about_n);
         self.tangents_to_normals = [on_normals(&frame, along_1), on_normals(&frame, along_2)];
-        let (xx, yy) = (t1.dot(along_1.linear), t2.dot(along_2.linear));
+        let (mut xx, mut yy) = (t1.dot(along_1.linear), t2.dot(along_2.linear));
         let xy = t1.dot(along_2.linear);
+        let mut ease = Ease::default();
+        if self.locks.is_some() {
+            ease = Ease::of_locks(&self.inverse_mass, &self.normals);
+            (xx, yy) = (xx + ease.linear, yy + ease.linear);
+            self.twist_mass = (turned + ease.angular).inverse();
+        }
         let determinant = xx.mul_sub(yy, xy * xy).inverse();
         self.tangent_mass = [yy * determinant, xx * determinant, -xy * determinant];
         let half = L::splat(0.5);
@@ -273,6 +290,7 @@ impl<L: F32xN> Block<L> {
         self.isotropic_mass = (half * (xx + yy) + spread).inverse();
         if self.rolls {
             let Symmetric { yy, zz, yz, .. } = self.normals;
+            let (yy, zz) = (yy + ease.angular, zz + ease.angular);
             let determinant = yy.mul_sub(zz, yz * yz).inverse();
             self.rolling_mass = [zz * determinant, yy * determinant, -yz * determinant];
         }
@@ -285,7 +303,7 @@ impl<L: F32xN> Block<L> {
             point.radius = point.radius.max(spot);
             point.effect = self.normals.apply(along);
             let used = point.mass.select_above(L::ZERO, L::ONE, L::ZERO);
-            point.mass = used * along.dot(point.effect).inverse();
+            point.mass = used * (along.dot(point.effect) + ease.linear).inverse();
         }
     }
 
@@ -331,6 +349,16 @@ impl<L: F32xN> Block<L> {
         velocities: &[Cell<State>],
     ) {
         let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
+        if let Some(locks) = &self.locks {
+            return L::run_rarely(PushLocked {
+                block: self,
+                locks,
+                force,
+                torque,
+                motions: [a, b],
+                velocities,
+            });
+        }
         let at_a = self.arms[0].cross_add(force, torque);
         let at_b = self.arms[1].cross_add(force, torque);
         let a = SpatialVec {

@@ -55,6 +55,7 @@ impl<L: F32xN> Block<L> {
             L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
+            self.load_locks(lane, side, body);
             self.turn(lane, side, &body.inverse_inertia);
         }
         self.friction[lane] = patch.friction;
@@ -92,11 +93,12 @@ impl<L: F32xN> Block<L> {
     pub fn begin(
         &mut self,
         points: &mut [Points<L>],
-        patches: impl Iterator<Item = (usize, u32)>,
+        patches: impl Iterator<Item = (usize, u32)> + Clone,
         problem: &PatchProblem,
         substeps: usize,
         deepest: f32,
     ) {
+        self.begin_surfaces(patches.clone(), problem);
         let mut found = Beginning::default();
         for (lane, number) in patches {
             let patch = &problem.patches[number as usize];

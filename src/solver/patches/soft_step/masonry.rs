@@ -188,6 +188,7 @@ impl Masonry {
             bodies: &mut self.bodies,
             patches: &mut self.patches,
             points: &mut self.points,
+            surfaces: &[],
             grabs: &mut self.grabs,
             joints: &mut [],
             dt: DT,

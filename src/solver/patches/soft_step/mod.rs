@@ -47,12 +47,14 @@ mod joints;
 mod kept;
 mod kinds;
 mod load_statistics;
+mod locks;
 #[cfg(test)]
 mod masonry;
 mod parting;
 mod pipeline;
 mod refresh;
 mod skewed_sweeps;
+mod surface;
 mod sweep_budget;
 mod together;
 mod upright;

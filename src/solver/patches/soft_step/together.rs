@@ -10,6 +10,7 @@ use super::sweep_budget::SweepBudget;
 use super::{Bounces, PatchSolver, SoftStep, blows, parting};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
+use glam::Vec3;
 
 /// Several problems, joined into one.
 #[derive(Default)]
@@ -19,6 +20,8 @@ struct Joint {
     points: Vec<PatchPoint>,
     /// By patch: the number of its problem.
     owners: Vec<u32>,
+    /// Velocities of surfaces, by patch.
+    surfaces: Vec<(u32, Vec3)>,
 }
 
 impl Joint {
@@ -31,6 +34,10 @@ impl Joint {
                 first: patch.first + point,
                 ..*patch
             });
+            let first = joint.patches.len() as u32;
+            let surfaces = problem.surfaces.iter();
+            let surfaces = surfaces.map(|&(patch, velocity)| (patch + first, velocity));
+            joint.surfaces.extend(surfaces);
             joint.patches.extend(patches);
             joint.owners.resize(joint.patches.len(), owner);
             joint.bodies.extend_from_slice(problem.bodies);
@@ -47,6 +54,7 @@ impl Joint {
             points: &mut self.points,
             grabs: &mut [],
             joints: &mut [],
+            surfaces: &self.surfaces,
             memory,
             threads: 1,
             ..*like

@@ -94,6 +94,7 @@ impl<L: F32xN> Block<L> {
             wrench: SpatialVec::default(),
             change: L::ZERO,
         };
+        self.against_surface(&mut visit.velocity);
         let mut rows = Rows {
             kinds,
             springs: Springs::default(),

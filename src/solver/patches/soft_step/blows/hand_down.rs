@@ -307,6 +307,9 @@ impl HandDown {
                 let found = &island.points[point as usize];
                 let lane = place.lane as usize;
                 let response = problem.bodies[body as usize].response(normal, arms[0]);
+                if response <= 0.0 {
+                    continue;
+                }
                 self.rows.push(Row {
                     normal,
                     arms,
@@ -327,7 +330,7 @@ impl HandDown {
 /// Kinetic energy, J.
 fn kinetic_energy(body: &Body, velocity: &State) -> f64 {
     let [linear, angular] = velocity.map(|v| v.truncate().as_dvec3());
-    let inertia = body.inverse_inertia.as_dmat3().inverse();
+    let inertia = body.inertia();
     0.5 * (linear.length_squared() / body.inverse_mass as f64 + angular.dot(inertia * angular))
 }
 
@@ -343,7 +346,7 @@ fn stop(rows: &mut [Row], body: &Body, velocity: &mut [Vec3; 2]) {
         moment += row.arms[0].cross(row.normal);
     }
     let turned = moment.dot(body.inverse_inertia * moment);
-    let response = body.inverse_mass * force.length_squared() + turned;
+    let response = body.inverse_mass * (force * body.free_axes).length_squared() + turned;
     if missing > 0.0 && response > 0.0 {
         for row in rows.iter_mut().filter(|row| lacking(row)) {
             row.give(missing / response, body, velocity);

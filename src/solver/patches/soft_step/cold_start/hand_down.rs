@@ -84,7 +84,13 @@ impl Row {
 
     /// The impulse that would stop the body in its direction, N·s.
     fn wanted(&self, [linear, angular]: [Vec3; 2]) -> f32 {
-        self.impulse - self.direction.dot(linear + angular.cross(self.arm)) / self.response
+        match self.response > 0.0 {
+            true => {
+                self.impulse - self.direction.dot(linear + angular.cross(self.arm)) / self.response
+            }
+            // The body is locked in this direction.
+            false => 0.0,
+        }
     }
 
     /// The impulse that the pass has added, N·s.

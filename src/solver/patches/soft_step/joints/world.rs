@@ -247,6 +247,7 @@ impl World {
             points: &mut self.points,
             grabs: &mut [],
             joints: &mut joints,
+            surfaces: &[],
             dt,
             longest: dt,
             gravity: self.gravity,

@@ -1,0 +1,51 @@
+//! Dominance: which of two bodies in contact is not moved by the other.
+
+use super::{BodyProperties, BodyState, KeptProperty, LockedAxes};
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+
+/// The dominance group of a dynamic body. In a contact of two dynamic bodies, the one in the higher group is not moved by the other, as if it
+/// were infinitely heavy. Bodies in the same group push each other as usual. Static and kinematic bodies dominate all. Default: 0.
+///
+/// In such a contact the dominant body moves on with the velocity that it had at the beginning of the step, as a kinematic body does.
+///
+/// ```
+/// use bevy_transform::components::Transform;
+/// use drystone::prelude::*;
+///
+/// # let mut app = bevy_app::App::new();
+/// # app.add_plugins(DrystonePlugins::default());
+/// # let world = app.world_mut();
+/// let ball = |x: f32| (RigidBody::Dynamic, Collider::ball(0.5), Transform::from_xyz(x, 0.0, 0.0), GravityScale(0.0));
+/// // A light ball that a heavy one does not stop.
+/// let light = world.spawn((ball(0.0), Mass(1.0), Velocity::linear(Vec3::X), Dominance(1))).id();
+/// let heavy = world.spawn((ball(1.5), Mass(1000.0))).id();
+/// for _ in 0..60 {
+///     drystone::step(world, 1.0 / 60.0).unwrap();
+/// }
+/// assert_eq!(world.get::<Velocity>(light).unwrap().linear, Vec3::X);
+/// assert!(world.get::<Velocity>(heavy).unwrap().linear.x > 0.9);
+/// ```
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[component(on_remove = super::table::lost_description, summary_tick)]
+pub struct Dominance(pub i8);
+
+impl KeptProperty for Dominance {}
+
+impl BodyState {
+    /// Returns true if both bodies are dynamic and the other one cannot move this one.
+    #[inline]
+    pub(crate) fn dominates(&self, other: &Self) -> bool {
+        self.properties.dominance > other.properties.dominance
+            && self.is_dynamic()
+            && other.is_dynamic()
+    }
+}
+
+impl BodyProperties {
+    /// The properties that decide how the contacts of a body are solved.
+    pub(super) fn solved_as(&self) -> (LockedAxes, Dominance) {
+        (self.locked_axes, self.dominance)
+    }
+}

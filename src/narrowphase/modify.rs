@@ -1,0 +1,170 @@
+//! Part of the stage *narrowphase*: calls [`ContactHooks`], and finds the pairs whose surfaces move ([`SurfaceVelocity`]).
+//!
+//! It visits only pairs of bodies that have one of these components. A pair that loses points is detected anew in the next step, so that a hook
+//! always sees all points.
+
+use super::PairColumns;
+use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Simulated, limits};
+use crate::collider::SurfaceVelocity;
+use crate::contact::{
+    ActiveContactHooks, ContactHook, ContactHooks, ContactModification, Manifold, MovingSurfaces,
+    Origins, PairState, reorder,
+};
+use crate::graph::ConstraintGraph;
+use crate::revision::Revision;
+use crate::settings::{StabilizationSettings, StepTime};
+use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use glam::Vec3;
+
+/// Bodies that change the contacts of their pairs.
+type Modifying = (
+    Or<(With<ActiveContactHooks>, With<SurfaceVelocity>)>,
+    Simulated,
+);
+
+/// Changes the contacts of pairs as hooks and surface velocities ask.
+pub fn modify_contacts(
+    (table, mut graph, mut surfaces): (
+        Res<BodyTable>,
+        ResMut<ConstraintGraph>,
+        ResMut<MovingSurfaces>,
+    ),
+    (hooks, time, settings): (
+        Option<Res<ContactHooks>>,
+        Res<StepTime>,
+        Res<StabilizationSettings>,
+    ),
+    modifying: Query<&BodyIndex, Modifying>,
+    mut pairs: Query<PairColumns, Without<Inactive>>,
+) {
+    let before = surfaces.take();
+    if modifying.is_empty() {
+        return;
+    }
+    let edges = modifying.iter().flat_map(|index| graph.edges_of(index.0));
+    // The pairs do not depend on each other, so their order does not matter.
+    let found: EntityHashSet = edges.collect();
+    let context = Context {
+        hook: hooks.as_deref().map(ContactHooks::hook),
+        dt: time.dt,
+        outer: settings.outer_distance(),
+        first: time.substep == 0,
+    };
+    let mut reports = Vec::new();
+    for pair in found {
+        if let Ok(columns) = pairs.get_mut(pair)
+            && let Some([a, b]) = table.both(columns.0.slots)
+            && !columns.0.is_idle()
+        {
+            reports.extend(context.modify(columns, [a, b], &before, &mut surfaces));
+        }
+    }
+    graph.report(reports);
+}
+
+struct Context<'a> {
+    hook: Option<&'a dyn ContactHook>,
+    dt: f32,
+    /// Points up to this distance touch, m.
+    outer: f32,
+    /// This is the first substep.
+    first: bool,
+}
+
+impl Context<'_> {
+    /// Changes the contacts of a pair. Returns a report for the graph if it has lost all its points, or ceased to touch.
+    fn modify(
+        &self,
+        (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets): <PairColumns<'static> as QueryData>::Item<'_, '_>,
+        bodies: [&BodyState; 2],
+        before: &MovingSurfaces,
+        surfaces: &mut MovingSurfaces,
+    ) -> Option<(u32, bool)> {
+        let pair = pair.bypass_change_detection();
+        let manifold = manifold.bypass_change_detection();
+        let impulses = impulses.bypass_change_detection();
+        let targets = targets.bypass_change_detection();
+        let (friction, restitution) = (pair.friction, pair.restitution);
+        pair.combine(bodies);
+        let pressed = impulses.normal() > 0.0;
+        let mut contacts = ContactModification::new(pair, bodies, manifold, (pressed, self.dt));
+        if let Some(hook) = self.hook {
+            let asks = |asked: fn(&ActiveContactHooks) -> bool| {
+                bodies.iter().any(|body| asked(&body.properties.hooks))
+            };
+            if asks(|hooks| hooks.filter_pairs) && !hook.filter_pair(bodies) {
+                contacts.ignore();
+            } else if asks(|hooks| hooks.modify_contacts) && !manifold.points.is_empty() {
+                hook.modify_contacts(&mut contacts);
+            }
+        }
+        if limits::share_of(contacts.friction, limits::FRICTION) {
+            pair.friction = contacts.friction;
+        }
+        if limits::share_of(contacts.restitution, limits::RESTITUTION) {
+            pair.restitution = contacts.restitution;
+        }
+        let mut changed = (pair.friction, pair.restitution) != (friction, restitution);
+        let velocity = contacts.surface_velocity;
+        if velocity != Vec3::ZERO && limits::within(velocity, limits::SPEED) {
+            surfaces.insert(pair.edge, velocity);
+        }
+        if surfaces.get(pair.edge) != before.get(pair.edge) {
+            // What was anchored slides from now on, or the other way round.
+            anchors.bypass_change_detection().measured = None;
+            changed = true;
+        }
+        let kept = contacts.kept;
+        let drops = kept.contains(&false);
+        if drops {
+            let (points, patches) = drop_points(manifold, &kept);
+            let anchors = anchors.bypass_change_detection();
+            reorder(&points, &patches, impulses, anchors, targets);
+            cache.bypass_change_detection().last_pose.forget();
+        }
+        if changed || drops {
+            pair.revision = Revision::next();
+        }
+        if !drops {
+            return None;
+        }
+        pair.touching = manifold
+            .points
+            .iter()
+            .any(|point| point.distance <= self.outer);
+        pair.state = match manifold.points.is_empty() && self.first {
+            true => PairState::Apart,
+            false => PairState::Live,
+        };
+        let ends = manifold.points.is_empty() || pair.announced && !pair.touching;
+        ends.then_some((pair.edge, pair.announced && !pair.touching))
+    }
+}
+
+/// Removes points that are not kept, and patches without points. Returns the origins of those that are left.
+fn drop_points(manifold: &mut Manifold, kept: &[bool]) -> (Origins, Origins) {
+    let old = std::mem::take(manifold);
+    manifold.between = old.between;
+    let (mut points, mut patches) = (Origins::new(), Origins::new());
+    for (number, patch, range) in old.patches_with_points() {
+        let first = manifold.points.len() as u32;
+        for i in range.filter(|&i| kept[i]) {
+            manifold.points.push(old.points[i]);
+            points.push(Some(i as u16));
+        }
+        let count = manifold.points.len() as u32 - first;
+        if count > 0 {
+            let mut patch = *patch;
+            (patch.first, patch.count) = (first, count);
+            let arms = manifold.points[first as usize..]
+                .iter()
+                .map(|point| point.arm);
+            patch.center = arms.sum::<Vec3>() / count as f32;
+            manifold.patches.push(patch);
+            patches.push(Some(number as u16));
+        }
+    }
+    (points, patches)
+}

@@ -1,0 +1,159 @@
+//! Characters: shapes that a game moves itself, that slide along what they meet, climb steps and stand on slopes.
+//!
+//! A character is not a dynamic body: it goes where its player wants. [`move_and_slide`](SpatialQuery::move_and_slide) says how far it gets in one
+//! step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. What the character runs into is
+//! in the answer, with the impulse by which it [pushes](CharacterHit::push) it.
+//!
+//! The method is that of most engines: the shape is cast along the way, stops a little before the first obstacle, and goes on along its
+//! surface with what is left. At a wall it looks whether there is a step behind it.
+
+mod ground;
+mod slide;
+
+pub use ground::Ground;
+pub use slide::CharacterHit;
+
+use super::{QueryError, QueryFilter, SpatialQuery};
+use crate::body::Pose;
+use crate::collider::Collider;
+use bevy_math::{Dir3, ops};
+use glam::Vec3;
+use slide::Walk;
+
+/// How a character moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoveAndSlide {
+    /// Up. Default: y.
+    pub up: Dir3,
+    /// Distance that the character keeps from all surfaces, m. Default: 0.01.
+    pub margin: f32,
+    /// Steepest slope that it stands on and climbs, rad. Default: 45°.
+    pub max_slope: f32,
+    /// Highest step that it climbs, m. Default: 0.3.
+    pub step_height: f32,
+    /// Depth that a step must have to stand on, m. Default: 0.1.
+    pub step_depth: f32,
+    /// A character that stands and does not move up is kept on ground that falls away by no more than this, m. Default: 0.3.
+    pub snap_distance: f32,
+    /// Upper bound of the obstacles that it slides along in one call. Default: 6.
+    pub max_slides: u32,
+}
+
+impl Default for MoveAndSlide {
+    fn default() -> Self {
+        Self {
+            up: Dir3::Y,
+            margin: 0.01,
+            max_slope: std::f32::consts::FRAC_PI_4,
+            step_height: 0.3,
+            step_depth: 0.1,
+            snap_distance: 0.3,
+            max_slides: 6,
+        }
+    }
+}
+
+impl MoveAndSlide {
+    /// Returns true if a surface with this normal is flat enough to stand on.
+    pub fn is_walkable(&self, normal: Vec3) -> bool {
+        /// Rounding of normals.
+        const ROUNDING: f32 = 1e-4;
+        normal.dot(*self.up) >= ops::cos(self.max_slope) - ROUNDING
+    }
+
+    /// The part of a vector that is not up or down.
+    fn level(&self, vector: Vec3) -> Vec3 {
+        vector - *self.up * vector.dot(*self.up)
+    }
+
+    fn check(&self) -> Result<(), QueryError> {
+        let lengths = [
+            self.margin,
+            self.max_slope,
+            self.step_height,
+            self.step_depth,
+            self.snap_distance,
+        ];
+        if !self.up.is_finite() {
+            return Err(QueryError::NotFinite("`MoveAndSlide::up`"));
+        }
+        let invalid = lengths.into_iter().find(|x| !(0.0..f32::MAX).contains(x));
+        invalid.map_or(Ok(()), |length| Err(QueryError::InvalidDistance(length)))
+    }
+}
+
+/// Where a character gets to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slide {
+    /// Its position then, m.
+    pub position: Vec3,
+    /// The ground that it stands on then, if it stands. A jump leaves the ground if its first step is longer than [`MoveAndSlide::margin`].
+    pub ground: Option<Ground>,
+    /// The bodies that it met, in order, each once.
+    pub hits: Vec<CharacterHit>,
+}
+
+impl SpatialQuery<'_, '_> {
+    /// Moves a shape from a pose by a translation (m), and lets it slide along obstacles, climb steps, and keep to the ground when it goes down.
+    /// The filter must exclude the character's own body. Where the shape overlaps bodies at the start it is moved out first.
+    ///
+    /// On a moving platform add [`Ground::velocity`] times the length of the step to the translation. See `examples/character.rs`.
+    ///
+    /// ```
+    /// use bevy_transform::components::Transform;
+    /// use drystone::prelude::*;
+    ///
+    /// # let mut app = bevy_app::App::new();
+    /// # app.add_plugins(DrystonePlugins::default());
+    /// # let world = app.world_mut();
+    /// world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    /// // A step of 0.2 m, and a wall.
+    /// world.spawn((RigidBody::Static, Collider::cuboid(2.0, 0.4, 9.0), Transform::from_xyz(2.0, 0.0, 0.0)));
+    /// world.spawn((RigidBody::Static, Collider::cuboid(1.0, 9.0, 9.0), Transform::from_xyz(3.0, 0.0, 0.0)));
+    /// drystone::step(world, 1.0 / 60.0).unwrap();
+    ///
+    /// let shape = Collider::capsule(0.3, 1.0);
+    /// let mut at = Pose { position: Vec3::new(0.0, 0.81, 0.0), ..Pose::default() };
+    /// for _ in 0..120 {
+    ///     let walk = Vec3::new(0.05, -0.01, 0.02);
+    ///     let slide = spatial_query(world, |query| {
+    ///         query.move_and_slide(&shape, at, walk, &MoveAndSlide::default(), &QueryFilter::default())
+    ///     });
+    ///     at.position = slide.unwrap().position;
+    /// }
+    /// assert!((at.position.y - 1.01).abs() < 0.01, "on the step");
+    /// assert!((at.position.x - 2.19).abs() < 0.01, "at the wall");
+    /// assert!(at.position.z > 2.0, "along the wall");
+    /// ```
+    ///
+    /// # Errors
+    /// [`QueryError`] if the pose, the translation or a setting is not finite or negative, the shape is degenerate or unbounded, or it cannot be
+    /// compared with that of a body on its way.
+    pub fn move_and_slide(
+        &self,
+        collider: &Collider,
+        from: Pose,
+        translation: Vec3,
+        rules: &MoveAndSlide,
+        filter: &QueryFilter,
+    ) -> Result<Slide, QueryError> {
+        rules.check()?;
+        if !translation.is_finite() {
+            return Err(QueryError::NotFinite("the translation"));
+        }
+        let mut walk = Walk::new(self, collider, from, rules, filter);
+        walk.leave_overlaps()?;
+        let stood = self.ground(collider, walk.pose, rules, filter)?;
+        walk.slide(translation, stood.as_ref())?;
+        let goes_up = translation.dot(*rules.up) > 1e-6;
+        if stood.is_some() && !goes_up {
+            walk.snap()?;
+        }
+        let ground = self.ground(collider, walk.pose, rules, filter)?;
+        Ok(Slide {
+            position: walk.pose.position,
+            ground,
+            hits: walk.hits,
+        })
+    }
+}

@@ -112,7 +112,7 @@ impl Geometry {
 
     /// The angle of a hinge, −π to π.
     fn angle(&self, hinge: usize) -> Coordinate {
-        let about = Vec3::from(self.relative.xyz())[hinge];
+        let about = self.relative.xyz()[hinge];
         let (own, other) = self.hinge_axes(hinge);
         let cosine = own.dot(other);
         Coordinate {

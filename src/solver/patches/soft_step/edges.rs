@@ -1,4 +1,5 @@
-//! The places of edges among the blocks of an island. Edges are constraints that are not contacts: grabs today, and joints later.
+//! The places of edges among the blocks of an island. Edges are constraints that are not contacts, such as grabs. [Joints](super::joints)
+//! have no places: they are solved after all contacts of a sweep.
 //!
 //! Contacts are relaxed in blocks. An edge is relaxed by itself, right before the first block that holds a body which the edge reads or
 //! changes. So in every sweep an edge comes before all contacts of its bodies. The result equals that of a sweep over all edges and then

@@ -22,6 +22,7 @@
 //! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer in every short step would
 //!   throw the bodies that had sunk in a long one.
 //! - **Blows** ([`blows`]): where bodies hit each other, a substep gets more sweeps, and the next substep begins without the blow.
+//! - **Joints** ([`joints`]) are solved directly, after the contacts of every sweep. Sweeps of their islands do not overlap.
 //! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.
 //! - **Cold start** ([`cold_start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
 //!   removed body lose its load.

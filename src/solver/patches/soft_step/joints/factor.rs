@@ -216,33 +216,16 @@ impl Factor {
     pub fn factorize(&mut self) {
         let (mut first, mut target) = (0, 0);
         for column in &self.columns {
-            let n = column.size;
-            let (before, rest) = self.values.split_at_mut(column.pivot + n * n);
-            let pivot = &mut before[column.pivot..];
-            decompose(pivot, n, column.sign);
             let below = &self.below[first..column.below];
-            first = column.below;
-            let shift = column.pivot + n * n;
-            for block in below {
-                let size = self.columns[block.column].size;
-                let block = &mut rest[block.at - shift..][..size * n];
-                for row in block.chunks_exact_mut(n) {
-                    forward(pivot, n, row);
-                }
-            }
-            // The blocks of this column lie before all blocks that they change.
-            let own: usize = below.iter().map(|b| self.columns[b.column].size * n).sum();
-            let (blocks, others) = rest.split_at_mut(own);
-            for (i, a) in below.iter().enumerate() {
-                let rows = self.columns[a.column].size;
-                let a = &blocks[a.at - shift..][..rows * n];
-                for b in &below[..=i] {
-                    let columns = self.columns[b.column].size;
-                    let b = &blocks[b.at - shift..][..columns * n];
-                    let to = self.targets[target] - shift - own;
-                    target += 1;
-                    subtract(&mut others[to..][..rows * columns], a, b, n, column.sign);
-                }
+            let targets = &self.targets[target..column.targets];
+            (first, target) = (column.below, column.targets);
+            let (columns, values) = (&self.columns, &mut self.values);
+            // Loops of constant length are several times as fast.
+            match column.size {
+                3 => eliminate(3, column, below, targets, columns, values),
+                5 => eliminate(5, column, below, targets, columns, values),
+                6 => eliminate(6, column, below, targets, columns, values),
+                n => eliminate(n, column, below, targets, columns, values),
             }
         }
     }
@@ -281,6 +264,39 @@ impl Factor {
             }
             own.iter_mut().for_each(|own| *own *= column.sign);
             backward(&self.values[column.pivot..], n, own);
+        }
+    }
+}
+
+/// Eliminates a column of n unknowns: decomposes its pivot, and subtracts what the blocks below it take from later ones.
+#[inline(always)]
+fn eliminate(
+    n: usize,
+    column: &Column,
+    below: &[Below],
+    targets: &[usize],
+    columns: &[Column],
+    values: &mut [f64],
+) {
+    let (before, rest) = values.split_at_mut(column.pivot + n * n);
+    let pivot = &mut before[column.pivot..];
+    decompose(pivot, n, column.sign);
+    // The blocks of this column lie before all blocks that they change.
+    let shift = column.pivot + n * n;
+    let own: usize = below.iter().map(|b| columns[b.column].size * n).sum();
+    let (blocks, others) = rest.split_at_mut(own);
+    for row in blocks.chunks_exact_mut(n) {
+        forward(pivot, n, row);
+    }
+    let mut targets = targets.iter();
+    for (i, a) in below.iter().enumerate() {
+        let rows = columns[a.column].size;
+        let a = &blocks[a.at - shift..][..rows * n];
+        for (b, target) in below[..=i].iter().zip(&mut targets) {
+            let width = columns[b.column].size;
+            let b = &blocks[b.at - shift..][..width * n];
+            let to = &mut others[target - shift - own..][..rows * width];
+            subtract(to, a, b, n, column.sign);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! load of a thousand links stretches by centimetres, or flies apart. So each connected [piece] of the joint graph is solved as a
 //! whole by a [sparse factorization](factor), after the contacts of every soft and every rigid sweep; the other way round it flies apart.
 //!
-//! - **Rows** ([`row`]) are springs a thousand times and more as stiff as those of contacts. They never are quite rigid: joints that hold each
+//! - **Rows** ([`row`]) are springs ten thousand times as stiff as those of contacts. They are never quite rigid: joints that hold each
 //!   other redundantly would have no unique forces.
 //! - **Arms turn** within a step: directions, errors, inertias and the factorization are refreshed in each substep for what has turned by
 //!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way ([`Geometry::curvature`]).

@@ -571,3 +571,100 @@ fn results_do_not_depend_on_memory() {
     };
     assert_eq!(run(false), run(true));
 }
+
+/// Bricks that are bonded to all of their neighbours stick out from a fixed one like a shelf, in loops of joints.
+#[test]
+fn bonded_bricks_are_a_shelf() {
+    for dt in STEPS {
+        let mut world = World::new();
+        let mut bricks = [[0; 6]; 4];
+        for (i, row) in bricks.iter_mut().enumerate() {
+            for (j, brick) in row.iter_mut().enumerate() {
+                let at = Vec3::new(j as f32 + 0.5, 0.5 * i as f32, 0.0);
+                *brick = world.add(Thing::cuboid(100.0, Vec3::new(1.0, 0.5, 0.5), at));
+            }
+        }
+        for i in 0..4 {
+            for j in 0..6 {
+                let at = Vec3::new(j as f32, 0.5 * i as f32, 0.0);
+                let left = if j == 0 { 0 } else { bricks[i][j - 1] };
+                world.join([left, bricks[i][j]], at, FIXED);
+                if i > 0 {
+                    let at = at + Vec3::new(0.5, -0.25, 0.0);
+                    world.join([bricks[i - 1][j], bricks[i][j]], at, FIXED);
+                }
+            }
+        }
+        world.run(3.0, dt);
+        below(world.widest(), 1e-4, "gap");
+        below(world.fastest()[0], 1e-5, "trembling");
+        let end = world.things[bricks[0][5] as usize].position;
+        below((end - Vec3::X * 5.5).length(), 5e-4, "bends");
+        let weight: f32 = world
+            .links
+            .iter()
+            .filter(|link| link.constraint.bodies[0] == 0)
+            .map(|link| link.constraint.mean[0].y)
+            .sum();
+        assert!((weight - 2400.0 * G).abs() < 5.0, "{weight}");
+    }
+}
+
+/// A bar on a ball joint with limited rotations tumbles within its limits, and comes to rest at one.
+#[test]
+fn limited_balls_stay_within_limits() {
+    for dt in STEPS {
+        let mut world = World::new();
+        let bar = Thing::cuboid(2.0, Vec3::new(1.0, 0.2, 0.3), 0.5 * Vec3::X);
+        let bar = world.add(bar);
+        let mut axes = BALL;
+        for (axis, bound) in [(3, 0.3), (4, 0.6), (5, 0.5)] {
+            axes[axis] = JointAxis {
+                limits: [-bound, bound],
+                ..FREE
+            };
+        }
+        world.join([0, bar], Vec3::ZERO, axes);
+        world.things[1].angular = Vec3::new(4.0, 3.0, 1.0);
+        let scale = 2.0 * G;
+        let mut most = Vec3::ZERO;
+        let begin = world.energy();
+        let mut gain = 0f64;
+        world.run_with(6.0, dt, |world| {
+            most = most.max(world.things[1].rotation.to_scaled_axis().abs());
+            gain = gain.max(world.energy() - begin);
+        });
+        assert!(
+            most.x < 0.32 && most.y < 0.62 && most.z < 0.52,
+            "{dt}: {most}"
+        );
+        below(gain as f32 / scale, 1e-2, "gain");
+        below(world.widest(), 1e-4, "gap");
+    }
+}
+
+/// A crank that turns by itself drives a rod through a hinge.
+#[test]
+fn kinematic_bodies_drive_others() {
+    for dt in STEPS {
+        let mut world = World::new();
+        world.gravity = Vec3::ZERO;
+        let crank = world.add(Thing {
+            angular: 3.0 * Vec3::Z,
+            ..Thing::fixed()
+        });
+        let rod = world.add(Thing::cuboid(5.0, Vec3::new(1.0, 0.1, 0.1), Vec3::X));
+        world.join([crank, rod], 0.5 * Vec3::X, FIXED);
+        world.things[2].angular = 3.0 * Vec3::Z;
+        world.things[2].linear = 3.0 * Vec3::Y;
+        let mut reach = 0f32;
+        world.run_with(4.0, dt, |world| reach = reach.max(world.widest()));
+        below(reach, 1e-3, "gap");
+        let rod = &world.things[2];
+        below((rod.linear.length() - 3.0).abs(), 0.02, "speed");
+        below((rod.angular - 3.0 * Vec3::Z).length(), 0.02, "spin");
+        // m ω² r
+        let pull = world.links[0].constraint.mean[0].length();
+        below((pull - 45.0).abs(), 1.0, "pull");
+    }
+}

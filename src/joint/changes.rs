@@ -21,7 +21,7 @@ use bevy_ecs::prelude::*;
 /// What is to be done with a joint.
 enum Finding {
     /// It takes part: its bodies are in these slots.
-    Ready(JointDefinition, [u32; 2]),
+    Ready(Box<JointDefinition>, [u32; 2]),
     /// It is disabled, or waits for a body.
     Idle,
     /// Its input is invalid.
@@ -78,7 +78,7 @@ fn of_changed_bodies(world: &World) -> Vec<Entity> {
 fn update(world: &mut World, joint: Entity) {
     match examine(world, joint) {
         Finding::Ready(definition, slots) => {
-            attach(world, joint, definition, slots);
+            attach(world, joint, *definition, slots);
             let mut joint = world.entity_mut(joint);
             if joint.take::<QuarantinedJoint>().is_some() {
                 tracing::info!(
@@ -139,7 +139,7 @@ fn examine(world: &mut World, joint: Entity) -> Finding {
     }
     let is_dynamic = |&slot: &u32| table.get(slot).is_some_and(BodyState::is_dynamic);
     match slots.iter().any(is_dynamic) {
-        true => Finding::Ready(definition, slots),
+        true => Finding::Ready(Box::new(definition), slots),
         false => Finding::Invalid(JointProblem::NothingMoves),
     }
 }

@@ -28,7 +28,8 @@ fn sleeps(lab: &Lab, body: Entity) -> bool {
 
 #[test]
 fn removing_a_joint_in_any_way_wakes_its_bodies() {
-    let ways: [(&str, fn(&mut World, Entity)); 5] = [
+    type Remove = fn(&mut World, Entity);
+    let ways: [(&str, Remove); 5] = [
         ("despawn", |world, hook| _ = world.despawn(hook)),
         ("remove", |world, hook| {
             world.entity_mut(hook).remove::<SphericalJoint>();

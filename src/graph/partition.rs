@@ -231,6 +231,10 @@ impl Partition {
                 _ => active.min().unwrap_or(NONE),
             };
             if island.first != first {
+                // An inactive island that was merged with an active one has no number yet.
+                if island.first == NONE {
+                    self.unnumbered.push(id);
+                }
                 island.first = first;
                 self.stale = true;
             }

@@ -23,6 +23,7 @@ mod hands;
 mod headless;
 mod hits;
 mod hulls;
+mod joint_solver;
 mod joints;
 mod loads;
 mod masonry;

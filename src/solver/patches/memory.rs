@@ -40,6 +40,13 @@ impl Memory {
         &self.patches
     }
 
+    /// Gives the first `count` patches new revisions: each of them may differ from that of the last step in anything but its bodies and its
+    /// number of points. For problems that are not made by the stage *warm start*.
+    pub fn revise_patches(&mut self, count: usize) {
+        self.patches.clear();
+        self.patches.resize_with(count, Revision::next);
+    }
+
     /// Takes the state if the problem has the same bodies, patches and numbers of points as when it was stored.
     pub fn take<T: Any>(&mut self) -> Option<Box<T>> {
         let kept = self.kept.take()?;

@@ -56,6 +56,7 @@ fn an_order_that_follows_changes_equals_one_computed_from_nothing() {
                 _ => RigidBody::Dynamic,
             });
         }
+        let mut has_content = false;
         for _ in 0..300 {
             for _ in 0..rng.u8(0..4) {
                 site.edit(&mut rng);
@@ -63,8 +64,9 @@ fn an_order_that_follows_changes_equals_one_computed_from_nothing() {
             site.update();
             order.keep_for(&site);
             order.check(&site);
+            has_content |= !order.content().is_empty();
         }
-        assert!(!order.content().is_empty());
+        assert!(has_content);
     }
 }
 

@@ -21,10 +21,6 @@ mod leaf;
 mod member;
 mod piece;
 mod row;
-#[cfg(test)]
-mod tests;
-#[cfg(test)]
-mod world;
 
 use super::block::{Pass, Spring};
 use super::island::Island;

@@ -1,10 +1,8 @@
 //! A small world of bodies, joints and a ground, for tests.
 
-use crate::revision::Revision;
-use crate::solver::patches::soft_step::SoftStep;
-use crate::solver::{
+use drystone::solver::{
     Body, JointAxis, JointConstraint, Memory, PatchConstraint, PatchPoint, PatchProblem,
-    PatchSolver, Slip,
+    PatchSolver, Slip, SoftStep,
 };
 use glam::{Mat3, Quat, Vec3};
 
@@ -237,10 +235,7 @@ impl World {
                 point.separation = (center + offset).y - ground;
             }
         }
-        // All patches are detected anew.
-        self.memory.patches.clear();
-        let revisions = self.patches.iter().map(|_| Revision::next());
-        self.memory.patches.extend(revisions);
+        self.memory.revise_patches(self.patches.len());
         self.solver.solve(&mut PatchProblem {
             bodies: &mut bodies,
             patches: &mut self.patches,

@@ -1,8 +1,10 @@
 //! What joints hold, at rest and in motion, at 60, 30 and 10 Hz.
 
-use super::world::{G, Thing, World};
-use crate::solver::{JointAxis, JointMotor};
+mod world;
+
+use drystone::solver::{JointAxis, JointMotor};
 use glam::{Quat, Vec3};
+use world::{G, Thing, World};
 
 const FREE: JointAxis = JointAxis::FREE;
 const LOCKED: JointAxis = JointAxis::LOCKED;

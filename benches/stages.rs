@@ -209,6 +209,7 @@ fn soft_step(criterion: &mut Criterion) {
             points,
             grabs: &mut [],
             joints: &mut [],
+            surfaces: &[],
             dt: DT,
             longest: DT,
             gravity: Vec3::NEG_Y * 9.81,

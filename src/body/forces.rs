@@ -27,7 +27,7 @@ use glam::{Quat, Vec3};
 ///     drystone::step(world, 1.0 / 60.0).unwrap();
 /// }
 /// let velocity = world.get::<Velocity>(rocket).unwrap();
-/// assert!(velocity.linear.z > 1.9 && velocity.angular.y > 0.0 && velocity.linear.y.abs() < 1e-3);
+/// assert!(velocity.linear.z > 1.9 && velocity.angular.y < 0.0 && velocity.linear.y.abs() < 1e-3);
 /// ```
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]

@@ -81,7 +81,9 @@ impl Solve<'_> {
                     }
                 }
                 None if R::SUBSTEPS => {
-                    let gained = end.linear - body.velocity.linear;
+                    let mut start = body.velocity;
+                    body.properties.restrain(&mut start);
+                    let gained = end.linear - start.linear;
                     Motion::Flight {
                         gained: gained.clamp_length_max(fall),
                     }

@@ -180,30 +180,13 @@ impl<'a> ContactModification<'a> {
 
     /// The points.
     pub fn points(&self) -> impl Iterator<Item = HookedPoint> {
-        let center = self.bodies[0].center;
-        let patches = self.manifold.patches_with_points();
-        patches.flat_map(move |(_, patch, range)| {
-            let points = self.manifold.points[range].iter();
-            points.map(move |point| HookedPoint {
-                position: center + point.arm,
-                normal: patch.normal,
-                distance: point.distance,
-            })
-        })
+        numbered_points(self.bodies[0], self.manifold).map(|(_, point)| point)
     }
 
     /// Drops the points for which a function returns false.
     pub fn retain(&mut self, mut keeps: impl FnMut(&HookedPoint) -> bool) {
-        let center = self.bodies[0].center;
-        for (_, patch, range) in self.manifold.patches_with_points() {
-            for i in range {
-                let point = &self.manifold.points[i];
-                self.kept[i] &= keeps(&HookedPoint {
-                    position: center + point.arm,
-                    normal: patch.normal,
-                    distance: point.distance,
-                });
-            }
+        for (i, point) in numbered_points(self.bodies[0], self.manifold) {
+            self.kept[i] &= keeps(&point);
         }
     }
 
@@ -233,6 +216,26 @@ impl<'a> ContactModification<'a> {
             faces && (pressed || came >= 0.0 && -point.distance <= came + REST)
         });
     }
+}
+
+/// The points of a manifold with their numbers, for hooks. `a` is body A.
+fn numbered_points<'a>(
+    a: &'a BodyState,
+    manifold: &'a Manifold,
+) -> impl Iterator<Item = (usize, HookedPoint)> + 'a {
+    manifold
+        .patches_with_points()
+        .flat_map(move |(_, patch, range)| {
+            range.map(move |i| {
+                let point = &manifold.points[i];
+                let hooked = HookedPoint {
+                    position: a.center + point.arm,
+                    normal: patch.normal,
+                    distance: point.distance,
+                };
+                (i, hooked)
+            })
+        })
 }
 
 impl BodyState {

@@ -1,6 +1,6 @@
 //! The builder methods that all joint types share.
 
-/// Implements the shared builder methods for a joint type, and [`JointType::set_bodies`](super::definition::JointType::set_bodies).
+/// Implements the shared builder methods for a joint type, and [`JointEnds`](super::definition::JointEnds).
 macro_rules! joint_builder {
     ($Type:ident) => {
         impl $Type {
@@ -58,6 +58,21 @@ macro_rules! joint_builder {
             pub fn with_collision(mut self, collision: bool) -> Self {
                 self.collision = collision;
                 self
+            }
+        }
+
+        impl $crate::joint::JointEnds for $Type {
+            fn locked(&self) -> JointDefinition {
+                let bodies = [self.body1, self.body2];
+                JointDefinition::locked(bodies, [self.frame1, self.frame2], self.collision)
+            }
+
+            fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
+                [self.body1, self.body2] = bodies;
+            }
+
+            fn set_frames(&mut self, frames: [JointFrame; 2]) {
+                [self.frame1, self.frame2] = frames;
             }
         }
     };

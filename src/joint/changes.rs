@@ -7,13 +7,12 @@
 use super::definition::JointDefinition;
 use super::edge::{JointChanges, JointEdge};
 use super::frame::resolve;
-use super::list::{DetachedJoints, WrittenJoints, definition, set_frames};
+use super::list::{self, DetachedJoints, WrittenJoints, definition};
 use super::{
     BreakForce, JointDisabled, JointError, JointForces, JointFrame, JointProblem, QuarantinedJoint,
 };
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
-use crate::revision::Revision;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
@@ -168,7 +167,6 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         if is_same {
             if known.definition != definition {
                 known.definition = definition;
-                known.revision = Revision::next();
                 wake(&mut world.resource_mut::<BodyTable>(), slots);
             }
             return;
@@ -202,7 +200,6 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         spawn_orders,
         order,
         definition,
-        revision: Revision::next(),
     });
     if !joint.contains::<JointForces>() {
         joint.insert(JointForces::default());
@@ -216,9 +213,8 @@ fn settle(
     found: JointDefinition,
     slots: [u32; 2],
 ) -> JointDefinition {
-    let is_settled = found.distance != Some(super::definition::Distance::Kept);
     let is_local = found.frames.iter().all(JointFrame::is_local);
-    if is_local && is_settled && !needs_length(world, joint) {
+    if is_local && !found.takes_length() {
         return normalized(found);
     }
     let table = world.resource::<BodyTable>();
@@ -229,15 +225,9 @@ fn settle(
     let local = JointDefinition { frames, ..found };
     let anchors = local.anchors();
     let [a, b]: [_; 2] = std::array::from_fn(|i| poses[i].transform_point(anchors[i]));
-    set_frames(&mut world.entity_mut(joint), frames, a.distance(b));
+    list::settle(&mut world.entity_mut(joint), frames, a.distance(b));
     let (_, settled) = definition(world.entity(joint));
     normalized(settled.unwrap_or(local))
-}
-
-/// Returns true for a spring whose rest length is that which it has when it is added.
-fn needs_length(world: &World, joint: Entity) -> bool {
-    let spring = world.get::<super::SpringJoint>(joint);
-    spring.is_some_and(|spring| spring.rest_length.is_none())
 }
 
 /// With rotations of unit length.

@@ -7,16 +7,25 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
-/// A component that makes an entity a joint.
-pub(crate) trait JointType: Component + Clone {
-    /// The joint in the form that is common to all types.
-    fn definition(&self) -> JointDefinition;
-
-    /// Sets the frames. `distance` is that of the anchors, m, for joints whose length is taken from it.
-    fn settle(&mut self, frames: [JointFrame; 2], distance: f32);
+/// The bodies and frames of a joint. [`joint_builder`](super::builder) implements it for every type.
+pub(crate) trait JointEnds {
+    /// A joint between the bodies, at the frames, that locks everything.
+    fn locked(&self) -> JointDefinition;
 
     /// Sets the bodies.
     fn set_bodies(&mut self, bodies: [Option<Entity>; 2]);
+
+    /// Sets the frames.
+    fn set_frames(&mut self, frames: [JointFrame; 2]);
+}
+
+/// A component that makes an entity a joint.
+pub(crate) trait JointType: JointEnds + Component + Clone {
+    /// The joint in the form that is common to all types.
+    fn definition(&self) -> JointDefinition;
+
+    /// Takes the distance of the anchors (m) when the joint is added as its length, if it has none.
+    fn take_length(&mut self, _distance: f32) {}
 }
 
 /// A joint in the form that is common to all types.
@@ -38,9 +47,9 @@ pub(crate) struct JointDefinition {
 pub(crate) enum Distance {
     /// Along the line between them.
     Axis(JointAxis),
-    /// It keeps the length that it has when the joint is added.
-    Kept,
-    /// A motor whose target is the distance when the joint is added.
+    /// The joint has no length yet: it takes the distance when it is added. With the motor of a spring, if it is one.
+    Untaken(Option<JointMotor>),
+    /// A spring: a motor whose target is its rest length.
     Spring(JointMotor),
 }
 
@@ -93,6 +102,11 @@ impl JointDefinition {
         }
     }
 
+    /// Whether the joint takes the distance of its anchors as its length when it is added.
+    pub fn takes_length(&self) -> bool {
+        matches!(self.distance, Some(Distance::Untaken(_)))
+    }
+
     /// With the solver's x axis along an axis of the frames.
     pub fn about(mut self, axis: Vec3) -> Self {
         let direction = axis.try_normalize().filter(|axis| axis.is_finite());
@@ -117,12 +131,12 @@ impl JointDefinition {
         })
     }
 
-    /// Whether anchors that are not given are those of each body, and not in one place.
+    /// Whether anchors that are not given are at the centre of mass of each body, and not in one place.
     pub fn is_apart(&self) -> bool {
         self.distance.is_some()
     }
 
-    /// What acts on the distance. The distance must have been settled.
+    /// What acts on the distance; nothing before the joint has taken its length.
     pub fn distance_axis(&self) -> Option<JointAxis> {
         match self.distance? {
             Distance::Axis(axis) => {
@@ -132,7 +146,7 @@ impl JointDefinition {
                 let limits = [min, axis.limits[1]];
                 Some(JointAxis { limits, ..axis })
             }
-            Distance::Kept => None,
+            Distance::Untaken(_) => None,
             Distance::Spring(motor) => Some(JointAxis {
                 motor: Some(motor),
                 ..JointAxis::FREE
@@ -156,8 +170,8 @@ impl JointDefinition {
         }
         self.axes.iter().try_for_each(check)?;
         match &self.distance {
-            None | Some(Distance::Kept) => Ok(()),
-            Some(Distance::Spring(motor)) => check_motor(motor),
+            None | Some(Distance::Untaken(None)) => Ok(()),
+            Some(Distance::Spring(motor) | Distance::Untaken(Some(motor))) => check_motor(motor),
             Some(Distance::Axis(axis)) => {
                 check(axis)?;
                 match axis.limits[1] > 0.0 {

@@ -1,7 +1,7 @@
 //! The distance joint: a rod or a rope.
 
 use super::builder::joint_builder;
-use super::definition::{Distance, JointDefinition, JointType};
+use super::definition::{Distance, JointDefinition, JointEnds, JointType};
 use super::list::look_again;
 use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
 use crate::body::SpawnOrder;
@@ -99,26 +99,19 @@ impl DistanceJoint {
 
 impl JointType for DistanceJoint {
     fn definition(&self) -> JointDefinition {
-        let bodies = [self.body1, self.body2];
-        let frames = [self.frame1, self.frame2];
         JointDefinition {
             axes: [JointAxis::FREE; 6],
             distance: Some(match self.limits {
                 Some(limits) => Distance::Axis(limits.axis()),
-                None => Distance::Kept,
+                None => Distance::Untaken(None),
             }),
-            ..JointDefinition::locked(bodies, frames, self.collision)
+            ..self.locked()
         }
     }
 
-    fn settle(&mut self, frames: [JointFrame; 2], distance: f32) {
-        [self.frame1, self.frame2] = frames;
+    fn take_length(&mut self, distance: f32) {
         if self.limits.is_none() {
             self.limits = Some(JointLimits::new(distance, distance));
         }
-    }
-
-    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
-        [self.body1, self.body2] = bodies;
     }
 }

@@ -3,7 +3,6 @@
 use super::definition::JointDefinition;
 use crate::body::{BodyTable, Pose, SpawnOrder};
 use crate::graph::WORLD;
-use crate::revision::Revision;
 use crate::solver::{JointAxis, JointConstraint};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
@@ -24,8 +23,6 @@ pub struct JointEdge {
     /// The joint's own number in the order of spawning.
     pub(crate) order: SpawnOrder,
     pub(crate) definition: JointDefinition,
-    /// The [revision](crate::revision) of the definition.
-    pub(crate) revision: Revision,
 }
 
 impl MapEntities for JointEdge {

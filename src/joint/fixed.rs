@@ -1,7 +1,7 @@
 //! The fixed joint.
 
 use super::builder::joint_builder;
-use super::definition::{JointDefinition, JointType};
+use super::definition::{JointDefinition, JointEnds, JointType};
 use super::list::look_again;
 use super::{JointAnchor, JointBasis, JointForces, JointFrame};
 use crate::body::SpawnOrder;
@@ -68,16 +68,6 @@ impl FixedJoint {
 
 impl JointType for FixedJoint {
     fn definition(&self) -> JointDefinition {
-        let bodies = [self.body1, self.body2];
-        let frames = [self.frame1, self.frame2];
-        JointDefinition::locked(bodies, frames, self.collision)
-    }
-
-    fn settle(&mut self, frames: [JointFrame; 2], _: f32) {
-        [self.frame1, self.frame2] = frames;
-    }
-
-    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
-        [self.body1, self.body2] = bodies;
+        self.locked()
     }
 }

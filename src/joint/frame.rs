@@ -80,8 +80,8 @@ impl JointFrame {
     }
 }
 
-/// The frames of a joint, all local, for bodies at these poses with these centres of mass. Which body is the world is said by `worlds`.
-/// `apart`: anchors that are not given are at the centres of mass.
+/// The frames of a joint, all local, for bodies at these poses with these centres of mass (world, m); the world has no centre. If `apart`,
+/// anchors that are not given are at the centres of mass.
 pub(super) fn resolve(
     frames: [JointFrame; 2],
     poses: [Pose; 2],

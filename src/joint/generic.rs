@@ -1,7 +1,7 @@
 //! The generic joint: any of the six axes.
 
 use super::builder::joint_builder;
-use super::definition::{Distance, JointDefinition, JointType};
+use super::definition::{Distance, JointDefinition, JointEnds, JointType};
 use super::list::look_again;
 use super::{JointAnchor, JointBasis, JointForces, JointFrame};
 use crate::body::SpawnOrder;
@@ -109,21 +109,11 @@ impl GenericJoint {
 
 impl JointType for GenericJoint {
     fn definition(&self) -> JointDefinition {
-        let bodies = [self.body1, self.body2];
-        let frames = [self.frame1, self.frame2];
         JointDefinition {
             axes: self.axes,
             distance: self.distance.map(Distance::Axis),
-            ..JointDefinition::locked(bodies, frames, self.collision)
+            ..self.locked()
         }
-    }
-
-    fn settle(&mut self, frames: [JointFrame; 2], _: f32) {
-        [self.frame1, self.frame2] = frames;
-    }
-
-    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
-        [self.body1, self.body2] = bodies;
     }
 }
 

@@ -5,7 +5,8 @@
 
 use super::{
     DistanceJoint, FixedJoint, GenericJoint, JointChanges, JointDefinition, JointDisabled,
-    JointEdge, JointFrame, JointType, PrismaticJoint, RevoluteJoint, SphericalJoint, SpringJoint,
+    JointEdge, JointEnds, JointFrame, JointType, PrismaticJoint, RevoluteJoint, SphericalJoint,
+    SpringJoint,
 };
 use crate::joint::BreakForce;
 use crate::state::visitor::Visitor;
@@ -44,10 +45,12 @@ macro_rules! joint_types {
             (count, found)
         }
 
-        /// Replaces frames that are given in the world, or not given, by local ones.
-        pub(super) fn set_frames(joint: &mut EntityWorldMut, frames: [JointFrame; 2], distance: f32) {
+        /// Replaces frames that are given in the world, or not given, by local ones. `distance` is that of the anchors, m.
+        pub(super) fn settle(joint: &mut EntityWorldMut, frames: [JointFrame; 2], distance: f32) {
             $(if let Some(mut of) = joint.get_mut::<$Type>() {
-                of.bypass_change_detection().settle(frames, distance);
+                let of = of.bypass_change_detection();
+                of.set_frames(frames);
+                of.take_length(distance);
             })+
         }
 

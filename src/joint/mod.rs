@@ -76,7 +76,7 @@ mod spring;
 pub use crate::solver::{JointAxis, JointMotor};
 pub use changes::joints;
 pub use definition::JointLimits;
-pub(crate) use definition::{JointDefinition, JointType};
+pub(crate) use definition::{JointDefinition, JointEnds, JointType};
 pub use distance::DistanceJoint;
 #[doc(hidden)]
 pub use edge::JointChanges;

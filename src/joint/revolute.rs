@@ -1,7 +1,7 @@
 //! The revolute joint: a hinge.
 
 use super::builder::joint_builder;
-use super::definition::{JointDefinition, JointType};
+use super::definition::{JointDefinition, JointEnds, JointType};
 use super::list::look_again;
 use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
 use crate::body::SpawnOrder;
@@ -115,23 +115,12 @@ impl RevoluteJoint {
 
 impl JointType for RevoluteJoint {
     fn definition(&self) -> JointDefinition {
-        let bodies = [self.body1, self.body2];
-        let frames = [self.frame1, self.frame2];
-        let mut joint =
-            JointDefinition::locked(bodies, frames, self.collision).about(self.hinge_axis);
+        let mut joint = self.locked().about(self.hinge_axis);
         joint.axes[3] = JointAxis {
             motor: self.motor,
             friction: self.friction,
             ..self.limits.unwrap_or_default().axis()
         };
         joint
-    }
-
-    fn settle(&mut self, frames: [JointFrame; 2], _: f32) {
-        [self.frame1, self.frame2] = frames;
-    }
-
-    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
-        [self.body1, self.body2] = bodies;
     }
 }

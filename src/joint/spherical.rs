@@ -1,7 +1,7 @@
 //! The spherical joint: a ball in a socket.
 
 use super::builder::joint_builder;
-use super::definition::{JointDefinition, JointType};
+use super::definition::{JointDefinition, JointEnds, JointType};
 use super::list::look_again;
 use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
 use crate::body::SpawnOrder;
@@ -104,10 +104,7 @@ impl SphericalJoint {
 
 impl JointType for SphericalJoint {
     fn definition(&self) -> JointDefinition {
-        let bodies = [self.body1, self.body2];
-        let frames = [self.frame1, self.frame2];
-        let mut joint =
-            JointDefinition::locked(bodies, frames, self.collision).about(self.twist_axis);
+        let mut joint = self.locked().about(self.twist_axis);
         let limits = [self.twist_limits, self.swing_limits, self.swing_limits];
         for (axis, limits) in joint.axes[3..].iter_mut().zip(limits) {
             *axis = JointAxis {
@@ -116,13 +113,5 @@ impl JointType for SphericalJoint {
             };
         }
         joint
-    }
-
-    fn settle(&mut self, frames: [JointFrame; 2], _: f32) {
-        [self.frame1, self.frame2] = frames;
-    }
-
-    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
-        [self.body1, self.body2] = bodies;
     }
 }

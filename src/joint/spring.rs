@@ -1,7 +1,7 @@
 //! The spring joint.
 
 use super::builder::joint_builder;
-use super::definition::{Distance, JointDefinition, JointType};
+use super::definition::{Distance, JointDefinition, JointEnds, JointType};
 use super::list::look_again;
 use super::{JointAnchor, JointBasis, JointForces, JointFrame};
 use crate::body::SpawnOrder;
@@ -108,27 +108,24 @@ impl SpringJoint {
 
 impl JointType for SpringJoint {
     fn definition(&self) -> JointDefinition {
-        let bodies = [self.body1, self.body2];
-        let frames = [self.frame1, self.frame2];
+        let motor = JointMotor {
+            target_position: self.rest_length.unwrap_or(0.0),
+            target_velocity: 0.0,
+            stiffness: self.stiffness,
+            damping: self.damping,
+            max_force: self.max_force,
+        };
         JointDefinition {
             axes: [JointAxis::FREE; 6],
-            distance: Some(Distance::Spring(JointMotor {
-                target_position: self.rest_length.unwrap_or(0.0),
-                target_velocity: 0.0,
-                stiffness: self.stiffness,
-                damping: self.damping,
-                max_force: self.max_force,
-            })),
-            ..JointDefinition::locked(bodies, frames, self.collision)
+            distance: Some(match self.rest_length {
+                Some(_) => Distance::Spring(motor),
+                None => Distance::Untaken(Some(motor)),
+            }),
+            ..self.locked()
         }
     }
 
-    fn settle(&mut self, frames: [JointFrame; 2], distance: f32) {
-        [self.frame1, self.frame2] = frames;
+    fn take_length(&mut self, distance: f32) {
         self.rest_length.get_or_insert(distance);
-    }
-
-    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
-        [self.body1, self.body2] = bodies;
     }
 }

@@ -62,7 +62,7 @@ pub(super) fn contact(
 /// Sets bodies and pairs of the shadow to the state of the originals, so that the first step does not treat them as new.
 fn take_over(
     mut commands: Commands,
-    mut taken: ResMut<OriginalState>,
+    mut original: ResMut<OriginalState>,
     mut table: ResMut<BodyTable>,
     mut pairs: Query<(
         &mut ContactPair,
@@ -73,7 +73,7 @@ fn take_over(
         &mut NarrowphaseCache,
     )>,
 ) {
-    let OriginalState { contacts, poses } = &mut *taken;
+    let OriginalState { contacts, poses } = &mut *original;
     for slot in 0..table.slots() as u32 {
         let Some(body) = table.get_mut(slot) else {
             continue;

@@ -21,7 +21,7 @@ pub(crate) type Joints<'w, 's> = Query<
     ),
 >;
 
-/// The joints that are solved, in order. It is computed when the order of bodies is.
+/// The joints that are solved, in order. It is computed anew when islands change.
 #[derive(Default)]
 pub(crate) struct JointOrder {
     /// [Revision](crate::revision) of all islands; `None` if the order is not valid.
@@ -37,8 +37,6 @@ struct JointSlot {
     island: u32,
     joint: Entity,
     edge: u32,
-    /// Revision of the joint when it was last gathered.
-    revision: Option<Revision>,
 }
 
 /// A joint that is part of a problem.
@@ -59,6 +57,10 @@ impl JointOrder {
         (table, graph, islands): (&BodyTable, &ConstraintGraph, &Islands),
         joints: &Joints,
     ) {
+        self.slots.clear();
+        if !graph.has_joints() {
+            return;
+        }
         let local = |slot: u32| order.local.get(slot as usize).copied();
         let is_solved = |slot: u32| local(slot).is_some_and(|local| local != u32::MAX);
         // Bodies that are not solved come before the others, in spawn order; the world comes first.
@@ -85,13 +87,11 @@ impl JointOrder {
                     island,
                     joint: link.pair,
                     edge: link.edge,
-                    revision: None,
                 };
                 Some((key, slot))
             })
             .collect();
         slots.sort_unstable_by_key(|&(key, slot)| (key, slot.edge));
-        self.slots.clear();
         self.slots.extend(slots.into_iter().map(|(_, slot)| slot));
     }
 }
@@ -115,7 +115,7 @@ impl<R: Rows> ProblemSet<R> {
             known.derived_from = Some(all.revision());
         }
         known.gathered.clear();
-        for slot in &mut known.slots {
+        for slot in &known.slots {
             let Some(island) = islands.get_mut(slot.island as usize) else {
                 continue;
             };
@@ -124,14 +124,8 @@ impl<R: Rows> ProblemSet<R> {
             let Some((edge, forces, breaks)) = found else {
                 // It was removed since the islands were updated, and is looked for again in the next step.
                 known.derived_from = None;
-                island.rows.clear();
                 continue;
             };
-            // Solvers keep data about joints that stay as they are.
-            let revision = slot.revision.replace(edge.revision);
-            if revision.is_some_and(|revision| revision != edge.revision) {
-                island.rows.clear();
-            }
             known.gathered.push(GatheredJoint {
                 island: slot.island,
                 index: island.joints.len() as u32,

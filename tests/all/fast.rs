@@ -73,7 +73,7 @@ fn boxes_do_not_pass_a_thin_wall() {
     });
 }
 
-/// A rod of 1 m that hits with one end is turned by several turns in the step, and contacts are detected once a step. So some pass: a known limit.
+/// Some rods of 1 m pass, 13 at 60 Hz and 2 at 0.1 s: a known limit. Spin alone is not the cause: without any spin, 9 and 1 pass.
 #[test]
 fn few_spinning_rods_pass_a_thin_wall() {
     for dt in [1.0 / 60.0, 0.1] {

@@ -50,6 +50,10 @@ pub struct Coordinate {
     pub direction: Vec3,
 }
 
+/// The share of the curvature of a way that rows allow for. A rigid row at an arm that turns takes the inward velocity that every straight
+/// substep needs, and most of a pendulum's energy with it. If rows allow for all of it, chains gain energy.
+const CURVED: f32 = 0.9;
+
 /// Below this sine or distance a direction is not defined by it.
 const NONE: f32 = 1e-6;
 
@@ -171,7 +175,7 @@ impl Geometry {
 
     /// The acceleration of a translation or a distance at constant velocities of the bodies, m/s²: a straight motion over a short time h
     /// changes the coordinate by h times its rate and ½h² times this. `velocities` are linear and angular ones of A and B.
-    pub fn curvature(&self, coordinate: usize, direction: Vec3, velocities: [[Vec3; 2]; 2]) -> f32 {
+    fn curvature(&self, coordinate: usize, direction: Vec3, velocities: [[Vec3; 2]; 2]) -> f32 {
         let [[_, turns], [_, spins]] = velocities;
         let twice = |spin: Vec3, arm: Vec3| spin.cross(spin.cross(arm));
         let rate = self.rate(velocities);
@@ -186,6 +190,27 @@ impl Geometry {
                 let distance = self.gap.length().max(NONE);
                 direction.dot(inward + twice(turns, self.gap)) + across / distance
             }
+        }
+    }
+
+    /// The rate, m/s, that a held coordinate must have besides the wanted one in a straight motion over a time of `h` s, because its way is
+    /// curved.
+    pub fn inward_rate(
+        &self,
+        coordinate: usize,
+        direction: Vec3,
+        velocities: [[Vec3; 2]; 2],
+        h: f32,
+    ) -> f32 {
+        CURVED * 0.5 * h * self.curvature(coordinate, direction, velocities)
+    }
+
+    /// The rate of a coordinate with this direction is that of B's centre less that of A's along the first vector, and of the rotations of B
+    /// and A along the others.
+    pub fn jacobian(&self, coordinate: usize, direction: Vec3) -> (Vec3, [Vec3; 2]) {
+        match coordinate {
+            3..6 => (Vec3::ZERO, [direction; 2]),
+            _ => (direction, self.arms.map(|arm| arm.cross(direction))),
         }
     }
 

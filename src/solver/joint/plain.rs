@@ -14,9 +14,6 @@ const SHARE: f32 = 0.2;
 /// Fastest correction, m/s and rad/s.
 const FASTEST: f32 = 2.0;
 
-/// The share of the curvature of a way that its rows allow for, as in Soft Step.
-const CURVED: f32 = 0.9;
-
 /// A joint during a step.
 #[derive(Clone, Debug)]
 pub struct PlainJoint {
@@ -60,14 +57,9 @@ impl PlainJoint {
             let found = geometry.coordinate(coordinate);
             let mut law = Law::of(&joint.axis(coordinate), part, found.value, &times);
             if law.is_held {
-                law.rate -=
-                    CURVED * 0.5 * h * geometry.curvature(coordinate, found.direction, velocities);
+                law.rate -= geometry.inward_rate(coordinate, found.direction, velocities, h);
             }
-            let direction = found.direction;
-            let (linear, angular) = match coordinate {
-                3..6 => (Vec3::ZERO, [direction; 2]),
-                _ => (direction, geometry.arms.map(|arm| arm.cross(direction))),
-            };
+            let (linear, angular) = geometry.jacobian(coordinate, found.direction);
             let response = |side: usize| {
                 let body = ends[side];
                 body.inverse_mass * linear.length_squared()

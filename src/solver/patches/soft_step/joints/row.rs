@@ -12,10 +12,6 @@ const STIFFER: f32 = 1e4;
 /// How much stiffer rows of motors and of friction are than that, which have no position to return to.
 const DRIVEN: f32 = 1e3;
 
-/// The share of the curvature of a way that rows allow for. A rigid row at an arm that turns takes the inward velocity that every straight
-/// substep needs, and most of a pendulum's energy with it. If rows allow for all of it, chains gain energy.
-const CURVED: f32 = 0.9;
-
 /// A rotation by more than this makes arms, directions and inertias stale, rad.
 const TURNED: f32 = 1e-4;
 
@@ -117,13 +113,7 @@ impl Row {
         let found = geometry.coordinate(self.coordinate);
         (self.value, self.refreshed) = (found.value, found.value);
         self.direction = found.direction;
-        (self.linear, self.angular) = match self.is_angular() {
-            true => (Vec3::ZERO, [self.direction; 2]),
-            false => {
-                let across = geometry.arms.map(|arm| arm.cross(self.direction));
-                (self.direction, across)
-            }
-        };
+        (self.linear, self.angular) = geometry.jacobian(self.coordinate, self.direction);
         let response = |side: usize| ends[side].response(self.linear, self.angular[side]);
         self.response = response(0) + response(1);
     }
@@ -178,8 +168,7 @@ impl Row {
     ) {
         let mut wanted = if soft { self.law.rate } else { self.law.rigid };
         if self.law.is_held {
-            let bent = geometry.curvature(self.coordinate, self.direction, seen);
-            wanted -= CURVED * 0.5 * h * bent;
+            wanted -= geometry.inward_rate(self.coordinate, self.direction, seen, h);
         }
         let leak = match soft || self.part != Part::Hold {
             true => self.compliance * self.impulse,

@@ -7,6 +7,7 @@
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::profile::Profile;
+use crate::sensor::{SensorEntered, SensorExited};
 pub use crate::settings::STEP_LENGTHS;
 use crate::settings::{self, SolverSettings, StepTime};
 use bevy_ecs::message::{Message, Messages};
@@ -49,13 +50,15 @@ pub enum PhysicsSystems {
     Integration,
     /// Puts islands that are at rest to sleep.
     Sleeping,
+    /// Finds which bodies are inside sensors.
+    Sensors,
     /// Sends messages and events about contacts that have begun, ended or carried a force.
     ContactEvents,
 }
 
 impl PhysicsSystems {
     /// All sets, in the order in which they run.
-    pub const ORDER: [Self; 13] = [
+    pub const ORDER: [Self; 14] = [
         Self::Prepare,
         Self::Broadphase,
         Self::Narrowphase,
@@ -68,6 +71,7 @@ impl PhysicsSystems {
         Self::Anchors,
         Self::Integration,
         Self::Sleeping,
+        Self::Sensors,
         Self::ContactEvents,
     ];
 }
@@ -110,6 +114,8 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<ContactStarted>>().update();
     world.resource_mut::<Messages<ContactEnded>>().update();
     world.resource_mut::<Messages<ContactForce>>().update();
+    world.resource_mut::<Messages<SensorEntered>>().update();
+    world.resource_mut::<Messages<SensorExited>>().update();
     let others = world.get_resource::<StepMessages>().cloned();
     others
         .into_iter()
@@ -155,6 +161,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
         world.run_schedule(PhysicsSchedule);
     }
     crate::contact::trigger(world);
+    crate::sensor::trigger(world);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())
 }

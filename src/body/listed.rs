@@ -8,6 +8,7 @@ use super::{
     ExternalImpulse, GravityScale, Mass, MassProperties, Motion, Pose, RigidBody, Sleeping,
     SpawnOrder, Velocity,
 };
+use crate::children::CompoundCollider;
 use crate::collider::{
     Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
 };

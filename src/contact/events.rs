@@ -1,7 +1,7 @@
 //! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies that
 //! have [`ContactEvents`].
 
-use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair};
+use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyTable, Inactive, SpawnOrder};
 use crate::settings::StepTime;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -23,6 +23,8 @@ pub struct ContactStarted {
     pub body: Entity,
     /// The other.
     pub other: Entity,
+    /// The colliders of `body` and `other` that touch first: on child entities, or the bodies themselves.
+    pub colliders: [Entity; 2],
     /// The pair's entity, with its [`Manifold`](super::Manifold) and [`ContactImpulses`](super::ContactImpulses).
     pub pair: Entity,
     /// The normal impulse of the impact: Σλ_n over the whole step, including restitution, N·s. A soft landing continues over later steps; see
@@ -70,6 +72,7 @@ impl MapEntities for Untriggered {
             for named in [&mut event.body, &mut event.other, &mut event.pair] {
                 named.map_entities(mapper);
             }
+            event.colliders.map_entities(mapper);
         }
         for event in &mut self.ended {
             for named in [&mut event.body, &mut event.other] {
@@ -80,13 +83,14 @@ impl MapEntities for Untriggered {
             for named in [&mut event.body, &mut event.other, &mut event.pair] {
                 named.map_entities(mapper);
             }
+            event.colliders.map_entities(mapper);
         }
     }
 }
 
 /// Sends [`ContactStarted`] and [`ContactEnded`]. With several substeps it does so once, for the whole step.
 pub fn contact_events(
-    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses), Without<Inactive>>,
+    mut pairs: Query<(Entity, &mut ContactPair, &ContactImpulses, &Manifold), Without<Inactive>>,
     (table, time): (Res<BodyTable>, Res<StepTime>),
     mut removed: ResMut<EndedPairs>,
     mut started: MessageWriter<ContactStarted>,
@@ -98,14 +102,16 @@ pub fn contact_events(
     }
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
-    for (entity, mut pair, impulses) in &mut pairs {
+    for (entity, mut pair, impulses, manifold) in &mut pairs {
         let touches = pair.touching || !pair.empty && impulses.normal() > 0.0;
         if touches != pair.announced {
             let pair = pair.bypass_change_detection();
             pair.announced = touches;
             if touches {
                 let impulse = impulses.normal();
-                begins.push((pair.spawn_orders, pair.bodies, pair.slots, entity, impulse));
+                let colliders = pair.colliders(manifold.main_parts(impulses), &table);
+                let ends = (pair.bodies, pair.slots, colliders);
+                begins.push((pair.spawn_orders, ends, entity, impulse));
             } else {
                 ends.push((pair.spawn_orders, pair.bodies));
             }
@@ -113,17 +119,22 @@ pub fn contact_events(
     }
     begins.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
     ends.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
-    for (_, [a, b], slots, pair, impulse) in begins {
-        let event = |body, other| ContactStarted {
+    for (_, ([a, b], slots, [on_a, on_b]), pair, impulse) in begins {
+        let event = |body, other, colliders| ContactStarted {
             body,
             other,
+            colliders,
             pair,
             impulse,
         };
-        started.write(event(a, b));
-        for (slot, body, other) in [(slots[0], a, b), (slots[1], b, a)] {
+        started.write(event(a, b, [on_a, on_b]));
+        let ends = [
+            (slots[0], a, b, [on_a, on_b]),
+            (slots[1], b, a, [on_b, on_a]),
+        ];
+        for (slot, body, other, colliders) in ends {
             if table.get(slot).is_some_and(|body| body.events) {
-                untriggered.started.push(event(body, other));
+                untriggered.started.push(event(body, other, colliders));
             }
         }
     }

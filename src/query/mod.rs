@@ -41,6 +41,7 @@ mod casts;
 mod error;
 mod filter;
 mod overlaps;
+mod pieces;
 mod points;
 mod rays;
 mod view;

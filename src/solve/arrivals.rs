@@ -37,7 +37,7 @@ impl Solve<'_> {
             );
             islands[member.island as usize].add(number, body, &pushed, level);
         }
-        let (contacts, _) = order.contacts(pairs);
+        let (contacts, _) = order.contacts(pairs, self.table);
         let from = GatherContext {
             table: self.table,
             local: &order.local,

@@ -14,6 +14,7 @@ pub use visitor::Visitor;
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, Teleport};
 use crate::broadphase::Broadphase;
+use crate::children::{ColliderOf, ImplicitBody, Unassembled};
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
     ContactAnchors, ContactForceEvents, ContactImpulses, ContactPair, ContactTargets, EndedPairs,
@@ -22,6 +23,7 @@ use crate::contact::{
 use crate::diagnosis::{Suspects, Told};
 use crate::grab::{GrabForce, Hand, HandState, HeldBy};
 use crate::graph::{ConstraintGraph, Islands};
+use crate::sensor::{Sensor, SensorOverlaps, Sensors, UntriggeredSensorEvents};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
@@ -44,6 +46,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     body::visit(visitor);
     list!(component: Inactive, Quarantined, Teleport, GrabForce, HeldBy);
     list!(component: ContactForceEvents, Load, Watch, Stands);
+    // Colliders.
+    list!(component: ColliderOf, ImplicitBody, Sensor, SensorOverlaps);
     // Hands.
     list!(component: HandState, Hand);
     // Any entity: components of Bevy that drystone reads.
@@ -56,6 +60,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures);
+    list!(resource: Unassembled, Sensors, UntriggeredSensorEvents);
 
     list!(derived: Pending, IslandProblems);
 }

@@ -1,7 +1,10 @@
 //! A touching pair as part of the problem of its island. Its impulses have as many entries as its manifold has points and patches.
 
-use crate::body::BodyState;
-use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};
+use crate::body::{BodyState, BodyTable};
+use crate::children::PatchSurface;
+use crate::contact::{
+    ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold, ManifoldPatch,
+};
 use crate::settings::StepTime;
 
 /// One pair with points, in an island that is solved.
@@ -13,6 +16,15 @@ pub(crate) struct SolverContact<'a> {
     pub impulses: &'a ContactImpulses,
     /// Whether the contacts were detected anew, or the impulses differ from those that the last solve stored.
     pub changed: bool,
+    pub table: &'a BodyTable,
+}
+
+impl SolverContact<'_> {
+    /// The combined coefficients of a patch.
+    #[inline]
+    pub(super) fn surface(&self, patch: &ManifoldPatch) -> PatchSurface {
+        self.pair.surface(patch, self.table)
+    }
 }
 
 /// The sort key of a contact: its island, then its higher body, then its lower body, so that all supports of a brick are visited together.

@@ -126,7 +126,7 @@ impl WarmStart<'_> {
     fn run<R: Rows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs, grabs: &Grabs) {
         let start = Instant::now();
         let kept = problems.order.keep(self.table, self.graph, self.islands);
-        let (contacts, complete) = problems.order.contacts(pairs);
+        let (contacts, complete) = problems.order.contacts(pairs, self.table);
         self.gather_bodies(problems, kept && complete);
         self.gather_grabs(problems, grabs);
         let ProblemSet { order, islands, .. } = problems;

@@ -225,6 +225,7 @@ fn every_stage_has_its_time() {
         "anchors",
         "integration",
         "sleeping",
+        "sensors",
         "contact_events",
     ];
     assert_eq!(names.len(), PhysicsSystems::ORDER.len());

@@ -110,7 +110,7 @@ fn cost(scene: Scene, arguments: &Arguments) -> Result<Cost, Box<dyn Error>> {
 }
 
 /// The stages in the order of a step, and their colours.
-const STAGES: [(&str, (u8, u8, u8)); 13] = [
+const STAGES: [(&str, (u8, u8, u8)); 14] = [
     ("prepare", (130, 130, 130)),
     ("broadphase", (90, 50, 130)),
     ("narrowphase", (170, 90, 170)),
@@ -123,6 +123,7 @@ const STAGES: [(&str, (u8, u8, u8)); 13] = [
     ("anchors", (225, 60, 40)),
     ("integration", (60, 160, 60)),
     ("sleeping", (100, 190, 250)),
+    ("sensors", (200, 190, 60)),
     ("contact_events", (20, 170, 160)),
 ];
 

@@ -51,15 +51,49 @@ pub enum BodyProblem {
     /// It lies in a crowd of bodies that overlap so many others that only the deepest contacts of each are solved. The others wait until
     /// those bodies have been separated. Reported once for each crowd.
     Crowded,
-    /// The entity has a collider but no body. Nothing collides with it.
-    ColliderWithoutBody,
-    /// The entity has a collider, and a body above it in the hierarchy. It is not part of that body, and nothing collides with it.
-    ChildCollider {
+    /// The entity has a collider that cannot be a part of the body above it in the hierarchy. The body goes on without it.
+    PartLeftOut {
         /// The body above.
         body: Entity,
+        /// The reason.
+        problem: PartProblem,
     },
-    /// The `Transform` has a scale, which the collider does not follow.
-    ScaleIgnored,
+}
+
+/// Why a collider cannot be a part of the body above it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+pub enum PartProblem {
+    /// Its `Transform` in the frame of the body is not finite, or too far away.
+    InvalidTransform,
+    /// Its shape has no extent in some direction, also after it was scaled, or a size that is not finite or out of bounds.
+    DegenerateShape,
+    /// Its density or mass is zero, negative or not finite.
+    InvalidMass,
+    /// Its friction, rolling friction or restitution is negative, not finite or out of bounds.
+    InvalidMaterial,
+    /// It is a mesh, height field, triangle or half-space, or the body's own collider is one, and the body is dynamic.
+    Surface,
+    /// The body has 4095 other parts already.
+    TooMany,
+}
+
+impl fmt::Display for PartProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::InvalidTransform => "its `Transform` is not finite or too far from the body",
+            Self::DegenerateShape => {
+                "its shape has no volume, or a size out of bounds, at the scale that it has there"
+            }
+            Self::InvalidMass => "its density or mass is not positive and finite",
+            Self::InvalidMaterial => {
+                "its friction, rolling friction or restitution is negative or out of bounds"
+            }
+            Self::Surface => {
+                "a surface or half-space has no volume: use `Collider::convex_hull` or `Collider::convex_decomposition`, or make the body static or kinematic"
+            }
+            Self::TooMany => "the body has 4095 other parts: join some with `Collider::compound`",
+        })
+    }
 }
 
 impl MapEntities for BodyProblem {
@@ -67,7 +101,7 @@ impl MapEntities for BodyProblem {
         match self {
             Self::ExtremeMassRatio { other: named }
             | Self::Coincident { other: named }
-            | Self::ChildCollider { body: named } => named.map_entities(mapper),
+            | Self::PartLeftOut { body: named, .. } => named.map_entities(mapper),
             _ => {}
         }
     }
@@ -85,9 +119,7 @@ impl BodyProblem {
                 | Self::ExtremeMassRatio { .. }
                 | Self::Coincident { .. }
                 | Self::Crowded
-                | Self::ColliderWithoutBody
-                | Self::ChildCollider { .. }
-                | Self::ScaleIgnored
+                | Self::PartLeftOut { .. }
         )
     }
 }
@@ -160,15 +192,9 @@ impl fmt::Display for BodyProblem {
             Self::Crowded => f.write_str(
                 "it lies in a crowd of bodies that overlap too many others: they are parted by the deepest contacts of each first",
             ),
-            Self::ColliderWithoutBody => f.write_str(
-                "it has a `Collider` but no `RigidBody`: nothing touches it; make it static if it is to stand still",
-            ),
-            Self::ChildCollider { body } => write!(
+            Self::PartLeftOut { body, problem } => write!(
                 f,
-                "its `Collider` is no part of {body} above it, and nothing touches it: give that body a `Collider::compound`"
-            ),
-            Self::ScaleIgnored => f.write_str(
-                "its `Transform` has a scale, and its `Collider` does not follow it: make the collider as large as it is to be",
+                "its `Collider` is left out of {body}: {problem}; it takes part as soon as that is corrected"
             ),
         }
     }
@@ -269,7 +295,7 @@ pub struct Told {
     pub(crate) crowded: bool,
     /// Hands whose numbers are invalid, so that their grabs stay as they were.
     pub(crate) hands: EntityHashSet,
-    /// Entities with a shape that belongs to no body.
+    /// Colliders that were left out of the body above them.
     pub(crate) strays: EntityHashSet,
 }
 

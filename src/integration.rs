@@ -14,8 +14,9 @@
 
 use crate::body::{
     BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, RigidBody, Simulated,
-    Velocity, limits, local_pose,
+    Velocity, limits, local_pose, user_pose,
 };
+use crate::children::ImplicitBody;
 use crate::settings::StepTime;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
@@ -110,15 +111,24 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
 #[doc(hidden)]
 pub fn child_transforms(
     table: Res<BodyTable>,
-    bodies: Query<(Entity, &BodyIndex, &Pose, &ChildOf), Simulated>,
+    mut bodies: Query<(Entity, &BodyIndex, &mut Pose, &ChildOf, Has<ImplicitBody>), Simulated>,
     parents: Query<&ChildOf>,
     mut placed: Query<(&mut Transform, Option<&ChildOf>)>,
 ) {
     // Parents come before their children, so that every frame is up to date when it is used.
-    let mut children: Vec<_> = bodies.iter().collect();
+    let mut children: Vec<_> = bodies.iter_mut().collect();
     children.sort_by_cached_key(|(child, ..)| parents.iter_ancestors(*child).count());
-    for (child, index, pose, parent) in children {
-        let local = local_pose(*pose, Some(parent), placed.as_readonly());
+    for (child, index, mut pose, parent, is_implicit) in children {
+        let mut local = local_pose(*pose, Some(parent), placed.as_readonly());
+        if is_implicit
+            && let Ok((transform, parent)) = placed.get(child)
+            && let Some(fixed) = user_pose((transform, parent), *pose, false, placed.as_readonly())
+            && fixed.is_finite()
+        {
+            // It is fixed to its parent.
+            *pose = fixed.normalized();
+            local = local_pose(*pose, parent, placed.as_readonly());
+        }
         if table.holds(child, *index)
             // A frame of size zero has no inside.
             && local.is_finite()

@@ -50,6 +50,7 @@
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
 //! | sleeping | [`graph`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
+//! | sensors | [`sensor`] | | `Pose`, [`Sensor`](sensor::Sensor) | [`SensorOverlaps`](sensor::SensorOverlaps), messages, entity events |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
 //! The order is defined in [`schedule`]. [`settings`] holds the settings, [`diagnosis`] the errors about invalid input, and [`profile`] the time of every
@@ -67,6 +68,7 @@
 //! | Which joints has a body, and what do they bear? | [`Joints`](joint::Joints) | [`joints_of`](joint::joints_of) |
 //! | What supports a body, and what does it support? | [`Supports`](contact::Supports) | [`supports`](contact::supports()) |
 //! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), [`preview_task`](preview::preview_task()) |
+//! | Who is inside a zone? | [`SensorOverlaps`](sensor::SensorOverlaps), a component of the sensor | |
 //! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
 //!
 //! # Joints
@@ -77,6 +79,11 @@
 //!
 //! [`masonry`] generates structures and undoes edits, [`grab`] holds bodies, and [`collapse`] reports structures that fail. The features `gizmos`,
 //! `picking` and `diagnostics` add debug rendering, a picking backend, and stage times as Bevy diagnostics.
+//!
+//! # Several colliders
+//!
+//! A body of several colliders has them on [child entities](children). [Sensors](sensor) are zones that report who enters and leaves. The feature
+//! `mesh` makes colliders from meshes.
 //!
 //! Named scenes, experiments and meters are in a separate crate, `drystone-lab` in `lab/`, which examples, tests and benches use.
 
@@ -91,6 +98,7 @@
 mod ask;
 pub mod body;
 pub mod broadphase;
+pub mod children;
 pub mod collapse;
 pub mod collider;
 pub mod contact;
@@ -113,6 +121,7 @@ pub mod profile;
 pub mod query;
 pub mod revision;
 pub mod schedule;
+pub mod sensor;
 pub mod settings;
 pub mod solve;
 pub mod solver;
@@ -132,10 +141,11 @@ pub use schedule::{advance, refresh, step};
 pub mod prelude {
     pub use crate::body::{
         AngularInertia, CenterOfMass, ColliderDisabled, Damping, Density, Dominance, ExternalForce,
-        ExternalImpulse, Forces, GravityScale, LockedAxes, Mass, MaxAngularSpeed, MaxLinearSpeed,
-        Motion, Pose, Quarantined, RigidBody, RigidBodyDisabled, Sleeping, SpawnOrder, Teleport,
-        Velocity,
+        ExternalImpulse, Forces, GravityScale, LockedAxes, Mass, MassProperties, MaxAngularSpeed,
+        MaxLinearSpeed, Motion, Pose, Quarantined, RigidBody, RigidBodyDisabled, Sleeping,
+        SpawnOrder, Teleport, Velocity,
     };
+    pub use crate::children::{ColliderOf, ImplicitBody};
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{
         Collider, CollisionExceptions, CollisionLayer, CollisionLayers, CombineRule, Friction,
@@ -163,6 +173,7 @@ pub mod prelude {
         QueryFilter, Ray3d, RayHit, Slide, SpatialQuery, spatial_query,
     };
     pub use crate::schedule::{PhysicsSchedule, PhysicsSystems};
+    pub use crate::sensor::{Sensor, SensorEntered, SensorExited, SensorOverlap, SensorOverlaps};
     pub use crate::settings::{
         ContactSolver, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
         SpeedLimits, StabilizationSettings,

@@ -6,6 +6,7 @@
 
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
+use crate::children::{self, ColliderOf, ImplicitBody, Unassembled};
 use crate::contact::{
     self, ContactEnded, ContactForce, ContactStarted, EndedPairs, LostPairs, Untriggered,
 };
@@ -18,6 +19,9 @@ use crate::joint::{
 use crate::profile::{Profile, timed};
 use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
+};
+use crate::sensor::{
+    self, Sensor, SensorEntered, SensorExited, SensorOverlaps, Sensors, UntriggeredSensorEvents,
 };
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, PhysicsThreads, PhysicsTime, SleepSettings,
@@ -80,6 +84,7 @@ impl PluginGroup for DrystonePlugins {
             .add(JointPlugin)
             .add(IntegrationPlugin)
             .add(SleepingPlugin)
+            .add(SensorPlugin)
             .add(ContactEventsPlugin)
             .add(RefreshPlugin)
     }
@@ -125,6 +130,13 @@ impl Plugin for StepPlugin {
             .init_resource::<JointChanges>()
             .init_resource::<BrokenJoints>()
             .init_resource::<contact::MovingSurfaces>()
+            .init_resource::<Unassembled>()
+            .init_resource::<Sensors>()
+            .init_resource::<UntriggeredSensorEvents>()
+            .register_type::<ColliderOf>()
+            .register_type::<ImplicitBody>()
+            .register_type::<Sensor>()
+            .register_type::<SensorOverlaps>()
             .add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
@@ -132,6 +144,8 @@ impl Plugin for StepPlugin {
             .add_message::<ContactForce>()
             .add_message::<JointBroke>()
             .add_message::<JointError>()
+            .add_message::<SensorEntered>()
+            .add_message::<SensorExited>()
             // Other plugins may have put systems into the schedule already.
             .edit_schedule(PhysicsSchedule, order_stages)
             .add_systems(
@@ -205,15 +219,19 @@ impl Plugin for BodyPlugin {
             .register_type::<contact::ActiveContactHooks>()
             .register_type::<contact::CollidingEntities>()
             .add_observer(body::lost_parent)
+            .add_observer(children::child_joined)
+            .add_observer(children::child_left)
+            .add_observer(children::child_disabled)
+            .add_observer(children::child_enabled)
             .add_observer(grab::let_go_of_disabled);
         let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
             (
+                timed(&profile, "prepare", children::assemble),
                 timed(&profile, "prepare", body::complete),
                 timed(&profile, "prepare", body::lift),
                 timed(&profile, "prepare", body::prepare),
-                timed(&profile, "prepare", body::strays),
                 timed(&profile, "prepare", body::quarantine),
                 timed(&profile, "prepare", graph::activate),
             )
@@ -414,6 +432,20 @@ impl Plugin for SleepingPlugin {
     }
 }
 
+/// Adds the stage *sensors*, which finds the bodies that are inside [sensors](crate::sensor). Without this plugin, sensors detect nothing.
+#[derive(Debug)]
+pub struct SensorPlugin;
+
+impl Plugin for SensorPlugin {
+    fn build(&self, app: &mut App) {
+        stages!(app, Sensors: "sensors" sensor::sensors);
+    }
+
+    fn finish(&self, app: &mut App) {
+        check_step_plugin::<Self>(app);
+    }
+}
+
 /// Adds the stage *contact events*, which sends contact messages and keeps [`Load`](crate::contact::Load) up to date.
 #[derive(Debug)]
 pub struct ContactEventsPlugin;
@@ -452,7 +484,7 @@ pub struct RefreshSystems;
 impl Plugin for RefreshPlugin {
     fn build(&self, app: &mut App) {
         app.init_schedule(RefreshSchedule)
-            .add_systems(RefreshSchedule, body::refresh)
+            .add_systems(RefreshSchedule, (children::assemble, body::refresh).chain())
             .add_systems(
                 PreUpdate,
                 // Who edits in the same schedule and wants it seen at once has to be put before the set.
@@ -514,6 +546,7 @@ mod tests {
             _ = app.add_plugins(IntegrationPlugin)
         }),
         ("SleepingPlugin", |app| _ = app.add_plugins(SleepingPlugin)),
+        ("SensorPlugin", |app| _ = app.add_plugins(SensorPlugin)),
         ("ContactEventsPlugin", |app| {
             _ = app.add_plugins(ContactEventsPlugin)
         }),

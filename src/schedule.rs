@@ -8,6 +8,7 @@ use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::joint::{JointBroke, JointError};
 use crate::profile::Profile;
+use crate::sensor::{SensorEntered, SensorExited};
 pub use crate::settings::STEP_LENGTHS;
 use crate::settings::{self, SolverSettings, StepTime};
 use bevy_ecs::message::{Message, Messages};
@@ -52,6 +53,8 @@ pub enum PhysicsSystems {
     Integration,
     /// Puts islands that are at rest to sleep.
     Sleeping,
+    /// Finds which bodies are inside sensors.
+    Sensors,
     /// Sends messages and events about contacts that have begun, ended or carried a force.
     ContactEvents,
 }
@@ -72,6 +75,7 @@ impl PhysicsSystems {
         Self::Anchors,
         Self::Integration,
         Self::Sleeping,
+        Self::Sensors,
         Self::ContactEvents,
     ];
 }
@@ -116,6 +120,8 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<ContactForce>>().update();
     world.resource_mut::<Messages<JointBroke>>().update();
     world.resource_mut::<Messages<JointError>>().update();
+    world.resource_mut::<Messages<SensorEntered>>().update();
+    world.resource_mut::<Messages<SensorExited>>().update();
     let others = world.get_resource::<StepMessages>().cloned();
     others
         .into_iter()
@@ -162,6 +168,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     }
     crate::contact::trigger(world);
     crate::joint::trigger(world);
+    crate::sensor::trigger(world);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::listed::DescribedItem;
 use super::{BodyState, MassProperties, RigidBody, limits};
+use crate::children::CompoundCollider;
 use crate::collider::Collider;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
@@ -14,10 +15,11 @@ pub(super) fn describe(
     body: &mut BodyState,
     mut described: DescribedItem,
 ) -> Result<(), BodyProblem> {
-    let kept = described.kept();
+    let mut kept = described.kept();
     let DescribedItem {
         kind,
         collider,
+        compound,
         density,
         mass,
         inertia,
@@ -31,7 +33,14 @@ pub(super) fn describe(
     if collider.is_some_and(Collider::is_degenerate) {
         return Err(BodyProblem::DegenerateShape);
     }
-    let computed = MassProperties::new(collider, *density, *mass, *inertia, *center);
+    if let Some(problem) = compound.and_then(CompoundCollider::problem) {
+        return Err(problem);
+    }
+    let computed = match compound {
+        Some(compound) => compound.mass_properties(*density, *mass, *inertia, *center),
+        None => MassProperties::new(collider, *density, *mass, *inertia, *center),
+    };
+    let collider = compound.map_or(collider, CompoundCollider::shape);
     let radius = collider.map_or(0.0, |c| c.radius_about(computed.local_center));
     if kind == RigidBody::Dynamic && !computed.is_valid(radius) {
         let by_hand = density.is_some() || mass.is_some() || inertia.is_some() || center.is_some();
@@ -43,6 +52,10 @@ pub(super) fn describe(
     }
     if !limits::within(computed.local_center, limits::LARGEST) {
         return Err(BodyProblem::InvalidMass);
+    }
+    let mut parts = None;
+    if let (Some(compound), Ok(kept)) = (compound, &mut kept) {
+        (parts, kept.layers) = compound.resolve(kept);
     }
     let kept = kept?;
     // A collider that is switched off still gives the body its mass.
@@ -56,13 +69,17 @@ pub(super) fn describe(
     body.events = events.is_some();
     // The component may have been removed, and restored with zeros.
     properties.set_if_neq(computed);
-    let same = same_shape && (body.kind, body.mass) == (kind, computed) && body.properties == kept;
+    let same = same_shape
+        && (body.kind, body.mass) == (kind, computed)
+        && body.properties == kept
+        && body.parts == parts;
     if same && !body.arrived {
         return Ok(());
     }
     body.kind = kind;
     body.mass = computed;
     body.properties = kept;
+    body.parts = parts;
     body.center = body.pose.transform_point(computed.local_center);
     body.set_shape(collider, radius);
     body.renewed = true;

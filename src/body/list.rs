@@ -65,6 +65,7 @@ macro_rules! body_properties {
                 collider: Collider = |body, collider| {
                     body.collider.as_ref().is_some_and(|known| known.is_same(collider))
                 },
+                compound: CompoundCollider,
                 density: Density,
                 mass: Mass,
                 inertia: AngularInertia,

@@ -1,6 +1,7 @@
 //! Mass, inertia and centre of mass: computed from shape and density, or set by hand.
 
 use super::{RigidBody, limits, table};
+use crate::children;
 use crate::collider::Collider;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -47,7 +48,7 @@ pub struct CenterOfMass(pub Vec3);
 /// Mass, centre of mass and inertia of a body, as the solver uses them. This component is computed: set [`Density`], [`Mass`],
 /// [`AngularInertia`] or [`CenterOfMass`] to change it.
 ///
-/// It is up to date as soon as a body, its shape, or one of these components is inserted. Components that are changed in place or removed take
+/// It is up to date as soon as a body, its shape, a [part](crate::children) or one of these components is inserted. Components that are changed in place or removed take
 /// effect in the next step or [`refresh`](crate::refresh()).
 ///
 /// The values are those of the *material*. Static and kinematic bodies keep theirs, so that they can become dynamic again, but the solver
@@ -68,7 +69,14 @@ pub struct MassProperties {
 
 /// Hook of the components that mass properties depend on: recomputes them on insertion. The stage *prepare* validates the input.
 pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
-    let body = world.entity(context.entity);
+    if let Some(body) = children::body_of(&world, context.entity) {
+        weigh_body(&mut world, body);
+    }
+}
+
+/// Recomputes the mass properties of a body from its components and those of its parts.
+pub(crate) fn weigh_body(world: &mut DeferredWorld, entity: Entity) {
+    let body = world.entity(entity);
     let collider = body.get::<Collider>();
     let (Some(kind), false) = (
         body.get::<RigidBody>(),
@@ -76,18 +84,20 @@ pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
     ) else {
         return;
     };
-    let computed = MassProperties::new(
-        collider,
-        body.get::<Density>(),
-        body.get::<Mass>(),
-        body.get::<AngularInertia>(),
-        body.get::<CenterOfMass>(),
-    );
+    let (density, mass) = (body.get::<Density>(), body.get::<Mass>());
+    let (inertia, center) = (body.get::<AngularInertia>(), body.get::<CenterOfMass>());
+    let compound = children::compound_mass(world, entity);
+    let computed = match &compound {
+        Some(compound) => compound.mass_properties(density, mass, inertia, center),
+        None => MassProperties::new(collider, density, mass, inertia, center),
+    };
+    // The shape of a compound is made in the next step.
+    let collider = collider.filter(|_| compound.is_none());
     let radius = collider.map_or(0.0, |c| c.radius_about(computed.local_center));
     if *kind == RigidBody::Dynamic && !computed.is_valid(radius) {
         return;
     }
-    if let Some(mut properties) = world.get_mut::<MassProperties>(context.entity) {
+    if let Some(mut properties) = world.get_mut::<MassProperties>(entity) {
         properties.set_if_neq(computed);
     }
 }
@@ -102,7 +112,6 @@ impl MassProperties {
         inertia: Option<&AngularInertia>,
         center: Option<&CenterOfMass>,
     ) -> Self {
-        let density = density.map_or(Density::DEFAULT, |d| d.0);
         let unit = match collider {
             // With unit density first, because parry's guards against division by zero would hide an invalid density.
             Some(collider) => collider.mass_properties(),
@@ -112,6 +121,18 @@ impl MassProperties {
                 Vec3::splat(0.1 / Density::DEFAULT),
             ),
         };
+        Self::of(unit, density, mass, inertia, center)
+    }
+
+    /// As [`Self::new`], from the mass properties of a shape at 1 kg/m³.
+    pub(crate) fn of(
+        unit: parry3d::mass_properties::MassProperties,
+        density: Option<&Density>,
+        mass: Option<&Mass>,
+        inertia: Option<&AngularInertia>,
+        center: Option<&CenterOfMass>,
+    ) -> Self {
+        let density = density.map_or(Density::DEFAULT, |d| d.0);
         let mut inverse_mass = unit.inv_mass / density;
         let mut inverse_inertia = unit.inv_principal_inertia / density;
         let mut local_frame = unit.principal_inertia_local_frame;

@@ -1,6 +1,7 @@
 //! Bodies: the components that define kind, pose, velocity, mass, surface and applied forces of a body, and the table of all bodies.
 //!
-//! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it can touch other bodies. All other
+//! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it can touch other bodies; more
+//! colliders may be on [child entities](crate::children). All other
 //! components are added with their defaults. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
 //! [`prepare`] fills it once a step.
 //!
@@ -51,15 +52,16 @@ pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
 pub(crate) use listed::{copy_description, properties_of, visit};
 pub use locked_axes::LockedAxes;
-pub(crate) use mass::weigh;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
+pub(crate) use mass::{weigh, weigh_body};
 pub use max_speed::{MaxAngularSpeed, MaxLinearSpeed};
 pub use motion::Motion;
 pub use pending::{Pending, refresh};
 pub use placement::Teleport;
-pub(crate) use placement::local_pose;
-pub use prepare::{prepare, strays};
+pub(crate) use placement::{local_pose, user_pose};
+pub use prepare::prepare;
 pub use quarantine::{Quarantined, lift, quarantine};
+pub(crate) use rows::look;
 pub use sleeping::Sleeping;
 pub use spawn_order::SpawnOrder;
 pub use table::{BodyIndex, BodyState, BodyTable};
@@ -83,7 +85,7 @@ macro_rules! rigid_body {
         /// The kind of a body: whether forces and contacts move it. It may be changed at any time.
         #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
         #[reflect(Component, Debug, Default)]
-        #[component(summary_tick)]
+        #[component(on_insert = crate::children::changed_kind, on_remove = crate::children::lost_kind, summary_tick)]
         #[require($($Essential,)* $($Computed,)* $($Pushing,)* Transform)]
         pub enum RigidBody {
             /// Moved by forces and contacts. The default.

@@ -23,7 +23,7 @@ pub(super) type Placed<'w, 's> = Query<'w, 's, (&'static Transform, Option<&'sta
 
 /// The pose that the user gave the body through `Transform` (or, for a new body, through `Pose`), if the body was moved. A change of a
 /// parent's `Transform` between two steps moves the body too.
-pub(super) fn user_pose(
+pub(crate) fn user_pose(
     (transform, parent): (&Transform, Option<&ChildOf>),
     pose: Pose,
     new: bool,

@@ -9,8 +9,7 @@ use super::{
     GravityScale, Inactive, MassProperties, Pose, RigidBody, Simulated, Sleeping, SpawnOrder,
     Teleport, Velocity, limits,
 };
-use crate::collider::Collider;
-use crate::diagnosis::{BodyProblem, Suspects, Told};
+use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
 use bevy_ecs::query::QueryData;
@@ -227,10 +226,6 @@ impl Visitor<'_, '_, '_> {
             || is_disturbed(&velocity, pushed);
         body.force = force;
         body.gravity_scale = gravity_scale;
-        if transform.scale != Vec3::ONE && body.collider.is_some() && !body.scale_told {
-            body.scale_told = true;
-            self.suspects.0.push((entity, BodyProblem::ScaleIgnored));
-        }
         // An inactive body stays inactive if the written values are those that it had already.
         let changed = body.disturbed || body.moved || woken || body.target.is_some();
         if changed {
@@ -356,35 +351,8 @@ impl BodyState {
             put_from: None,
             target: None,
             force: ExternalForce::default(),
-            scale_told: false,
+            parts: None,
             visited: 0,
         }
-    }
-}
-
-/// Part of the stage *prepare*: reports colliders that do not belong to a body, each once.
-pub fn strays(
-    (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
-    new: Query<Entity, (Added<Collider>, Without<RigidBody>)>,
-    parents: Query<&ChildOf>,
-    bodies: Query<(), With<RigidBody>>,
-    shapes: Query<(), (With<Collider>, Without<RigidBody>)>,
-) {
-    if new.is_empty() {
-        return;
-    }
-    told.strays.retain(|entity| shapes.contains(*entity));
-    for entity in &new {
-        if !told.strays.insert(entity) {
-            continue;
-        }
-        let above = parents.iter_ancestors(entity).find(|&e| bodies.contains(e));
-        suspects.0.push((
-            entity,
-            match above {
-                Some(body) => BodyProblem::ChildCollider { body },
-                None => BodyProblem::ColliderWithoutBody,
-            },
-        ));
     }
 }

@@ -38,7 +38,11 @@ impl Rows<'_> {
 }
 
 /// Calls `written` with the index and the value of each row of a column that has been written.
-fn look<T>(column: ContiguousRef<T>, since: Option<Tick>, mut written: impl FnMut(usize, &T)) {
+pub(crate) fn look<T>(
+    column: ContiguousRef<T>,
+    since: Option<Tick>,
+    mut written: impl FnMut(usize, &T),
+) {
     /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
     const CHUNK: usize = 64;
     let (last, this) = (column.last_run_tick(), column.this_run_tick());

@@ -7,6 +7,7 @@ use super::{
     BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, RigidBodyDisabled, SpawnOrder,
     Velocity,
 };
+use crate::children::{self, BodyParts};
 use crate::collider::Collider;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -16,6 +17,7 @@ use bevy_platform::collections::HashMap;
 use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::shape::Shape;
+use std::sync::Arc;
 
 /// The slot of a body in the [`BodyTable`]. Internal.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,11 +36,12 @@ impl Default for BodyIndex {
 }
 
 /// Hook of components that describe a body: after a removal *prepare* reads the body again, as after a change. A hook is needed because Bevy
-/// clears the list of removed components in every frame, and a step may come after several frames.
+/// clears the list of removed components in every frame, and a step may come after several frames. The component may also be that of a part.
 pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut index) = world.get_mut::<BodyIndex>(context.entity) {
         index.set_changed();
     }
+    children::mark_if_part(&mut world, context.entity);
 }
 
 /// Hook of [`BodyIndex`]: records that a body was despawned or lost its slot.
@@ -112,8 +115,8 @@ pub struct BodyState {
     pub(crate) target: Option<Pose>,
     /// The external force of the last step, N and N·m.
     pub(crate) force: ExternalForce,
-    /// Whether a warning was sent that the scale of its `Transform` is ignored.
-    pub(crate) scale_told: bool,
+    /// Its solid parts and its sensors, if it has some on other entities, or is a sensor itself.
+    pub(crate) parts: Option<Arc<BodyParts>>,
     /// The last visit of *prepare* that found the body.
     pub(crate) visited: u64,
 }
@@ -240,6 +243,9 @@ impl MapEntities for BodyTable {
         for body in self.slots.iter_mut().flatten() {
             body.entity.map_entities(mapper);
             body.properties.exceptions.map_entities(mapper);
+            if let Some(parts) = &mut body.parts {
+                *parts = Arc::new(parts.mapped(mapper));
+            }
         }
         for (body, _) in &mut self.left {
             body.map_entities(mapper);

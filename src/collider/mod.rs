@@ -3,23 +3,31 @@
 //! [`Collider`] is the shape of a body. [`Friction`], [`Restitution`] and [`RollingFriction`] describe its surface, [`CollisionLayers`]
 //! what it collides with. All lengths are in metres.
 
+mod decompose;
 mod exceptions;
 mod layer_mask;
 mod layers;
 mod material;
+#[cfg(feature = "mesh")]
+mod mesh;
 mod polyhedron;
+mod primitives;
+mod scale;
 mod sizes;
 mod solid;
 mod surface_velocity;
 
+pub use decompose::DecompositionSettings;
 pub use exceptions::CollisionExceptions;
 pub use layer_mask::{CollisionLayer, LayerMask};
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
+#[cfg(feature = "mesh")]
+pub use mesh::{MeshShape, mesh_triangles};
 pub use polyhedron::{Edge, Face, Moments, Polyhedron};
 pub use surface_velocity::SurfaceVelocity;
 
-use crate::body::MassProperties;
+use crate::body::{MassProperties, SpawnOrder};
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
@@ -33,9 +41,11 @@ use std::fmt;
 /// The collision shape of a body, in metres and in the body's frame. Default: a cube of 1 m.
 ///
 /// The constructors cover the common shapes. Any other shape of [`parry3d`] can be converted with `From<SharedShape>`.
-/// The shape does not follow the scale of a `Transform`.
+/// On an entity with a [`RigidBody`](crate::body::RigidBody) it is the shape of that body. On an entity below a body in the hierarchy it is a part of
+/// that body, and without a body above it stands still; see [`children`](crate::children). The shape follows the scale of its `Transform`.
 #[derive(Component, Clone)]
-#[component(on_insert = crate::body::weigh, on_remove = crate::body::lost_description, summary_tick)]
+#[component(on_insert = crate::children::collider_inserted, on_remove = crate::body::lost_description, summary_tick)]
+#[require(SpawnOrder)]
 pub struct Collider {
     shape: SharedShape,
     solid: Solid,
@@ -54,6 +64,8 @@ pub enum ColliderError {
     InvalidCompound,
     /// The height field has fewer than two rows or columns, rows of different lengths, or a height that is not finite.
     InvalidHeightField,
+    /// A factor of the scale is zero or not finite, or a height field would be mirrored.
+    InvalidScale,
 }
 
 impl fmt::Display for ColliderError {
@@ -74,6 +86,9 @@ impl fmt::Display for ColliderError {
             Self::InvalidHeightField => {
                 f.write_str("a height field needs two rows and two columns of finite heights")
             }
+            Self::InvalidScale => f.write_str(
+                "a scale must be finite and not zero along any axis, and not negative for a height field",
+            ),
         }
     }
 }
@@ -280,6 +295,21 @@ impl Collider {
             Solid::Parts(parts) => parts.get(part as usize)?.as_deref(),
             _ => None,
         }
+    }
+
+    /// Volume, centroid and inertia in double precision; zero for surfaces.
+    pub(crate) fn moments(&self) -> Moments {
+        let solid = self.solid.moments(&self.shape);
+        solid.unwrap_or_else(|| solid::parry_moments(&self.shape))
+    }
+
+    /// Whether it can be a part of a compound: it has an inside and an end.
+    pub(crate) fn has_volume(&self) -> bool {
+        !self.is_surface()
+            && !matches!(
+                self.shape.shape_type(),
+                ShapeType::HalfSpace | ShapeType::Triangle | ShapeType::Voxels
+            )
     }
 
     /// Mass, centre of mass and moments of inertia at a density of 1 kg/m³. Hulls are computed in double precision, other shapes by

@@ -67,7 +67,7 @@ fn hull(shape: &SharedShape) -> Option<Arc<Polyhedron>> {
 }
 
 /// The moments that parry computes for a shape, converted to double precision.
-fn parry_moments(shape: &SharedShape) -> Moments {
+pub(super) fn parry_moments(shape: &SharedShape) -> Moments {
     let unit = shape.mass_properties(1.0);
     let inverse = |x: f32| if x > 0.0 { f64::from(x).recip() } else { 0.0 };
     Moments::new(
@@ -86,6 +86,13 @@ pub(super) fn to_parry_mass(moments: Moments) -> MassProperties {
         inv_mass: moments.volume.recip() as f32,
         inv_principal_inertia: principal.recip().as_vec3(),
         principal_inertia_local_frame: axes.as_quat().normalize(),
+    }
+}
+
+impl Moments {
+    /// As parry's mass properties, in single precision.
+    pub(crate) fn rounded(self) -> MassProperties {
+        to_parry_mass(self)
     }
 }
 

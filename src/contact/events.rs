@@ -24,6 +24,8 @@ pub struct ContactStarted {
     pub body: Entity,
     /// The other.
     pub other: Entity,
+    /// The colliders of `body` and `other` that touch first: on child entities, or the bodies themselves.
+    pub colliders: [Entity; 2],
     /// The pair's entity, with its [`Manifold`](super::Manifold) and [`ContactImpulses`](super::ContactImpulses).
     pub pair: Entity,
     /// The normal impulse of the impact: Σλ_n over the whole step, including restitution, N·s. A soft landing continues over later steps; see
@@ -105,6 +107,7 @@ impl MapEntities for Untriggered {
             for named in [&mut event.body, &mut event.other, &mut event.pair] {
                 named.map_entities(mapper);
             }
+            event.colliders.map_entities(mapper);
         }
         for event in &mut self.ended {
             for named in [&mut event.body, &mut event.other] {
@@ -115,6 +118,7 @@ impl MapEntities for Untriggered {
             for named in [&mut event.body, &mut event.other, &mut event.pair] {
                 named.map_entities(mapper);
             }
+            event.colliders.map_entities(mapper);
         }
     }
 }
@@ -142,7 +146,8 @@ pub fn contact_events(
                 let impulse = impulses.normal();
                 let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
                 let hit = Hit::of(center, manifold, impulses);
-                let of = (pair.bodies, pair.slots, entity);
+                let colliders = pair.colliders(manifold.main_parts(impulses), &table);
+                let of = (pair.bodies, pair.slots, colliders, entity);
                 begins.push((pair.spawn_orders, of, impulse, hit));
             } else {
                 ends.push((pair.spawn_orders, pair.bodies));
@@ -151,19 +156,26 @@ pub fn contact_events(
     }
     begins.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
     ends.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
-    for (_, ([a, b], slots, pair), impulse, Hit { point, normal }) in begins {
-        let event = |body, other, normal| ContactStarted {
+    for (_, ([a, b], slots, [on_a, on_b], pair), impulse, Hit { point, normal }) in begins {
+        let event = |body, other, colliders, normal| ContactStarted {
             body,
             other,
+            colliders,
             pair,
             impulse,
             point,
             normal,
         };
-        started.write(event(a, b, normal));
-        for (slot, body, other, normal) in [(slots[0], a, b, normal), (slots[1], b, a, -normal)] {
+        started.write(event(a, b, [on_a, on_b], normal));
+        let ends = [
+            (slots[0], a, b, [on_a, on_b], normal),
+            (slots[1], b, a, [on_b, on_a], -normal),
+        ];
+        for (slot, body, other, colliders, normal) in ends {
             if table.get(slot).is_some_and(|body| body.events) {
-                untriggered.started.push(event(body, other, normal));
+                untriggered
+                    .started
+                    .push(event(body, other, colliders, normal));
             }
         }
     }

@@ -69,6 +69,8 @@ pub struct ContactForce {
     pub body: Entity,
     /// The other body.
     pub other: Entity,
+    /// The colliders of `body` and `other` with the largest force between them: on child entities, or the bodies themselves.
+    pub colliders: [Entity; 2],
     /// The pair's entity, with its [`Manifold`] and [`ContactImpulses`].
     pub pair: Entity,
     /// The total force on `body`, friction included, N, world axes, mean over the step.
@@ -129,9 +131,14 @@ pub fn contact_forces(
             let share = if here > 0.0 { 1.0 / here } else { 0.0 };
             let on_a = normal_on_a * (impulse * share) + impulses.tangential();
             let way = if of_a { 1.0 } else { -1.0 };
+            let mut colliders = ends.colliders(manifold.main_parts(impulses), &table);
+            if !of_a {
+                colliders.reverse();
+            }
             let event = ContactForce {
                 body: entity,
                 other: ends.bodies[usize::from(of_a)],
+                colliders,
                 pair,
                 force: on_a * (way / time.whole()),
                 normal_force,

@@ -35,7 +35,7 @@
 //! # let _ = ground;
 //! ```
 
-use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold};
+use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch};
 use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
 use crate::graph::{ConstraintGraph, EdgeKind};
 use crate::joint::{JointEdge, JointForces};
@@ -55,6 +55,8 @@ pub struct FaceForce {
     pub on: Entity,
     /// The other body; it gets the opposite force.
     pub by: Entity,
+    /// The colliders of `on` and `by` that touch here: on child entities, or the bodies themselves.
+    pub colliders: [Entity; 2],
     /// Unit normal from the surface of `by` into `on`, world.
     pub normal: Vec3,
     /// The total force, normal force and friction, N, world.
@@ -244,6 +246,12 @@ impl Contacts<'_, '_> {
         (!rests).then(|| self.time.whole().recip())
     }
 
+    /// The colliders of a patch, that of A first or last.
+    fn colliders(&self, pair: &ContactPair, patch: &ManifoldPatch, a_first: bool) -> [Entity; 2] {
+        let [a, b] = pair.colliders(patch.parts, &self.table);
+        if a_first { [a, b] } else { [b, a] }
+    }
+
     /// Adds the forces of a pair on one of its bodies.
     fn faces(&self, pair: Entity, on: Entity, faces: &mut Vec<FaceForce>) {
         let Ok((pair, manifold, impulses, anchors, rests)) = self.pairs.get(pair) else {
@@ -277,10 +285,11 @@ impl Contacts<'_, '_> {
             };
             let twist = given.twist + patch.normal.dot(arm.cross(given.tangential));
             let way = if of_a { 1.0 } else { -1.0 };
-            let most = pair.friction * given.normal_force;
+            let most = pair.surface(patch, &self.table).friction * given.normal_force;
             faces.push(FaceForce {
                 on,
                 by,
+                colliders: self.colliders(pair, patch, of_a),
                 normal: way * patch.normal,
                 force: way * (patch.normal * given.normal_force + given.tangential),
                 normal_force: given.normal_force,

@@ -132,6 +132,7 @@ mod tests {
             first: 0,
             count: points as u32,
             curved: false,
+            parts: Default::default(),
         };
         Manifold {
             patches: std::iter::repeat_n(patch, patches).collect(),

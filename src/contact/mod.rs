@@ -42,6 +42,7 @@ pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;
 
 use crate::body::{BodyState, SpawnOrder};
+use crate::children::PatchParts;
 use crate::revision::Revision;
 use crate::solver::Slip;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -250,6 +251,8 @@ pub struct ManifoldPatch {
     pub count: u32,
     /// Whether one of the surfaces is curved here, so that it can roll.
     pub curved: bool,
+    /// The colliders that touch here, if they are on child entities.
+    pub parts: PatchParts,
 }
 
 impl ManifoldPatch {

@@ -26,6 +26,7 @@ mod outline;
 
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, Sleeping};
 use crate::broadphase::Broadphase;
+use crate::children::CompoundCollider;
 use crate::collider::Collider;
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Contacts, Manifold,
@@ -106,6 +107,7 @@ impl Default for PhysicsGizmos {
 const DYNAMIC: Color = Color::srgb(0.95, 0.65, 0.25);
 const KINEMATIC: Color = Color::srgb(0.70, 0.45, 0.95);
 const STATIC: Color = Color::srgb(0.45, 0.50, 0.50);
+const SENSOR: Color = Color::srgb(0.85, 0.80, 0.25);
 const BOX: Color = Color::srgb(0.30, 0.30, 0.60);
 const STICKS: Color = Color::srgb(0.20, 0.85, 0.30);
 const SLIPS: Color = Color::srgb(0.95, 0.20, 0.15);
@@ -126,13 +128,13 @@ fn shapes(
     config: Res<GizmoConfigStore>,
     (islands, gravity, contacts): (Res<Islands>, Res<Gravity>, Contacts),
     table: Res<BodyTable>,
-    bodies: Query<(Entity, &RigidBody, &BodyIndex, &Collider, &Pose, &Sleeping)>,
+    bodies: Query<(Entity, &RigidBody, &BodyIndex, Shapes, &Pose, &Sleeping)>,
 ) {
     let (_, show) = config.config::<PhysicsGizmos>();
     if !show.shapes {
         return;
     }
-    for (entity, kind, index, collider, pose, sleeping) in &bodies {
+    for (entity, kind, index, (collider, compound), pose, sleeping) in &bodies {
         let mut color = match kind {
             RigidBody::Dynamic => DYNAMIC,
             RigidBody::Kinematic => KINEMATIC,
@@ -153,11 +155,22 @@ fn shapes(
                 color = color.with_alpha(0.35);
             }
         }
-        outline::lines(collider, |[a, b]| {
-            gizmos.line(pose.transform_point(a), pose.transform_point(b), color);
-        });
+        if let Some(solid) = compound.map_or(collider, CompoundCollider::shape) {
+            outline::lines(solid, |[a, b]| {
+                gizmos.line(pose.transform_point(a), pose.transform_point(b), color);
+            });
+        }
+        let parts = table.get(index.0).and_then(|body| body.parts.as_ref());
+        for zone in parts.map_or(&[][..], |parts| parts.zones()) {
+            let place = |point| pose.transform_point(zone.at.transform_point(point));
+            outline::lines(&zone.shape, |[a, b]| {
+                gizmos.line(place(a), place(b), SENSOR)
+            });
+        }
     }
 }
+
+type Shapes<'w> = (Option<&'w Collider>, Option<&'w CompoundCollider>);
 
 fn load_color(contacts: &Contacts, gravity: &Gravity, entity: Entity, body: &BodyState) -> Color {
     let faces = contacts.on(entity).unwrap_or_default();

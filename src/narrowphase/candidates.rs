@@ -2,6 +2,7 @@
 
 use super::Rules;
 use crate::body::BodyState;
+use crate::children::PatchParts;
 use crate::contact::{ContactPoint, FeatureId, Manifold, ManifoldPatch};
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -41,6 +42,7 @@ pub(super) fn push(
         first: manifold.points.len() as u32,
         count: points.len() as u32,
         curved,
+        parts: PatchParts::default(),
     });
     manifold
         .points

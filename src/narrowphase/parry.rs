@@ -6,6 +6,7 @@ use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::{reduction, rolling};
 use crate::body::BodyState;
+use crate::children::PatchParts;
 use crate::collider::is_surface;
 use crate::contact::{Manifold, NarrowphaseCache, ParryCache};
 use glam::Vec3;
@@ -56,6 +57,10 @@ pub(super) fn detect(
         .position(|shape| is_surface(*shape));
     let mut faces: SmallVec<[Face; 4]> = SmallVec::new();
     for found in manifolds.iter() {
+        let pieces = [found.subshape1, found.subshape2];
+        if !BodyState::pieces_collide([a, b], pieces) {
+            continue;
+        }
         let (sub_a, sub_b) = (
             found.subshape_pos1().copied(),
             found.subshape_pos2().copied(),
@@ -74,6 +79,7 @@ pub(super) fn detect(
                 _ => Plane::of(shape_b, found.subshape2),
             }),
             candidates: Candidates::new(),
+            parts: PatchParts::new([a.part_of(found.subshape1), b.part_of(found.subshape2)]),
         };
         for contact in &found.points {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
@@ -104,6 +110,7 @@ pub(super) fn detect(
             normal,
             size,
             mut candidates,
+            parts,
             ..
         } = face;
         merge(&mut candidates, MERGE * size);
@@ -116,7 +123,11 @@ pub(super) fn detect(
         }
         let radius = a.rolling_radius().min(b.rolling_radius());
         let rolls = curved && rolling::rolls(&candidates, radius, size);
+        let known = manifold.patches.len();
         push(manifold, [a, b], normal, rolls, candidates);
+        if let Some(patch) = manifold.patches.get_mut(known) {
+            patch.parts = parts;
+        }
     }
 }
 
@@ -134,6 +145,7 @@ struct Face {
     /// Plane of the triangle, if one of the bodies is a surface.
     plane: Option<Plane>,
     candidates: Candidates,
+    parts: PatchParts,
 }
 
 impl Face {
@@ -143,7 +155,8 @@ impl Face {
         let (Some(here), Some(there)) = (self.plane, other.plane) else {
             return false;
         };
-        self.normal.dot(other.normal) > PARALLEL
+        self.parts == other.parts
+            && self.normal.dot(other.normal) > PARALLEL
             && here.normal.dot(there.normal) > PARALLEL
             && here.normal.dot(there.on - here.on).abs() <= EVEN * self.size.min(other.size)
     }

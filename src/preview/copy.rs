@@ -4,6 +4,7 @@ use crate::DrystonePlugins;
 use crate::body::{
     BodyState, BodyTable, Pose, Sleeping, Velocity, copy_description, properties_of,
 };
+use crate::children::CompoundCollider;
 use crate::collider::Collider;
 use crate::contact::{
     ContactAnchors, ContactHooks, ContactImpulses, ContactPair, ContactTargets, Manifold,
@@ -180,6 +181,10 @@ pub(super) fn copy(
         None => shadow.spawn(parts),
     };
     copy_description(original, &mut copy);
+    // The parts of the original are not copied.
+    if let Some(mut compound) = copy.get_mut::<CompoundCollider>() {
+        compound.detach();
+    }
     copy.id()
 }
 

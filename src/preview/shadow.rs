@@ -4,6 +4,7 @@ use super::copy::{Activity, OriginalState, copy, copy_joint, empty, to_transform
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
+use crate::children::shape_of;
 use crate::collider::{Collider, CollisionExceptions};
 use crate::joint::JointEdge;
 use crate::schedule::step;
@@ -95,7 +96,7 @@ impl Shadow {
                 Ok(shadow)
             }
             Edit::Move(body, pose) => {
-                let collider = world.get::<Collider>(*body);
+                let collider = shape_of(world, *body);
                 let there = collider
                     .map(|collider| extent(collider, *pose))
                     .transpose()?;

@@ -1,5 +1,6 @@
 //! Shape casts: the bodies that a shape touches on a straight path.
 
+use super::pieces::Piece;
 use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
@@ -17,6 +18,8 @@ use std::cell::Cell;
 pub struct CastHit {
     /// The body.
     pub entity: Entity,
+    /// The collider: a child of the body, or the body itself.
+    pub collider: Entity,
     /// Distance that the shape has travelled, m; 0 if it overlaps the body from the start.
     pub distance: f32,
     /// The point of contact, world, m.
@@ -72,31 +75,40 @@ impl<'a> Cast<'a> {
         max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
-        let at = target.pose.to_parry();
         let options = ShapeCastOptions {
             max_time_of_impact: max_distance,
             ..Default::default()
         };
         let shape = &**self.collider.shape();
         let from = self.from.to_parry();
-        let hit = cast_shapes(
-            &from,
-            self.direction,
-            shape,
-            &at,
-            Vec3::ZERO,
-            target.shape,
-            options,
-        );
         let entity = target.body.entity;
-        let hit = hit.map_err(|_| QueryError::Unsupported(entity))?;
-        let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, max_distance));
-        Ok(hit.map(|hit| CastHit {
-            entity,
-            distance: hit.time_of_impact,
-            point: at.transform_point(hit.witness2),
-            normal: at.rotation * hit.normal2,
-        }))
+        let mut failed = None;
+        let touch = |piece: Piece| {
+            let (at, other) = (piece.at, piece.shape);
+            let hit = cast_shapes(
+                &from,
+                self.direction,
+                shape,
+                &at,
+                Vec3::ZERO,
+                other,
+                options,
+            );
+            let hit = hit.unwrap_or_else(|_| {
+                failed = Some(QueryError::Unsupported(entity));
+                None
+            });
+            let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, max_distance))?;
+            Some(CastHit {
+                entity,
+                collider: piece.collider,
+                distance: hit.time_of_impact,
+                point: at.transform_point(hit.witness2),
+                normal: at.rotation * hit.normal2,
+            })
+        };
+        let best = target.best(filter, touch, |hit| hit.distance);
+        failed.map_or(Ok(best), Err)
     }
 }
 

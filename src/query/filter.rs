@@ -57,13 +57,13 @@ impl fmt::Debug for QueryFilter<'_> {
 }
 
 impl<'a> QueryFilter<'a> {
-    /// Considers only bodies that a body with these layers would collide with. Default: all bodies.
+    /// Considers only bodies, and colliders of bodies, that a body with these layers would collide with. Default: all.
     pub fn with_layers(mut self, layers: CollisionLayers) -> Self {
         self.layers = Some(layers);
         self
     }
 
-    /// Ignores these bodies. Default: none.
+    /// Ignores these bodies, and these colliders on children of bodies. Default: none.
     pub fn excluding(mut self, entities: &'a [Entity]) -> Self {
         self.excluded = entities;
         self
@@ -109,6 +109,13 @@ impl<'a> QueryFilter<'a> {
     /// Whether a ray that starts inside a body hits it at once.
     pub(super) fn is_solid(&self) -> bool {
         self.solid || self.ignores_start
+    }
+
+    /// Whether a query may return a collider of a body that it may return.
+    #[inline]
+    pub(super) fn admits_part(&self, collider: Entity, layers: CollisionLayers) -> bool {
+        self.layers.is_none_or(|asked| asked.collides_with(layers))
+            && !self.excluded.contains(&collider)
     }
 
     /// Whether a query may return this body.

@@ -42,6 +42,7 @@ mod character;
 mod error;
 mod filter;
 mod overlaps;
+mod pieces;
 mod points;
 mod rays;
 mod view;

@@ -1,6 +1,7 @@
 //! Overlap tests: the bodies that a shape overlaps, and whether it fits somewhere.
 
 use super::casts::posed;
+use super::pieces::Piece;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
 use crate::collider::{Collider, is_surface};
@@ -13,6 +14,8 @@ use parry3d::query::contact;
 pub struct Overlap {
     /// The body.
     pub entity: Entity,
+    /// The collider in which the shape is deepest: a child of the body, or the body itself.
+    pub collider: Entity,
     /// Penetration depth, m.
     pub depth: f32,
     /// Outward unit normal of the body's surface, world. Moved by `depth` along it, the shape just touches the body. For a body of
@@ -24,23 +27,37 @@ pub struct Overlap {
 
 impl Target<'_> {
     /// How far a shape is inside of it, if it is.
-    fn overlap(&self, collider: &Collider, pose: Pose) -> Result<Option<Overlap>, QueryError> {
+    fn overlap(
+        &self,
+        collider: &Collider,
+        pose: Pose,
+        filter: &QueryFilter,
+    ) -> Result<Option<Overlap>, QueryError> {
         let entity = self.body.entity;
         let unsupported = QueryError::Unsupported(entity);
         // Neither has an inside that the other could be in.
         if is_surface(self.shape) && collider.is_surface() {
             return Err(unsupported);
         }
-        let (at, from) = (self.pose.to_parry(), pose.to_parry());
-        let found = contact(&at, self.shape, &from, &**collider.shape(), 0.0);
-        let found = found.map_err(|_| unsupported)?;
-        let found = found.filter(|contact| contact.dist < 0.0);
-        Ok(found.map(|contact| Overlap {
-            entity,
-            depth: -contact.dist,
-            normal: contact.normal1,
-            point: contact.point1,
-        }))
+        let from = pose.to_parry();
+        let mut failed = None;
+        let overlap = |piece: Piece| {
+            let found = contact(&piece.at, piece.shape, &from, &**collider.shape(), 0.0);
+            let found = found.unwrap_or_else(|_| {
+                failed = Some(unsupported.clone());
+                None
+            });
+            let found = found.filter(|contact| contact.dist < 0.0)?;
+            Some(Overlap {
+                entity,
+                collider: piece.collider,
+                depth: -found.dist,
+                normal: found.normal1,
+                point: found.point1,
+            })
+        };
+        let deepest = self.best(filter, overlap, |overlap| -overlap.depth);
+        failed.map_or(Ok(deepest), Err)
     }
 }
 
@@ -61,7 +78,7 @@ impl SpatialQuery<'_, '_> {
         let tolerance = super::rays::at_most(tolerance)?;
         let aabb = collider.shape().compute_aabb(&pose.to_parry());
         let hits = self.all(self.view().near(&aabb), |slot| {
-            let overlap = self.target(slot, filter)?.overlap(collider, pose);
+            let overlap = self.target(slot, filter)?.overlap(collider, pose, filter);
             overlap.transpose()
         });
         let hits = hits.into_iter().map(|(_, hit)| hit);

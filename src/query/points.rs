@@ -1,5 +1,6 @@
 //! Point queries: the bodies that contain a point, and the body nearest to it.
 
+use super::pieces::Piece;
 use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use bevy_ecs::prelude::*;
@@ -13,6 +14,8 @@ use parry3d::query::PointQuery;
 pub struct PointHit {
     /// The body.
     pub entity: Entity,
+    /// The collider: a child of the body, or the body itself.
+    pub collider: Entity,
     /// The closest point, world, m; the point asked about if it is inside the body.
     pub point: Vec3,
     /// Distance between the two points, m; 0 inside the body.
@@ -22,14 +25,18 @@ pub struct PointHit {
 }
 
 impl Target<'_> {
-    fn nearest_to(&self, point: Vec3) -> PointHit {
-        let found = (self.shape).project_point(&self.pose.to_parry(), point, true);
-        PointHit {
-            entity: self.body.entity,
-            point: found.point,
-            distance: found.point.distance(point),
-            is_inside: found.is_inside,
-        }
+    fn nearest_to(&self, point: Vec3, filter: &QueryFilter) -> Option<PointHit> {
+        let project = |piece: Piece| {
+            let found = (piece.shape).project_point(&piece.at, point, true);
+            Some(PointHit {
+                entity: self.body.entity,
+                collider: piece.collider,
+                point: found.point,
+                distance: found.point.distance(point),
+                is_inside: found.is_inside,
+            })
+        };
+        self.best(filter, project, |hit| hit.distance)
     }
 }
 
@@ -50,8 +57,10 @@ impl SpatialQuery<'_, '_> {
         let here = Aabb::new(point, point);
         let hits = self.all(self.view().near(&here), |slot| {
             let target = self.target(slot, filter)?;
-            let at = target.pose.to_parry();
-            target.shape.contains_point(&at, point).then_some(())
+            let mut pieces = target.pieces(filter);
+            pieces
+                .any(|piece| piece.shape.contains_point(&piece.at, point))
+                .then_some(())
         });
         Ok(hits.into_iter().map(|(body, ())| body.entity).collect())
     }
@@ -67,7 +76,7 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Option<PointHit>, QueryError> {
         let (point, max_distance) = (checked(point)?, at_most(max_distance)?);
-        let hit = |slot| Some(self.target(slot, filter)?.nearest_to(point));
+        let hit = |slot| self.target(slot, filter)?.nearest_to(point, filter);
         let distance = |slot, _| hit(slot).map(|hit| hit.distance);
         let search = |tree: &Bvh, first: u32, max_distance| {
             tree.find_best(

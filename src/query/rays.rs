@@ -1,5 +1,6 @@
 //! Ray casts.
 
+use super::pieces::Piece;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use bevy_ecs::prelude::*;
 use bevy_shape::Ray3d;
@@ -13,6 +14,8 @@ use rayon::prelude::*;
 pub struct RayHit {
     /// The body.
     pub entity: Entity,
+    /// The collider: a child of the body, or the body itself.
+    pub collider: Entity,
     /// Distance from the ray's origin, m.
     pub distance: f32,
     /// The point, world, m.
@@ -26,21 +29,31 @@ const WEIGHT: usize = 64;
 
 impl Target<'_> {
     fn distance_along(&self, ray: &Ray, max_distance: f32, filter: &QueryFilter) -> Option<f32> {
-        let (at, far) = (self.pose.to_parry(), far(max_distance, filter));
-        let distance = self.shape.cast_ray(&at, ray, far, filter.is_solid())?;
-        filter.reaches(distance, max_distance).then_some(distance)
+        let far = far(max_distance, filter);
+        let along = |piece: Piece| {
+            let distance = piece
+                .shape
+                .cast_ray(&piece.at, ray, far, filter.is_solid())?;
+            filter.reaches(distance, max_distance).then_some(distance)
+        };
+        self.best(filter, along, |distance| *distance)
     }
 
     fn ray_hit(&self, ray: &Ray, max_distance: f32, filter: &QueryFilter) -> Option<RayHit> {
-        let (at, far) = (self.pose.to_parry(), far(max_distance, filter));
-        let hit = (self.shape).cast_ray_and_get_normal(&at, ray, far, filter.is_solid())?;
-        let distance = hit.time_of_impact;
-        filter.reaches(distance, max_distance).then(|| RayHit {
-            entity: self.body.entity,
-            distance,
-            point: ray.point_at(distance),
-            normal: hit.normal.normalize_or_zero(),
-        })
+        let far = far(max_distance, filter);
+        let along = |piece: Piece| {
+            let (shape, at) = (piece.shape, &piece.at);
+            let hit = shape.cast_ray_and_get_normal(at, ray, far, filter.is_solid())?;
+            let distance = hit.time_of_impact;
+            filter.reaches(distance, max_distance).then(|| RayHit {
+                entity: self.body.entity,
+                collider: piece.collider,
+                distance,
+                point: ray.point_at(distance),
+                normal: hit.normal.normalize_or_zero(),
+            })
+        };
+        self.best(filter, along, |hit| hit.distance)
     }
 }
 

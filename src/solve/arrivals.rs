@@ -28,7 +28,7 @@ impl Solve<'_> {
                 joints.next().is_some()
             })
         };
-        let (contacts, _) = order.contacts(pairs);
+        let (contacts, _) = order.contacts(pairs, self.table);
         for (number, &id) in order.numbered().iter().enumerate() {
             let mut island = Island::default();
             island.begin(id, order.of(number), false);

@@ -129,7 +129,8 @@ fn hold_points(
         let held = &mut anchors.points[range.clone()];
         let given = given(impulses, patch, range.clone(), number);
         let given: SmallVec<[ContactImpulse; 8]> = given.collect();
-        classify(friction.classifier, pair.friction, &given, held);
+        let coefficient = pair.surface_between(patch, bodies).friction;
+        classify(friction.classifier, coefficient, &given, held);
         for (anchor, point) in held.iter_mut().zip(&manifold.points[range]) {
             let position = bodies[0].center + point.arm;
             if !anchor.sticking {
@@ -169,8 +170,9 @@ fn hold_patches(
         let anchor = &mut anchors.patches[i];
         let was = anchor.sticking;
         let dragged = std::mem::take(&mut impulses.patches[i].dragged);
-        anchor.sticking =
-            !patch.curved && holds(friction.classifier, pair, manifold, impulses, i, was, dt);
+        let coefficient = pair.surface_between(patch, bodies).friction;
+        let rule = friction.classifier;
+        anchor.sticking = !patch.curved && holds(rule, coefficient, manifold, impulses, i, was, dt);
         if !anchor.sticking {
             if anchor.set {
                 anchors.measured = None;
@@ -194,7 +196,7 @@ fn hold_patches(
 #[inline]
 fn holds(
     rule: Classifier,
-    pair: &ContactPair,
+    friction: f32,
     manifold: &Manifold,
     impulses: &ContactImpulses,
     number: usize,
@@ -216,6 +218,6 @@ fn holds(
     };
     let sum = ContactImpulse { normal, tangential };
     let each = given(impulses, patch, range, number);
-    sticks(rule, pair.friction, &sum, each, was)
-        && holds_twist(pair.friction, of_patch.twist_moment * dt, lever)
+    sticks(rule, friction, &sum, each, was)
+        && holds_twist(friction, of_patch.twist_moment * dt, lever)
 }

@@ -112,13 +112,14 @@ pub fn normal_correction(
                 let range = manifold.range(patch);
                 let points = &manifold.points[range.clone()];
                 let targets = &mut targets.points[range];
+                let restitution = pair.surface(patch, table).restitution;
                 for (point, target) in points.iter().zip(targets) {
                     let position = a.center + point.arm;
                     let u = a.velocity_at(position) - b.velocity_at(position);
                     let u_n = u.dot(patch.normal);
                     // The share of the overlap that is taken back in this step.
                     let d = point.distance.max(rest + share * (point.distance - rest));
-                    target.normal = normal_target(settings, pair.restitution, d, u_n, dt);
+                    target.normal = normal_target(settings, restitution, d, u_n, dt);
                 }
             }
         });

@@ -14,6 +14,7 @@ pub use visitor::Visitor;
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
 use crate::broadphase::Broadphase;
+use crate::children::{ColliderOf, ImplicitBody, Unassembled};
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
     CollidingEntities, ContactAnchors, ContactForceEvents, ContactHooks, ContactImpulses,
@@ -27,6 +28,7 @@ use crate::joint::{
     self, BreakForce, BrokenJoints, JointChanges, JointDisabled, JointEdge, JointForces,
     QuarantinedJoint,
 };
+use crate::sensor::{Sensor, SensorOverlaps, Sensors, UntriggeredSensorEvents};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
     SpeedLimits, StabilizationSettings, StepTime,
@@ -49,6 +51,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     body::visit(visitor);
     list!(component: Inactive, Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
     list!(component: CollidingEntities, ContactForceEvents, Load, Watch, Stands);
+    // Colliders.
+    list!(component: ColliderOf, ImplicitBody, Sensor, SensorOverlaps);
     // Hands.
     list!(component: HandState, Hand);
     // Joints.
@@ -65,6 +69,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);
     list!(resource: JointChanges, BrokenJoints);
+    list!(resource: Unassembled, Sensors, UntriggeredSensorEvents);
 
     list!(derived: Pending, IslandProblems);
 }

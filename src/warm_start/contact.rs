@@ -1,6 +1,10 @@
 //! A touching pair as part of the problem of its island. Its impulses have as many entries as its manifold has points and patches.
 
-use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold};
+use crate::body::BodyTable;
+use crate::children::PatchSurface;
+use crate::contact::{
+    ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold, ManifoldPatch,
+};
 use crate::settings::StepTime;
 
 /// One pair with points, in an island that is solved.
@@ -9,6 +13,15 @@ pub(crate) struct SolverContact<'a> {
     pub manifold: &'a Manifold,
     pub targets: &'a ContactTargets,
     pub impulses: &'a ContactImpulses,
+    pub table: &'a BodyTable,
+}
+
+impl SolverContact<'_> {
+    /// The combined coefficients of a patch.
+    #[inline]
+    pub(super) fn surface(&self, patch: &ManifoldPatch) -> PatchSurface {
+        self.pair.surface(patch, self.table)
+    }
 }
 
 impl Impulse {

@@ -134,7 +134,7 @@ impl WarmStart<'_> {
     ) {
         let start = Instant::now();
         problems.order.keep(self.table, self.graph, self.islands);
-        let (contacts, complete) = problems.order.contacts(pairs);
+        let (contacts, complete) = problems.order.contacts(pairs, self.table);
         problems.arrange();
         self.gather_bodies(problems, complete);
         self.gather_grabs(problems, grabs);

@@ -252,7 +252,11 @@ impl Order {
     }
 
     /// The contacts in order. The flag is false if some are missing, because their pairs were removed since the islands were updated.
-    pub fn contacts<'a>(&mut self, pairs: &'a mut Pairs) -> (Vec<SolverContact<'a>>, bool) {
+    pub fn contacts<'a>(
+        &mut self,
+        pairs: &'a mut Pairs,
+        table: &'a BodyTable,
+    ) -> (Vec<SolverContact<'a>>, bool) {
         let mut contacts = reuse(std::mem::take(&mut self.spare));
         self.places.clear();
         for (entities, mut pairs, manifolds, targets, impulses) in pairs
@@ -283,6 +287,7 @@ impl Order {
                     manifold,
                     targets,
                     impulses,
+                    table,
                 });
             }
         }

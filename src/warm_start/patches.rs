@@ -210,17 +210,18 @@ impl SolverContact<'_> {
     ) -> (PatchConstraint, impl Iterator<Item = PatchPoint>) {
         let points = &self.manifold.points[range.clone()];
         let impulse = self.impulses.patches[i];
+        let surface = self.surface(patch);
         let constraint = PatchConstraint {
             normal: patch.normal,
             arms: [patch.center, patch.center + self.manifold.between],
-            friction: self.pair.friction,
-            restitution: self.pair.restitution,
+            friction: surface.friction,
+            restitution: surface.restitution,
             slip: self.slip(i),
             count: points.len() as u32,
             friction_impulse: impulse.friction_force,
             twist_impulse: impulse.twist_moment,
             rolling_friction: match patch.curved {
-                true => self.pair.rolling_friction,
+                true => surface.rolling_friction,
                 false => 0.0,
             },
             rolling_radius: self.pair.rolling_radius,

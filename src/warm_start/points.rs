@@ -98,13 +98,14 @@ impl SolverContact<'_> {
     fn points(&self, ends: [u32; 2], bodies: &[Body], to: &mut Vec<PointConstraint>) {
         for (_, patch, range) in self.manifold.patches_with_points() {
             let frame = PatchFrame::new(ends, patch.normal, bodies);
+            let friction = self.surface(patch).friction;
             for i in range {
                 let target = self.targets.points.get(i).copied().unwrap_or_default();
                 to.push(frame.prepare(&PointInput {
                     bodies: ends,
                     normal: patch.normal,
                     arms: self.manifold.arms(i),
-                    friction: self.pair.friction,
+                    friction,
                     target_normal: target.normal,
                     target_tangential: target.tangential,
                     ..Default::default()

@@ -306,8 +306,9 @@ fn collider_removed_in_mid_contact() {
 
 #[test]
 fn rigid_body_removed_in_mid_contact() {
+    // A collider alone would be static.
     take_away(|world, body| {
-        world.entity_mut(body).remove::<RigidBody>();
+        world.entity_mut(body).remove::<(RigidBody, Collider)>();
     });
 }
 

@@ -396,6 +396,7 @@ fn contacts_put_between_two_islands_wait_for_the_next_step() {
                             first: 0,
                             count: 1,
                             curved: false,
+                            parts: Default::default(),
                         }]
                         .into_iter()
                         .collect(),

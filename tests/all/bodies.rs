@@ -500,11 +500,11 @@ fn layers_decide_who_collides() {
 fn transforms_go_out_and_a_teleport_comes_in() {
     let mut lab = Lab::new();
     lab.ground();
-    let cube = lab.cube(Vec3::Y * 0.5);
+    let cube = lab.cube(Vec3::Y * 1.5);
     lab.world.get_mut::<Transform>(cube).unwrap().scale = Vec3::splat(3.0);
     lab.run(3.0);
     assert!(asleep(&lab, cube));
-    let there = Vec3::new(5.0, 2.0, 1.0);
+    let there = Vec3::new(5.0, 3.0, 1.0);
     lab.world.get_mut::<Transform>(cube).unwrap().translation = there;
     lab.step();
     assert!(!asleep(&lab, cube));
@@ -518,7 +518,7 @@ fn transforms_go_out_and_a_teleport_comes_in() {
         );
         assert_eq!(transform.scale, Vec3::splat(3.0), "scale is the user's");
     }
-    assert!((lab.position(cube) - there.with_y(0.5)).length() < 0.01);
+    assert!((lab.position(cube) - there.with_y(1.5)).length() < 0.01);
 }
 
 #[test]
@@ -678,7 +678,8 @@ fn a_body_below_a_parent_lives_in_the_world_and_shows_in_the_parents_frame() {
         lab.position(cube)
     );
     lab.run(2.0);
-    assert!((lab.position(cube) - start.with_y(0.5)).length() < 0.01);
+    // The scale of the parent is that of the cube.
+    assert!((lab.position(cube) - start.with_y(1.0)).length() < 0.01);
     assert_shown_where_it_is(&lab, cube, 1e-4);
     // A teleport in the parent's frame.
     lab.world.get_mut::<Transform>(cube).unwrap().translation = Vec3::new(-1.0, 2.0, 0.0);

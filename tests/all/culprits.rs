@@ -8,7 +8,6 @@ use drystone::body::{
     Damping, ExternalForce, ExternalImpulse, GravityScale, Pose, Quarantined, RigidBody, Velocity,
 };
 use drystone::collider::{Collider, Restitution};
-use drystone::contact::ContactPair;
 use drystone::diagnosis::{BodyProblem, StepError};
 use drystone::grab::Grab;
 use drystone::settings::{
@@ -356,39 +355,7 @@ fn settings_that_cannot_be() {
     });
 }
 
-// 6: entities that are not bodies, or not as large as they seem
-
-#[test]
-fn shapes_that_nothing_touches_are_named_once() {
-    let mut lab = Lab::new();
-    lab.ground();
-    let body = lab.cube(Vec3::Y * 0.5);
-    let child = lab.spawn((Name::new("handle"), Collider::ball(0.2), ChildOf(body)));
-    let stray = lab.spawn((Name::new("stray"), Collider::ball(0.2), Transform::IDENTITY));
-    let scaled = lab.spawn((
-        Name::new("scaled"),
-        RigidBody::Static,
-        Collider::ball(0.2),
-        Transform::from_xyz(9.0, 0.0, 0.0).with_scale(Vec3::splat(2.0)),
-    ));
-    lab.run(1.0);
-    let errors = lab.errors();
-    let expected = [
-        (child, BodyProblem::ChildCollider { body }),
-        (stray, BodyProblem::ColliderWithoutBody),
-        (scaled, BodyProblem::ScaleIgnored),
-    ];
-    assert_eq!(errors.len(), expected.len(), "{errors:?}");
-    for (entity, problem) in expected {
-        let said = errors.iter().find(|error| error.entity == entity).unwrap();
-        assert_eq!(said.problem, problem);
-        assert!(!said.problem.is_fatal());
-        let name = lab.world.get::<Name>(entity).unwrap().as_str();
-        assert!(said.to_string().contains(name), "{said}");
-    }
-    let mut pairs = lab.world.query::<&ContactPair>();
-    assert_eq!(pairs.iter(&lab.world).count(), 1, "the cube on the ground");
-}
+// 6: not as heavy as it seems
 
 /// A body of ten thousand times the mass squeezes out the body below; this is reported when they touch.
 #[test]

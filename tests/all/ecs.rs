@@ -226,6 +226,7 @@ fn every_stage_has_its_time() {
         "anchors",
         "integration",
         "sleeping",
+        "sensors",
         "contact_events",
     ];
     assert_eq!(names.len(), PhysicsSystems::ORDER.len());

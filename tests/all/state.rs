@@ -210,6 +210,22 @@ fn tell(world: &mut World, name: &dyn Fn(Entity) -> Option<Entity>) -> Vec<Strin
             force,
         )));
     }
+    for message in drain::<SensorEntered>(world) {
+        told.push(line(&(
+            "entered",
+            name(message.sensor),
+            name(message.body),
+            name(message.collider),
+        )));
+    }
+    for message in drain::<SensorExited>(world) {
+        told.push(line(&(
+            "exited",
+            name(message.sensor),
+            name(message.body),
+            name(message.collider),
+        )));
+    }
     for message in drain::<BodyError>(world) {
         // A problem that names another body does so in its sentence.
         let problem = std::mem::discriminant(&message.problem);
@@ -378,6 +394,68 @@ fn compounds_and_a_floor_of_triangles() {
     }
     run.steps(50, NOTHING)
         .goes_on_in_a_copy("compounds on a mesh", NOTHING);
+}
+
+/// Bodies of several colliders and sensors, with edits that the last step has not seen, and edits later on.
+#[test]
+fn children_and_sensors() {
+    let mut run = Run::new();
+    let place = |x: f32, y: f32| Transform::from_xyz(x, y, 0.0);
+    let cube = || Collider::cuboid(0.5, 0.5, 0.5);
+    let mut parts = Vec::new();
+    for i in 0..3 {
+        let body = run.body(cube(), 3.0 * i as f32, 1.5, Friction::new(0.8));
+        let arm = (
+            cube(),
+            Density(300.0),
+            Friction::new(0.1),
+            place(0.5, 0.5),
+            ChildOf(body),
+        );
+        parts.push(run.world.spawn(arm).id());
+        let foot = (cube(), Sensor, place(0.0, -0.5), ChildOf(body));
+        run.world.spawn(foot);
+    }
+    let zone = (Collider::cuboid(20.0, 1.0, 1.0), Sensor, place(0.0, 0.5));
+    let zone = run.world.spawn(zone).id();
+    let step = run
+        .world
+        .spawn((cube(), place(3.3, 0.25).with_scale(Vec3::splat(0.5))))
+        .id();
+    let mut run = run.steps(25, NOTHING);
+    let nail = (
+        Collider::ball(0.2),
+        place(-0.5, 0.5),
+        ChildOf(run.bodies[0]),
+    );
+    run.world.spawn(nail);
+    run.world
+        .get_mut::<Transform>(parts[1])
+        .unwrap()
+        .translation
+        .x = -0.5;
+    run.world.despawn(parts[2]);
+    let first = run.bodies[0];
+    let told = run.goes_on_in_a_copy(
+        "children and sensors",
+        &|world, here, number| match number {
+            20 => world.get_mut::<Transform>(here(step)).unwrap().scale = Vec3::ONE,
+            40 => {
+                world
+                    .get_mut::<Transform>(here(zone))
+                    .unwrap()
+                    .translation
+                    .x = 12.0
+            }
+            60 => _ = world.spawn((Collider::ball(0.4), place(0.0, -0.4), ChildOf(here(first)))),
+            80 => _ = world.despawn(here(parts[0])),
+            _ => (),
+        },
+    );
+    assert!(
+        count(&told, "entered") > 0 && count(&told, "exited") > 2,
+        "{told:?}"
+    );
 }
 
 #[test]

@@ -85,6 +85,7 @@ fn of(joint: &Joint, blocks: [usize; 2], rotation: DQuat, poses: &[Pose]) -> Man
         first: 0,
         count: 4,
         curved: false,
+        parts: Default::default(),
     });
     manifold
 }

@@ -1,0 +1,270 @@
+//! Part of the stage *prepare* and of a refresh: makes the shapes of bodies whose parts have changed.
+
+use super::compound::{CompoundCollider, is_separate};
+use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
+use super::implicit::{ImplicitBody, carry, make_body, take_body};
+use crate::body::{Density, Mass, RigidBody, look};
+use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
+use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::hierarchy::{ChildOf, Children};
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use glam::Vec3;
+
+/// Entities at or below which colliders may have changed their body since the last step.
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
+#[doc(hidden)]
+pub struct Unassembled {
+    entities: Vec<Entity>,
+    /// Whether the entities that were spawned before the plugins were added have been visited.
+    has_begun: bool,
+}
+
+impl Unassembled {
+    pub(super) fn push(&mut self, entity: Entity) {
+        self.entities.push(entity);
+    }
+}
+
+impl MapEntities for Unassembled {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.entities.map_entities(mapper);
+    }
+}
+
+/// Filter for parts that were written. Values that are the same as before change nothing.
+type Written = (
+    Or<(With<ColliderOf>, With<ImplicitBody>)>,
+    Or<(
+        Changed<Collider>,
+        Changed<Transform>,
+        Changed<Density>,
+        Changed<Mass>,
+        Changed<Friction>,
+        Changed<Restitution>,
+        Changed<RollingFriction>,
+        Changed<CollisionLayers>,
+    )>,
+);
+
+/// Filter for bodies whose compound depends on components that were written.
+type Redefined = (
+    With<CompoundCollider>,
+    Or<(Changed<Collider>, Changed<RigidBody>)>,
+);
+
+/// Entities that are no bodies and may have bodies or colliders below them.
+type MovedNodes = (With<Children>, Without<RigidBody>, Changed<Transform>);
+
+type Scaled = (
+    Entity,
+    Ref<'static, Transform>,
+    Option<&'static CompoundCollider>,
+);
+
+type IsRoot = (With<RigidBody>, HasShape, Without<ChildOf>);
+
+/// The searches for entities that may have changed.
+#[derive(Debug, FromWorld)]
+pub struct Searches {
+    written: QueryState<Entity, Written>,
+    redefined: QueryState<Entity, Redefined>,
+    nodes: QueryState<Entity, MovedNodes>,
+    scaled: QueryState<Scaled, IsRoot>,
+    carried: QueryState<(Entity, Option<&'static CompoundCollider>), IsCarried>,
+    colliders: QueryState<Entity, With<Collider>>,
+    implicit: QueryState<Entity, (With<ImplicitBody>, With<ChildOf>)>,
+}
+
+type IsCarried = (With<RigidBody>, HasShape, With<ChildOf>);
+
+type HasShape = Or<(With<Collider>, With<CompoundCollider>)>;
+
+/// Finds the bodies whose parts or scale have changed, and makes their [`CompoundCollider`] anew. Makes colliders without a body static.
+pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
+    let searches = searches.get_or_insert_with(|| Searches::from_world(world));
+    carry(world, &mut searches.implicit);
+    let mut unassembled = world.resource_mut::<Unassembled>();
+    let mut roots = std::mem::take(&mut unassembled.entities);
+    if !std::mem::replace(&mut unassembled.has_begun, true) {
+        roots.extend(searches.colliders.iter(world));
+    }
+    roots.extend(searches.written.iter(world));
+    let mut bodies: Vec<Entity> = searches.redefined.iter(world).collect();
+    find_rescaled(world, &mut searches.scaled, &mut bodies);
+    let mut nodes = searches.nodes.iter(world).peekable();
+    if nodes.peek().is_some() {
+        bodies.extend(nodes.filter_map(|node| body_of(world, node)));
+        let carried = searches.carried.iter(world);
+        let carried = carried.filter(|&(body, known)| scale_of(world, body) != known_scale(known));
+        bodies.extend(carried.map(|(body, _)| body));
+    }
+    if roots.is_empty() && bodies.is_empty() {
+        return;
+    }
+    let mut lone = Vec::new();
+    for root in roots {
+        visit(world, root, &mut bodies, &mut lone);
+    }
+    let mut seen = EntityHashSet::default();
+    for collider in lone {
+        if seen.insert(collider) {
+            make_body(world, collider, RigidBody::Static);
+            world.entity_mut(collider).remove::<ColliderOf>();
+            bodies.push(collider);
+        }
+    }
+    let mut seen = EntityHashSet::default();
+    for body in bodies {
+        if seen.insert(body) {
+            rebuild(world, body);
+        }
+    }
+    // The hooks have noted what was changed here.
+    world.resource_mut::<Unassembled>().entities.clear();
+}
+
+/// The scale with which a shape was made.
+fn known_scale(known: Option<&CompoundCollider>) -> Vec3 {
+    known.map_or(Vec3::ONE, |known| known.scale)
+}
+
+/// Finds bodies without a parent whose scale is not that of their shape.
+fn find_rescaled(world: &World, scaled: &mut QueryState<Scaled, IsRoot>, found: &mut Vec<Entity>) {
+    let bodies = scaled.query(world);
+    let columns = bodies.contiguous_iter();
+    for (bodies, transforms, known) in columns.expect("all of it is stored in tables") {
+        look(transforms, None, |row, transform| {
+            if transform.scale != known_scale(known.map(|known| &known[row])) {
+                found.push(bodies[row]);
+            }
+        });
+    }
+}
+
+/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none.
+fn visit(world: &World, root: Entity, bodies: &mut Vec<Entity>, lone: &mut Vec<Entity>) {
+    if !world.entities().contains(root) {
+        return;
+    }
+    bodies.extend(body_of(world, root));
+    let mut stack = vec![root];
+    while let Some(at) = stack.pop() {
+        let Ok(entity) = world.get_entity(at) else {
+            continue;
+        };
+        bodies.extend(entity.get::<ColliderOf>().map(|part| part.body));
+        if is_real_body(entity) {
+            bodies.push(at);
+        } else if entity.contains::<Collider>() && !entity.contains::<Disabled>() {
+            match body_of(world, at) {
+                None => lone.push(at),
+                // It may be a body of its own, with a scale.
+                Some(_) if entity.contains::<ImplicitBody>() => bodies.push(at),
+                Some(_) => (),
+            }
+        } else if entity.contains::<ImplicitBody>() || entity.contains::<CompoundCollider>() {
+            bodies.push(at);
+        }
+        if let Some(children) = entity.get::<Children>() {
+            stack.extend(children.iter().rev());
+        }
+    }
+}
+
+/// Makes the shape of a body, if it is not what it was.
+fn rebuild(world: &mut World, body: Entity) {
+    let Ok(known) = world.get_entity(body) else {
+        return;
+    };
+    let kind = known.get::<RigidBody>().copied();
+    let compound = known.get::<CompoundCollider>();
+    if compound.is_some_and(|compound| compound.is_copy) {
+        return;
+    }
+    let has_compound = compound.is_some();
+    let is_implicit = known.contains::<ImplicitBody>();
+    if is_implicit && !known.contains::<Collider>() {
+        take_body(world, body);
+    }
+    let parts = kind.and_then(|_| gather(world, body));
+    let (Some(kind), Some(parts)) = (kind, parts) else {
+        if has_compound {
+            disown(world, body, &[]);
+            world.entity_mut(body).remove::<CompoundCollider>();
+        }
+        return;
+    };
+    let compound = world.get::<CompoundCollider>(body);
+    if compound.is_some_and(|known| known.kind == kind && *known.sources == *parts) {
+        own(world, body, kind, &parts);
+        return;
+    }
+    disown(world, body, &parts);
+    own(world, body, kind, &parts);
+    let colliders: Vec<Entity> = parts.iter().map(|part| part.entity).collect();
+    let (mut compound, problems) = CompoundCollider::build(body, kind, parts);
+    compound.scale = scale_of(world, body);
+    report(world, body, &colliders, problems);
+    world.entity_mut(body).insert(compound);
+}
+
+/// Takes the mark of a part from the colliders that are no parts of the body any more.
+fn disown(world: &mut World, body: Entity, parts: &[Part]) {
+    let Some(known) = world.get::<CompoundCollider>(body) else {
+        return;
+    };
+    let gone: Vec<Entity> = known.parts().collect();
+    for part in gone {
+        if parts.iter().all(|kept| kept.entity != part)
+            && world.get::<ColliderOf>(part) == Some(&ColliderOf { body })
+        {
+            world.entity_mut(part).remove::<ColliderOf>();
+        }
+    }
+}
+
+/// Marks the parts of a body, and makes bodies of those that cannot be in its compound.
+fn own(world: &mut World, body: Entity, kind: RigidBody, parts: &[Part]) {
+    let first = parts.first().filter(|part| part.entity == body);
+    for part in parts.iter().filter(|part| part.entity != body) {
+        if is_separate(part, body, first) && kind != RigidBody::Dynamic {
+            make_body(world, part.entity, kind);
+            world.entity_mut(part.entity).remove::<ColliderOf>();
+            if world.get::<Transform>(part.entity).is_some() {
+                rebuild(world, part.entity);
+            }
+            continue;
+        }
+        take_body(world, part.entity);
+        if world.get::<ColliderOf>(part.entity) != Some(&ColliderOf { body }) {
+            world.entity_mut(part.entity).insert(ColliderOf { body });
+        }
+    }
+}
+
+/// Reports the parts that are left out, each once.
+fn report(
+    world: &mut World,
+    body: Entity,
+    colliders: &[Entity],
+    problems: Vec<(Entity, PartProblem)>,
+) {
+    let mut told = std::mem::take(&mut world.resource_mut::<Told>().strays);
+    told.retain(|part| world.entities().contains(*part));
+    let is_bad = |part: Entity| problems.iter().any(|(bad, _)| *bad == part);
+    for part in colliders {
+        if !is_bad(*part) {
+            told.remove(part);
+        }
+    }
+    let new = problems.into_iter().filter(|(part, _)| told.insert(*part));
+    let new: Vec<_> = new
+        .map(|(part, problem)| (part, BodyProblem::PartLeftOut { body, problem }))
+        .collect();
+    world.resource_mut::<Told>().strays = told;
+    world.resource_mut::<Suspects>().0.extend(new);
+}

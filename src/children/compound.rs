@@ -1,0 +1,348 @@
+//! The shape and mass of a body that consists of several colliders, or whose collider is scaled or a sensor.
+
+use super::gather::Part;
+use super::parts::{BodyPart, BodyParts, Zone};
+use crate::body::{
+    AngularInertia, BodyProperties, CenterOfMass, Density, Mass, MassProperties, RigidBody, limits,
+};
+use crate::collider::{Collider, CollisionLayers, Moments};
+use crate::diagnosis::{BodyProblem, PartProblem};
+use bevy_ecs::entity::{EntityMapper, MapEntities};
+use bevy_ecs::prelude::*;
+use glam::{Quat, Vec3};
+use parry3d::math::Pose as ParryPose;
+use std::sync::Arc;
+
+/// The shape of a body with colliders on child entities, or with a scale. This component is computed; bodies whose shape is simply their own
+/// [`Collider`] do not have it.
+#[derive(Component, Clone, Debug)]
+#[component(on_remove = crate::body::lost_description, map_entities, clone_behavior = Ignore, summary_tick)]
+pub struct CompoundCollider {
+    /// What it was made from.
+    pub(super) sources: Arc<[Part]>,
+    pub(super) kind: RigidBody,
+    /// The scale of the body in the world.
+    pub(super) scale: Vec3,
+    shape: Option<Collider>,
+    /// By piece of the shape: 0 for the body's own collider, otherwise the number of the part, from 1 on.
+    owners: Arc<[u16]>,
+    /// Index in `sources` of each part, by its number less 1.
+    solids: Arc<[u32]>,
+    zones: Arc<[Zone]>,
+    masses: Masses,
+    problem: Option<BodyProblem>,
+    /// Whether it was copied into a preview, where the parts do not exist.
+    pub(super) is_copy: bool,
+}
+
+/// The moments of the parts that have a density of their own, and of those that have that of the body, the latter at 1 kg/m³.
+#[derive(Clone, Copy, Debug, Default)]
+struct Masses {
+    own: Moments,
+    shared: Moments,
+}
+
+impl MapEntities for CompoundCollider {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        let mapped = self.sources.iter().map(|part| Part {
+            entity: mapper.get_mapped(part.entity),
+            ..part.clone()
+        });
+        self.sources = mapped.collect();
+        self.zones = self.zones.iter().map(|zone| zone.mapped(mapper)).collect();
+    }
+}
+
+/// A valid part: its convex pieces, in the frame of the body.
+type Pieces = Vec<(ParryPose, Collider)>;
+
+/// Checks a part and transforms its shape into the frame of the body.
+fn pieces(part: &Part) -> Result<Pieces, PartProblem> {
+    let (axes, position) = (part.map.matrix3, Vec3::from(part.map.translation));
+    let positive = |x: f32| x.is_finite() && x > 0.0;
+    if !part.map.is_finite() || !limits::within(position, limits::LARGEST) {
+        return Err(PartProblem::InvalidTransform);
+    }
+    if part.collider.is_degenerate() {
+        return Err(PartProblem::DegenerateShape);
+    }
+    if part.density.is_some_and(|density| !positive(density.0))
+        || part.mass.is_some_and(|mass| !positive(mass.0))
+    {
+        return Err(PartProblem::InvalidMass);
+    }
+    if part.friction.is_some_and(|x| !x.is_valid())
+        || part.restitution.is_some_and(|x| !x.is_valid())
+        || part.rolling.is_some_and(|x| !x.is_valid())
+    {
+        return Err(PartProblem::InvalidMaterial);
+    }
+    let pieces = part.collider.pieces(axes.into(), position);
+    let pieces = pieces.map_err(|_| PartProblem::DegenerateShape)?;
+    match pieces.iter().any(|(_, piece)| piece.is_degenerate()) {
+        true => Err(PartProblem::DegenerateShape),
+        false => Ok(pieces),
+    }
+}
+
+/// Returns true if a part cannot be in the same compound as the body's own collider.
+pub(super) fn is_separate(part: &Part, body: Entity, own: Option<&Part>) -> bool {
+    let solid = |part: &Part| part.is_sensor || part.collider.has_volume();
+    part.entity != body && !part.is_sensor && !(solid(part) && own.is_none_or(solid))
+}
+
+/// The volume, centre and inertia of pieces.
+fn moments(pieces: &Pieces) -> Moments {
+    let placed = pieces.iter().map(|(at, piece)| {
+        let moments = piece.moments();
+        moments.placed(at.translation.as_dvec3(), at.rotation.as_dquat())
+    });
+    sum(&placed.collect::<Vec<_>>())
+}
+
+/// The sum of moments, or zero if there is no volume.
+fn sum(moments: &[Moments]) -> Moments {
+    let solid = moments.iter().filter(|moments| moments.volume != 0.0);
+    let solid: Vec<Moments> = solid.copied().collect();
+    match &solid[..] {
+        [] => Moments::default(),
+        [only] => *only,
+        all => Moments::sum(all),
+    }
+}
+
+/// The moments of the parts of a body, collected one by one.
+#[derive(Default)]
+struct Scale {
+    own: Vec<Moments>,
+    shared: Vec<Moments>,
+    sensors: Vec<Moments>,
+}
+
+impl Scale {
+    fn add(&mut self, part: &Part, pieces: &Pieces) {
+        let unit = moments(pieces);
+        let density = match (part.mass, part.density) {
+            (Some(mass), _) if unit.volume > 0.0 => Some(f64::from(mass.0) / unit.volume),
+            (_, density) => density.map(|density| f64::from(density.0)),
+        };
+        match density {
+            _ if part.is_sensor => self.sensors.push(unit),
+            Some(density) => self.own.push(unit.times(density)),
+            None => self.shared.push(unit),
+        }
+    }
+
+    /// The masses. Sensors count only if there is nothing else.
+    fn read(self) -> Masses {
+        let is_ghost = self.own.is_empty() && self.shared.is_empty();
+        Masses {
+            own: sum(&self.own),
+            shared: sum(if is_ghost {
+                &self.sensors
+            } else {
+                &self.shared
+            }),
+        }
+    }
+}
+
+/// The solid shape of a body in its frame.
+pub(crate) fn shape_of(world: &World, body: Entity) -> Option<&Collider> {
+    match world.get::<CompoundCollider>(body) {
+        Some(compound) => compound.shape(),
+        None => world.get(body),
+    }
+}
+
+impl CompoundCollider {
+    /// The colliders of the body: its own, and those below it in the hierarchy.
+    pub fn parts(&self) -> impl Iterator<Item = Entity> {
+        self.sources.iter().map(|part| part.entity)
+    }
+
+    /// The shape in the frame of the body. `None` if all of its colliders are sensors, or invalid.
+    pub fn shape(&self) -> Option<&Collider> {
+        self.shape.as_ref()
+    }
+
+    /// Why the body cannot be simulated.
+    pub(crate) fn problem(&self) -> Option<BodyProblem> {
+        self.problem.clone()
+    }
+
+    /// Makes the compound of a body. Parts with invalid input are left out, and returned.
+    pub(super) fn build(
+        body: Entity,
+        kind: RigidBody,
+        sources: Vec<Part>,
+    ) -> (Self, Vec<(Entity, PartProblem)>) {
+        let mut made = Self::empty(kind);
+        let mut problems = Vec::new();
+        let own = sources.iter().find(|part| part.entity == body);
+        let (mut solids, mut owners) = (Vec::new(), Vec::new());
+        let (mut all, mut zones) = (Pieces::new(), Vec::new());
+        let mut scale = Scale::default();
+        for (index, part) in sources.iter().enumerate() {
+            let is_own = part.entity == body;
+            if is_separate(part, body, own) {
+                if kind == RigidBody::Dynamic {
+                    problems.push((part.entity, PartProblem::Surface));
+                }
+                continue;
+            }
+            let found = match pieces(part) {
+                Ok(_) if solids.len() >= BodyParts::MAX && !is_own && !part.is_sensor => {
+                    Err(PartProblem::TooMany)
+                }
+                found => found,
+            };
+            let pieces = match found {
+                Ok(pieces) => pieces,
+                Err(_) if is_own => {
+                    made.problem = Some(BodyProblem::DegenerateShape);
+                    continue;
+                }
+                Err(problem) => {
+                    problems.push((part.entity, problem));
+                    continue;
+                }
+            };
+            scale.add(part, &pieces);
+            if part.is_sensor {
+                zones.push(Zone::new(part.entity, part.layers, pieces));
+                continue;
+            }
+            if !is_own {
+                solids.push(index as u32);
+            }
+            let number = if is_own { 0 } else { solids.len() as u16 };
+            owners.extend(pieces.iter().map(|_| number));
+            all.extend(pieces);
+        }
+        made.masses = scale.read();
+        made.shape = match (&all[..], own) {
+            ([], _) => None,
+            (_, Some(own)) if solids.is_empty() && own.map == glam::Affine3A::IDENTITY => {
+                Some(own.collider.clone())
+            }
+            _ => Some(Collider::of_pieces(all)),
+        };
+        if !solids.is_empty() {
+            made.owners = owners.into();
+            made.solids = solids.into();
+        }
+        made.zones = zones.into();
+        made.sources = sources.into();
+        (made, problems)
+    }
+
+    fn empty(kind: RigidBody) -> Self {
+        Self {
+            sources: [].into(),
+            kind,
+            scale: Vec3::ONE,
+            shape: None,
+            owners: [].into(),
+            solids: [].into(),
+            zones: [].into(),
+            masses: Masses::default(),
+            problem: None,
+            is_copy: false,
+        }
+    }
+
+    /// Only the masses, for a body whose parts have just been inserted.
+    pub(super) fn weighed(body: Entity, kind: RigidBody, sources: Vec<Part>) -> Self {
+        let own = sources.iter().find(|part| part.entity == body);
+        let mut scale = Scale::default();
+        for part in &sources {
+            if !is_separate(part, body, own)
+                && let Ok(pieces) = pieces(part)
+            {
+                scale.add(part, &pieces);
+            }
+        }
+        let mut made = Self::empty(kind);
+        made.masses = scale.read();
+        made
+    }
+
+    /// Marks the compound as a copy in a world in which its parts do not exist.
+    pub(crate) fn detach(&mut self) {
+        self.is_copy = true;
+    }
+
+    /// The mass properties, with those that are set by hand on the body.
+    pub(crate) fn mass_properties(
+        &self,
+        density: Option<&Density>,
+        mass: Option<&Mass>,
+        inertia: Option<&AngularInertia>,
+        center: Option<&CenterOfMass>,
+    ) -> MassProperties {
+        let Masses { own, shared } = self.masses;
+        let shared_density = density.map_or(Density::DEFAULT, |density| density.0);
+        let all = match shared.volume == 0.0 {
+            true => own,
+            false => sum(&[own, shared.times(f64::from(shared_density))]),
+        };
+        if all.volume == 0.0 {
+            return MassProperties::new(None, density, mass, inertia, center);
+        }
+        let one = Density(1.0);
+        MassProperties::of(all.rounded(), Some(&one), mass, inertia, center)
+    }
+
+    /// The parts for the table, and the layers of the body as a whole; `own` are the properties of the body's own components.
+    pub(crate) fn resolve(
+        &self,
+        own: &BodyProperties,
+    ) -> (Option<Arc<BodyParts>>, CollisionLayers) {
+        if self.owners.is_empty() && self.zones.is_empty() {
+            return (None, own.layers);
+        }
+        let solids = self.solids.iter().map(|&i| &self.sources[i as usize]);
+        let parts = solids.map(|part| BodyPart {
+            entity: part.entity,
+            friction: part.friction.unwrap_or(own.friction),
+            restitution: part.restitution.unwrap_or(own.restitution),
+            rolling: part.rolling.unwrap_or(own.rolling),
+            layers: part.layers.unwrap_or(own.layers),
+        });
+        let parts: Vec<BodyPart> = parts.collect();
+        let first = self.owners.contains(&0).then_some(own.layers);
+        let layers = first
+            .into_iter()
+            .chain(parts.iter().map(|part| part.layers));
+        let layers = layers.reduce(|a, b| CollisionLayers {
+            memberships: a.memberships | b.memberships,
+            filters: a.filters | b.filters,
+        });
+        let zones = self.zones.iter().map(|zone| zone.resolved(own.layers));
+        let parts = BodyParts::new(self.owners.clone(), own.layers, parts, zones.collect());
+        (Some(Arc::new(parts)), layers.unwrap_or(own.layers))
+    }
+}
+
+impl Moments {
+    /// The same at another density.
+    fn times(self, density: f64) -> Self {
+        Self {
+            volume: self.volume * density,
+            inertia: self.inertia * density,
+            ..self
+        }
+    }
+}
+
+/// The pose of several pieces that are one shape: the identity; of a single piece its own.
+pub(super) fn joined(mut pieces: Pieces) -> (ParryPose, Collider) {
+    match pieces.len() {
+        1 => pieces.remove(0),
+        _ => (
+            ParryPose::from_parts(Vec3::ZERO, Quat::IDENTITY),
+            Collider::of_pieces(pieces),
+        ),
+    }
+}

@@ -1,0 +1,85 @@
+//! Bodies that were made of colliders that cannot be parts of a body: alone, or without volume.
+
+use super::gather::body_of;
+use crate::body::{
+    BodyIndex, BodyTable, MassProperties, Motion, Pose, Quarantined, RigidBody, Sleeping, Velocity,
+};
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+
+/// Marks a collider that has no body above it, and was made a static body for that reason. Also a mesh, height field, triangle or half-space
+/// below a static or kinematic body, which was made a body of that kind.
+///
+/// If the entity gets a body above it that it can be a part of, it loses its [`RigidBody`] again. Insert a `RigidBody` to make it a body of
+/// its own.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub struct ImplicitBody;
+
+/// Makes a collider a body of this kind.
+pub(super) fn make_body(world: &mut World, entity: Entity, kind: RigidBody) {
+    let Ok(mut entity) = world.get_entity_mut(entity) else {
+        return;
+    };
+    if entity.contains::<ImplicitBody>() {
+        if let Some(mut known) = entity.get_mut::<RigidBody>() {
+            known.set_if_neq(kind);
+        }
+        return;
+    }
+    // The marker comes second: a `RigidBody` that is inserted where it is counts as a user's.
+    entity.insert(kind);
+    entity.insert(ImplicitBody);
+}
+
+/// Takes the body from a collider that has become a part of another body.
+pub(super) fn take_body(world: &mut World, entity: Entity) {
+    let Ok(mut entity) = world.get_entity_mut(entity) else {
+        return;
+    };
+    if !entity.contains::<ImplicitBody>() {
+        return;
+    }
+    entity.remove::<(RigidBody, ImplicitBody, BodyIndex, Quarantined)>();
+    entity.remove::<(Pose, Velocity, Motion, Sleeping, MassProperties)>();
+}
+
+/// Gives the bodies that were made of surfaces below a body the velocity of that body. At the end of the step their `Transform` puts them in
+/// place; see [`child_transforms`](crate::integration::child_transforms).
+///
+/// A body that is moved by its `Transform` moves them by theirs.
+pub(super) fn carry(
+    world: &mut World,
+    carried: &mut QueryState<Entity, (With<ImplicitBody>, With<ChildOf>)>,
+) {
+    let carried: Vec<Entity> = carried.iter(world).collect();
+    for entity in carried {
+        if let Some(velocity) = velocity_below(world, entity)
+            && let Some(mut known) = world.get_mut::<Velocity>(entity)
+        {
+            known.set_if_neq(velocity);
+        }
+    }
+}
+
+/// The velocity of an entity that is fixed to the body above it.
+fn velocity_below(world: &World, entity: Entity) -> Option<Velocity> {
+    let carrier = body_of(world, entity)?;
+    let velocity = *world.get::<Velocity>(carrier)?;
+    let index = *world.get::<BodyIndex>(carrier)?;
+    let table = world.resource::<BodyTable>();
+    let known = table.body(carrier, index)?;
+    if known.target.is_some() || !velocity.is_within_limits() {
+        return None;
+    }
+    let center = |body: Entity| {
+        let mass = world.get::<MassProperties>(body)?;
+        Some(world.get::<Pose>(body)?.transform_point(mass.local_center))
+    };
+    Some(Velocity {
+        linear: velocity.at(center(entity)? - center(carrier)?),
+        angular: velocity.angular,
+    })
+}

@@ -1,0 +1,58 @@
+//! Who is inside a sensor.
+
+use bevy_ecs::entity::{EntityMapper, MapEntities};
+use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+
+/// A collider inside a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+pub struct SensorOverlap {
+    /// The body.
+    pub body: Entity,
+    /// The collider: a child of the body, or the body itself.
+    pub collider: Entity,
+}
+
+/// The colliders that overlap a [`Sensor`](super::Sensor), as of the last step. The stage *sensors* writes this component.
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[component(map_entities, clone_behavior = Ignore)]
+pub struct SensorOverlaps(pub(super) Vec<SensorOverlap>);
+
+impl MapEntities for SensorOverlaps {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for overlap in &mut self.0 {
+            overlap.body.map_entities(mapper);
+            overlap.collider.map_entities(mapper);
+        }
+    }
+}
+
+impl SensorOverlaps {
+    /// The colliders inside, in the order in which their bodies and then they were spawned.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = SensorOverlap> {
+        self.0.iter().copied()
+    }
+
+    /// The bodies inside, each once, in the order in which they were spawned.
+    pub fn bodies(&self) -> impl Iterator<Item = Entity> {
+        self.0
+            .chunk_by(|one, other| one.body == other.body)
+            .map(|parts| parts[0].body)
+    }
+
+    /// Returns true if some part of the body is inside.
+    pub fn contains(&self, body: Entity) -> bool {
+        self.0.iter().any(|overlap| overlap.body == body)
+    }
+
+    /// Number of colliders inside. For the number of bodies use `bodies().count()`.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Returns true if nothing is inside.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}

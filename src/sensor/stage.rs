@@ -1,0 +1,329 @@
+//! The system of the stage *sensors*.
+
+use super::detect::Detector;
+use super::events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
+use super::overlaps::{SensorOverlap, SensorOverlaps};
+use super::zones::{Content, Sensors, Tracked, box_of};
+use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined, RigidBody};
+use crate::broadphase::Broadphase;
+use crate::children::CompoundCollider;
+use bevy_ecs::prelude::*;
+
+/// The poses at the end of the step.
+type Poses<'w, 's> = Query<'w, 's, &'static Pose, (With<RigidBody>, Without<Quarantined>)>;
+
+type Active<'w, 's> = Query<
+    'w,
+    's,
+    (&'static BodyIndex, &'static Pose),
+    (With<RigidBody>, Without<Quarantined>, Without<Inactive>),
+>;
+
+type WithSensors<'w, 's> =
+    Query<'w, 's, &'static BodyIndex, (With<RigidBody>, With<CompoundCollider>)>;
+
+/// Compares sensors with bodies, where one of the two has moved or changed.
+pub fn sensors(
+    mut sensors: ResMut<Sensors>,
+    (table, broadphase): (Res<BodyTable>, Res<Broadphase>),
+    owners: WithSensors,
+    (active, poses): (Active, Poses),
+    mut overlaps: Query<&mut SensorOverlaps>,
+    mut reports: Reports,
+) {
+    if sensors.is_empty() && owners.is_empty() {
+        return;
+    }
+    let mut changes = Vec::new();
+    let moved = find_moved_zones(&mut sensors, &table, &owners, &poses, &mut changes);
+    if !sensors.is_empty() || !changes.is_empty() {
+        let mut stage = Stage {
+            sensors: &mut sensors,
+            table: &table,
+            broadphase: &broadphase,
+            poses: &poses,
+            changes,
+        };
+        stage.forget_removed();
+        for &zone in &moved {
+            stage.compare_zone(zone);
+        }
+        for (index, pose) in &active {
+            stage.compare_body(*index, *pose, &moved);
+        }
+        changes = stage.changes;
+    }
+    // Several bodies may have changed the same zone.
+    changes.sort_by_key(|change| change.rank);
+    for change in changes.chunk_by(|one, other| one.rank == other.rank) {
+        let sensor = change[0].sensor;
+        let of = [sensor, change[0].body];
+        change
+            .iter()
+            .for_each(|change| reports.exits(of, &change.exited));
+        change
+            .iter()
+            .for_each(|change| reports.enters(of, &change.entered));
+        if let Ok(mut inside) = overlaps.get_mut(sensor) {
+            let zone = change[0].zone.and_then(|zone| sensors.get(zone));
+            let contents = zone.map_or(&[][..], |zone| &zone.contents);
+            let contents = contents.iter().map(|content| SensorOverlap {
+                body: content.body,
+                collider: content.collider,
+            });
+            inside.0 = contents.collect();
+        }
+    }
+}
+
+/// What has changed about a sensor.
+struct Change {
+    /// `None` if the sensor was removed.
+    zone: Option<u32>,
+    rank: (crate::body::SpawnOrder, u32),
+    sensor: Entity,
+    body: Entity,
+    exited: Vec<Content>,
+    entered: Vec<Content>,
+}
+
+impl Change {
+    fn of(tracked: &Tracked, zone: Option<u32>) -> Self {
+        Self {
+            zone,
+            rank: tracked.rank(),
+            sensor: tracked.entity,
+            body: tracked.body,
+            exited: Vec::new(),
+            entered: Vec::new(),
+        }
+    }
+}
+
+/// Messages, and events for observers.
+#[derive(bevy_ecs::system::SystemParam)]
+pub struct Reports<'w> {
+    entered: MessageWriter<'w, SensorEntered>,
+    exited: MessageWriter<'w, SensorExited>,
+    untriggered: ResMut<'w, UntriggeredSensorEvents>,
+}
+
+impl std::fmt::Debug for Reports<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Reports").finish_non_exhaustive()
+    }
+}
+
+impl Reports<'_> {
+    fn exits(&mut self, [sensor, sensor_body]: [Entity; 2], contents: &[Content]) {
+        for content in contents {
+            let event = SensorExited {
+                sensor,
+                sensor_body,
+                body: content.body,
+                collider: content.collider,
+            };
+            self.exited.write(event);
+            self.untriggered.exited.push(event);
+        }
+    }
+
+    fn enters(&mut self, [sensor, sensor_body]: [Entity; 2], contents: &[Content]) {
+        for content in contents {
+            let event = SensorEntered {
+                sensor,
+                sensor_body,
+                body: content.body,
+                collider: content.collider,
+            };
+            self.entered.write(event);
+            self.untriggered.entered.push(event);
+        }
+    }
+}
+
+/// Brings the list of zones up to date. Returns those that are new, have moved or were changed, in order.
+fn find_moved_zones(
+    sensors: &mut Sensors,
+    table: &BodyTable,
+    owners: &WithSensors,
+    poses: &Poses,
+    changes: &mut Vec<Change>,
+) -> Vec<u32> {
+    let is_gone = |zone: &Tracked| zone.of(table).is_none();
+    let gone = (0..).zip(&sensors.zones);
+    let gone = gone.filter(|(_, zone)| zone.as_ref().is_some_and(is_gone));
+    let gone: Vec<u32> = gone.map(|(zone, _)| zone).collect();
+    for zone in gone {
+        let contents = sensors.get(zone).map(|zone| zone.contents.clone());
+        if let (Some(exited), Some(removed)) = (contents, sensors.remove(zone)) {
+            changes.push(Change {
+                exited,
+                ..Change::of(&removed, None)
+            });
+        }
+    }
+    let mut moved = Vec::new();
+    for index in owners {
+        let Some(body) = table.get(index.0) else {
+            continue;
+        };
+        let zones = body.parts.as_ref().map_or(&[][..], |parts| parts.zones());
+        if zones.is_empty() {
+            continue;
+        }
+        let Ok(&pose) = poses.get(body.entity) else {
+            continue;
+        };
+        for (number, zone) in (0..).zip(zones) {
+            let known = sensors.find(zone.entity);
+            let stays = known.and_then(|known| sensors.get(known));
+            if !body.renewed && stays.is_some_and(|stays| stays.pose == pose) {
+                continue;
+            }
+            let known = known.unwrap_or_else(|| sensors.add(body, index.0, zone.entity));
+            sensors.place(known, number, pose, box_of(zone, pose));
+            moved.push(known);
+        }
+    }
+    sensors.tidy();
+    moved.sort_unstable();
+    moved
+}
+
+struct Stage<'a, 'w, 's> {
+    sensors: &'a mut Sensors,
+    table: &'a BodyTable,
+    broadphase: &'a Broadphase,
+    poses: &'a Poses<'w, 's>,
+    changes: Vec<Change>,
+}
+
+impl Stage<'_, '_, '_> {
+    /// Takes bodies out of zones that are not in the table any more.
+    fn forget_removed(&mut self) {
+        if self.sensors.version == self.table.version() {
+            return;
+        }
+        self.sensors.version = self.table.version();
+        let mut gone = self.sensors.gone(self.table);
+        gone.dedup();
+        for (zone, slot) in gone {
+            self.update(zone, slot, Vec::new());
+        }
+    }
+
+    /// Compares a zone with all bodies near it.
+    fn compare_zone(&mut self, zone: u32) {
+        let Some(tracked) = self.sensors.get(zone) else {
+            return;
+        };
+        let Some((body, shape)) = tracked.of(self.table) else {
+            return;
+        };
+        let detector = Detector {
+            body,
+            zone: shape,
+            pose: tracked.pose,
+        };
+        let mut slots: Vec<u32> = match box_of(shape, tracked.pose) {
+            Some(aabb) => {
+                let near = self.broadphase.tree().intersect_aabb(&aabb);
+                near.chain(self.broadphase.outside()).collect()
+            }
+            None => self.table.iter().map(|(slot, _)| slot).collect(),
+        };
+        slots.sort_unstable();
+        slots.dedup();
+        let mut found = Vec::new();
+        for slot in slots {
+            if let Some(body) = self.table.get(slot)
+                && let Ok(&pose) = self.poses.get(body.entity)
+            {
+                detector.detect(body, slot, pose, &mut found);
+            }
+        }
+        found.sort_unstable();
+        self.set(zone, found);
+    }
+
+    /// Compares a body that has moved or changed with the zones near it.
+    fn compare_body(&mut self, index: BodyIndex, pose: Pose, compared: &[u32]) {
+        let Some(body) = self
+            .table
+            .get(index.0)
+            .filter(|body| has_changed(body, &pose))
+        else {
+            return;
+        };
+        let aabb = match body.shape() {
+            Some(shape) if body.radius.is_finite() => Some(shape.compute_aabb(&pose.to_parry())),
+            _ => None,
+        };
+        for zone in self.sensors.near(index.0, aabb.as_ref()) {
+            if compared.binary_search(&zone).is_ok() {
+                continue;
+            }
+            let Some(tracked) = self.sensors.get(zone) else {
+                continue;
+            };
+            let Some((owner, shape)) = tracked.of(self.table) else {
+                continue;
+            };
+            let detector = Detector {
+                body: owner,
+                zone: shape,
+                pose: tracked.pose,
+            };
+            let mut found = Vec::new();
+            detector.detect(body, index.0, pose, &mut found);
+            self.update(zone, index.0, found);
+        }
+    }
+
+    /// Sets which colliders of the body in a slot are inside a zone.
+    fn update(&mut self, zone: u32, slot: u32, found: Vec<Content>) {
+        let Some(tracked) = self.sensors.get(zone) else {
+            return;
+        };
+        let known = tracked.contents.iter().filter(|known| known.slot == slot);
+        if known.eq(&found) {
+            return;
+        }
+        let mut contents = tracked.contents.clone();
+        contents.retain(|known| known.slot != slot);
+        contents.extend(found);
+        contents.sort_unstable();
+        self.set(zone, contents);
+    }
+
+    fn set(&mut self, zone: u32, contents: Vec<Content>) {
+        let Some(tracked) = self.sensors.get(zone) else {
+            return;
+        };
+        if tracked.contents == contents {
+            return;
+        }
+        let mut change = Change::of(tracked, Some(zone));
+        change.entered = missing_in(&tracked.contents, &contents);
+        change.exited = missing_in(&contents, &tracked.contents);
+        self.changes.push(change);
+        self.sensors.replace(zone, contents);
+    }
+}
+
+/// The colliders that are in `those` and not in `these`. The number of a part may have changed.
+fn missing_in(these: &[Content], those: &[Content]) -> Vec<Content> {
+    let identity = |content: &Content| (content.body, content.spawn_order, content.collider);
+    let is_missing = |content: &&Content| {
+        let mut others = these.iter();
+        these.binary_search(content).is_err()
+            && others.all(|other| identity(other) != identity(content))
+    };
+    those.iter().filter(is_missing).copied().collect()
+}
+
+/// Whether a body has moved or changed since the end of the last step.
+fn has_changed(body: &BodyState, pose: &Pose) -> bool {
+    body.pose != *pose || body.moved || body.renewed || body.arrived || body.put_from.is_some()
+}

@@ -526,7 +526,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 13] = [
+    const OTHERS: [(&str, Add); 14] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)

@@ -15,6 +15,7 @@
 //! | [`ContactPair`](crate::contact::ContactPair), together with its manifold, impulses and anchors | *narrowphase*, when contacts are detected anew; a user's edit | slips (`ContactAnchors::measured`); the place of a contact in the order of a solve; the rows of a problem and the blocks of Soft Step, patch by patch ([`Memory`](crate::solver::Memory)) |
 //! | an island of [`Islands`](crate::graph::Islands): members, links, which bodies sleep | *islands* | the order of its bodies and contacts; its problem |
 //! | all of [`Islands`](crate::graph::Islands) | *islands* | which islands have an order |
+//! | the bodies that were removed from the [`BodyTable`](crate::body::BodyTable) | *prepare* | the contents of [sensors](crate::sensor) |
 //! | the patches of a problem ([`Memory`](crate::solver::Memory)): their number, bodies and points | *warm start* | the state that a solver keeps |
 //!
 //! The stage *anchors* does not give a new revision to a pair when it writes an anchor, because rows do not read anchors. It sets

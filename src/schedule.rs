@@ -61,7 +61,7 @@ pub enum PhysicsSystems {
 
 impl PhysicsSystems {
     /// All sets, in the order in which they run.
-    pub const ORDER: [Self; 14] = [
+    pub const ORDER: [Self; 15] = [
         Self::Prepare,
         Self::Joints,
         Self::Broadphase,

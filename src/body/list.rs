@@ -15,6 +15,7 @@ pub(super) mod names {
         ExternalForce, ExternalImpulse, GravityScale, LockedAxes, Mass, MassProperties,
         MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Sleeping, SpawnOrder, Velocity,
     };
+    pub use crate::children::CompoundCollider;
     pub use crate::collider::{
         Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
         SurfaceVelocity,

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::children::{self, BodyParts};
 use crate::collider::Collider;
+use crate::revision::Revision;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
@@ -225,6 +226,8 @@ pub struct BodyTable {
     /// Bodies that were despawned since the last *prepare*.
     left: Vec<(Entity, BodyIndex)>,
     free: Vec<u32>,
+    /// The revision of the last removal of a body.
+    departures: Revision,
     /// Slots whose body was removed since the last broadphase.
     pub(crate) removed: Vec<u32>,
     /// Slots of bodies whose contacts are solved in another way since the last update of the islands: their [locks](super::LockedAxes) or
@@ -405,7 +408,13 @@ impl BodyTable {
             self.slots[index.0 as usize] = None;
             self.count -= 1;
             self.removed.push(index.0);
+            self.departures = Revision::next();
         }
+    }
+
+    /// The [revision](crate::revision) of the last removal of a body.
+    pub(crate) fn departures(&self) -> Revision {
+        self.departures
     }
 
     /// Removes inactive bodies that were despawned.

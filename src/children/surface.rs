@@ -13,10 +13,11 @@ pub(crate) struct PatchSurface {
 }
 
 impl ContactPair {
-    /// The coefficients in a patch: those of the pair, unless a child collider takes part.
+    /// The coefficients in a patch: those of the pair, unless a child collider takes part and no hook set them.
     #[inline]
     pub(crate) fn surface(&self, patch: &ManifoldPatch, table: &BodyTable) -> PatchSurface {
         if !patch.parts.is_whole()
+            && !self.hooked()
             && let Some(bodies) = table.both(self.slots)
         {
             return of_parts(bodies, patch);
@@ -31,7 +32,7 @@ impl ContactPair {
         patch: &ManifoldPatch,
         bodies: [&BodyState; 2],
     ) -> PatchSurface {
-        match patch.parts.is_whole() {
+        match patch.parts.is_whole() || self.hooked() {
             true => self.whole_surface(),
             false => of_parts(bodies, patch),
         }

@@ -61,7 +61,7 @@ pub fn colliding_entities(
         let slot = Some(index.0).filter(|_| table.holds(entity, *index));
         let edges = slot.into_iter().flat_map(|slot| graph.edges_of(slot));
         let touching = edges.filter_map(|pair| {
-            let pair = pairs.get(pair).ok().filter(|pair| pair.announced)?;
+            let pair = pairs.get(pair).ok().filter(|pair| pair.announced())?;
             let others = pair.bodies;
             others.into_iter().find(|&other| other != entity)
         });

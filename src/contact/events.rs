@@ -139,9 +139,9 @@ pub fn contact_events(
     let mut ends = std::mem::take(&mut removed.0);
     for (entity, mut pair, manifold, impulses) in &mut pairs {
         let touches = pair.touching || !pair.is_apart() && impulses.normal() > 0.0;
-        if touches != pair.announced {
+        if touches != pair.announced() {
             let pair = pair.bypass_change_detection();
-            pair.announced = touches;
+            pair.set_announced(touches);
             if touches {
                 let impulse = impulses.normal();
                 let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);

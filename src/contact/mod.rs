@@ -88,8 +88,7 @@ pub struct ContactPair {
     pub(crate) revision: Revision,
     /// Number of steps for which detection is skipped, for a pair of a [crowd](crate::narrowphase::crowd).
     pub(crate) waits: u8,
-    /// Whether the last event that was sent says that the bodies touch.
-    pub(crate) announced: bool,
+    flags: PairFlags,
 }
 
 impl ContactPair {
@@ -113,7 +112,7 @@ impl ContactPair {
             state: PairState::New,
             revision,
             waits: 0,
-            announced: false,
+            flags: PairFlags::default(),
         };
         pair.combine([a, b]);
         pair
@@ -126,6 +125,24 @@ impl ContactPair {
         self.restitution = of_a.restitution.combine(of_b.restitution);
         self.rolling_friction = of_a.rolling.combine(of_b.rolling);
         self.rolling_radius = a.rolling_radius().min(b.rolling_radius());
+    }
+
+    /// Whether the last event that was sent says that the bodies touch.
+    pub(crate) fn announced(&self) -> bool {
+        self.flags.has(PairFlags::ANNOUNCED)
+    }
+
+    pub(crate) fn set_announced(&mut self, announced: bool) {
+        self.flags.set(PairFlags::ANNOUNCED, announced);
+    }
+
+    /// Whether a [hook](hooks) set friction or restitution. These values then hold for child colliders too.
+    pub(crate) fn hooked(&self) -> bool {
+        self.flags.has(PairFlags::HOOKED)
+    }
+
+    pub(crate) fn set_hooked(&mut self, hooked: bool) {
+        self.flags.set(PairFlags::HOOKED, hooked);
     }
 
     /// Copies edge, slots and bodies of another pair.
@@ -159,6 +176,23 @@ impl ContactPair {
     /// Returns true if A (0) or B (1) is this body, and not another in the same slot.
     pub(crate) fn is_of(&self, i: usize, body: &BodyState) -> bool {
         (body.entity, body.spawn_order) == (self.bodies[i], self.spawn_orders[i])
+    }
+}
+
+/// Facts about a pair, one bit each: a pair has no room for another `bool`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct PairFlags(u8);
+
+impl PairFlags {
+    const ANNOUNCED: u8 = 1;
+    const HOOKED: u8 = 2;
+
+    fn has(self, flag: u8) -> bool {
+        self.0 & flag != 0
+    }
+
+    fn set(&mut self, flag: u8, value: bool) {
+        self.0 = if value { self.0 | flag } else { self.0 & !flag };
     }
 }
 

@@ -88,7 +88,7 @@ pub fn pair_changes(
         let overlaps = found.overlaps.into_iter().chain(again);
         begin(world, &mut graph, overlaps);
     });
-    let told = lost.0.iter().filter(|(_, pair)| pair.announced);
+    let told = lost.0.iter().filter(|(_, pair)| pair.announced());
     let told = told.map(|(_, pair)| (pair.spawn_orders, pair.bodies));
     world.resource_mut::<EndedPairs>().0.extend(told);
     activate(world);

@@ -103,7 +103,7 @@ pub fn crowd(
             0 => PairState::Apart,
             _ => PairState::Live,
         };
-        graph.report([(pair.edge, pair.announced)]);
+        graph.report([(pair.edge, pair.announced())]);
     }
 }
 

@@ -86,8 +86,9 @@ impl Context<'_> {
         let manifold = manifold.bypass_change_detection();
         let impulses = impulses.bypass_change_detection();
         let targets = targets.bypass_change_detection();
-        let (friction, restitution) = (pair.friction, pair.restitution);
+        let before_hooks = (pair.friction, pair.restitution, pair.hooked());
         pair.combine(bodies);
+        let combined = (pair.friction, pair.restitution);
         let pressed = impulses.normal() > 0.0;
         let mut contacts = ContactModification::new(pair, bodies, manifold, (pressed, self.dt));
         if let Some(hook) = self.hook {
@@ -106,7 +107,8 @@ impl Context<'_> {
         if limits::share_of(contacts.restitution, limits::RESTITUTION) {
             pair.restitution = contacts.restitution;
         }
-        let mut changed = (pair.friction, pair.restitution) != (friction, restitution);
+        pair.set_hooked((pair.friction, pair.restitution) != combined);
+        let mut changed = (pair.friction, pair.restitution, pair.hooked()) != before_hooks;
         let velocity = contacts.surface_velocity;
         if velocity != Vec3::ZERO && limits::within(velocity, limits::SPEED) {
             surfaces.insert(pair.edge, velocity);
@@ -138,8 +140,8 @@ impl Context<'_> {
             true => PairState::Apart,
             false => PairState::Live,
         };
-        let ends = manifold.points.is_empty() || pair.announced && !pair.touching;
-        ends.then_some((pair.edge, pair.announced && !pair.touching))
+        let ends = manifold.points.is_empty() || pair.announced() && !pair.touching;
+        ends.then_some((pair.edge, pair.announced() && !pair.touching))
     }
 }
 

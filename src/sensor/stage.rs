@@ -202,10 +202,10 @@ struct Stage<'a, 'w, 's> {
 impl Stage<'_, '_, '_> {
     /// Takes bodies out of zones that are not in the table any more.
     fn forget_removed(&mut self) {
-        if self.sensors.version == self.table.version() {
+        let departures = self.table.departures();
+        if self.sensors.departures.replace(departures) == Some(departures) {
             return;
         }
-        self.sensors.version = self.table.version();
         let mut gone = self.sensors.gone(self.table);
         gone.dedup();
         for (zone, slot) in gone {

@@ -7,6 +7,7 @@
 
 use crate::body::{BodyState, BodyTable, Pose, SpawnOrder};
 use crate::children::Zone;
+use crate::revision::Revision;
 use bevy_ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
@@ -85,8 +86,8 @@ pub struct Sensors {
     /// Zones without a box: half-spaces.
     unbounded: Vec<u32>,
     inside: HashMap<u32, SmallVec<[u32; 2]>>,
-    /// The version of the table when its bodies were last looked for.
-    pub(super) version: u64,
+    /// The revision of the removal of bodies that the contents follow.
+    pub(super) departures: Option<Revision>,
 }
 
 impl std::fmt::Debug for Sensors {

@@ -28,8 +28,10 @@ fn world(asleep: bool) -> World {
     let bodies = (0..SIDE * SIDE).map(|i| {
         let (x, z) = ((i % SIDE) as f32, (i / SIDE) as f32);
         let y = if asleep { 0.25 } else { 40.0 };
-        let mut sleeping = Sleeping::default();
-        sleeping.asleep = asleep;
+        let sleeping = Sleeping {
+            asleep,
+            ..Sleeping::default()
+        };
         let at = Transform::from_xyz(x, y, z);
         (
             RigidBody::Dynamic,

@@ -41,7 +41,7 @@ macro_rules! listed {
             ($(<$Essential>::default(),)* $(<$Computed>::default(),)*)
         }
 
-        /// Filter for bodies whose description was written or removed ([`lost_description`](super::lost_description)).
+        /// Filter for bodies whose description was written. [`lost_description`](super::lost_description) reports removals.
         pub type Changes = Or<(
             Changed<RigidBody>,
             Changed<BodyIndex>,

@@ -167,6 +167,7 @@ pub fn refresh(
     }
     let mut written: EntityHashSet = written.iter().collect();
     written.extend(find_written(&table, resting, table.visited_at()));
+    written.extend(table.reduced());
     let mut found: Vec<(SpawnOrder, Entity)> = Vec::new();
     for (of, placement) in &active {
         let (entity, &spawn_order, index, &pose, _) = of;

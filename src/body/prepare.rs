@@ -55,7 +55,8 @@ pub fn prepare(
     mut described: Query<Described, Simulated>,
     placed: Placed,
 ) {
-    let changed: EntityHashSet = bodies.p0().iter().collect();
+    let reduced = table.take_reduced();
+    let changed: EntityHashSet = bodies.p0().iter().chain(reduced.iter().copied()).collect();
     let visit = table.begin_visit(rules.ticks.this_run());
     table.take_left();
     let mut joining: Vec<(SpawnOrder, Entity)> = Vec::new();
@@ -76,6 +77,8 @@ pub fn prepare(
     };
     dirty.extend(find_carried(bodies.p2(), placed));
     dirty.extend(&teleported);
+    let resting = bodies.p1();
+    dirty.extend(reduced.into_iter().filter(|body| resting.contains(*body)));
     dirty.sort_unstable();
     dirty.dedup();
     let known = joining.len();

@@ -38,11 +38,20 @@ impl Default for BodyIndex {
 
 /// Hook of components that describe a body: after a removal *prepare* reads the body again, as after a change. A hook is needed because Bevy
 /// clears the list of removed components in every frame, and a step may come after several frames. The component may also be that of a part.
+///
+/// The hook does not mark a component as changed, because the entity is about to move to another table: the summary tick of that table misses
+/// changes that hooks and observers of the removal make after another observer has run.
 pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
-    if let Some(mut index) = world.get_mut::<BodyIndex>(context.entity) {
-        index.set_changed();
-    }
+    note_loss(&mut world, context.entity);
     children::mark_if_part(&mut world, context.entity);
+}
+
+fn note_loss(world: &mut DeferredWorld, body: Entity) {
+    if world.get::<BodyIndex>(body).is_some()
+        && let Some(mut table) = world.get_resource_mut::<BodyTable>()
+    {
+        table.reduced.push(body);
+    }
 }
 
 /// Hook of [`BodyIndex`]: records that a body was despawned or lost its slot.
@@ -53,11 +62,9 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// Marks a body that lost its parent as changed, because its `Transform` now means another pose.
-pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut bodies: Query<&mut BodyIndex>) {
-    if let Ok(mut index) = bodies.get_mut(lost.entity) {
-        index.set_changed();
-    }
+/// Observer: after a body lost its parent *prepare* reads it again, because its `Transform` now means another pose.
+pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut world: DeferredWorld) {
+    note_loss(&mut world, lost.entity);
 }
 
 /// One body as it was at the start of the step: the pose at which contacts are detected, and the velocity before forces.
@@ -223,6 +230,8 @@ pub struct BodyTable {
     resting: usize,
     /// Slots of inactive bodies that were disturbed, until they are [activated](crate::graph::activate).
     pub(crate) dirty: Vec<u32>,
+    /// Bodies that lost a component that describes them, or their parent, since the last *prepare*.
+    reduced: Vec<Entity>,
     /// Bodies that were despawned since the last *prepare*.
     left: Vec<(Entity, BodyIndex)>,
     free: Vec<u32>,
@@ -250,6 +259,7 @@ impl MapEntities for BodyTable {
                 *parts = Arc::new(parts.mapped(mapper));
             }
         }
+        self.reduced.map_entities(mapper);
         for (body, _) in &mut self.left {
             body.map_entities(mapper);
         }
@@ -380,6 +390,16 @@ impl BodyTable {
     /// The change tick of the last visit of *prepare*.
     pub(crate) fn visited_at(&self) -> Option<Tick> {
         self.visited_at
+    }
+
+    /// Bodies that lost a component that describes them, or their parent, since the last *prepare*.
+    pub(crate) fn reduced(&self) -> &[Entity] {
+        &self.reduced
+    }
+
+    /// Returns [`Self::reduced`], and clears the list.
+    pub(super) fn take_reduced(&mut self) -> Vec<Entity> {
+        std::mem::take(&mut self.reduced)
     }
 
     /// Begins a visit of *prepare* and returns its number, counted from 1.

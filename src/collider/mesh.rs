@@ -67,12 +67,11 @@ pub fn mesh_triangles(mesh: &Mesh) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Collide
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy_mesh::Meshable;
     use bevy_shape::Cuboid;
 
     #[test]
     fn a_mesh_becomes_a_surface_or_a_hull() {
-        let mesh = Cuboid::new(1.0, 2.0, 3.0).mesh().build();
+        let mesh = Mesh::from(Cuboid::new(1.0, 2.0, 3.0));
         let surface = Collider::from_mesh(&mesh, MeshShape::Surface).unwrap();
         assert_eq!(surface.shape().as_trimesh().unwrap().indices().len(), 12);
         let hull = Collider::from_mesh(&mesh, MeshShape::ConvexHull).unwrap();

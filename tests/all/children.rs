@@ -524,7 +524,8 @@ fn a_part_with_invalid_input_is_left_out_until_it_is_corrected() {
     ));
     lab.step();
     let whole = lab.mass(body);
-    let break_it: [(fn(&mut World, Entity), PartProblem); 4] = [
+    type Break = fn(&mut World, Entity);
+    let break_it: [(Break, PartProblem); 4] = [
         (
             |world, part| _ = world.entity_mut(part).insert(Collider::ball(-1.0)),
             PartProblem::DegenerateShape,
@@ -669,7 +670,7 @@ fn previews_have_the_parts() {
     let body = lab.spawn((RigidBody::Dynamic, at(0.0, 1.25, 0.0)));
     spawn_parts(&mut lab, body, &table());
     lab.run(2.0);
-    let shown = preview(&mut lab.world, &Edit::Remove(vec![block])).unwrap();
+    let shown = preview(&lab.world, &Edit::Remove(vec![block])).unwrap();
     let end = shown.moved.iter().find(|moved| moved.body == body);
     let height = end.expect("it falls").to.position.y;
     assert!((height - 0.75).abs() < 5e-3, "{height}");

@@ -27,6 +27,9 @@ struct Yard {
 impl Yard {
     fn new() -> Self {
         let mut lab = Lab::new();
+        // Another's observers of a removal must not hide it from drystone.
+        lab.world.add_observer(|_: On<Remove<Friction>>| ());
+        lab.world.add_observer(|_: On<Remove<ChildOf>>| ());
         let at = [0.0, 10.0, 20.0].map(|x| Vec3::X * x);
         let slabs = at.map(|at| {
             lab.spawn((

@@ -102,6 +102,8 @@ pub mod children;
 pub mod collapse;
 pub mod collider;
 pub mod contact;
+#[cfg(any(doc, doctest))]
+pub mod cookbook;
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
 pub mod diagnostics;

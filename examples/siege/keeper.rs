@@ -1,0 +1,102 @@
+//! The keeper of the castle: watches the wall that no shot reaches, puts fallen bricks back, and undoes an edit.
+
+use crate::castle::{Brick, moved};
+use crate::game::{Clock, Tally};
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use drystone::masonry::EditLog;
+use drystone::prelude::*;
+
+/// The keeper's tools.
+#[derive(Default)]
+pub struct Keeper {
+    log: EditLog,
+    /// The brick that was taken, and where it was.
+    taken: Option<(Entity, Transform)>,
+}
+
+/// Largest movement of the wall that no shot reaches, m.
+const STANDS: f32 = 1e-3;
+/// Movement from which on a brick is put back, m.
+const FALLEN: f32 = 0.3;
+
+impl Keeper {
+    pub fn step(&mut self, world: &mut World, clock: Clock, faults: &mut Vec<String>) {
+        if clock.strikes(1.0, 5.0) {
+            watch(world, clock, faults);
+        }
+        if clock.strikes(12.0, 40.0) {
+            self.take(world);
+        }
+        if clock.strikes(14.0, 40.0) {
+            self.put_back(world, faults);
+        }
+        if clock.strikes(22.0, 20.0) {
+            repair(world);
+        }
+    }
+
+    /// Takes a brick from the top of the wall behind.
+    fn take(&mut self, world: &mut World) {
+        let mut bricks = world.query::<(Entity, &Brick, &Transform)>();
+        let behind = bricks.iter(world).filter(|(_, brick, _)| brick.behind);
+        let top = behind.max_by(|one, other| one.1.home.y.total_cmp(&other.1.home.y));
+        self.taken = top.map(|(brick, _, at)| (brick, *at));
+        if let Some((brick, _)) = self.taken {
+            self.log.remove(world, &[brick]).expect("it is a body");
+        }
+    }
+
+    /// Undoes that.
+    fn put_back(&mut self, world: &mut World, faults: &mut Vec<String>) {
+        let Some((brick, before)) = self.taken.take() else {
+            return;
+        };
+        let undone = self.log.undo(world).ok().flatten();
+        if undone.is_none_or(|report| report.bodies != [brick]) || world.get::<Transform>(brick) != Some(&before) {
+            faults.push(format!("undo has not brought {brick} back"));
+        }
+        world.resource_mut::<Tally>().undone += 1;
+    }
+}
+
+/// Looks whether the wall behind stands as it was laid.
+fn watch(world: &mut World, clock: Clock, faults: &mut Vec<String>) {
+    let mut bricks = world.query::<(Entity, &Brick, &Transform)>();
+    let behind = bricks.iter(world).filter(|(_, brick, _)| brick.behind);
+    let most = behind.map(|(entity, brick, at)| (moved(brick, at), entity));
+    if let Some((most, brick)) = most.max_by(|one, other| one.0.total_cmp(&other.0))
+        && most > STANDS
+    {
+        faults.push(format!(
+            "{brick} of the wall behind has moved by {:.2} mm after {:.0} s",
+            1e3 * most,
+            clock.seconds()
+        ));
+    }
+}
+
+/// Puts bricks back that have fallen, from below, where there is room for them.
+fn repair(world: &mut World) {
+    let mut bricks = world.query::<(Entity, &Brick, &Transform, &Collider)>();
+    let fallen = bricks.iter(world).filter(|(_, brick, at, _)| moved(brick, at) > FALLEN);
+    let mut fallen: Vec<_> = fallen
+        .map(|(entity, brick, _, collider)| (entity, *brick, collider.clone()))
+        .collect();
+    fallen.sort_by(|one, other| one.1.home.y.total_cmp(&other.1.home.y).then(one.0.cmp(&other.0)));
+    let mut repaired = 0;
+    for (brick, Brick { home, turn, .. }, collider) in fallen {
+        let pose = Pose {
+            position: home,
+            rotation: turn,
+        };
+        let fits = spatial_query(world, |query| query.fits(&collider, pose, 0.01, &QueryFilter::default().excluding(&[brick])));
+        if fits.unwrap_or(false) {
+            let place = Transform::from_translation(home).with_rotation(turn);
+            world.entity_mut(brick).insert((place, Velocity::default()));
+            drystone::refresh(world);
+            repaired += 1;
+        }
+    }
+    world.resource_mut::<Tally>().repaired += repaired;
+}

@@ -1,0 +1,45 @@
+//! A siege, played by a script: a castle of some five hundred bricks, a trebuchet, a drawbridge on two ropes, a lift, a mortared keep, raiders,
+//! a zone that counts them, repairs, undo, and a game that is saved and loaded in the middle of it.
+//!
+//! `cargo run --release --example siege -- --help`
+//!
+//! It has no window. The game is in components, resources and functions as it would be in an app, and every fault is listed at the end.
+
+mod castle;
+mod drawbridge;
+mod game;
+mod keeper;
+mod lift;
+mod raiders;
+mod save;
+mod trebuchet;
+
+use clap::Parser;
+use game::Game;
+
+/// A siege, played by a script.
+#[derive(Parser)]
+struct Arguments {
+    /// How long it is played, s.
+    #[arg(long, default_value_t = 300.0)]
+    seconds: f32,
+    /// Steps a second.
+    #[arg(long, default_value_t = 60.0)]
+    rate: f32,
+}
+
+fn main() {
+    let arguments = Arguments::parse();
+    let mut game = Game::new(1.0 / arguments.rate);
+    let steps = (arguments.seconds * arguments.rate) as u32;
+    for step in 0..steps {
+        if step == steps / 2 {
+            game = game.saved_and_loaded();
+        }
+        game.step();
+    }
+    println!("{}", game.report());
+    if !game.faults.is_empty() {
+        std::process::exit(1);
+    }
+}

@@ -1,0 +1,104 @@
+//! A cookbook: pages that each solve one task of a game. All of them are compiled and run as tests.
+//!
+//! | page | |
+//! |---|---|
+//! | [`pause`] | Pause, slow motion and single steps |
+//! | [`platform`] | A platform that carries bricks |
+//! | [`conveyor`] | A conveyor belt |
+//! | [`one_way`] | A platform to jump through |
+//! | [`layers`] | Layers, ghosts and exceptions |
+//! | [`compound`] | A body of several colliders |
+//! | [`undo`] | Undo and redo |
+//! | [`preview`] | What falls if I remove this? |
+//! | [`support`] | What carries what |
+//! | [`force`] | The force between two bodies |
+//! | [`collapse`] | Tell when something collapses |
+//! | [`trebuchet`] | A trebuchet |
+//! | [`drawbridge`] | A drawbridge on two chains |
+//! | [`wrecking_ball`] | A wrecking ball |
+//! | [`breakable_joint`] | A joint that breaks |
+//! | [`trigger_zone`] | A trigger zone |
+//! | [`hit_sound`] | The sound of a hit |
+//! | [`stairs`] | A character that climbs stairs |
+//! | [`drag`] | Drag bodies with the pointer |
+//! | [`explosion`] | An explosion |
+//! | [`server`] | A server without a window |
+//! | [`bad_input`] | Bad input |
+//! | [`settings`] | Which settings for which game |
+//! | [`from_avian`] | From Avian |
+//! | [`from_rapier`] | From bevy_rapier |
+
+#[doc = include_str!("pause.md")]
+pub mod pause {}
+
+#[doc = include_str!("platform.md")]
+pub mod platform {}
+
+#[doc = include_str!("conveyor.md")]
+pub mod conveyor {}
+
+#[doc = include_str!("one_way.md")]
+pub mod one_way {}
+
+#[doc = include_str!("layers.md")]
+pub mod layers {}
+
+#[doc = include_str!("compound.md")]
+pub mod compound {}
+
+#[doc = include_str!("undo.md")]
+pub mod undo {}
+
+#[doc = include_str!("preview.md")]
+pub mod preview {}
+
+#[doc = include_str!("support.md")]
+pub mod support {}
+
+#[doc = include_str!("force.md")]
+pub mod force {}
+
+#[doc = include_str!("collapse.md")]
+pub mod collapse {}
+
+#[doc = include_str!("trebuchet.md")]
+pub mod trebuchet {}
+
+#[doc = include_str!("drawbridge.md")]
+pub mod drawbridge {}
+
+#[doc = include_str!("wrecking_ball.md")]
+pub mod wrecking_ball {}
+
+#[doc = include_str!("breakable_joint.md")]
+pub mod breakable_joint {}
+
+#[doc = include_str!("trigger_zone.md")]
+pub mod trigger_zone {}
+
+#[doc = include_str!("hit_sound.md")]
+pub mod hit_sound {}
+
+#[doc = include_str!("stairs.md")]
+pub mod stairs {}
+
+#[doc = include_str!("drag.md")]
+pub mod drag {}
+
+#[doc = include_str!("explosion.md")]
+pub mod explosion {}
+
+#[doc = include_str!("server.md")]
+pub mod server {}
+
+#[doc = include_str!("bad_input.md")]
+pub mod bad_input {}
+
+#[doc = include_str!("settings.md")]
+pub mod settings {}
+
+#[doc = include_str!("from_avian.md")]
+pub mod from_avian {}
+
+#[doc = include_str!("from_rapier.md")]
+pub mod from_rapier {}

@@ -99,6 +99,7 @@ impl JointEdge {
                 .definition
                 .distance_axis()
                 .filter(|axis| *axis != JointAxis::FREE),
+            section: self.definition.section,
             ..Default::default()
         }
     }

@@ -7,6 +7,7 @@
 mod geometry;
 mod plain;
 mod rows;
+mod section;
 
 use super::Body;
 use bevy_reflect::Reflect;
@@ -14,6 +15,7 @@ pub(super) use geometry::{Geometry, Placement};
 use glam::{Quat, Vec3};
 pub(super) use plain::PlainJoint;
 pub(super) use rows::{COORDINATES, Law, Part, Times, rows_of, take_share};
+pub use section::{Section, Utilization};
 
 /// The input of a solver for a joint, and its results.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +46,10 @@ pub struct JointConstraint {
     pub peak: [f32; 2],
     /// Time constant of that low-pass, s.
     pub filter: f32,
+    /// The joint is a bonded patch that breaks by the stresses in this section.
+    pub section: Option<Section>,
+    /// Out: the section has broken in this step, by this stress.
+    pub broke: Option<Utilization>,
 }
 
 impl Default for JointConstraint {
@@ -60,6 +66,8 @@ impl Default for JointConstraint {
             filtered: [Vec3::ZERO; 2],
             peak: [0.0; 2],
             filter: 0.01,
+            section: None,
+            broke: None,
         }
     }
 }
@@ -139,6 +147,10 @@ impl JointConstraint {
             *filtered += share * (back * mean - *filtered);
         }
         self.peak = self.filtered.map(Vec3::length);
+        self.broke = self
+            .section
+            .map(|section| section.utilization(self.filtered))
+            .filter(|found| found.share > 1.0);
     }
 }
 

@@ -62,6 +62,8 @@ pub struct Row {
     pub response: f32,
     pub impulse: f32,
     pub bound: Bound,
+    /// It holds nothing for the rest of the step.
+    is_released: bool,
     /// The rate that it lacks in a visit, before the solve.
     pub lack: f32,
 }
@@ -82,8 +84,13 @@ impl Row {
             response: 0.0,
             impulse: 0.0,
             bound: Bound::Free,
+            is_released: false,
             lack: 0.0,
         }
+    }
+
+    pub fn is_released(&self) -> bool {
+        self.is_released
     }
 
     pub fn is_angular(&self) -> bool {
@@ -123,6 +130,9 @@ impl Row {
         let axis = joint.axis(self.coordinate);
         let before = self.law.bounds;
         self.law = Law::of(&axis, self.part, self.value, times);
+        if self.is_released {
+            self.law.bounds = [0.0; 2];
+        }
         let [low, high] = self.law.bounds;
         if before == [low, high] {
             return false;
@@ -137,6 +147,12 @@ impl Row {
             Bound::Free
         };
         (was == Bound::Free) != (self.bound == Bound::Free)
+    }
+
+    /// Lets go for the rest of the step.
+    pub fn release(&mut self) {
+        (self.is_released, self.bound) = (true, Bound::Low);
+        (self.impulse, self.law.bounds) = (0.0, [0.0; 2]);
     }
 
     /// Sets its compliance; `stiffness` is b of the springs of contacts: their effective mass over their compliance.

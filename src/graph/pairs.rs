@@ -15,6 +15,7 @@ use crate::contact::{
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::revision::Revision;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashSet;
@@ -93,7 +94,7 @@ pub fn pair_changes(
 }
 
 /// Ends pairs whose bodies no longer collide, after the *broadphase*.
-pub(crate) fn end_pairs(world: &mut World, pairs: &[Entity]) {
+pub(crate) fn end_pairs(world: &mut World, pairs: &EntityHashSet) {
     for &pair in pairs {
         world.try_despawn(pair).ok();
     }

@@ -2,10 +2,9 @@
 
 use crate::body::{BodyTable, SpawnOrder};
 use crate::joint::JointEdge;
-use crate::solver::Utilization;
+use crate::solver::{MortarFailure, Utilization};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
-use bevy_reflect::Reflect;
 use glam::Vec3;
 
 /// A patch of mortar has broken; from then on its bodies touch as dry stone. It is sent as a message, in which `body` is body 1 of the
@@ -23,17 +22,8 @@ pub struct MortarBroke {
     pub point: Vec3,
     /// How it broke.
     pub how: MortarFailure,
-    /// The stress at which it broke, Pa: tensile or shear stress.
+    /// The stress at which it broke, Pa: tensile or shear stress. Zero for a misfit.
     pub stress: f32,
-}
-
-/// How mortar broke.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
-pub enum MortarFailure {
-    /// The tension at a corner of the patch exceeded the tensile strength: it was pulled or bent.
-    Tension,
-    /// The shear stress at a corner exceeded the shear strength: it was pushed sideways or twisted.
-    Shear,
 }
 
 impl MortarBroke {
@@ -50,10 +40,7 @@ impl MortarBroke {
             other: other?,
             joint,
             point: edge.placed(table)[0].0,
-            how: match found.is_shear {
-                true => MortarFailure::Shear,
-                false => MortarFailure::Tension,
-            },
+            how: found.how,
             stress: found.stress,
         })
     }

@@ -10,6 +10,7 @@ use crate::contact::{ContactPair, Manifold};
 use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
 use crate::joint;
 use crate::settings::StabilizationSettings;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 
@@ -54,17 +55,16 @@ pub fn lay_mortar(
     if bonds.is_empty() {
         return;
     }
-    let mut pairs = Vec::new();
+    let mut pairs = EntityHashSet::default();
     for bond in bonds {
         let joint = MortarJoint::new(bond.bodies, &bond.patch, bond.mortar);
         let joint = world.spawn(joint).id();
         joint::update(world, joint);
-        pairs.push(bond.pair);
+        pairs.insert(bond.pair);
         for body in bond.bodies {
             world.entity_mut(body).remove::<Mortar>();
         }
     }
-    pairs.dedup();
     end_pairs(world, &pairs);
     activate(world);
 }

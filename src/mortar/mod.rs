@@ -31,10 +31,11 @@ mod joint;
 mod lay;
 mod patch;
 
+pub use crate::solver::MortarFailure;
 #[doc(hidden)]
 pub use events::BrokenMortar;
 pub(crate) use events::trigger;
-pub use events::{MortarBroke, MortarFailure, mortar_events};
+pub use events::{MortarBroke, mortar_events};
 pub use joint::MortarJoint;
 #[cfg(feature = "gizmos")]
 pub(crate) use joint::corners;

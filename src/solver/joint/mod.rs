@@ -15,7 +15,7 @@ pub(super) use geometry::{Geometry, Placement};
 use glam::{Quat, Vec3};
 pub(super) use plain::PlainJoint;
 pub(super) use rows::{COORDINATES, Law, Part, Times, rows_of, take_share};
-pub use section::{Section, Utilization};
+pub use section::{MortarFailure, Section, Utilization};
 
 /// The input of a solver for a joint, and its results.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +48,9 @@ pub struct JointConstraint {
     pub filter: f32,
     /// The joint is a bonded patch that breaks by the stresses in this section.
     pub section: Option<Section>,
+    /// Errors of position up to these are rounding of poses, m and rad. Only joints with a section have them: rows are so stiff that rounding
+    /// would put bonds that hold each other under more stress than mortar bears.
+    pub slack: [f32; 2],
     /// Out: the section has broken in this step, by this stress.
     pub broke: Option<Utilization>,
 }
@@ -67,6 +70,7 @@ impl Default for JointConstraint {
             peak: [0.0; 2],
             filter: 0.01,
             section: None,
+            slack: [0.0; 2],
             broke: None,
         }
     }

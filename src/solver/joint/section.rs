@@ -3,6 +3,7 @@
 //! The bodies are rigid and the bond between them is thin and even, so the stress is linear over the patch: σ = N/A plus M/W about each of
 //! its principal axes, as in a beam; τ = V/A plus T·r/I_p.
 
+use bevy_reflect::Reflect;
 use glam::{Vec2, Vec3};
 
 /// A bonded patch, in the frame of its joint on A: x is the normal, from A to B; y and z are the principal axes of its area; the origin is its
@@ -23,6 +24,18 @@ pub struct Section {
     pub friction: f32,
 }
 
+/// How mortar broke.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+pub enum MortarFailure {
+    /// The tension at a corner of the patch exceeded the tensile strength: it was pulled or bent.
+    #[default]
+    Tension,
+    /// The shear stress at a corner exceeded the shear strength: it was pushed sideways or twisted.
+    Shear,
+    /// An edit moved its bodies apart.
+    Misfit,
+}
+
 /// How near a section is to breaking.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Utilization {
@@ -30,8 +43,8 @@ pub struct Utilization {
     pub share: f32,
     /// The stress, Pa.
     pub stress: f32,
-    /// The stress is shear, not tension.
-    pub is_shear: bool,
+    /// The kind of stress.
+    pub how: MortarFailure,
 }
 
 impl Section {
@@ -56,12 +69,12 @@ impl Section {
         let tension = Utilization {
             share: share(pull.max(0.0), self.tension),
             stress: pull,
-            is_shear: false,
+            how: MortarFailure::Tension,
         };
         let shear = Utilization {
             share: share(shear, strength),
             stress: shear,
-            is_shear: true,
+            how: MortarFailure::Shear,
         };
         if shear.share > tension.share {
             shear
@@ -107,10 +120,14 @@ mod tests {
             section.utilization([Vec3::from(force), Vec3::from(torque)])
         };
         let near = |found: Utilization, stress: f32, share: f32, is_shear: bool| {
+            let how = match is_shear {
+                true => MortarFailure::Shear,
+                false => MortarFailure::Tension,
+            };
             assert!(
                 (found.stress / stress - 1.0).abs() < 1e-4
                     && (found.share / share - 1.0).abs() < 1e-4
-                    && found.is_shear == is_shear,
+                    && found.how == how,
                 "{found:?}"
             );
         };

@@ -11,8 +11,12 @@
 
 use super::Joints;
 use super::row::Row;
-use crate::solver::joint::{Section, Utilization};
+use crate::solver::joint::{MortarFailure, Section, Utilization};
 use glam::Vec3;
+
+/// A patch whose bodies are farther from where it holds them than this share of its size was moved by an edit, and has broken. Bonds yield by
+/// a thousandth of that at most.
+const MISFIT: f32 = 0.02;
 
 /// The lesser utilization of a section by the filtered forces and by those of a substep.
 pub fn lesser(section: &Section, filtered: [Vec3; 2], now: [Vec3; 2]) -> Utilization {
@@ -24,6 +28,28 @@ pub fn lesser(section: &Section, filtered: [Vec3; 2], now: [Vec3; 2]) -> Utiliza
 }
 
 impl Joints {
+    /// Breaks the sections whose bodies were moved apart since the last step.
+    pub(super) fn break_misfits(&mut self) {
+        for (link, log) in self.links.iter().zip(&mut self.logs) {
+            let joint = &self.joints[link.joint];
+            let Some(section) = &joint.section else {
+                continue;
+            };
+            let size = section.area.sqrt();
+            let slack = joint.slack[0] + size * joint.slack[1];
+            if link.misfit(&self.rows, size) > MISFIT * size + slack {
+                log.broke = Some(Utilization {
+                    share: f32::INFINITY,
+                    stress: 0.0,
+                    how: MortarFailure::Misfit,
+                });
+                self.rows[link.rows.clone()]
+                    .iter_mut()
+                    .for_each(Row::release);
+            }
+        }
+    }
+
     /// Breaks the sections whose strength has been exceeded in a substep.
     pub(super) fn break_sections(&mut self) {
         let exceeds = |used: &Utilization| used.share > 1.0;

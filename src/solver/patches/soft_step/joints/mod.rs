@@ -274,6 +274,7 @@ impl Joints {
             link.start(joint, &mut self.rows, &times);
             link.ask(joint, &mut self.rows, &times, self.stiffness);
         }
+        self.break_misfits();
         for piece in &mut self.pieces {
             piece.is_stale = true;
             piece.is_refreshed = true;

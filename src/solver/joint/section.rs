@@ -83,6 +83,17 @@ impl Section {
         }
     }
 
+    /// The stiffness of a bond of even stiffness per area against a coordinate of its joint, per that stiffness: the area for translations, m²,
+    /// and the moments of the area for rotations, m⁴.
+    pub(crate) fn stiffness(&self, coordinate: usize) -> f32 {
+        match coordinate {
+            3 => self.inertia.element_sum(),
+            4 => self.inertia.y,
+            5 => self.inertia.x,
+            _ => self.area,
+        }
+    }
+
     fn most(&self, of: impl Fn(Vec2) -> f32) -> f32 {
         self.corners.into_iter().map(of).fold(f32::MIN, f32::max)
     }

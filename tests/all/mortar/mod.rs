@@ -1,6 +1,9 @@
 //! Mortar: bonds hold what statics says, break, and leave dry stone.
 
+mod breaking;
+mod laying;
 mod probe;
+mod rest;
 mod strength;
 
 use bevy_ecs::message::Messages;

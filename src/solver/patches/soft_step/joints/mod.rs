@@ -14,7 +14,7 @@
 //! - **Contacts** that carry jointed bodies are a part of the solve ([`leaf`]).
 //! - **Bounds** of motors, limits and friction hold within the solve ([`piece`]).
 //! - **Breaking**: forces pass a low-pass with a time constant, since the force of a single substep grows with the rate of substeps
-//!   wherever something hits. Bonded patches break within the step ([`breaking`]).
+//!   wherever something hits. Bonded patches break within the step ([`breaking`]), and share loads by their areas ([`sharing`]).
 
 mod breaking;
 mod factor;
@@ -22,6 +22,7 @@ mod leaf;
 mod member;
 mod piece;
 mod row;
+mod sharing;
 
 use super::block::{Pass, Spring};
 use super::island::Island;
@@ -272,6 +273,10 @@ impl Joints {
             }
             link.point(joint, &mut self.rows, &self.members);
             link.start(joint, &mut self.rows, &times);
+        }
+        self.share_stiffness();
+        for link in &self.links {
+            let joint = &self.joints[link.joint];
             link.ask(joint, &mut self.rows, &times, self.stiffness);
         }
         self.break_misfits();

@@ -65,6 +65,8 @@ pub struct Row {
     pub compliance: f32,
     /// Inverse effective mass of its two bodies alone.
     pub response: f32,
+    /// Its compliance in the scale of `response`, if it is a row of a section; else 0, and it is in proportion to `response`.
+    pub softness: f32,
     pub impulse: f32,
     pub bound: Bound,
     /// It holds nothing for the rest of the step.
@@ -89,6 +91,7 @@ impl Row {
             law: Law::default(),
             compliance: 0.0,
             response: 0.0,
+            softness: 0.0,
             impulse: 0.0,
             bound: Bound::Free,
             is_released: false,
@@ -179,7 +182,11 @@ impl Row {
 
     /// Sets its compliance; `stiffness` is b of the springs of contacts: their effective mass over their compliance.
     fn soften(&mut self, stiffness: f32) {
-        let least = self.response.max(f32::MIN_POSITIVE) / (STIFFER * stiffness);
+        let softness = match self.softness > 0.0 {
+            true => self.softness,
+            false => self.response,
+        };
+        let least = softness.max(f32::MIN_POSITIVE) / (STIFFER * stiffness);
         self.compliance = match self.part {
             Part::Hold => least,
             _ => self.law.compliance.max(least / DRIVEN),

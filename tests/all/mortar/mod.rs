@@ -2,7 +2,6 @@
 
 mod breaking;
 mod laying;
-mod probe;
 mod rest;
 mod strength;
 

@@ -35,6 +35,7 @@ use crate::body::{
 use crate::contact::Contacts;
 use crate::grab::Grab;
 use crate::graph::Islands;
+use crate::mortar::{BrokenMortar, MortarBroke};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_app::{App, Plugin};
@@ -76,6 +77,8 @@ pub struct Collapse {
     pub first: Entity,
     /// How it failed.
     pub how: FailureMode,
+    /// The mortar joint of the structure that broke first, if one did within [`CollapseSettings::memory`] before.
+    pub mortar: Option<MortarBroke>,
     /// The bodies of the structure that had not left their places yet, in no particular order.
     pub rest: Vec<Entity>,
     /// Number of watched bodies in the structure, [`first`](Self::first) and [`rest`](Self::rest) included.
@@ -154,7 +157,7 @@ pub struct CollapseSettings {
     pub movement_threshold: f32,
     /// Time for which a body must be still to stand, s. Default: 0.25. [`SleepSettings`] defines the speeds that count as still.
     pub still_for: f32,
-    /// Time after which a body that was pulled out is no longer taken as the cause of a collapse, s. Default: 2.
+    /// Time after which a body that was pulled out, or a bond that broke, is no longer taken as the cause of a collapse, s. Default: 2.
     pub memory: f32,
     /// Time after which a collapse ends even if bodies still move, s. Default: 30.
     pub max_time: f32,
@@ -181,6 +184,8 @@ pub struct Structures {
     now: f64,
     /// Who was pulled out of each, and when.
     pulled: HashMap<u64, Pulled>,
+    /// Bonds that broke, and when, s.
+    broken: Vec<(f64, MortarBroke)>,
     /// Structures that have collapsed, and whose bodies do not all stand yet.
     falling: Vec<Falling>,
 }
@@ -189,6 +194,9 @@ impl MapEntities for Structures {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         for pulled in self.pulled.values_mut() {
             pulled.body.map_entities(mapper);
+        }
+        for (_, broke) in &mut self.broken {
+            broke.map_entities(mapper);
         }
         for falling in &mut self.falling {
             falling.first.map_entities(mapper);
@@ -262,7 +270,7 @@ pub(crate) fn collapses(
         Res<StepTime>,
     ),
     (table, islands, contacts): (Res<BodyTable>, Res<Islands>, Contacts),
-    mut structures: ResMut<Structures>,
+    (mut structures, broken): (ResMut<Structures>, Res<BrokenMortar>),
     mut watched: ParamSet<(Watched, AllWatched)>,
     mut begun: MessageWriter<Collapse>,
     mut ended: MessageWriter<CollapseEnded>,
@@ -283,6 +291,9 @@ pub(crate) fn collapses(
     }
     let structures = &mut *structures;
     structures.now += f64::from(time.whole());
+    let now = structures.now;
+    let broken = broken.of_step.iter();
+    structures.broken.extend(broken.map(|broke| (now, *broke)));
     let down = gravity.0.normalize_or_zero();
     // By structure: who has gone farthest beyond what counts, of those that do so in this step, and where all of those stood.
     let mut gone: HashMap<u64, (f32, SpawnOrder, Entity, FailureMode)> = HashMap::default();
@@ -358,6 +369,7 @@ pub(crate) fn collapses(
     structures.end(&settings, &table, &watched.p1(), &mut ended);
     let since = structures.now - f64::from(settings.memory);
     structures.pulled.retain(|_, pulled| pulled.when > since);
+    structures.broken.retain(|&(when, _)| when > since);
     let mut told: Vec<_> = gone.into_iter().collect();
     told.sort_unstable_by_key(|(structure, _)| *structure);
     let fallen: HashSet<u64> = told.iter().map(|(structure, _)| *structure).collect();
@@ -380,9 +392,17 @@ pub(crate) fn collapses(
             }
             let rest = rest.remove(&structure).unwrap_or_default();
             bodies.extend(&rest);
+            let is_of = |broke: &MortarBroke| {
+                let mut bodies = bodies.iter();
+                bodies.any(|(body, _)| [broke.body, broke.other].contains(body))
+            };
+            let mut broken = structures.broken.iter();
             begun.write(Collapse {
                 first,
                 how,
+                mortar: broken
+                    .find(|(_, broke)| is_of(broke))
+                    .map(|&(_, broke)| broke),
                 rest: rest.into_iter().map(|(body, _)| body).collect(),
                 bodies: bodies.len(),
                 mass: mass(&table, &watched.p1(), bodies.iter().map(|(body, _)| *body)),

@@ -38,7 +38,7 @@
 //! | stage | module | paper | reads | writes |
 //! |---|---|---|---|---|
 //! | prepare | [`body`] | | `Transform`, all body components | [`Pose`](body::Pose), [`BodyTable`](body::BodyTable) |
-//! | joints | [`joint`] | | joints | edges of the graph |
+//! | joints | [`joint`], [`mortar`] | | joints | edges of the graph |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
 //! | islands | [`graph`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Inactive`](body::Inactive) |
@@ -74,6 +74,8 @@
 //! # Joints
 //!
 //! [`joint`] connects bodies with each other and with the world: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break.
+//!
+//! [`mortar`] bonds bricks face to face, until the stress in a patch exceeds its strength.
 //!
 //! # For builders
 //!
@@ -114,6 +116,7 @@ pub mod graph;
 pub mod integration;
 pub mod joint;
 pub mod masonry;
+pub mod mortar;
 pub mod narrowphase;
 #[cfg(feature = "picking")]
 pub mod picking;
@@ -165,6 +168,7 @@ pub mod prelude {
         JointBroke, JointDisabled, JointError, JointForces, JointFrame, JointLimits, JointMotor,
         Joints, PrismaticJoint, QuarantinedJoint, RevoluteJoint, SphericalJoint, SpringJoint,
     };
+    pub use crate::mortar::{Mortar, MortarBroke, MortarFailure, MortarJoint};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,
         preview_task,

@@ -16,6 +16,7 @@ use crate::joint::{
     BreakForce, BrokenJoints, JointBroke, JointChanges, JointDisabled, JointError, JointForces,
     QuarantinedJoint,
 };
+use crate::mortar::{self, BrokenMortar, Mortar, MortarBroke};
 use crate::profile::{Profile, timed};
 use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
@@ -129,6 +130,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Untriggered>()
             .init_resource::<JointChanges>()
             .init_resource::<BrokenJoints>()
+            .init_resource::<BrokenMortar>()
             .init_resource::<contact::MovingSurfaces>()
             .init_resource::<Unassembled>()
             .init_resource::<Sensors>()
@@ -144,6 +146,7 @@ impl Plugin for StepPlugin {
             .add_message::<ContactForce>()
             .add_message::<JointBroke>()
             .add_message::<JointError>()
+            .add_message::<MortarBroke>()
             .add_message::<SensorEntered>()
             .add_message::<SensorExited>()
             // Other plugins may have put systems into the schedule already.
@@ -371,7 +374,8 @@ impl Plugin for SolverPlugin {
     }
 }
 
-/// Adds the stage *joints*, and what reports joints that break. Without this plugin, joints do nothing.
+/// Adds the stage *joints*, what bonds bodies with fresh [`Mortar`], and what reports joints that break. Without this plugin, joints do
+/// nothing.
 #[derive(Debug)]
 pub struct JointPlugin;
 
@@ -382,11 +386,21 @@ impl Plugin for JointPlugin {
             .register_type::<JointDisabled>()
             .register_type::<JointForces>()
             .register_type::<QuarantinedJoint>()
+            .register_type::<Mortar>()
             .add_observer(joint::look_at_disabled);
         stages!(
             app,
             Joints: "joints" joint::joints,
             ContactEvents: "contact_events" joint::joint_events,
+            ContactEvents: "contact_events" mortar::mortar_events,
+        );
+        let profile = profile(app);
+        app.add_systems(
+            PhysicsSchedule,
+            timed(&profile, "narrowphase", mortar::lay_mortar)
+                .run_if(any_with_component::<Mortar>)
+                .after(narrowphase::modify_contacts)
+                .in_set(PhysicsSystems::Narrowphase),
         );
     }
 

@@ -7,6 +7,7 @@
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::joint::{JointBroke, JointError};
+use crate::mortar::MortarBroke;
 use crate::profile::Profile;
 use crate::sensor::{SensorEntered, SensorExited};
 pub use crate::settings::STEP_LENGTHS;
@@ -120,6 +121,7 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<ContactForce>>().update();
     world.resource_mut::<Messages<JointBroke>>().update();
     world.resource_mut::<Messages<JointError>>().update();
+    world.resource_mut::<Messages<MortarBroke>>().update();
     world.resource_mut::<Messages<SensorEntered>>().update();
     world.resource_mut::<Messages<SensorExited>>().update();
     let others = world.get_resource::<StepMessages>().cloned();
@@ -168,6 +170,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     }
     crate::contact::trigger(world);
     crate::joint::trigger(world);
+    crate::mortar::trigger(world);
     crate::sensor::trigger(world);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())

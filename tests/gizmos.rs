@@ -64,7 +64,7 @@ fn nothing() -> PhysicsGizmos {
 
 #[test]
 fn each_kind_is_drawn_where_it_is_asked_for() {
-    let (mut app, _) = app();
+    let (mut app, cube) = app();
     for _ in 0..30 {
         app.update();
     }
@@ -104,6 +104,15 @@ fn each_kind_is_drawn_where_it_is_asked_for() {
         ..nothing()
     };
     assert_eq!(lines(&mut app, anchors).len(), 1);
+    // The outline of a bonded patch, and a diagonal.
+    app.world_mut().entity_mut(cube).insert(Mortar::default());
+    let joints = PhysicsGizmos {
+        joints: true,
+        ..nothing()
+    };
+    let bond = lines(&mut app, joints);
+    assert_eq!(bond.len(), 5);
+    assert!(bond.iter().flatten().all(|at| at.y.abs() < 0.01));
 }
 
 #[test]

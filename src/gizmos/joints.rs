@@ -1,4 +1,4 @@
-//! The joints: a cross at each anchor, lines to the bodies, the axes of the frame on body 1, and the limits of what is limited.
+//! The joints: the outline of each bonded patch; of others a cross at each anchor, lines to the bodies, the axes of the frame on body 1, and the limits of what is limited.
 
 use super::PhysicsGizmos;
 use crate::body::BodyTable;
@@ -16,6 +16,7 @@ const AXES: [Color; 3] = [
     Color::srgb(0.35, 0.80, 0.35),
     Color::srgb(0.35, 0.45, 0.95),
 ];
+const MORTAR: Color = Color::srgb(0.85, 0.45, 0.85);
 const LIMIT: Color = Color::srgb(0.95, 0.55, 0.15);
 
 /// Length of an axis and radius of an arc, m.
@@ -36,6 +37,11 @@ pub(super) fn joints(
     }
     for edge in &joints {
         let [(one, frame, center), (other, _, far)] = edge.placed(&table);
+        if let Some(section) = &edge.definition.section {
+            let [a, b, c, d] = crate::mortar::corners(section, one, frame);
+            gizmos.linestrip([a, b, c, d, a, c], MORTAR);
+            continue;
+        }
         gizmos.line(center, one, HELD);
         gizmos.line(far, other, HELD);
         // What a joint lets through, or does not hold.

@@ -77,7 +77,7 @@ pub struct PhysicsGizmos {
     pub impulses: bool,
     /// Draw the slip of each anchored face, from its middle. Default: false.
     pub anchors: bool,
-    /// Draw the joints: their anchors, with the axes and limits of each. Default: false.
+    /// Draw the joints: their anchors, with the axes and limits of each, and the outlines of bonded patches. Default: false.
     pub joints: bool,
     /// Length of the ray for a force, m/N. Default: 5e-5.
     pub metres_per_newton: f32,

@@ -15,6 +15,7 @@ use crate::contact::{
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::revision::Revision;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashSet;
@@ -88,10 +89,30 @@ pub fn pair_changes(
         let overlaps = found.overlaps.into_iter().chain(again);
         begin(world, &mut graph, overlaps);
     });
+    tell(world, &lost);
+    activate(world);
+}
+
+/// Ends pairs whose bodies no longer collide, after the *broadphase*.
+pub(crate) fn end_pairs(world: &mut World, pairs: &EntityHashSet) {
+    for &pair in pairs {
+        world.try_despawn(pair).ok();
+    }
+    // Those that a user has despawned are left to the next *broadphase*.
+    let all = &mut world.resource_mut::<LostPairs>().0;
+    let lost = LostPairs(
+        all.extract_if(.., |(pair, _)| pairs.contains(pair))
+            .collect(),
+    );
+    world.resource_mut::<ConstraintGraph>().forget(&lost);
+    tell(world, &lost);
+}
+
+/// Notes that [`ContactEnded`](crate::contact::ContactEnded) must be sent for lost pairs.
+fn tell(world: &mut World, lost: &LostPairs) {
     let told = lost.0.iter().filter(|(_, pair)| pair.announced());
     let told = told.map(|(_, pair)| (pair.spawn_orders, pair.bodies));
     world.resource_mut::<EndedPairs>().0.extend(told);
-    activate(world);
 }
 
 /// Activates the bodies that touched in lost pairs. Returns the slots of the pairs that must be made anew.

@@ -74,7 +74,7 @@ fn of_changed_bodies(world: &World) -> Vec<Entity> {
 }
 
 /// Adds, changes or removes the edge of a joint.
-fn update(world: &mut World, joint: Entity) {
+pub(crate) fn update(world: &mut World, joint: Entity) {
     match examine(world, joint) {
         Finding::Ready(definition, slots) => {
             attach(world, joint, *definition, slots);

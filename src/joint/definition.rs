@@ -2,7 +2,7 @@
 
 use super::{JointFrame, JointProblem};
 use crate::body::limits;
-use crate::solver::{JointAxis, JointMotor};
+use crate::solver::{JointAxis, JointMotor, Section};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
@@ -40,6 +40,8 @@ pub(crate) struct JointDefinition {
     pub axes: [JointAxis; 6],
     pub distance: Option<Distance>,
     pub collision: bool,
+    /// The section of a bonded patch, by which the joint breaks.
+    pub section: Option<Section>,
 }
 
 /// What acts on the distance of the anchors.
@@ -99,6 +101,7 @@ impl JointDefinition {
             axes: [JointAxis::LOCKED; 6],
             distance: None,
             collision,
+            section: None,
         }
     }
 
@@ -167,6 +170,9 @@ impl JointDefinition {
         }
         if !self.valid_axis {
             return Err(JointProblem::InvalidAxis);
+        }
+        if self.section.is_some_and(|section| !section.is_valid()) {
+            return Err(JointProblem::InvalidSection);
         }
         self.axes.iter().try_for_each(check)?;
         match &self.distance {

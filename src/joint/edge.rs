@@ -10,6 +10,9 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
 
+/// Rounding of the place of an anchor, as a share of its distance from the origin: of a position, and of an arm by a rotation.
+const ROUNDING: f32 = 2.0 * f32::EPSILON;
+
 /// A joint that takes part in the simulation: its edge, and its definition with local frames. Internal.
 #[derive(Component, Clone, Debug)]
 #[component(on_remove = lose_edge, clone_behavior = Ignore, map_entities)]
@@ -87,6 +90,18 @@ impl JointEdge {
         })
     }
 
+    /// Errors of position that are rounding of poses, m and rad, for joints with a section.
+    fn slack(&self, table: &BodyTable) -> [f32; 2] {
+        if self.definition.section.is_none() {
+            return [0.0; 2];
+        }
+        let bodies = self.slots.into_iter().filter_map(|slot| table.get(slot));
+        let far = bodies.map(|body| body.pose.position.abs().max_element());
+        let far = far.fold(0.0, f32::max);
+        let [a, b] = self.definition.anchors().map(Vec3::length);
+        [ROUNDING * (far + a + b), 2.0 * ROUNDING]
+    }
+
     /// The constraint of the solver, without the indices of its bodies.
     pub(crate) fn constraint(&self, table: &BodyTable) -> JointConstraint {
         let [a, b] = self.placed(table);
@@ -99,6 +114,8 @@ impl JointEdge {
                 .definition
                 .distance_axis()
                 .filter(|axis| *axis != JointAxis::FREE),
+            section: self.definition.section,
+            slack: self.slack(table),
             ..Default::default()
         }
     }

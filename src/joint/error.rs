@@ -24,6 +24,8 @@ pub enum JointProblem {
     InvalidFriction,
     /// The [`BreakForce`](super::BreakForce) is negative or not a number.
     InvalidBreakForce,
+    /// The corners of a [`MortarJoint`](crate::mortar::MortarJoint) enclose no area, or a strength is negative or not a number.
+    InvalidSection,
     /// An entity is not a body, or was despawned.
     NotABody {
         /// The entity.
@@ -69,6 +71,9 @@ impl fmt::Display for JointProblem {
             Self::InvalidFriction => f.write_str("its friction is negative or not finite"),
             Self::InvalidBreakForce => f.write_str(
                 "its `BreakForce` has a force, torque or response that is negative or not a number",
+            ),
+            Self::InvalidSection => f.write_str(
+                "the corners of its patch enclose no area, or a strength of its mortar is negative or not a number",
             ),
             Self::NotABody { entity } => write!(
                 f,

@@ -9,6 +9,7 @@ use super::{
     SpringJoint,
 };
 use crate::joint::BreakForce;
+use crate::mortar::MortarJoint;
 use crate::state::visitor::Visitor;
 use bevy_app::App;
 use bevy_ecs::entity_disabling::Disabled;
@@ -82,10 +83,11 @@ joint_types!(
     DistanceJoint,
     SpringJoint,
     GenericJoint,
+    MortarJoint,
 );
 
 /// Hook of the joint types and of [`JointDisabled`]: the next step looks at the joint again.
-pub(super) fn look_again(mut world: DeferredWorld, context: HookContext) {
+pub(crate) fn look_again(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut changes) = world.get_resource_mut::<JointChanges>() {
         changes.written.push(context.entity);
     }

@@ -12,6 +12,7 @@
 //! | drive or hold in place | [`JointMotor`], with `with_motor` |
 //! | bound the motion | `with_limits`, `with_angle_limits`, `with_twist_limits`, … |
 //! | brake by dry friction | `with_friction` |
+//! | bond two faces with mortar | [`Mortar`](crate::mortar::Mortar), which makes joints of its own |
 //! | let it break | [`BreakForce`]; [`JointBroke`] reports it |
 //! | switch it off and on | [`JointDisabled`] |
 //! | read its force | [`JointForces`], [`Joints`] |
@@ -75,6 +76,7 @@ mod spring;
 
 pub use crate::solver::{JointAxis, JointMotor};
 pub use changes::joints;
+pub(crate) use changes::update;
 pub use definition::JointLimits;
 pub(crate) use definition::{JointDefinition, JointEnds, JointType};
 pub use distance::DistanceJoint;
@@ -89,7 +91,7 @@ pub(crate) use forces::trigger;
 pub use forces::{BreakForce, JointBroke, JointForces, joint_events};
 pub use frame::{JointAnchor, JointBasis, JointFrame};
 pub use generic::{GenericJoint, JointAxes};
-pub(crate) use list::{copy, register, visit};
+pub(crate) use list::{copy, look_again, register, visit};
 pub use prismatic::PrismaticJoint;
 pub use query::{BodyJoint, Joints, joints_of};
 pub use revolute::RevoluteJoint;

@@ -23,6 +23,24 @@
 //!     world.spawn(block.bundle());
 //! }
 //! ```
+//!
+//! With [`Mortar`](crate::mortar::Mortar) each block is bonded to what it touches as it is laid. Without, it is dry stone.
+//!
+//! ```
+//! # use drystone::masonry::{Bond, Wall};
+//! # use drystone::prelude::*;
+//! # let mut app = bevy_app::App::new();
+//! # app.add_plugins(DrystonePlugins::default());
+//! # let world = app.world_mut();
+//! world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+//! for block in Wall::new(Bond::Running).blocks().unwrap() {
+//!     world.spawn((block.bundle(), Mortar::default()));
+//! }
+//! drystone::step(world, 1.0 / 60.0).unwrap();
+//! // Five or six bricks in each of six courses: beds on the ground and on each other, and heads.
+//! let bonds = world.query::<&MortarJoint>().iter(world).count();
+//! assert_eq!(bonds, 5 + 5 * 10 + 3 * 4 + 3 * 5);
+//! ```
 
 mod arch;
 mod bond;

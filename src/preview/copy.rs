@@ -11,6 +11,7 @@ use crate::contact::{
     NarrowphaseCache,
 };
 use crate::joint::{self, BreakForce, JointEdge, JointForces};
+use crate::mortar::Mortar;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
@@ -181,6 +182,9 @@ pub(super) fn copy(
         None => shadow.spawn(parts),
     };
     copy_description(original, &mut copy);
+    if let Some(&mortar) = original.get::<Mortar>() {
+        copy.insert(mortar);
+    }
     // The parts of the original are not copied.
     if let Some(mut compound) = copy.get_mut::<CompoundCollider>() {
         compound.detach();

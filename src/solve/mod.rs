@@ -24,6 +24,7 @@ use crate::contact::{ContactImpulses, Manifold};
 use crate::grab::GrabForce;
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
+use crate::mortar::BrokenMortar;
 use crate::profile::SolvePart;
 use crate::settings::Method;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
@@ -96,12 +97,14 @@ pub fn solve(
     (mut problems, mut reports): (ResMut<IslandProblems>, ReportWriter),
     mut pairs: Pairs,
     mut bodies: Bodies,
-    (mut grabs, mut joints, mut broken): (Grabs, Joints, ResMut<BrokenJoints>),
+    (mut grabs, mut joints): (Grabs, Joints),
+    (mut broken, mut broken_mortar): (ResMut<BrokenJoints>, ResMut<BrokenMortar>),
 ) {
     let acting = &mut Acting {
         grabs: &mut grabs,
         joints: &mut joints,
         broken: &mut broken,
+        broken_mortar: &mut broken_mortar,
     };
     let stage = Solve {
         table: &table,
@@ -134,6 +137,7 @@ struct Acting<'a, 'w, 's> {
     grabs: &'a mut Grabs<'w, 's>,
     joints: &'a mut Joints<'w, 's>,
     broken: &'a mut BrokenJoints,
+    broken_mortar: &'a mut BrokenMortar,
 }
 
 /// The data that the stage reads.

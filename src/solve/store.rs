@@ -5,6 +5,7 @@ use crate::body::{Motion, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::grab::GrabForce;
 use crate::joint::{JointBroke, JointForces};
+use crate::mortar::MortarBroke;
 use crate::solver::GrabConstraint;
 use crate::warm_start::{Island, LARGE, Pairs, ProblemSet, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
@@ -21,7 +22,7 @@ impl Solve<'_> {
         self.store_impulses(problems, pairs);
         self.store_bodies(problems, bodies);
         store_grabs(problems, acting.grabs);
-        store_joints(problems, acting);
+        self.store_joints(problems, acting);
         let diverged = problems.islands.iter_mut();
         for island in diverged.filter(|island| island.diverged) {
             island.rows.clear();
@@ -92,6 +93,34 @@ impl Solve<'_> {
             };
         }
     }
+
+    /// Stores the forces of joints, and finds those that break.
+    fn store_joints<R: SolveRows>(&self, problems: &ProblemSet<R>, acting: &mut Acting) {
+        for gathered in &problems.joints.gathered {
+            let Some(island) = problems.islands.get(gathered.island as usize) else {
+                continue;
+            };
+            let Some(solved) = island.joints.get(gathered.index as usize) else {
+                continue;
+            };
+            if let Ok((edge, mut forces, breaks)) = acting.joints.get_mut(gathered.joint)
+                && edge.edge == gathered.edge
+            {
+                forces.set_if_neq(JointForces::of(solved));
+                if let Some(found) = solved.broke
+                    && !island.diverged
+                {
+                    let broke = MortarBroke::new(gathered.joint, edge, self.table, found);
+                    let broke = broke.map(|broke| (edge.order, broke));
+                    acting.broken_mortar.found.extend(broke);
+                }
+                if breaks.is_some_and(|breaks| breaks.is_exceeded(&forces)) && !island.diverged {
+                    let broke = JointBroke::new(gathered.joint, edge, &forces);
+                    acting.broken.found.push((edge.order, broke));
+                }
+            }
+        }
+    }
 }
 
 /// Stores the forces of grabs.
@@ -103,27 +132,6 @@ fn store_grabs<R: SolveRows>(problems: &ProblemSet<R>, grabs: &mut Grabs) {
         {
             let &GrabConstraint { force, torque, .. } = grab;
             kept.set_if_neq(GrabForce { force, torque });
-        }
-    }
-}
-
-/// Stores the forces of joints, and finds those that break.
-fn store_joints<R: SolveRows>(problems: &ProblemSet<R>, acting: &mut Acting) {
-    for gathered in &problems.joints.gathered {
-        let Some(island) = problems.islands.get(gathered.island as usize) else {
-            continue;
-        };
-        let Some(solved) = island.joints.get(gathered.index as usize) else {
-            continue;
-        };
-        if let Ok((edge, mut forces, breaks)) = acting.joints.get_mut(gathered.joint)
-            && edge.edge == gathered.edge
-        {
-            forces.set_if_neq(JointForces::of(solved));
-            if breaks.is_some_and(|breaks| breaks.is_exceeded(&forces)) && !island.diverged {
-                let broke = JointBroke::new(gathered.joint, edge, &forces);
-                acting.broken.found.push((edge.order, broke));
-            }
         }
     }
 }

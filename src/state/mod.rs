@@ -28,6 +28,7 @@ use crate::joint::{
     self, BreakForce, BrokenJoints, JointChanges, JointDisabled, JointEdge, JointForces,
     QuarantinedJoint,
 };
+use crate::mortar::{BrokenMortar, Mortar};
 use crate::sensor::{Sensor, SensorOverlaps, Sensors, UntriggeredSensorEvents};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
@@ -58,6 +59,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     // Joints.
     joint::visit(visitor);
     list!(component: JointEdge, JointForces, BreakForce, JointDisabled, QuarantinedJoint);
+    list!(component: Mortar);
     // Any entity: components of Bevy that drystone reads.
     list!(component: Transform, ChildOf, Name, Disabled);
     // Pairs.
@@ -68,7 +70,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);
-    list!(resource: JointChanges, BrokenJoints);
+    list!(resource: JointChanges, BrokenJoints, BrokenMortar);
     list!(resource: Unassembled, Sensors, UntriggeredSensorEvents);
 
     list!(derived: Pending, IslandProblems);

@@ -5,11 +5,12 @@ use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::DrystonePlugins;
-use drystone::body::{Mass, Sleeping};
+use drystone::body::{Mass, RigidBody, Sleeping};
 use drystone::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
 use drystone::collider::{Collider, Friction};
 use drystone::grab::Grab;
 use drystone::masonry::{Bond, Wall};
+use drystone::mortar::{Mortar, MortarFailure};
 use drystone::settings::{Gravity, SleepSettings};
 use glam::Vec3;
 use support::*;
@@ -75,12 +76,36 @@ fn a_wall_that_loses_its_corner_is_told_of_once() {
             all[0].how,
             FailureMode::Fell | FailureMode::Tipped
         ));
+        assert_eq!(all[0].mortar, None);
         assert!(all[0].rest.len() > 20 && !all[0].rest.contains(&all[0].first));
         // The remaining structure stands again, and if it falls later this is another collapse.
         let standing = |lab: &Lab, i: usize| (lab.position(bricks[i]).y - 0.25).abs() < 0.01;
         assert!(standing(&lab, 4));
         lab.world.despawn(bricks[4]);
         assert_eq!(told(&mut lab, 4.0).len(), 1);
+    }
+}
+
+/// A cantilever out of a wall breaks at its root under a brick.
+#[test]
+fn the_bond_that_broke_first_is_told_of() {
+    for sleeps in [true, false] {
+        let mut lab = site(sleeps);
+        let cube = || Collider::cuboid(0.5, 0.5, 0.5);
+        let at = |x: f32, y: f32| Transform::from_xyz(x, y, 0.0);
+        let root = lab.spawn((RigidBody::Static, cube(), at(0.0, 3.0)));
+        let bricks = [0.5, 1.0].map(|x| {
+            let brick = (RigidBody::Dynamic, cube(), Mass(125.0), at(x, 3.0));
+            lab.spawn((brick, Mortar::default(), Watch::default()))
+        });
+        assert_eq!(told(&mut lab, 2.0), []);
+        lab.spawn((RigidBody::Dynamic, cube(), Mass(250.0), at(1.0, 3.501)));
+        let all = told(&mut lab, 2.0);
+        assert_eq!(all.len(), 1, "{all:?}");
+        let mortar = all[0].mortar.expect("a bond broke");
+        assert_eq!([mortar.body, mortar.other], [root, bricks[0]]);
+        assert_eq!(mortar.how, MortarFailure::Tension);
+        assert!(bricks.contains(&all[0].first) && all[0].bodies == 2);
     }
 }
 

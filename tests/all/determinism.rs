@@ -2,6 +2,8 @@
 
 use bevy_ecs::prelude::*;
 use drystone::body::BodyTable;
+use drystone::masonry::{Bond, Wall};
+use drystone::mortar::Mortar;
 use drystone::settings::{PhysicsThreads, SleepSettings};
 use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
@@ -85,6 +87,25 @@ fn many_islands(lab: &mut Lab) {
 #[test]
 fn many_islands_come_out_the_same_on_any_number_of_threads() {
     same_for_all_threads(2.0, many_islands);
+}
+
+/// A bonded wall from which a ball breaks bricks.
+fn mortar(lab: &mut Lab) {
+    lab.ground();
+    let blocks = Wall::new(Bond::Running).blocks().expect("it is valid");
+    for block in blocks {
+        lab.spawn((block.bundle(), Mortar::default()));
+    }
+    let ball = lab.body(
+        drystone::collider::Collider::ball(0.4),
+        Vec3::new(0.2, 1.8, 1.5),
+    );
+    lab.set_velocity(ball, Vec3::Z * -30.0, Vec3::ZERO);
+}
+
+#[test]
+fn mortar_breaks_alike_on_any_number_of_threads() {
+    same_for_all_threads(1.0, mortar);
 }
 
 #[test]

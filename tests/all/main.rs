@@ -29,6 +29,7 @@ mod joints;
 mod loads;
 mod masonry;
 mod meters;
+mod mortar;
 mod moving;
 mod order;
 mod piles;

@@ -10,6 +10,7 @@ use bevy_transform::components::Transform;
 use drystone::body::{BodyTable, Inactive};
 use drystone::collapse::CollapseSettings;
 use drystone::contact::ContactImpulses;
+use drystone::masonry::{Bond, Wall};
 use drystone::prelude::*;
 use drystone::settings::Preset;
 use drystone::solver::{Nncg, Pgs};
@@ -236,6 +237,11 @@ fn tell(world: &mut World, name: &dyn Fn(Entity) -> Option<Entity>) -> Vec<Strin
             problem,
         )));
     }
+    for message in drain::<MortarBroke>(world) {
+        let bits = message.stress.to_bits();
+        let [body, other, joint] = [message.body, message.other, message.joint].map(name);
+        told.push(line(&("mortar", body, other, joint, message.how, bits)));
+    }
     for message in drain::<Collapse>(world) {
         let mut rest: Vec<_> = message.rest.iter().map(|&body| name(body)).collect();
         rest.sort();
@@ -294,6 +300,37 @@ fn a_wall_that_sleeps() {
     assert_rests(&run);
     let taken = run.bodies[3];
     run.goes_on_in_a_copy("sleepers", &|world, here, step| {
+        if step == 30 {
+            world.despawn(here(taken));
+        }
+    });
+}
+
+/// A bonded wall from which a ball breaks bricks, with a brick that is still to be laid; and a bonded wall that sleeps.
+#[test]
+fn walls_of_mortar() {
+    let bonded = |steps: usize| {
+        let mut run = Run::new();
+        for block in Wall::new(Bond::Running).blocks().unwrap() {
+            let brick = run
+                .world
+                .spawn((block.bundle(), Mortar::default(), Watch::default()));
+            run.bodies.push(brick.id());
+        }
+        run.body(Collider::cuboid(1.0, 0.5, 0.5), 0.0, 4.0, Mortar::default());
+        run.steps(steps, NOTHING)
+    };
+    let mut run = bonded(30);
+    let at = Transform::from_xyz(0.2, 1.8, 1.5);
+    let ball = (Collider::ball(0.4), Mass(2_000.0), RigidBody::Dynamic, at);
+    let ball = run.world.spawn((ball, Velocity::linear(Vec3::Z * -20.0)));
+    run.bodies.push(ball.id());
+    let told = run.steps(3, NOTHING).goes_on_in_a_copy("mortar", NOTHING);
+    assert!(told.iter().any(|line| line.contains("mortar")), "{told:?}");
+    let run = bonded(240);
+    assert_rests(&run);
+    let taken = run.bodies[3];
+    run.goes_on_in_a_copy("mortar asleep", &|world, here, step| {
         if step == 30 {
             world.despawn(here(taken));
         }

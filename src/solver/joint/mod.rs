@@ -7,6 +7,7 @@
 mod geometry;
 mod plain;
 mod rows;
+mod section;
 
 use super::Body;
 use bevy_reflect::Reflect;
@@ -14,6 +15,7 @@ pub(super) use geometry::{Geometry, Placement};
 use glam::{Quat, Vec3};
 pub(super) use plain::PlainJoint;
 pub(super) use rows::{COORDINATES, Law, Part, Times, rows_of, take_share};
+pub use section::{MortarFailure, Section, Utilization};
 
 /// The input of a solver for a joint, and its results.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +46,13 @@ pub struct JointConstraint {
     pub peak: [f32; 2],
     /// Time constant of that low-pass, s.
     pub filter: f32,
+    /// The joint is a bonded patch that breaks by the stresses in this section.
+    pub section: Option<Section>,
+    /// Errors of position up to these are rounding of poses, m and rad. Only joints with a section have them: rows are so stiff that rounding
+    /// would put bonds that hold each other under more stress than mortar bears.
+    pub slack: [f32; 2],
+    /// Out: the section has broken in this step, by this stress.
+    pub broke: Option<Utilization>,
 }
 
 impl Default for JointConstraint {
@@ -60,6 +69,9 @@ impl Default for JointConstraint {
             filtered: [Vec3::ZERO; 2],
             peak: [0.0; 2],
             filter: 0.01,
+            section: None,
+            slack: [0.0; 2],
+            broke: None,
         }
     }
 }
@@ -139,6 +151,10 @@ impl JointConstraint {
             *filtered += share * (back * mean - *filtered);
         }
         self.peak = self.filtered.map(Vec3::length);
+        self.broke = self
+            .section
+            .map(|section| section.utilization(self.filtered))
+            .filter(|found| found.share > 1.0);
     }
 }
 

@@ -14,19 +14,23 @@
 //! - **Contacts** that carry jointed bodies are a part of the solve ([`leaf`]).
 //! - **Bounds** of motors, limits and friction hold within the solve ([`piece`]).
 //! - **Breaking**: forces pass a low-pass with a time constant, since the force of a single substep grows with the rate of substeps
-//!   wherever something hits.
+//!   wherever something hits. Bonded patches break within the step ([`breaking`]), and share loads by their areas ([`sharing`]).
 
+mod breaking;
 mod factor;
 mod leaf;
 mod member;
 mod piece;
 mod row;
+mod sharing;
 
 use super::block::{Pass, Spring};
 use super::island::Island;
 use crate::solver::batches::Batches;
 use crate::solver::groups::Groups;
-use crate::solver::joint::{COORDINATES, Geometry, Placement, Times, filter_share, rows_of};
+use crate::solver::joint::{
+    COORDINATES, Geometry, Placement, Times, Utilization, filter_share, rows_of,
+};
 use crate::solver::lanes::{F32xN, State, cells};
 use crate::solver::{JointConstraint, PatchProblem};
 use glam::{Mat3, Vec3};
@@ -102,6 +106,9 @@ struct Log {
     sum: [Vec3; 2],
     filtered: [Vec3; 2],
     peak: [f32; 2],
+    /// How near its section is to breaking, and how it broke.
+    used: Utilization,
+    broke: Option<Utilization>,
 }
 
 impl Joints {
@@ -266,8 +273,13 @@ impl Joints {
             }
             link.point(joint, &mut self.rows, &self.members);
             link.start(joint, &mut self.rows, &times);
+        }
+        self.share_stiffness();
+        for link in &self.links {
+            let joint = &self.joints[link.joint];
             link.ask(joint, &mut self.rows, &times, self.stiffness);
         }
+        self.break_misfits();
         for piece in &mut self.pieces {
             piece.is_stale = true;
             piece.is_refreshed = true;
@@ -343,6 +355,7 @@ impl Joints {
         velocities: &[Cell<State>],
     ) {
         self.record();
+        self.break_sections();
         if is_last {
             return;
         }
@@ -429,6 +442,12 @@ impl Joints {
                 log.filtered[i] += share * (link.geometry.local(force) - log.filtered[i]);
                 log.peak[i] = log.peak[i].max(log.filtered[i].length());
             }
+            if let Some(section) = &joint.section
+                && log.broke.is_none()
+            {
+                let now = forces.map(|force| link.geometry.local(force));
+                log.used = breaking::lesser(section, log.filtered, now);
+            }
         }
     }
 
@@ -445,6 +464,7 @@ impl Joints {
             }
             joint.mean = log.sum.map(|sum| sum / self.substeps as f32);
             (joint.filtered, joint.peak) = (log.filtered, log.peak);
+            joint.broke = log.broke;
         }
         for member in self.members.iter().filter(|member| member.moves) {
             let body = &mut problem.bodies[member.body as usize];

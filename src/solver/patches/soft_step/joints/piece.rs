@@ -284,7 +284,7 @@ impl Piece {
                         }
                     }
                     fixed => {
-                        if last {
+                        if last || row.is_released() {
                             continue;
                         }
                         let mut left = (row.lack - row.compliance * row.fixed_change()) as f64;

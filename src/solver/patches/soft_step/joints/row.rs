@@ -12,6 +12,11 @@ const STIFFER: f32 = 1e4;
 /// How much stiffer rows of motors and of friction are than that, which have no position to return to.
 const DRIVEN: f32 = 1e3;
 
+/// The share of its compliance by which a row of a section yields under a lasting force. Rows of joints yield with their whole compliance, and
+/// return by errors of position; those of a section have none within the rounding of poses, and would creep. At this share, creep is below what
+/// a pose can show, and what rounding puts into bonds that hold each other is gone after two seconds.
+const CREEP: f32 = 5e-4;
+
 /// A rotation by more than this makes arms, directions and inertias stale, rad.
 const TURNED: f32 = 1e-4;
 
@@ -60,8 +65,14 @@ pub struct Row {
     pub compliance: f32,
     /// Inverse effective mass of its two bodies alone.
     pub response: f32,
+    /// Its compliance in the scale of `response`, if it is a row of a section; else 0, and it is in proportion to `response`.
+    pub softness: f32,
     pub impulse: f32,
     pub bound: Bound,
+    /// It holds nothing for the rest of the step.
+    is_released: bool,
+    /// The share of its compliance by which it yields under a lasting force.
+    yields: f32,
     /// The rate that it lacks in a visit, before the solve.
     pub lack: f32,
 }
@@ -80,10 +91,17 @@ impl Row {
             law: Law::default(),
             compliance: 0.0,
             response: 0.0,
+            softness: 0.0,
             impulse: 0.0,
             bound: Bound::Free,
+            is_released: false,
+            yields: 1.0,
             lack: 0.0,
         }
+    }
+
+    pub fn is_released(&self) -> bool {
+        self.is_released
     }
 
     pub fn is_angular(&self) -> bool {
@@ -122,7 +140,13 @@ impl Row {
     fn ask(&mut self, joint: &JointConstraint, times: &Times) -> bool {
         let axis = joint.axis(self.coordinate);
         let before = self.law.bounds;
-        self.law = Law::of(&axis, self.part, self.value, times);
+        self.law = Law::of(&axis, self.part, self.error(joint), times);
+        if joint.section.is_some() {
+            self.yields = CREEP;
+        }
+        if self.is_released {
+            self.law.bounds = [0.0; 2];
+        }
         let [low, high] = self.law.bounds;
         if before == [low, high] {
             return false;
@@ -139,9 +163,30 @@ impl Row {
         (was == Bound::Free) != (self.bound == Bound::Free)
     }
 
+    /// Lets go for the rest of the step.
+    pub fn release(&mut self) {
+        (self.is_released, self.bound) = (true, Bound::Low);
+        (self.impulse, self.law.bounds) = (0.0, [0.0; 2]);
+    }
+
+    /// The coordinate, beyond the rounding of poses.
+    fn error(&self, joint: &JointConstraint) -> f32 {
+        match joint.section {
+            Some(_) => {
+                let slack = joint.slack[usize::from(self.is_angular())];
+                self.value - self.value.clamp(-slack, slack)
+            }
+            None => self.value,
+        }
+    }
+
     /// Sets its compliance; `stiffness` is b of the springs of contacts: their effective mass over their compliance.
     fn soften(&mut self, stiffness: f32) {
-        let least = self.response.max(f32::MIN_POSITIVE) / (STIFFER * stiffness);
+        let softness = match self.softness > 0.0 {
+            true => self.softness,
+            false => self.response,
+        };
+        let least = softness.max(f32::MIN_POSITIVE) / (STIFFER * stiffness);
         self.compliance = match self.part {
             Part::Hold => least,
             _ => self.law.compliance.max(least / DRIVEN),
@@ -171,7 +216,7 @@ impl Row {
             wanted -= geometry.inward_rate(self.coordinate, self.direction, seen, h);
         }
         let leak = match soft || self.part != Part::Hold {
-            true => self.compliance * self.impulse,
+            true => self.yields * self.compliance * self.impulse,
             false => 0.0,
         };
         self.lack = wanted - self.rate(velocities) - leak;
@@ -223,6 +268,16 @@ impl Link {
         for row in &mut rows[self.rows.clone()] {
             row.value = row.refreshed + row.rate(motions);
         }
+    }
+
+    /// How far its bodies are from where it holds them: the coordinates, and angles times `size` (m), m.
+    pub fn misfit(&self, rows: &[Row], size: f32) -> f32 {
+        let rows = rows[self.rows.clone()].iter();
+        let errors = rows.map(|row| match row.is_angular() {
+            true => size * row.value.abs(),
+            false => row.value.abs(),
+        });
+        errors.fold(0.0, f32::max)
     }
 
     /// Divides the forces of the joint among its rows, as impulses to begin with.

@@ -1,0 +1,129 @@
+//! Part of the stage *narrowphase*: bonds bodies that have fresh [`Mortar`] to those that they touch.
+//!
+//! It makes a joint for each patch in the same step, and ends the pairs of bodies that are bonded, so that they do not fall for a step. Pairs
+//! are visited in spawn order, so the bonds do not depend on entities.
+
+use super::patch::Patch;
+use super::{Mortar, MortarJoint};
+use crate::body::{BodyIndex, BodyTable, Simulated, SpawnOrder};
+use crate::contact::{ContactPair, Manifold};
+use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
+use crate::joint;
+use crate::settings::StabilizationSettings;
+use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::prelude::*;
+use glam::Vec3;
+
+/// Mortar bonds surfaces that are no farther apart, m, and points of the contact envelope at any rate.
+const REACH: f32 = 1e-3;
+
+/// Mortar bonds surfaces that move against each other more slowly, m/s.
+const STILL: f32 = 0.05;
+
+/// The area that a patch must have, as a share of the square of the smaller body's radius.
+const LEAST_AREA: f32 = 1e-4;
+
+/// A bond that is to be made.
+struct Bond {
+    orders: [SpawnOrder; 2],
+    pair: Entity,
+    bodies: [Entity; 2],
+    patch: Patch,
+    mortar: Mortar,
+}
+
+/// Lays the fresh mortar of bodies.
+pub fn lay_mortar(
+    world: &mut World,
+    fresh: &mut QueryState<(Entity, &BodyIndex, &Mortar), Simulated>,
+) {
+    let found = fresh.iter(world);
+    let mut found: Vec<(Entity, u32, Mortar)> = found
+        .map(|(body, index, mortar)| (body, index.0, *mortar))
+        .collect();
+    found.retain(|(body, _, mortar)| match mortar.is_valid() {
+        true => true,
+        false => {
+            tracing::error!(
+                "the mortar of {body} is removed: its strengths must be zero or more: {mortar:?}"
+            );
+            world.entity_mut(*body).remove::<Mortar>();
+            false
+        }
+    });
+    let bonds = find(world, &found);
+    if bonds.is_empty() {
+        return;
+    }
+    let mut pairs = EntityHashSet::default();
+    for bond in bonds {
+        let joint = MortarJoint::new(bond.bodies, &bond.patch, bond.mortar);
+        let joint = world.spawn(joint).id();
+        joint::update(world, joint);
+        pairs.insert(bond.pair);
+        for body in bond.bodies {
+            world.entity_mut(body).remove::<Mortar>();
+        }
+    }
+    end_pairs(world, &pairs);
+    activate(world);
+}
+
+/// The patches that are bonded, in spawn order.
+fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
+    let (table, graph) = (
+        world.resource::<BodyTable>(),
+        world.resource::<ConstraintGraph>(),
+    );
+    let outer = world.resource::<StabilizationSettings>().outer_distance();
+    let mut bonds = Vec::new();
+    for &(body, slot, mortar) in fresh {
+        for entity in graph.edges_of_kind(slot, EdgeKind::Contact) {
+            let edge = world.get_entity(entity);
+            let Ok(edge) =
+                edge.and_then(|edge| Ok(edge.get_components::<(&ContactPair, &Manifold)>()))
+            else {
+                continue;
+            };
+            let Ok((pair, manifold)) = edge else {
+                continue;
+            };
+            let Some(bodies) = table.both(pair.slots) else {
+                continue;
+            };
+            let other = usize::from(pair.bodies[0] == body);
+            let mortar = match world.get::<Mortar>(pair.bodies[other]) {
+                // It is found from both, and taken from the first.
+                Some(_) if other == 0 => continue,
+                Some(others) if others.is_valid() => mortar.weaker(others),
+                _ => mortar,
+            };
+            let [a, b] = bodies;
+            let least = LEAST_AREA * a.radius.min(b.radius).powi(2);
+            for (_, patch, range) in manifold.patches_with_points() {
+                let points = &manifold.points[range];
+                let reach = outer.max(REACH);
+                let near = points.iter().filter(|point| point.distance <= reach);
+                let near: Vec<Vec3> = near.map(|point| a.center + point.arm).collect();
+                // From A to B.
+                let Some(patch) = Patch::new(&near, -patch.normal, least) else {
+                    continue;
+                };
+                let rate = a.velocity_at(patch.center) - b.velocity_at(patch.center);
+                if rate.length() > STILL {
+                    continue;
+                }
+                bonds.push(Bond {
+                    orders: pair.spawn_orders,
+                    pair: entity,
+                    bodies: pair.bodies,
+                    patch,
+                    mortar,
+                });
+            }
+        }
+    }
+    // The sort is stable: the patches of a pair keep their order.
+    bonds.sort_by_key(|bond| bond.orders);
+    bonds
+}

@@ -288,7 +288,8 @@ impl MapEntities for Suspects {
 }
 
 /// Warnings that were sent. They are not repeated while their cause lasts.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 #[component(map_entities)]
 pub struct Told {
     /// The first bodies of islands whose solve went wrong in the last step.

@@ -50,7 +50,7 @@ pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
 pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
-pub(crate) use listed::{copy_description, properties_of, visit};
+pub(crate) use listed::{copy_description, properties_of, register, visit};
 pub use locked_axes::LockedAxes;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
 pub(crate) use mass::{weigh, weigh_body};

@@ -215,7 +215,8 @@ const THICKNESS: f32 = 2.5;
 const SLENDER: f32 = 6.0;
 
 /// All live bodies by slot: a dense copy of the data that the stages read at random, and of the state of each body in the last step.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 #[component(map_entities)]
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,

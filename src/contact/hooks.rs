@@ -56,7 +56,8 @@ pub trait ContactHook: Send + Sync + 'static {
 /// }
 /// assert!((world.get::<Transform>(ball).unwrap().translation.y - 0.35).abs() < 0.01);
 /// ```
-#[derive(Resource, Clone)]
+#[derive(Resource, Clone, Reflect)]
+#[reflect(opaque)]
 pub struct ContactHooks(Arc<dyn ContactHook>);
 
 impl ContactHooks {

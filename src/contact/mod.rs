@@ -143,6 +143,18 @@ impl ContactPair {
         self.flags.set(PairFlags::ANNOUNCED, announced);
     }
 
+    /// Whether the contacts and impulses come from a saved scene.
+    pub(crate) fn restored(&self) -> bool {
+        self.flags.has(PairFlags::RESTORED)
+    }
+
+    /// Makes a new pair one whose contacts and impulses come from a saved scene.
+    pub(crate) fn restore(&mut self, announced: bool) {
+        self.set_announced(announced);
+        self.flags.set(PairFlags::RESTORED, true);
+        self.state = PairState::Restored;
+    }
+
     /// Whether a [hook](hooks) set friction or restitution. These values then hold for child colliders too.
     pub(crate) fn hooked(&self) -> bool {
         self.flags.has(PairFlags::HOOKED)
@@ -163,7 +175,7 @@ impl ContactPair {
     /// Records that the user has edited the pair: stages no longer skip it, and derive anew what they derived from it.
     pub(crate) fn revise(&mut self, revision: Revision) {
         self.revision = revision;
-        if self.state != PairState::New {
+        if !matches!(self.state, PairState::New | PairState::Restored) {
             self.state = PairState::Live;
         }
     }
@@ -193,6 +205,7 @@ struct PairFlags(u8);
 impl PairFlags {
     const ANNOUNCED: u8 = 1;
     const HOOKED: u8 = 2;
+    const RESTORED: u8 = 4;
 
     fn has(self, flag: u8) -> bool {
         self.0 & flag != 0
@@ -209,6 +222,8 @@ pub(crate) enum PairState {
     /// Its contacts must be detected: the pair is new, or one of its bodies was changed.
     #[default]
     New,
+    /// The pair is new, and its contacts come from a [saved scene](crate::saving). They are kept where the bodies are as they were.
+    Restored,
     /// The last detection found no points, and no impulses are left. Detection is skipped while the bodies are far enough apart; all other
     /// stages skip the pair.
     Apart,

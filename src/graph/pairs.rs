@@ -15,6 +15,7 @@ use crate::contact::{
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::revision::Revision;
+use crate::saving::{Restored, RestoredContacts};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashSet;
@@ -46,6 +47,7 @@ pub fn pair_changes(
     broken: &mut QueryState<Entity, Broken>,
     pairs: &mut QueryState<(Entity, &ContactPair)>,
 ) {
+    let restored = world.resource_mut::<Restored>().take_contacts();
     ending.clear();
     ending.extend(broken.iter(world));
     let is_same = world.resource::<Broadphase>().found.is_empty();
@@ -86,7 +88,7 @@ pub fn pair_changes(
             graph.changes.gone.push(slot);
         }
         let overlaps = found.overlaps.into_iter().chain(again);
-        begin(world, &mut graph, overlaps);
+        begin(world, &mut graph, overlaps, restored);
     });
     let told = lost.0.iter().filter(|(_, pair)| pair.announced());
     let told = told.map(|(_, pair)| (pair.spawn_orders, pair.bodies));
@@ -118,7 +120,12 @@ fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> 
 }
 
 /// Spawns pairs and their edges for overlaps that have none.
-fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator<Item = [u32; 2]>) {
+fn begin(
+    world: &mut World,
+    graph: &mut ConstraintGraph,
+    overlaps: impl Iterator<Item = [u32; 2]>,
+    restored: RestoredContacts,
+) {
     let table = world.resource::<BodyTable>();
     let overlaps = overlaps.filter(|&slots| !graph.knows(EdgeKind::Contact, slots));
     let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = overlaps
@@ -139,7 +146,9 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator
             && let Some(edge) = graph.insert(EdgeKind::Contact, slots)
         {
             warn(bodies, &mut warnings);
-            new.push(ContactPair::new(edge, slots, bodies, revision));
+            let mut pair = ContactPair::new(edge, slots, bodies, revision);
+            restored.mark(&mut pair);
+            new.push(pair);
         }
     }
     // Name each of many bodies in one place only once.
@@ -149,6 +158,7 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator
     });
     let edges: Vec<_> = new.iter().map(|pair| (pair.edge, pair.slots)).collect();
     let spawned: Vec<Entity> = world.spawn_batch(new).collect();
+    restored.fill(world, &spawned);
     let table = world.resource::<BodyTable>();
     for ((edge, slots), pair) in edges.into_iter().zip(spawned) {
         graph.name(edge, pair);

@@ -8,10 +8,12 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
 /// A joint that takes part in the simulation: its edge, and its definition with local frames. Internal.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque)]
 #[component(on_remove = lose_edge, clone_behavior = Ignore, map_entities)]
 pub struct JointEdge {
     /// Slots of the bodies; [`WORLD`] for the world.

@@ -31,6 +31,8 @@ use crate::settings::{
 use crate::solve::SolveReports;
 use crate::solver::{Nncg, Pgs, SoftStep};
 use bevy_app::App;
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_transform::components::Transform;
 
 macro_rules! register {
     ($app:expr, $($type:ty),+ $(,)?) => {
@@ -115,6 +117,8 @@ pub(crate) fn register(app: &mut App) {
         CollapseEnded
     );
     register!(app, SensorEntered, SensorExited);
+    // Components of Bevy that bodies have, which it registers only with plugins of its own.
+    register!(app, Transform, Disabled);
     // Names.
     register!(app, Inactive, JointEdge, body::BodyTable, Broadphase);
     register!(

@@ -423,6 +423,19 @@ impl ContactImpulses {
         patch.tangential * (normal * share)
     }
 
+    /// Multiplies the impulses of the step, for a step of another length. Forces stay as they are.
+    pub(crate) fn scale(&mut self, factor: f32) {
+        for point in &mut self.points {
+            point.normal *= factor;
+        }
+        for patch in &mut self.patches {
+            patch.tangential *= factor;
+        }
+        for point in &mut self.friction {
+            point.tangential *= factor;
+        }
+    }
+
     /// Makes the lists as long as those of the manifold, if the user has changed the length of either. Entries keep their indices.
     #[inline(always)]
     pub(crate) fn fit(&mut self, manifold: &Manifold) {

@@ -20,6 +20,12 @@
 //! use drystone::saving;
 //! use serde::de::DeserializeSeed;
 //!
+//! # struct NoAssets;
+//! # impl bevy_asset::LoadFromPath for NoAssets {
+//! #     fn load_from_path_erased(&mut self, _: std::any::TypeId, _: bevy_asset::AssetPath<'static>) -> bevy_asset::UntypedHandle {
+//! #         unreachable!("the scene has no assets")
+//! #     }
+//! # }
 //! # fn app() -> App {
 //! #     let mut app = App::new();
 //! #     app.add_plugins(DrystonePlugins::default());
@@ -53,7 +59,7 @@
 //! let registry = world.resource::<AppTypeRegistry>().clone();
 //! let scene = WorldDeserializer {
 //!     type_registry: &registry.read(),
-//!     load_from_path: &mut bevy_asset::UnapprovedPathMode,
+//!     load_from_path: &mut NoAssets,
 //! };
 //! let scene = scene.deserialize(&mut ron::de::Deserializer::from_str(&text).unwrap()).unwrap();
 //! scene.write_to_world(world, &mut EntityHashMap::default()).unwrap();

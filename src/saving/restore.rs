@@ -6,6 +6,7 @@ use crate::children;
 use crate::contact::ContactPair;
 use crate::joint::JointForces;
 use crate::sensor::SensorOverlap;
+use crate::settings::StepTime;
 use bevy_ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -17,8 +18,8 @@ use bevy_platform::collections::HashMap;
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Restored {
-    /// By A and B.
-    contacts: HashMap<[Entity; 2], SavedContact>,
+    /// By A and B, with the length of the step before they were saved, s.
+    contacts: HashMap<[Entity; 2], (f32, SavedContact)>,
     inside: EntityHashMap<Vec<SensorOverlap>>,
 }
 
@@ -26,7 +27,7 @@ impl MapEntities for Restored {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         let contacts = self.contacts.drain().map(|(mut bodies, mut contact)| {
             bodies.map_entities(mapper);
-            contact.other = bodies[0];
+            contact.1.other = bodies[0];
             (bodies, contact)
         });
         self.contacts = contacts.collect();
@@ -61,12 +62,12 @@ impl Restored {
 
 /// Contacts of a scene, for the pairs that are made.
 #[derive(Debug)]
-pub(crate) struct RestoredContacts(HashMap<[Entity; 2], SavedContact>);
+pub(crate) struct RestoredContacts(HashMap<[Entity; 2], (f32, SavedContact)>);
 
 impl RestoredContacts {
     /// Marks a new pair that was saved.
     pub fn mark(&self, pair: &mut ContactPair) {
-        if let Some(saved) = self.0.get(&pair.bodies) {
+        if let Some((_, saved)) = self.0.get(&pair.bodies) {
             pair.restore(saved.announced);
         }
     }
@@ -76,9 +77,11 @@ impl RestoredContacts {
         if self.0.is_empty() {
             return;
         }
-        let of = |pair: &ContactPair| pair.bodies;
+        let now = world.resource::<StepTime>().whole();
         let found = pairs.iter().filter_map(|&pair| {
-            let saved = self.0.remove(&of(world.get(pair)?))?;
+            let bodies = world.get::<ContactPair>(pair)?.bodies;
+            let (step, mut saved) = self.0.remove(&bodies)?;
+            saved.change_step(step, now);
             Some((pair, saved.into_components()))
         });
         let found: Vec<_> = found.collect();
@@ -105,7 +108,8 @@ pub fn restore(world: &mut World, saved: &mut QueryState<(Entity, &Saved), Allow
             continue;
         };
         for contact in saved.contacts {
-            restored.contacts.insert([contact.other, entity], contact);
+            let bodies = [contact.other, entity];
+            restored.contacts.insert(bodies, (saved.step, contact));
         }
         if !saved.inside.is_empty() {
             restored.inside.insert(entity, saved.inside);

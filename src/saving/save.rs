@@ -47,6 +47,7 @@ pub fn prepare(world: &mut World) -> Vec<Entity> {
         let of_b = contacts.entry(pair.bodies[1]).or_default();
         of_b.push((pair.spawn_orders[0], saved));
     }
+    let step = world.get_resource().map_or(0.0, StepTime::whole);
     let mut numbered = world.query_filtered::<Numbered, Allow<Disabled>>();
     let saved = numbered.iter(world).map(|(entity, order, forces, inside)| {
         let mut contacts = contacts.remove(&entity).unwrap_or_default();
@@ -54,6 +55,7 @@ pub fn prepare(world: &mut World) -> Vec<Entity> {
         let saved = Saved {
             spawn_order: order.0,
             contacts: contacts.into_iter().map(|(_, contact)| contact).collect(),
+            step,
             joint: forces.copied(),
             inside: inside.map_or_else(Vec::new, |inside| inside.iter().collect()),
         };

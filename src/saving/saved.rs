@@ -26,6 +26,8 @@ pub struct Saved {
     pub(super) spawn_order: u64,
     /// The contacts in which the entity is B.
     pub(super) contacts: Vec<SavedContact>,
+    /// Length of the last step, s: the impulses of contacts are those of this time.
+    pub(super) step: f32,
     pub(super) joint: Option<JointForces>,
     /// The colliders inside a sensor.
     pub(super) inside: Vec<SensorOverlap>,
@@ -101,6 +103,13 @@ impl SavedContact {
             anchors: anchors.clone(),
             detection: last.reach.is_finite().then_some(detection),
             axis: cache.axis,
+        }
+    }
+
+    /// Makes impulses of a step of one length those of a step of another, s.
+    pub(super) fn change_step(&mut self, from: f32, to: f32) {
+        if from > 0.0 && from != to {
+            self.impulses.scale(to / from);
         }
     }
 

@@ -71,7 +71,8 @@ impl Plugin for CollapsePlugin {
 }
 
 /// A message: a structure of watched bodies has collapsed.
-#[derive(Message, Clone, Debug, PartialEq)]
+#[derive(Message, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct Collapse {
     /// The body that failed first.
     pub first: Entity,
@@ -89,7 +90,8 @@ pub struct Collapse {
 
 /// A message: a collapse has ended. It is sent when everything left of the structure stands again, or after
 /// [`CollapseSettings::max_time`].
-#[derive(Message, Clone, Debug, PartialEq)]
+#[derive(Message, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct CollapseEnded {
     /// The body that failed first, as in [`Collapse`].
     pub first: Entity,
@@ -119,6 +121,11 @@ pub enum FailureMode {
 /// Component of bodies whose structure is watched for collapse.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[require(Stands)]
 pub struct Watch {
     /// Normal force on one of its faces that crushes the body, N. Default: infinite.
@@ -151,7 +158,13 @@ impl Stands {
 }
 
 /// Thresholds of collapse detection.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct CollapseSettings {
     /// Movement at which a body has left its place, as a share of its bounding radius. Default: 0.05.
     pub movement_threshold: f32,

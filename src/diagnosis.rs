@@ -201,7 +201,8 @@ impl fmt::Display for BodyProblem {
 }
 
 /// A message: a body is quarantined, or may behave badly.
-#[derive(Message, Clone, Debug, PartialEq)]
+#[derive(Message, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct BodyError {
     /// The body.
     pub entity: Entity,
@@ -231,7 +232,8 @@ impl fmt::Display for BodyError {
 impl std::error::Error for BodyError {}
 
 /// Why a step was not taken, or not with the settings asked for. Sent as a message unless stated otherwise.
-#[derive(Message, Clone, Debug, PartialEq)]
+#[derive(Message, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub enum StepError {
     /// The step length Δt is negative, not finite or not in [`STEP_LENGTHS`]. No step was taken. A length of zero is not an error: it is
     /// a pause.
@@ -286,7 +288,8 @@ impl MapEntities for Suspects {
 }
 
 /// Warnings that were sent. They are not repeated while their cause lasts.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 #[component(map_entities)]
 pub struct Told {
     /// The first bodies of islands whose solve went wrong in the last step.

@@ -87,6 +87,11 @@
 //! A body of several colliders has them on [child entities](children). [Sensors](sensor) are zones that report who enters and leaves. The feature
 //! `mesh` makes colliders from meshes.
 //!
+//! # Saving
+//!
+//! [`saving`] puts contacts into scenes, so that a structure that is loaded stands as it stood. The feature `serde` writes bodies, joints, settings and
+//! shapes to files.
+//!
 //! Named scenes, experiments and meters are in a separate crate, `drystone-lab` in `lab/`, which examples, tests and benches use.
 
 #![deny(missing_debug_implementations)]
@@ -124,7 +129,9 @@ mod plugin;
 pub mod preview;
 pub mod profile;
 pub mod query;
+mod reflection;
 pub mod revision;
+pub mod saving;
 pub mod schedule;
 pub mod sensor;
 pub mod settings;

@@ -6,24 +6,20 @@
 
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
-use crate::children::{self, ColliderOf, ImplicitBody, Unassembled};
+use crate::children::{self, Unassembled};
 use crate::contact::{
     self, ContactEnded, ContactForce, ContactStarted, EndedPairs, LostPairs, Untriggered,
 };
 use crate::diagnosis::{BodyError, StepError, Suspects, Told};
 use crate::graph::{self, ConstraintGraph, Islands};
-use crate::joint::{
-    BreakForce, BrokenJoints, JointBroke, JointChanges, JointDisabled, JointError, JointForces,
-    QuarantinedJoint,
-};
-use crate::mortar::{self, BrokenMortar, Mortar, MortarBroke};
+use crate::joint::{BrokenJoints, JointBroke, JointChanges, JointError};
+use crate::mortar::{self, BrokenMortar, MortarBroke};
 use crate::profile::{Profile, timed};
+use crate::saving::{self, Restored};
 use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
 };
-use crate::sensor::{
-    self, Sensor, SensorEntered, SensorExited, SensorOverlaps, Sensors, UntriggeredSensorEvents,
-};
+use crate::sensor::{self, SensorEntered, SensorExited, Sensors, UntriggeredSensorEvents};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, PhysicsThreads, PhysicsTime, SleepSettings,
     SolverSettings, SpeedLimits, StabilizationSettings, StepTime, uses_point_solver,
@@ -31,7 +27,7 @@ use crate::settings::{
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
 use crate::warm_start::{self, IslandProblems};
-use crate::{grab, integration, joint, narrowphase, solve};
+use crate::{grab, integration, joint, narrowphase, reflection, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
@@ -104,6 +100,7 @@ pub struct StepSystems;
 
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
+        reflection::register(app);
         app.init_resource::<Gravity>()
             .init_resource::<StabilizationSettings>()
             .init_resource::<NarrowphaseSettings>()
@@ -113,7 +110,6 @@ impl Plugin for StepPlugin {
             .init_resource::<ActiveSettings>()
             .init_resource::<PhysicsThreads>()
             .init_resource::<PhysicsTime>()
-            .register_type::<PhysicsTime>()
             .init_resource::<StepTime>()
             .init_resource::<Profile>()
             .init_resource::<Suspects>()
@@ -135,10 +131,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Unassembled>()
             .init_resource::<Sensors>()
             .init_resource::<UntriggeredSensorEvents>()
-            .register_type::<ColliderOf>()
-            .register_type::<ImplicitBody>()
-            .register_type::<Sensor>()
-            .register_type::<SensorOverlaps>()
+            .init_resource::<Restored>()
             .add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
@@ -212,16 +205,7 @@ pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<body::LockedAxes>()
-            .register_type::<body::Dominance>()
-            .register_type::<body::MaxLinearSpeed>()
-            .register_type::<body::MaxAngularSpeed>()
-            .register_type::<body::RigidBodyDisabled>()
-            .register_type::<body::ColliderDisabled>()
-            .register_type::<crate::collider::SurfaceVelocity>()
-            .register_type::<contact::ActiveContactHooks>()
-            .register_type::<contact::CollidingEntities>()
-            .add_observer(body::lost_parent)
+        app.add_observer(body::lost_parent)
             .add_observer(children::child_joined)
             .add_observer(children::child_left)
             .add_observer(children::child_disabled)
@@ -231,6 +215,7 @@ impl Plugin for BodyPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
+                timed(&profile, "prepare", saving::restore).run_if(saving::any_saved),
                 timed(&profile, "prepare", children::assemble),
                 timed(&profile, "prepare", body::complete),
                 timed(&profile, "prepare", body::lift),
@@ -381,13 +366,7 @@ pub struct JointPlugin;
 
 impl Plugin for JointPlugin {
     fn build(&self, app: &mut App) {
-        joint::register(app);
-        app.register_type::<BreakForce>()
-            .register_type::<JointDisabled>()
-            .register_type::<JointForces>()
-            .register_type::<QuarantinedJoint>()
-            .register_type::<Mortar>()
-            .add_observer(joint::look_at_disabled);
+        app.add_observer(joint::look_at_disabled);
         stages!(
             app,
             Joints: "joints" joint::joints,
@@ -498,7 +477,15 @@ pub struct RefreshSystems;
 impl Plugin for RefreshPlugin {
     fn build(&self, app: &mut App) {
         app.init_schedule(RefreshSchedule)
-            .add_systems(RefreshSchedule, (children::assemble, body::refresh).chain())
+            .add_systems(
+                RefreshSchedule,
+                (
+                    saving::restore.run_if(saving::any_saved),
+                    children::assemble,
+                    body::refresh,
+                )
+                    .chain(),
+            )
             .add_systems(
                 PreUpdate,
                 // Who edits in the same schedule and wants it seen at once has to be put before the set.

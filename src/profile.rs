@@ -7,12 +7,14 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{Adapt, IntoAdapterSystem, RunSystemError, System, SystemIn};
 use bevy_platform::time::Instant;
+use bevy_reflect::Reflect;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// The time that each system took in the last step, in the order in which the systems were added.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
     parts: Arc<PartClocks>,

@@ -31,6 +31,11 @@ use glam::{Quat, Vec3};
 /// ```
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct ExternalForce {
     /// Force, N.
@@ -78,6 +83,11 @@ impl ExternalForce {
 /// Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(summary_tick)]
 pub struct ExternalImpulse {
     /// Impulse, N·s.
@@ -98,6 +108,11 @@ impl ExternalImpulse {
 /// for any value. Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(summary_tick)]
 pub struct Damping {
     /// Damping of the linear velocity, 1/s.
@@ -109,6 +124,11 @@ pub struct Damping {
 /// Factor on [`Gravity`] for one body, without unit. Default: 1.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct GravityScale(pub f32);
 

@@ -12,10 +12,12 @@ use super::{BodyTable, Pose, Simulated};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 
 /// Marks a body or a pair that the stages skip because nothing about it changes. A pair is inactive only if both of its bodies are.
-#[derive(Component, Clone, Copy, Debug)]
+#[derive(Component, Clone, Copy, Debug, Reflect)]
+#[reflect(opaque)]
 #[component(clone_behavior = Ignore)]
 pub struct Inactive(());
 

@@ -4,7 +4,7 @@
 //! - the required components of a [`RigidBody`](super::RigidBody), and the components that are restored when they are removed,
 //! - the change detection of active bodies (`Changes`) and of inactive ones (`Written`),
 //! - the properties that the [`BodyTable`](super::BodyTable) copies ([`BodyProperties`](super::BodyProperties)),
-//! - the components that a preview copies and those that belong to the [state](crate::state) of a world.
+//! - the components that a preview copies, those that belong to the [state](crate::state) of a world, and those that are registered for reflection.
 //!
 //! A component whose removal must be noticed has the hook [`lost_description`](super::lost_description).
 

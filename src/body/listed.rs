@@ -6,6 +6,7 @@ use super::rows::Rows;
 use super::{BodyProperties, RigidBody};
 use crate::diagnosis::BodyProblem;
 use crate::state::visitor::Visitor;
+use bevy_app::App;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -137,6 +138,17 @@ macro_rules! listed {
             $(visitor.component::<$Optional>();)*
             $(visitor.component::<$Described>();)*
             $(visitor.component::<$Kept>();)*
+        }
+
+        /// Registers all components of the list for reflection.
+        pub(crate) fn register(app: &mut App) {
+            app.register_type::<RigidBody>();
+            $(app.register_type::<$Essential>();)*
+            $(app.register_type::<$Computed>();)*
+            $(app.register_type::<$Pushing>();)*
+            $(app.register_type::<$Optional>();)*
+            $(app.register_type::<$Described>();)*
+            $(app.register_type::<$Kept>();)*
         }
     };
 }

@@ -34,6 +34,11 @@ use glam::{BVec3, Mat3, Vec3};
 /// ```
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct LockedAxes(u8);
 

@@ -13,6 +13,11 @@ use glam::{Mat3, Quat, Vec3};
 /// [quarantined](super::Quarantined).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct Density(pub f32);
 
@@ -25,12 +30,22 @@ impl Density {
 /// not within [`limits`] is [quarantined](super::Quarantined).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct Mass(pub f32);
 
 /// Sets the principal moments of inertia of a body by hand, kg·m², about its centre of mass.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct AngularInertia {
     /// Moments about the three principal axes, kg·m².
@@ -42,6 +57,11 @@ pub struct AngularInertia {
 /// Sets the centre of mass of a body by hand, m, in the body's frame.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_insert = weigh, on_remove = table::lost_description, summary_tick)]
 pub struct CenterOfMass(pub Vec3);
 
@@ -55,6 +75,11 @@ pub struct CenterOfMass(pub Vec3);
 /// treats them as infinitely heavy.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_add = weigh, on_remove = table::lost_description)]
 pub struct MassProperties {
     /// Inverse mass, 1/kg.

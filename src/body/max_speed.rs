@@ -22,6 +22,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct MaxLinearSpeed(pub f32);
 
@@ -29,6 +34,11 @@ pub struct MaxLinearSpeed(pub f32);
 /// [`SpeedLimits`](crate::settings::SpeedLimits) counts. NaN and negative values are an error ([`BodyProblem::InvalidMaxSpeed`]).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct MaxAngularSpeed(pub f32);
 

@@ -50,7 +50,7 @@ pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
 pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
-pub(crate) use listed::{copy_description, properties_of, visit};
+pub(crate) use listed::{copy_description, properties_of, register, visit};
 pub use locked_axes::LockedAxes;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
 pub(crate) use mass::{weigh, weigh_body};
@@ -85,6 +85,7 @@ macro_rules! rigid_body {
         /// The kind of a body: whether forces and contacts move it. It may be changed at any time.
         #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
         #[reflect(Component, Debug, Default)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize))]
         #[component(on_insert = crate::children::changed_kind, on_remove = crate::children::lost_kind, summary_tick)]
         #[require($($Essential,)* $($Computed,)* $($Pushing,)* Transform)]
         pub enum RigidBody {
@@ -108,6 +109,11 @@ body_properties!(rigid_body);
 /// the physics schedule use `Pose` rather than `Transform`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(summary_tick)]
 pub struct Pose {
     /// Position of the body's origin, m.
@@ -169,6 +175,11 @@ impl Pose {
 /// Linear and angular velocity of a body. Default: zero.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(summary_tick)]
 pub struct Velocity {
     /// Velocity of the centre of mass, m/s.

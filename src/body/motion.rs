@@ -9,6 +9,11 @@ use glam::Vec3;
 /// two is added.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Ignore)]
 pub enum Motion {
     /// The body moves with its velocity. The default.

@@ -15,6 +15,11 @@ use glam::Vec3;
 /// [`SpeedLimits`](crate::settings::SpeedLimits) allows.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(storage = "SparseSet")]
 pub struct Teleport;
 

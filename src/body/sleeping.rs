@@ -7,6 +7,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// Whether a body sleeps, and whether it may. A body can be spawned asleep or put to sleep. The clone of a sleeping body is awake.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Custom(copy_awake), summary_tick)]
 pub struct Sleeping {
     /// Whether the body sleeps. Default: false.

@@ -11,6 +11,11 @@ use bevy_reflect::Reflect;
 /// spawn them in the same order, such as a server and its clients.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_add = stamp, clone_behavior = Ignore, summary_tick)]
 pub struct SpawnOrder(pub u64);
 

@@ -15,13 +15,15 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_platform::collections::HashMap;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::shape::Shape;
 use std::sync::Arc;
 
 /// The slot of a body in the [`BodyTable`]. Internal.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, Default)]
 #[component(on_remove = leave, clone_behavior = Ignore, summary_tick)]
 pub struct BodyIndex(pub u32);
 
@@ -220,7 +222,8 @@ const THICKNESS: f32 = 2.5;
 const SLENDER: f32 = 6.0;
 
 /// All live bodies by slot: a dense copy of the data that the stages read at random, and of the state of each body in the last step.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 #[component(map_entities)]
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,

@@ -13,6 +13,7 @@ use crate::body::{BodyState, BodyTable};
 use crate::collider::Collider;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace};
@@ -28,7 +29,8 @@ const AHEAD: f32 = 2.0;
 const REFIT_SHARE: usize = 16;
 
 /// The tree, and the overlaps that were found in it.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Clone, Default, Reflect)]
+#[reflect(opaque)]
 pub struct Broadphase {
     tree: Bvh,
     workspace: BvhWorkspace,

@@ -9,13 +9,15 @@ use crate::collider::{Collider, CollisionLayers, Moments};
 use crate::diagnosis::{BodyProblem, PartProblem};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
 use std::sync::Arc;
 
 /// The shape of a body with colliders on child entities, or with a scale. This component is computed; bodies whose shape is simply their own
 /// [`Collider`] do not have it.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque)]
 #[component(on_remove = crate::body::lost_description, map_entities, clone_behavior = Ignore, summary_tick)]
 pub struct CompoundCollider {
     /// What it was made from.

@@ -17,6 +17,11 @@ use glam::{Affine3A, Vec3};
 /// Marks a collider that is a part of a body above it in the hierarchy. This component is computed.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = left, clone_behavior = Ignore)]
 pub struct ColliderOf {
     /// The body.

@@ -15,6 +15,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// its own.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Ignore)]
 pub struct ImplicitBody;
 

@@ -5,6 +5,7 @@ use crate::body::{BodyState, BodyTable};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, ManifoldPatch};
 use bevy_ecs::entity::{Entity, EntityMapper};
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use parry3d::math::Pose as ParryPose;
 use std::sync::Arc;
 
@@ -176,7 +177,13 @@ impl BodyState {
 /// The parts of the two bodies of a contact patch: for A and B, 0 or the number of a child collider.
 ///
 /// It takes three bytes, which are free behind the other fields of a patch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct PatchParts([u8; 3]);
 
 impl PatchParts {

@@ -6,6 +6,11 @@ use std::ops::{BitOr, Not};
 
 /// A set of up to 32 layers, as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct LayerMask(pub u32);
 
 impl LayerMask {

@@ -8,6 +8,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// Default: all layers and all filters.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct CollisionLayers {
     /// Bit mask of the layers that the body is in.

@@ -8,6 +8,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// The rule that combines the coefficients a and b of two surfaces. If the two bodies have different rules, the later one in this list is
 /// used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Reflect)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub enum CombineRule {
     /// (a + b) / 2
     #[default]
@@ -37,6 +42,11 @@ impl CombineRule {
 /// Coulomb friction of a body's surface. Default: a coefficient of 0.5.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Friction {
     /// Coefficient of friction μ, without unit: not negative, and at most [`limits::FRICTION`](crate::body::limits::FRICTION).
@@ -48,6 +58,11 @@ pub struct Friction {
 /// Restitution (bounciness) of a body's surface. Default: a coefficient of 0.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Restitution {
     /// Coefficient of restitution e, without unit, from 0 (no bounce) to 1 (no loss).
@@ -66,6 +81,11 @@ pub struct Restitution {
 /// Only [`SoftStep`](crate::solver::SoftStep) has rolling friction; point solvers ignore it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct RollingFriction {
     /// Coefficient as a share of the radius, without unit; not negative.

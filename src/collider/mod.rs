@@ -4,6 +4,7 @@
 //! what it collides with. All lengths are in metres.
 
 mod decompose;
+mod description;
 mod exceptions;
 mod layer_mask;
 mod layers;
@@ -12,12 +13,15 @@ mod material;
 mod mesh;
 mod polyhedron;
 mod primitives;
+#[cfg(feature = "serde")]
+mod saved;
 mod scale;
 mod sizes;
 mod solid;
 mod surface_velocity;
 
 pub use decompose::DecompositionSettings;
+pub use description::{ColliderShape, CompoundPart};
 pub use exceptions::CollisionExceptions;
 pub use layer_mask::{CollisionLayer, LayerMask};
 pub use layers::CollisionLayers;
@@ -29,6 +33,7 @@ pub use surface_velocity::SurfaceVelocity;
 
 use crate::body::{MassProperties, SpawnOrder};
 use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
 use parry3d::shape::{
@@ -43,7 +48,15 @@ use std::fmt;
 /// The constructors cover the common shapes. Any other shape of [`parry3d`] can be converted with `From<SharedShape>`.
 /// On an entity with a [`RigidBody`](crate::body::RigidBody) it is the shape of that body. On an entity below a body in the hierarchy it is a part of
 /// that body, and without a body above it stands still; see [`children`](crate::children). The shape follows the scale of its `Transform`.
-#[derive(Component, Clone)]
+///
+/// [`description`](Self::description) returns the shape with all of its parameters. With the feature `serde` a collider is written to files in that form.
+#[derive(Component, Clone, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_insert = crate::children::collider_inserted, on_remove = crate::body::lost_description, summary_tick)]
 #[require(SpawnOrder)]
 pub struct Collider {

@@ -30,6 +30,11 @@ use glam::Vec3;
 /// ```
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct SurfaceVelocity(pub Vec3);
 

@@ -12,12 +12,18 @@ use glam::Vec3;
 /// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ContactEvents;
 
 /// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope. As
 /// an entity event its target is `body`; as a message `body` is A of the pair.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct ContactStarted {
     /// One body.
     #[event_target]
@@ -68,7 +74,8 @@ impl Hit {
 }
 
 /// Two bodies ceased to touch, or one of them was removed. As an entity event its target is `body`.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct ContactEnded {
     /// One body; it may have been despawned.
     #[event_target]

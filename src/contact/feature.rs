@@ -1,7 +1,14 @@
 //! The identity of a contact point from step to step: the features of the two solids that meet there.
 
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// A corner of A on B, a corner of B on A, or an edge of each that cross. The number stays the same as long as the features do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct FeatureId(pub u32);
 
 /// Number of bits for the index of a corner or an edge.

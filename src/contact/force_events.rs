@@ -45,6 +45,11 @@ use glam::Vec3;
 /// Requests a [`ContactForce`], as a message and for observers, for each body that presses on this body with more than a threshold.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct ContactForceEvents {
     /// Normal force between the two bodies, N, as a mean over the step. Default: 0, which reports every contact that presses. NaN reports
     /// none.
@@ -62,7 +67,8 @@ impl Default for ContactForceEvents {
 /// Reports that two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. The event is sent in every such
 /// step. If both bodies have the component, one event is sent for each. [Inactive](crate::body::Inactive) pairs are not reported, because their
 /// forces do not change.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct ContactForce {
     /// The body that has [`ContactForceEvents`].
     #[event_target]

@@ -365,6 +365,11 @@ fn sticks(anchors: &ContactAnchors, range: Range<usize>, number: usize) -> bool 
 /// every step.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Load {
     /// The sum of all contact forces on the body, N, world. At rest it is its weight, upwards.
     pub force: Vec3,

@@ -56,7 +56,8 @@ pub trait ContactHook: Send + Sync + 'static {
 /// }
 /// assert!((world.get::<Transform>(ball).unwrap().translation.y - 0.35).abs() < 0.01);
 /// ```
-#[derive(Resource, Clone)]
+#[derive(Resource, Clone, Reflect)]
+#[reflect(opaque)]
 pub struct ContactHooks(Arc<dyn ContactHook>);
 
 impl ContactHooks {
@@ -79,6 +80,11 @@ impl fmt::Debug for ContactHooks {
 /// Calls the [`ContactHooks`] for contacts of this body. It is enough that one body of a pair has it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ActiveContactHooks {
     /// Whether [`ContactHook::filter_pair`] is called. Default: false.

@@ -49,11 +49,13 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`; B is `bodies[1]`, which was spawned later. Normals point from B to A.
-#[derive(Component, Clone, Copy, Debug)]
+#[derive(Component, Clone, Copy, Debug, Reflect)]
+#[reflect(Component, Debug)]
 #[component(on_remove = lose_pair, clone_behavior = Ignore)]
 #[require(
     Manifold,
@@ -69,6 +71,7 @@ pub struct ContactPair {
     /// Slots of A and B in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
     /// The number of the pair's edge in the [constraint graph](crate::graph).
+    #[reflect(ignore)]
     pub(crate) edge: u32,
     /// Numbers of A and B in the order of spawning.
     pub spawn_orders: [SpawnOrder; 2],
@@ -83,11 +86,15 @@ pub struct ContactPair {
     /// Whether some point is inside the collision envelope.
     pub touching: bool,
     /// What the stages have to do for the pair.
+    #[reflect(ignore)]
     pub(crate) state: PairState,
     /// Changes when contacts are detected anew, not recycled, and when the user edits the pair. See [`revision`](crate::revision).
+    #[reflect(ignore)]
     pub(crate) revision: Revision,
     /// Number of steps for which detection is skipped, for a pair of a [crowd](crate::narrowphase::crowd).
+    #[reflect(ignore)]
     pub(crate) waits: u8,
+    #[reflect(ignore)]
     flags: PairFlags,
 }
 
@@ -136,6 +143,18 @@ impl ContactPair {
         self.flags.set(PairFlags::ANNOUNCED, announced);
     }
 
+    /// Whether the contacts and impulses come from a saved scene.
+    pub(crate) fn restored(&self) -> bool {
+        self.flags.has(PairFlags::RESTORED)
+    }
+
+    /// Makes a new pair one whose contacts and impulses come from a saved scene.
+    pub(crate) fn restore(&mut self, announced: bool) {
+        self.set_announced(announced);
+        self.flags.set(PairFlags::RESTORED, true);
+        self.state = PairState::Restored;
+    }
+
     /// Whether a [hook](hooks) set friction or restitution. These values then hold for child colliders too.
     pub(crate) fn hooked(&self) -> bool {
         self.flags.has(PairFlags::HOOKED)
@@ -156,7 +175,7 @@ impl ContactPair {
     /// Records that the user has edited the pair: stages no longer skip it, and derive anew what they derived from it.
     pub(crate) fn revise(&mut self, revision: Revision) {
         self.revision = revision;
-        if self.state != PairState::New {
+        if !matches!(self.state, PairState::New | PairState::Restored) {
             self.state = PairState::Live;
         }
     }
@@ -186,6 +205,7 @@ struct PairFlags(u8);
 impl PairFlags {
     const ANNOUNCED: u8 = 1;
     const HOOKED: u8 = 2;
+    const RESTORED: u8 = 4;
 
     fn has(self, flag: u8) -> bool {
         self.0 & flag != 0
@@ -202,6 +222,8 @@ pub(crate) enum PairState {
     /// Its contacts must be detected: the pair is new, or one of its bodies was changed.
     #[default]
     New,
+    /// The pair is new, and its contacts come from a [saved scene](crate::saving). They are kept where the bodies are as they were.
+    Restored,
     /// The last detection found no points, and no impulses are left. Detection is skipped while the bodies are far enough apart; all other
     /// stages skip the pair.
     Apart,
@@ -235,7 +257,13 @@ fn lose_pair(mut world: DeferredWorld, context: HookContext) {
 }
 
 /// The contact points of two bodies, where they touch or may touch within the step.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Ignore)]
 pub struct Manifold {
     /// The parts of the manifold with one normal each. A pair of convex bodies has at most one.
@@ -272,7 +300,13 @@ impl Manifold {
 }
 
 /// Contact points with one normal.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[repr(C)]
 pub struct ManifoldPatch {
     /// Unit vector from B to A, world axes.
@@ -299,7 +333,13 @@ impl ManifoldPatch {
 }
 
 /// One contact point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[repr(C)]
 pub struct ContactPoint {
     /// From the centre of mass of A to the midpoint between the surfaces at detection, world axes, m.
@@ -313,7 +353,8 @@ pub struct ContactPoint {
 }
 
 /// The velocities that the two stabilizations demand at the contact points.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, Reflect)]
+#[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactTargets {
     /// One for each point; empty under patch solvers.
@@ -323,7 +364,8 @@ pub struct ContactTargets {
 }
 
 /// The velocity that a contact point should have after the solve.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug)]
 pub struct Target {
     /// Lower bound of the normal velocity, m/s: u_collision + c_n of equations (4) and (6).
     pub normal: f32,
@@ -332,7 +374,13 @@ pub struct Target {
 }
 
 /// The impulses λ of the step, the sum over all its substeps, including restitution.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactImpulses {
     /// One for each point.
@@ -342,6 +390,8 @@ pub struct ContactImpulses {
     /// Friction of each point, under point solvers. Empty under patch solvers, which have one friction impulse for each patch.
     pub friction: Vec<PointFriction>,
     /// The impulses of the earlier substeps of this step.
+    #[reflect(ignore)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) earlier: Option<Box<Earlier>>,
 }
 
@@ -373,6 +423,19 @@ impl ContactImpulses {
         patch.tangential * (normal * share)
     }
 
+    /// Multiplies the impulses of the step, for a step of another length. Forces stay as they are.
+    pub(crate) fn scale(&mut self, factor: f32) {
+        for point in &mut self.points {
+            point.normal *= factor;
+        }
+        for patch in &mut self.patches {
+            patch.tangential *= factor;
+        }
+        for point in &mut self.friction {
+            point.tangential *= factor;
+        }
+    }
+
     /// Makes the lists as long as those of the manifold, if the user has changed the length of either. Entries keep their indices.
     #[inline(always)]
     pub(crate) fn fit(&mut self, manifold: &Manifold) {
@@ -385,7 +448,13 @@ impl ContactImpulses {
 }
 
 /// The normal impulse on A at a contact point. B gets the opposite.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Impulse {
     /// λ_n ≥ 0, N·s.
     pub normal: f32,
@@ -396,7 +465,13 @@ pub struct Impulse {
 }
 
 /// The friction impulse on A at a contact point. B gets the opposite.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct PointFriction {
     /// λ_t, N·s, world axes.
     pub tangential: Vec3,
@@ -405,7 +480,13 @@ pub struct PointFriction {
 }
 
 /// The friction state of a patch, under patch solvers. Zero under point solvers.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct PatchImpulse {
     /// λ_t of the step on A, N·s, world axes.
     pub tangential: Vec3,
@@ -433,7 +514,13 @@ pub(crate) struct ImpulseSum {
 }
 
 /// The tracked contact anchors of section 3 of the paper.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, Reflect)]
+#[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactAnchors {
     /// One for each point; none with pair-pose anchors.
@@ -441,6 +528,8 @@ pub struct ContactAnchors {
     /// One for each patch, with pair-pose anchors.
     pub patches: SmallVec<[PatchAnchor; 1]>,
     /// The revision of the pair when slips were last measured; `None` if an anchor was written since.
+    #[reflect(ignore)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) measured: Option<Revision>,
 }
 
@@ -448,7 +537,13 @@ pub struct ContactAnchors {
 ///
 /// A vector is loaded into a register of four numbers. So the bytes after it must not hold a small integer: read as a number it would be
 /// subnormal, which made the stage *friction error* four times as slow.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[repr(C)]
 pub struct PatchAnchor {
     /// The origin of A in the frame of B, m.
@@ -480,7 +575,13 @@ impl PatchAnchor {
 }
 
 /// The anchor that holds one contact point while it sticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Anchor {
     /// Whether the point was classified as sticking in the last step, equation (10).
     pub sticking: bool,

@@ -2,11 +2,13 @@
 
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_reflect::Reflect;
 use glam::Vec3;
 
 /// Velocities that friction demands of A against B, by the number of the pair's edge, m/s, world axes. Written anew in every step, in the stage
 /// *narrowphase*.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 #[doc(hidden)]
 pub struct MovingSurfaces(HashMap<u32, Vec3>);
 

@@ -11,6 +11,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{BVec3, Quat, Vec3};
 
 /// Lets every [`Hand`] hold the body that it points at. The plugin is not part of [`DrystonePlugins`](crate::DrystonePlugins); add it after
@@ -62,7 +63,13 @@ fn any_closes(hands: Query<(&Hand, &HandState)>) -> bool {
 /// # drystone::step(world, 1.0 / 60.0).unwrap();
 /// assert_eq!(world.get::<HandState>(hand).unwrap().held(), Some(brick));
 /// ```
-#[derive(Component, Clone, Copy, Debug)]
+#[derive(Component, Clone, Copy, Debug, Reflect)]
+#[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[require(HandState)]
 pub struct Hand {
     /// The ray that it points along. With `None` the body is held where it is.
@@ -86,7 +93,8 @@ pub struct Hand {
 }
 
 /// The body that a [`Hand`] holds. The clone of a hand holds nothing.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default)]
 #[component(on_remove = let_go, clone_behavior = Ignore, map_entities)]
 pub enum HandState {
     /// The hand is open.

@@ -45,6 +45,11 @@ use glam::{BVec3, Quat, Vec3};
 /// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = let_go, clone_behavior = Ignore)]
 #[require(GrabForce)]
 pub struct Grab {
@@ -72,6 +77,11 @@ pub struct Grab {
 /// Force and torque of the hand on a body in the last step. Zero if the body is not held.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Ignore)]
 pub struct GrabForce {
     /// Force at the held point, N, world axes.
@@ -81,7 +91,8 @@ pub struct GrabForce {
 }
 
 /// The [`Hand`] that holds a body by its [`Grab`]. A body whose `Grab` was inserted by the user does not have it.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct HeldBy(#[entities] pub(crate) Entity);
 

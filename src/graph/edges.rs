@@ -12,6 +12,7 @@
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_reflect::Reflect;
 
 /// The kind of constraint of an edge. To add a kind, add a variant, document it, and insert and remove its edges where its components are
 /// added and removed.
@@ -102,7 +103,8 @@ impl Changes {
 }
 
 /// The constraint graph: bodies by slot, and the edges between them. See the [module](super).
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 #[component(map_entities)]
 pub struct ConstraintGraph {
     /// Edges of the kinds of which there is one between two bodies.

@@ -17,10 +17,12 @@ use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
+use bevy_reflect::Reflect;
 use fixedbitset::FixedBitSet;
 
 /// The island and the level of support of each body: views of the [`ConstraintGraph`].
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 #[component(map_entities)]
 pub struct Islands {
     pub(super) partition: Partition,

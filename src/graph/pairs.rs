@@ -15,6 +15,7 @@ use crate::contact::{
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::revision::Revision;
+use crate::saving::{Restored, RestoredContacts};
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -47,6 +48,7 @@ pub fn pair_changes(
     broken: &mut QueryState<Entity, Broken>,
     pairs: &mut QueryState<(Entity, &ContactPair)>,
 ) {
+    let restored = world.resource_mut::<Restored>().take_contacts();
     ending.clear();
     ending.extend(broken.iter(world));
     let is_same = world.resource::<Broadphase>().found.is_empty();
@@ -87,7 +89,7 @@ pub fn pair_changes(
             graph.changes.gone.push(slot);
         }
         let overlaps = found.overlaps.into_iter().chain(again);
-        begin(world, &mut graph, overlaps);
+        begin(world, &mut graph, overlaps, restored);
     });
     tell(world, &lost);
     activate(world);
@@ -139,7 +141,12 @@ fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> 
 }
 
 /// Spawns pairs and their edges for overlaps that have none.
-fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator<Item = [u32; 2]>) {
+fn begin(
+    world: &mut World,
+    graph: &mut ConstraintGraph,
+    overlaps: impl Iterator<Item = [u32; 2]>,
+    restored: RestoredContacts,
+) {
     let table = world.resource::<BodyTable>();
     let overlaps = overlaps.filter(|&slots| !graph.knows(EdgeKind::Contact, slots));
     let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = overlaps
@@ -160,7 +167,9 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator
             && let Some(edge) = graph.insert(EdgeKind::Contact, slots)
         {
             warn(bodies, &mut warnings);
-            new.push(ContactPair::new(edge, slots, bodies, revision));
+            let mut pair = ContactPair::new(edge, slots, bodies, revision);
+            restored.mark(&mut pair);
+            new.push(pair);
         }
     }
     // Name each of many bodies in one place only once.
@@ -170,6 +179,7 @@ fn begin(world: &mut World, graph: &mut ConstraintGraph, overlaps: impl Iterator
     });
     let edges: Vec<_> = new.iter().map(|pair| (pair.edge, pair.slots)).collect();
     let spawned: Vec<Entity> = world.spawn_batch(new).collect();
+    restored.fill(world, &spawned);
     let table = world.resource::<BodyTable>();
     for ((edge, slots), pair) in edges.into_iter().zip(spawned) {
         graph.name(edge, pair);

@@ -59,6 +59,11 @@ pub(crate) enum Distance {
 /// limit.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct JointLimits {
     /// Minimum, m or rad.
     pub min: f32,

@@ -8,13 +8,15 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
 /// Rounding of the place of an anchor, as a share of its distance from the origin: of a position, and of an arm by a rotation.
 const ROUNDING: f32 = 2.0 * f32::EPSILON;
 
 /// A joint that takes part in the simulation: its edge, and its definition with local frames. Internal.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque)]
 #[component(on_remove = lose_edge, clone_behavior = Ignore, map_entities)]
 pub struct JointEdge {
     /// Slots of the bodies; [`WORLD`] for the world.

@@ -91,7 +91,8 @@ impl fmt::Display for JointProblem {
 }
 
 /// A message: a joint is disabled because of its input. Its bodies and all others are simulated on.
-#[derive(Message, Clone, Debug, PartialEq)]
+#[derive(Message, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct JointError {
     /// The joint.
     pub joint: Entity,

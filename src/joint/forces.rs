@@ -14,6 +14,11 @@ use glam::Vec3;
 /// For bodies that sleep they are those with which they came to rest.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(clone_behavior = Ignore)]
 pub struct JointForces {
     /// The mean force at the anchor on body 2 over the step, N, world axes.
@@ -74,6 +79,11 @@ impl JointForces {
 /// ```
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = look_again)]
 pub struct BreakForce {
     /// Maximum force, N. Default: infinite.
@@ -125,7 +135,8 @@ impl BreakForce {
 }
 
 /// A joint has broken. It is sent as a message, and triggered as an entity event on the joint after the step.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct JointBroke {
     /// The joint.
     #[event_target]

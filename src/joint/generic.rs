@@ -40,6 +40,11 @@ use std::ops::BitOr;
 /// ```
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct GenericJoint {
@@ -118,7 +123,12 @@ impl JointType for GenericJoint {
 }
 
 /// Some of the six axes of a joint. Combine them with `|`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct JointAxes(u8);
 
 impl JointAxes {

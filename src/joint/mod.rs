@@ -106,6 +106,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// has it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_insert = list::look_again)]
 pub struct JointDisabled;
 

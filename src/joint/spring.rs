@@ -38,6 +38,11 @@ use glam::{Quat, Vec3};
 /// ```
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct SpringJoint {

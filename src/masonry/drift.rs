@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 const SHARE: f32 = 0.05;
 
 /// The poses of bodies at the last look.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Watched {
     poses: EntityHashMap<Pose>,
 }

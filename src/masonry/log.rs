@@ -3,6 +3,7 @@
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 use std::collections::VecDeque;
 use std::fmt;
@@ -41,7 +42,8 @@ use crate::preview::Moved;
 /// log.redo(world).unwrap();
 /// assert_eq!(world.get::<Transform>(brick).unwrap().translation.x, 3.0);
 /// ```
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
 pub struct EditLog {
     done: VecDeque<Entry>,
     undone: Vec<Operation>,
@@ -49,7 +51,7 @@ pub struct EditLog {
 }
 
 /// An edit that has been made.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Entry {
     edit: Operation,
     /// The changes of other bodies since this edit, until the next one.
@@ -57,7 +59,7 @@ struct Entry {
 }
 
 /// One edit, with what is needed to undo and redo it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Operation {
     Placed {
         /// The poses and velocities of the bodies when they were placed.

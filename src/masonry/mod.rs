@@ -120,6 +120,11 @@ impl Block {
 /// Marker of bodies that were spawned from a [`Block`]. It requires a [`RigidBody`], which is dynamic by default.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[require(RigidBody)]
 pub struct Laid;
 

@@ -5,11 +5,13 @@ use crate::joint::JointEdge;
 use crate::solver::{MortarFailure, Utilization};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 use glam::Vec3;
 
 /// A patch of mortar has broken; from then on its bodies touch as dry stone. It is sent as a message, in which `body` is body 1 of the
 /// [`MortarJoint`](super::MortarJoint), and triggered as an entity event on both bodies after the step. The joint has been despawned.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct MortarBroke {
     /// One body.
     #[event_target]

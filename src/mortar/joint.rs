@@ -15,6 +15,11 @@ use glam::Vec2;
 /// strength. [`JointForces`] has the force and the torque about the centre of the patch.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct MortarJoint {

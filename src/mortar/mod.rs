@@ -94,6 +94,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// The default has the characteristic strengths of clay bricks in a common cement mortar (EN 1996-1-1, 3.6: M2.5 to M9).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Mortar {
     /// Tensile strength, Pa. Default: 100 kPa.
     pub tensile_strength: f32,

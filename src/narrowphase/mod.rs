@@ -133,14 +133,15 @@ fn look(
 ) -> Option<bool> {
     let (time, fall) = (rules.time, rules.fall);
     let outer = rules.stabilization.outer_distance();
-    if a.renewed || b.renewed {
+    let restored = pair.state == PairState::Restored;
+    if (a.renewed || b.renewed) && !restored {
         pair.combine([a, b]);
         // Parry would keep the points of the old shapes.
         cache.forget();
         pair.state = PairState::New;
         pair.waits = 0;
     }
-    if pair.state != PairState::New && is_idle(a) && is_idle(b) {
+    if pair.state != PairState::New && !restored && is_idle(a) && is_idle(b) {
         pair.state = PairState::Idle;
         return None;
     }
@@ -227,7 +228,7 @@ fn look(
         true => PairState::Apart,
         false => PairState::Live,
     };
-    let changed = manifold.points.is_empty() == had_points || parted;
+    let changed = manifold.points.is_empty() == had_points || parted || restored;
     changed.then_some(parted)
 }
 

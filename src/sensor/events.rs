@@ -2,10 +2,12 @@
 
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 
 /// A collider came into a [`Sensor`](super::Sensor). It is sent as a message, and triggered for observers of the sensor after the step. A body of
 /// several colliders sends it for each of them.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct SensorEntered {
     /// The entity with the [`Sensor`](super::Sensor).
     #[event_target]
@@ -20,7 +22,8 @@ pub struct SensorEntered {
 
 /// A collider left a [`Sensor`](super::Sensor), or one of the two was removed, disabled or changed so that it is not detected any more. It is sent
 /// as a message, and triggered for observers of the sensor after the step.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Message, Debug)]
 pub struct SensorExited {
     /// The entity with the [`Sensor`](super::Sensor); it may have been despawned.
     #[event_target]

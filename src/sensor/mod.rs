@@ -75,6 +75,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// sensors. On a part of a body it applies to that part, which then has no mass.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(on_insert = crate::children::sensor_changed, on_remove = removed)]
 #[require(SensorOverlaps)]
 pub struct Sensor;

@@ -6,6 +6,11 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// A collider inside a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct SensorOverlap {
     /// The body.
     pub body: Entity,
@@ -16,6 +21,11 @@ pub struct SensorOverlap {
 /// The colliders that overlap a [`Sensor`](super::Sensor), as of the last step. The stage *sensors* writes this component.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 #[component(map_entities, clone_behavior = Ignore)]
 pub struct SensorOverlaps(pub(super) Vec<SensorOverlap>);
 

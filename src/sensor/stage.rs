@@ -7,6 +7,7 @@ use super::zones::{Content, Sensors, Tracked, box_of};
 use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined, RigidBody};
 use crate::broadphase::Broadphase;
 use crate::children::CompoundCollider;
+use crate::saving::Restored;
 use bevy_ecs::prelude::*;
 
 /// The poses at the end of the step.
@@ -29,6 +30,7 @@ pub fn sensors(
     owners: WithSensors,
     (active, poses): (Active, Poses),
     mut overlaps: Query<&mut SensorOverlaps>,
+    mut restored: ResMut<Restored>,
     mut reports: Reports,
 ) {
     if sensors.is_empty() && owners.is_empty() {
@@ -52,6 +54,16 @@ pub fn sensors(
             stage.compare_body(*index, *pose, &moved);
         }
         changes = stage.changes;
+    }
+    if restored.has_inside() {
+        let inside = restored.take_inside();
+        for change in &mut changes {
+            let saved = inside.get(&change.sensor).map_or(&[][..], Vec::as_slice);
+            change.entered.retain(|content| {
+                let mut saved = saved.iter();
+                saved.all(|known| (known.body, known.collider) != (content.body, content.collider))
+            });
+        }
     }
     // Several bodies may have changed the same zone.
     changes.sort_by_key(|change| change.rank);

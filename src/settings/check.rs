@@ -7,9 +7,11 @@ use super::{
 use crate::body::limits;
 use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
-#[derive(Resource, Clone, Default, Debug)]
+#[derive(Resource, Clone, Default, Debug, Reflect)]
+#[reflect(opaque)]
 pub struct ActiveSettings {
     gravity: Gravity,
     stabilization: StabilizationSettings,

@@ -9,6 +9,8 @@ mod columns;
 mod narrowphase;
 mod physics_time;
 mod preset;
+#[cfg(feature = "serde")]
+mod saved_solver;
 mod solver;
 mod stabilization;
 mod threads;
@@ -29,10 +31,17 @@ pub use time::{STEP_LENGTHS, StepTime};
 
 use crate::body::Velocity;
 use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// Acceleration of gravity, m/s². Default: (0, −9.81, 0).
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Gravity(pub Vec3);
 
 impl Default for Gravity {
@@ -42,7 +51,13 @@ impl Default for Gravity {
 }
 
 /// Maximum speeds of a body. Bodies that forces or contacts make faster are slowed down to these limits.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct SpeedLimits {
     /// Maximum linear speed, m/s. Default: 1000.
     pub linear: f32,
@@ -73,7 +88,13 @@ impl SpeedLimits {
 }
 
 /// When bodies fall asleep. Sleeping bodies are not simulated until something wakes them.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct SleepSettings {
     /// Whether bodies may fall asleep. Default: true.
     pub enabled: bool,

@@ -2,9 +2,16 @@
 
 use super::Preset;
 use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// How contact manifolds are computed, kept from step to step, and matched with those of the last step.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct NarrowphaseSettings {
     /// How far two bodies may move relative to each other before their manifold is computed anew, as a share of the size of the smaller
     /// body. Until then the manifold is recycled: its normal and lever arms stay as they are. The size of a body is its bounding radius,

@@ -3,11 +3,18 @@
 use super::Preset;
 use crate::solver::{Nncg, PatchSolver, Pgs, PointSolver, SoftStep};
 use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use std::fmt;
 use std::sync::Arc;
 
 /// The contact solver, and how a step is divided.
-#[derive(Resource, Clone, Debug, PartialEq)]
+#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct SolverSettings {
     /// The contact solver with its settings. Default: [`SoftStep`].
     pub solver: ContactSolver,
@@ -36,7 +43,15 @@ impl Default for SolverSettings {
 /// The method that computes contact impulses: a built-in one, or one of your own behind one of the two solver traits.
 ///
 /// Point solvers treat each contact point as a constraint, as the paper does. Patch solvers treat all points of a contact face together.
-#[derive(Clone)]
+///
+/// With the feature `serde`, built-in solvers can be written to files. A solver of your own cannot, because it is code; that is an error.
+#[derive(Clone, Reflect)]
+#[reflect(opaque)]
+#[reflect(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub enum ContactSolver {
     /// Drystone's own patch solver, the default.
     SoftStep(SoftStep),

@@ -2,10 +2,17 @@
 
 use super::Preset;
 use bevy_ecs::prelude::*;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// How penetration is corrected (paper, section 2). Point solvers read it; [`SoftStep`](crate::solver::SoftStep) corrects penetration
 /// itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub enum NormalStabilization {
     /// No correction. Contacts bound velocities only, and bodies sink slowly into each other.
     None,
@@ -24,7 +31,13 @@ pub enum NormalStabilization {
 }
 
 /// How the anchor of a sticking contact is chosen and kept (paper, section 3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub enum AnchorRule {
     /// A new anchor in every step, equation (11) taken literally. It divides the drift by about 1 + k_t.
     Literal,
@@ -37,7 +50,13 @@ pub enum AnchorRule {
 }
 
 /// The rule that decides whether a contact sticks, equation (10).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub enum Classifier {
     /// Each point sticks by itself if ‖λ_t‖ < μ λ_n.
     PerPoint,
@@ -52,7 +71,13 @@ pub enum Classifier {
 }
 
 /// Settings of friction stabilization (paper, section 3). Sticking contacts remember an anchor, and slip away from it is corrected.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct FrictionStabilization {
     /// Whether slip is corrected. Default: true.
     pub enabled: bool,
@@ -73,7 +98,13 @@ pub struct FrictionStabilization {
 }
 
 /// Settings of normal and friction stabilization, and of the collision envelope.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct StabilizationSettings {
     /// Size δ of the collision envelope, m: bodies nearer than its outer boundary have contacts. Default: 0.02.
     pub envelope: f32,

@@ -2,10 +2,12 @@
 
 use super::columns::Columns;
 use bevy_ecs::prelude::*;
+use bevy_reflect::Reflect;
 use std::sync::Arc;
 
 /// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads.
-#[derive(Resource, Clone, Debug)]
+#[derive(Resource, Clone, Debug, Reflect)]
+#[reflect(opaque)]
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
     min_items: usize,

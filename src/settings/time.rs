@@ -2,12 +2,19 @@
 
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Valid lengths of a step, s. Single precision cannot divide by shorter ones; longer ones are a mistake.
 pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 
 /// Number and length of the current substep. Written by [`step`](crate::step()); read-only for other systems.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct StepTime {
     /// Length of the current substep, s.
     pub dt: f32,

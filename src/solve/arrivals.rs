@@ -3,7 +3,8 @@
 //! Sleeping islands are not solved. Without further care, the contacts of a body that is added asleep would have no impulses until its island
 //! wakes: queries of forces and supports would not include it, and the structure would take up its load only then. So in the step in which
 //! bodies are added, the contacts of their island get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever
-//! the solver. Islands with joints get none: their contacts and joints are loaded when they wake.
+//! the solver. Islands with joints get none: their contacts and joints are loaded when they wake. Nor do islands of a [saved scene](crate::saving), whose contacts
+//! have the forces that they had.
 
 use super::patches::settle;
 use super::{Solve, SolveRows};
@@ -65,7 +66,9 @@ impl Solve<'_> {
                 island.diverged = true;
                 continue;
             }
-            if contacts.is_empty() {
+            // Those of a saved scene have their loads.
+            if contacts.iter().all(|contact| contact.pair.restored()) {
+                island.diverged = true;
                 continue;
             }
             island.gather(contacts, &from);

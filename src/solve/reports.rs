@@ -6,13 +6,16 @@ use crate::solver::SolveReport;
 use crate::warm_start::{Island, ProblemSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// The reports of the last step's solves, one for each island that had contacts.
-#[derive(Resource, Default, Clone, Debug)]
+#[derive(Resource, Default, Clone, Debug, Reflect)]
+#[reflect(Resource, Debug, Default)]
 pub struct SolveReports(pub Vec<IslandReport>);
 
 /// The report of one island's solve.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Reflect)]
+#[reflect(Debug)]
 pub struct IslandReport {
     /// Number of its bodies, including copies of static and kinematic ones.
     pub bodies: usize,

@@ -1,7 +1,9 @@
 //! Reports of solves.
 
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// The report of a solve: created from the merit of the free motion ([`SolveReport::new`]), then updated after every sweep.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
 pub struct SolveReport {
     /// Number of sweeps.
     pub sweeps: usize,

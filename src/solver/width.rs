@@ -1,13 +1,20 @@
 //! The number of contacts that are relaxed side by side, chosen at run time.
 
-#[cfg(target_arch = "x86_64")]
 use super::lanes::F32x8;
+#[cfg(target_arch = "x86_64")]
+use bevy_reflect::Reflect;
 
 /// Number of contacts that a solver relaxes side by side: patches, or pairs of bodies with all of their points.
 ///
 /// Results differ by rounding: eight lanes use fused multiply-add, four lanes do not. So the same scene gives the same bits on all machines
 /// only with [`Four`](Lanes::Four).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub enum Lanes {
     /// Eight if the processor supports it and the contacts fill the lanes, else four. The choice depends on the island alone, so that one
     /// machine always gives the same bits.

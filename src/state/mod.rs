@@ -29,6 +29,7 @@ use crate::joint::{
     QuarantinedJoint,
 };
 use crate::mortar::{BrokenMortar, Mortar};
+use crate::saving::{Restored, Saved};
 use crate::sensor::{Sensor, SensorOverlaps, Sensors, UntriggeredSensorEvents};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
@@ -54,6 +55,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(component: CollidingEntities, ContactForceEvents, Load, Watch, Stands);
     // Colliders.
     list!(component: ColliderOf, ImplicitBody, Sensor, SensorOverlaps);
+    // Entities of a scene that was just loaded.
+    list!(component: Saved);
     // Hands.
     list!(component: HandState, Hand);
     // Joints.
@@ -71,7 +74,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);
     list!(resource: JointChanges, BrokenJoints, BrokenMortar);
-    list!(resource: Unassembled, Sensors, UntriggeredSensorEvents);
+    list!(resource: Unassembled, Sensors, UntriggeredSensorEvents, Restored);
 
     list!(derived: Pending, IslandProblems);
 }

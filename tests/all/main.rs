@@ -37,11 +37,14 @@ mod plays;
 mod preview;
 mod query;
 mod reference;
+mod reflection;
 mod refresh;
 mod rest;
 mod restraints;
 mod rods;
 mod round;
+#[cfg(feature = "serde")]
+mod saving;
 mod sensors;
 mod sizes;
 mod slopes;

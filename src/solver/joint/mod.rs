@@ -78,6 +78,11 @@ impl Default for JointConstraint {
 
 /// How a joint acts on one of its coordinates. Units are m and N for translations, rad and N·m for rotations.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct JointAxis {
     /// The coordinate stays between these values. Equal values lock it, infinite ones do not limit it.
     pub limits: [f32; 2],
@@ -89,6 +94,11 @@ pub struct JointAxis {
 
 /// A motor or a spring on one coordinate of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct JointMotor {
     /// The coordinate that it moves to. Without effect if `stiffness` is 0.
     pub target_position: f32,

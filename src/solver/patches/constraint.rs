@@ -1,5 +1,6 @@
 //! A patch of contact: all points of two bodies that share a normal, with one friction force and one twist between them.
 
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// The input of a [patch solver](super::PatchSolver) for a patch, and its results. World axes.
@@ -50,7 +51,13 @@ impl PatchConstraint {
 }
 
 /// Slip of A on B at the centre of a patch.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Slip {
     /// Displacement in world axes, m.
     pub shift: Vec3,

@@ -51,6 +51,7 @@ use super::lanes::{F32x4, F32xN};
 use super::walls::{self, Walls};
 use super::width::Width;
 use super::{Body, GrabConstraint, JointConstraint, Lanes, SolveReport};
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use blocks::{Cone, Disc, Square};
 pub(crate) use constraint::PatchFrame;
 pub use constraint::{PointConstraint, PointInput, tangents};
@@ -77,7 +78,13 @@ pub trait PointSolver: Send + Sync {
 }
 
 /// The set that the friction impulses of one point are projected to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub enum FrictionCone {
     /// ‖λ_t‖ ≤ μ λ_n.
     #[default]

@@ -13,12 +13,19 @@ use super::blocks::{Cone, Conjugate};
 use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Lanes, SolveReport};
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Number of consecutive restarts after which the method continues with plain sweeps.
 const GIVE_UP: usize = 8;
 
 /// The nonsmooth nonlinear conjugate gradient solver, a point solver. It converges, at the cost of more sweeps.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Nncg {
     /// Maximum number of sweeps over all contacts.
     pub iterations: usize,

@@ -4,9 +4,16 @@ use super::blocks::{Blocks, Cone};
 use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Lanes, SolveReport};
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// The projected Gauss–Seidel solver (Erleben 2007), which relaxes one pair of bodies after the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct Pgs {
     /// Maximum number of sweeps over all contacts.
     pub iterations: usize,

@@ -68,6 +68,7 @@ use crate::solver::lanes::F32x8;
 use crate::solver::lanes::{F32x4, F32xN};
 use crate::solver::width::Width;
 use crate::solver::{Lanes, SolveReport};
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use block::{Pass, Spring};
 use gaps::Gaps;
 #[cfg(target_arch = "x86_64")]
@@ -86,7 +87,13 @@ const TALL_SLOWDOWN: f32 = 40.0;
 const SWEEPS: usize = 1_000_000;
 
 /// The default contact solver: many short substeps with one sweep each, over contacts that are damped springs. It works on patches.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Debug, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
 pub struct SoftStep {
     /// Damping ratio ζ of soft rows. 5 to 20 work.
     pub damping_ratio: f32,

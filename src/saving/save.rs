@@ -1,0 +1,102 @@
+//! Saving.
+
+use super::{Saved, SavedContact};
+use crate::body::SpawnOrder;
+use crate::collapse::CollapseSettings;
+use crate::contact::{ContactAnchors, ContactImpulses, ContactPair, Manifold, NarrowphaseCache};
+use crate::joint::JointForces;
+use crate::sensor::SensorOverlaps;
+use crate::settings::{
+    Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings, SpeedLimits,
+    StabilizationSettings, StepTime,
+};
+use bevy_ecs::component::ComponentCloneBehavior;
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::prelude::*;
+use std::any::TypeId;
+
+type Pairs = (
+    &'static ContactPair,
+    &'static Manifold,
+    &'static ContactImpulses,
+    &'static ContactAnchors,
+    &'static NarrowphaseCache,
+);
+
+type Numbered = (
+    Entity,
+    &'static SpawnOrder,
+    Option<&'static JointForces>,
+    Option<&'static SensorOverlaps>,
+);
+
+/// Gives all bodies, colliders and joints the component [`Saved`]. Call it before you extract a scene, and extract the scene before the next step.
+///
+/// Returns the entities that belong to the scene: bodies, colliders, joints, and the entities above them in the hierarchy. Entities with none of these
+/// are for you to add.
+pub fn prepare(world: &mut World) -> Vec<Entity> {
+    let mut contacts: EntityHashMap<Vec<(SpawnOrder, SavedContact)>> = EntityHashMap::default();
+    let mut pairs = world.query::<Pairs>();
+    for (pair, manifold, impulses, anchors, cache) in pairs.iter(world) {
+        if manifold.points.is_empty() && !pair.announced() {
+            continue;
+        }
+        let saved = SavedContact::of(pair, manifold, impulses, anchors, cache);
+        let of_b = contacts.entry(pair.bodies[1]).or_default();
+        of_b.push((pair.spawn_orders[0], saved));
+    }
+    let step = world.get_resource().map_or(0.0, StepTime::whole);
+    let mut numbered = world.query_filtered::<Numbered, Allow<Disabled>>();
+    let saved = numbered.iter(world).map(|(entity, order, forces, inside)| {
+        let mut contacts = contacts.remove(&entity).unwrap_or_default();
+        contacts.sort_unstable_by_key(|&(order, _)| order);
+        let saved = Saved {
+            spawn_order: order.0,
+            contacts: contacts.into_iter().map(|(_, contact)| contact).collect(),
+            step,
+            joint: forces.copied(),
+            inside: inside.map_or_else(Vec::new, |inside| inside.iter().collect()),
+        };
+        (entity, saved)
+    });
+    let saved: Vec<(Entity, Saved)> = saved.collect();
+    let mut entities: Vec<Entity> = Vec::with_capacity(saved.len());
+    let mut seen = EntityHashSet::default();
+    for &(entity, _) in &saved {
+        let mut next = Some(entity);
+        while let Some(at) = next.filter(|&at| seen.insert(at)) {
+            entities.push(at);
+            next = world.get::<ChildOf>(at).map(ChildOf::parent);
+        }
+    }
+    world.insert_batch(saved);
+    entities
+}
+
+/// The types of components that are computed, and that belong to one world. Loading a scene skips them, so a scene need not hold them: it is half as
+/// long without.
+pub fn computed(world: &World) -> impl Iterator<Item = TypeId> {
+    let components = world.components().iter_registered();
+    let computed = components.filter(|(_, component)| {
+        matches!(component.clone_behavior(), ComponentCloneBehavior::Ignore)
+    });
+    computed.filter_map(|(_, component)| component.type_id())
+}
+
+/// The types of the resources that a scene may hold: the settings, and the lengths of the last steps.
+pub fn settings() -> impl Iterator<Item = TypeId> {
+    [
+        TypeId::of::<Gravity>(),
+        TypeId::of::<StabilizationSettings>(),
+        TypeId::of::<NarrowphaseSettings>(),
+        TypeId::of::<SolverSettings>(),
+        TypeId::of::<SleepSettings>(),
+        TypeId::of::<SpeedLimits>(),
+        TypeId::of::<CollapseSettings>(),
+        TypeId::of::<PhysicsTime>(),
+        TypeId::of::<StepTime>(),
+    ]
+    .into_iter()
+}

@@ -1,0 +1,152 @@
+//! Every public component, resource and message is registered for reflection by the plugins.
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use bevy_ecs::reflect::{ReflectComponent, ReflectMessage, ReflectResource};
+use bevy_reflect::{GetTypeRegistration, TypePath};
+use drystone::DrystonePlugins;
+use drystone::masonry::EditLog;
+use drystone::prelude::*;
+use drystone::settings::PhysicsThreads;
+
+/// Types that are not registered, and why.
+const INTERNAL: [(&str, &str); 16] = [
+    ("body::pending::Pending", "derived, for queries"),
+    (
+        "warm_start::problems::IslandProblems",
+        "scratch of a step, with the memory of solvers",
+    ),
+    ("diagnosis::Suspects", "hidden; empty between steps"),
+    ("contact::LostPairs", "hidden; empty between steps"),
+    ("contact::events::EndedPairs", "hidden; empty between steps"),
+    (
+        "contact::events::Untriggered",
+        "hidden; empty between steps",
+    ),
+    ("contact::cache::NarrowphaseCache", "hidden; data of parry"),
+    ("joint::edge::JointChanges", "hidden; empty between steps"),
+    ("joint::forces::BrokenJoints", "hidden; empty between steps"),
+    (
+        "children::assemble::Unassembled",
+        "hidden; a list of changes",
+    ),
+    ("sensor::zones::Sensors", "hidden; the tree of sensors"),
+    (
+        "sensor::events::UntriggeredSensorEvents",
+        "hidden; empty between steps",
+    ),
+    ("saving::restore::Restored", "hidden; empty between steps"),
+    ("collapse::Stands", "hidden; where a watched body stood"),
+    ("collapse::Structures", "hidden; history of collapses"),
+    ("schedule::StepMessages", "private; a list of functions"),
+];
+
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((DrystonePlugins::default(), HandPlugin, CollapsePlugin));
+    app
+}
+
+#[test]
+fn every_component_and_resource_is_registered() {
+    let mut app = app();
+    let world = app.world_mut();
+    // Components become known when they are spawned, or required by others.
+    world.spawn((RigidBody::Dynamic, Collider::ball(0.5), Hand::new(1.0)));
+    drystone::step(world, 0.1).unwrap();
+    let registry = world.resource::<AppTypeRegistry>().read();
+    let mut unknown = Vec::new();
+    let mut count = 0;
+    for (_, component) in world.components().iter_registered() {
+        let name = component.name().to_string();
+        eprintln!("{name}");
+        let Some(path) = name.strip_prefix("drystone::") else {
+            continue;
+        };
+        count += 1;
+        let registered = registry.get(component.type_id().unwrap()).is_some();
+        let internal = INTERNAL.iter().any(|(known, _)| *known == path);
+        assert!(
+            !(registered && internal),
+            "{path} is registered, and on the list"
+        );
+        if !registered && !internal {
+            unknown.push(path.to_owned());
+        }
+    }
+    assert!(count > 60, "{count}");
+    assert!(unknown.is_empty(), "not registered: {unknown:#?}");
+}
+
+/// The source names more types than a world knows: those that only some entities have.
+#[test]
+fn every_type_of_the_source_is_registered() {
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../src");
+    let mut found = Vec::new();
+    visit(source.as_ref(), &mut found);
+    assert!(found.len() > 90, "{}", found.len());
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let registered: Vec<&str> = registry
+        .iter()
+        .map(|of| of.type_info().type_path_table().short_path())
+        .collect();
+    let is_internal = |name: &str| {
+        let mut internal = INTERNAL.iter();
+        internal.any(|(path, _)| path.rsplit("::").next() == Some(name))
+    };
+    // Debug rendering has plugins of its own.
+    found.retain(|name| !is_internal(name) && !registered.contains(&name.as_str()));
+    assert!(found.is_empty(), "not registered: {found:#?}");
+}
+
+/// The names of the public types in a folder that derive `Component`, `Resource` or `Message`.
+fn visit(folder: &std::path::Path, found: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            visit(&path, found);
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut derives = false;
+        for line in text.lines().map(str::trim) {
+            if let Some(list) = line.strip_prefix("#[derive(") {
+                let mut names = list.split([',', ')']).map(str::trim);
+                derives = names.any(|name| ["Component", "Resource", "Message"].contains(&name));
+            }
+            let declared = ["pub struct ", "pub enum "].iter();
+            let mut declared = declared.filter_map(|kind| line.strip_prefix(kind));
+            if let Some(name) = declared.next() {
+                if std::mem::take(&mut derives) {
+                    let end = name.find(|c: char| !c.is_alphanumeric());
+                    found.push(name[..end.unwrap_or(name.len())].to_owned());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn types_can_be_inserted_and_sent_through_reflection() {
+    fn has<T: GetTypeRegistration + TypePath, D: bevy_reflect::TypeData>(app: &App) {
+        let registry = app.world().resource::<AppTypeRegistry>().read();
+        let of = registry.get(std::any::TypeId::of::<T>());
+        let data = of.and_then(|of| of.data::<D>());
+        assert!(data.is_some(), "{}", T::type_path());
+    }
+    let app = app();
+    has::<Collider, ReflectComponent>(&app);
+    has::<RevoluteJoint, ReflectComponent>(&app);
+    has::<ContactPair, ReflectComponent>(&app);
+    has::<SolverSettings, ReflectResource>(&app);
+    has::<PhysicsTime, ReflectResource>(&app);
+    has::<ContactStarted, ReflectMessage>(&app);
+    has::<Collapse, ReflectMessage>(&app);
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    // They belong to one world.
+    for name in [PhysicsThreads::type_path(), EditLog::type_path()] {
+        let of = registry.get_with_type_path(name).unwrap();
+        assert!(of.data::<ReflectResource>().is_none());
+    }
+}

@@ -9,49 +9,105 @@ use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::fmt;
+use thiserror::Error;
 
 /// A problem of a body. The bounds of valid input are in [`limits`].
-#[derive(Clone, Debug, PartialEq, Reflect)]
+#[derive(Clone, Debug, PartialEq, Reflect, Error)]
 pub enum BodyProblem {
     /// The `Transform` or `Pose` is NaN or infinite, its position is out of bounds, or its rotation has length zero.
+    #[error(
+        "its pose is not finite or farther than {:.0e} m from the origin, or its rotation has length zero",
+        limits::POSITION
+    )]
     NonFinitePose,
     /// The `Velocity` is NaN, infinite or out of bounds.
+    #[error(
+        "its velocity is not finite or above {:.0e} m/s or rad/s",
+        limits::SPEED
+    )]
     NonFiniteVelocity,
     /// The external force or impulse is NaN, infinite or out of bounds, or would make the body faster than the limit.
+    #[error(
+        "its external force or impulse is not finite, above {:.0e} N, or makes it faster than {:.0e} m/s",
+        limits::FORCE,
+        limits::SPEED
+    )]
     NonFiniteForce,
     /// The damping is negative, not finite or out of bounds.
+    #[error("its damping is not between 0 and {:.0e} 1/s", limits::DAMPING)]
     InvalidDamping,
     /// The gravity scale is not finite or out of bounds.
+    #[error(
+        "its gravity scale is not finite or above {:.0e}",
+        limits::GRAVITY_SCALE
+    )]
     InvalidGravityScale,
     /// The `Grab` has a point or rotation that is not finite, or a response, speed, force or torque that is negative or not a number.
+    #[error(
+        "its `Grab` has a point, rotation or response that is not finite, a rotation of length zero, or a speed, force or torque that is negative"
+    )]
     InvalidGrab,
     /// The mass or a moment of inertia of a dynamic body is zero, negative, not finite or out of bounds.
+    #[error(
+        "its mass or inertia is zero, negative, not finite or not between {:.0e} and {:.0e} kg; a body without mass must be static or kinematic",
+        limits::LIGHTEST,
+        limits::HEAVIEST
+    )]
     InvalidMass,
     /// The shape has no extent in some direction, or a size that is not finite or out of bounds.
+    #[error(
+        "its shape has no volume, or a size that is not between {:.0e} and {:.0e} m",
+        limits::SMALLEST,
+        limits::LARGEST
+    )]
     DegenerateShape,
     /// The friction, rolling friction or restitution is negative, not finite or out of bounds.
+    #[error(
+        "its friction or rolling friction is not between 0 and {:.0e}, or its restitution not between 0 and 1",
+        limits::FRICTION
+    )]
     InvalidMaterial,
     /// The surface velocity is NaN, infinite or out of bounds.
+    #[error(
+        "its surface velocity is not finite or above {:.0e} m/s",
+        limits::SPEED
+    )]
     InvalidSurfaceVelocity,
     /// The maximum linear or angular speed is NaN or negative.
+    #[error(
+        "its `MaxLinearSpeed` or `MaxAngularSpeed` is negative or not a number; an infinite one is no limit"
+    )]
     InvalidMaxSpeed,
     /// The solve of its island gave an invalid velocity. The island keeps its velocities and poses from before the step, and starts
     /// without impulses.
+    #[error(
+        "the solve of its island went wrong, and was taken back; look for extreme forces, masses or sizes"
+    )]
     Diverged,
     /// It touches a body more than [`EXTREME_MASS_RATIO`] times as heavy or light. The solver converges slowly.
+    #[error(
+        "it touches {other}, whose mass differs by more than {EXTREME_MASS_RATIO:.0} times: expect slow convergence"
+    )]
     ExtremeMassRatio {
         /// The other body.
         other: Entity,
     },
     /// Its centre lies exactly at that of another body, so that no direction separates them. They are pushed apart upwards.
+    #[error("it lies exactly where {other} lies; they are parted along one axis")]
     Coincident {
         /// The other body.
         other: Entity,
     },
     /// It lies in a crowd of bodies that overlap so many others that only the deepest contacts of each are solved. The others wait until
     /// those bodies have been separated. Reported once for each crowd.
+    #[error(
+        "it lies in a crowd of bodies that overlap too many others: they are parted by the deepest contacts of each first"
+    )]
     Crowded,
     /// The entity has a collider that cannot be a part of the body above it in the hierarchy. The body goes on without it.
+    #[error(
+        "its `Collider` is left out of {body}: {problem}; it takes part as soon as that is corrected"
+    )]
     PartLeftOut {
         /// The body above.
         body: Entity,
@@ -61,39 +117,28 @@ pub enum BodyProblem {
 }
 
 /// Why a collider cannot be a part of the body above it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, Error)]
 pub enum PartProblem {
     /// Its `Transform` in the frame of the body is not finite, or too far away.
+    #[error("its `Transform` is not finite or too far from the body")]
     InvalidTransform,
     /// Its shape has no extent in some direction, also after it was scaled, or a size that is not finite or out of bounds.
+    #[error("its shape has no volume, or a size out of bounds, at the scale that it has there")]
     DegenerateShape,
     /// Its density or mass is zero, negative or not finite.
+    #[error("its density or mass is not positive and finite")]
     InvalidMass,
     /// Its friction, rolling friction or restitution is negative, not finite or out of bounds.
+    #[error("its friction, rolling friction or restitution is negative or out of bounds")]
     InvalidMaterial,
     /// It is a mesh, height field, triangle or half-space, or the body's own collider is one, and the body is dynamic.
+    #[error(
+        "a surface or half-space has no volume: use `Collider::convex_hull` or `Collider::convex_decomposition`, or make the body static or kinematic"
+    )]
     Surface,
     /// The body has 4095 other parts already.
+    #[error("the body has 4095 other parts: join some with `Collider::compound`")]
     TooMany,
-}
-
-impl fmt::Display for PartProblem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::InvalidTransform => "its `Transform` is not finite or too far from the body",
-            Self::DegenerateShape => {
-                "its shape has no volume, or a size out of bounds, at the scale that it has there"
-            }
-            Self::InvalidMass => "its density or mass is not positive and finite",
-            Self::InvalidMaterial => {
-                "its friction, rolling friction or restitution is negative or out of bounds"
-            }
-            Self::Surface => {
-                "a surface or half-space has no volume: use `Collider::convex_hull` or `Collider::convex_decomposition`, or make the body static or kinematic"
-            }
-            Self::TooMany => "the body has 4095 other parts: join some with `Collider::compound`",
-        })
-    }
 }
 
 impl MapEntities for BodyProblem {
@@ -124,84 +169,8 @@ impl BodyProblem {
     }
 }
 
-impl fmt::Display for BodyProblem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFinitePose => write!(
-                f,
-                "its pose is not finite or farther than {:.0e} m from the origin, or its rotation has length zero",
-                limits::POSITION
-            ),
-            Self::NonFiniteVelocity => write!(
-                f,
-                "its velocity is not finite or above {:.0e} m/s or rad/s",
-                limits::SPEED
-            ),
-            Self::NonFiniteForce => write!(
-                f,
-                "its external force or impulse is not finite, above {:.0e} N, or makes it faster than {:.0e} m/s",
-                limits::FORCE,
-                limits::SPEED
-            ),
-            Self::InvalidDamping => {
-                write!(f, "its damping is not between 0 and {:.0e} 1/s", limits::DAMPING)
-            }
-            Self::InvalidGravityScale => write!(
-                f,
-                "its gravity scale is not finite or above {:.0e}",
-                limits::GRAVITY_SCALE
-            ),
-            Self::InvalidGrab => f.write_str(
-                "its `Grab` has a point, rotation or response that is not finite, a rotation of length zero, or a speed, force or torque that is negative",
-            ),
-            Self::InvalidMass => write!(
-                f,
-                "its mass or inertia is zero, negative, not finite or not between {:.0e} and {:.0e} kg; a body without mass must be static or kinematic",
-                limits::LIGHTEST,
-                limits::HEAVIEST
-            ),
-            Self::DegenerateShape => write!(
-                f,
-                "its shape has no volume, or a size that is not between {:.0e} and {:.0e} m",
-                limits::SMALLEST,
-                limits::LARGEST
-            ),
-            Self::InvalidMaterial => write!(
-                f,
-                "its friction or rolling friction is not between 0 and {:.0e}, or its restitution not between 0 and 1",
-                limits::FRICTION
-            ),
-            Self::InvalidSurfaceVelocity => write!(
-                f,
-                "its surface velocity is not finite or above {:.0e} m/s",
-                limits::SPEED
-            ),
-            Self::InvalidMaxSpeed => f.write_str(
-                "its `MaxLinearSpeed` or `MaxAngularSpeed` is negative or not a number; an infinite one is no limit",
-            ),
-            Self::Diverged => f.write_str(
-                "the solve of its island went wrong, and was taken back; look for extreme forces, masses or sizes",
-            ),
-            Self::ExtremeMassRatio { other } => write!(
-                f,
-                "it touches {other}, whose mass differs by more than {EXTREME_MASS_RATIO:.0} times: expect slow convergence"
-            ),
-            Self::Coincident { other } => {
-                write!(f, "it lies exactly where {other} lies; they are parted along one axis")
-            }
-            Self::Crowded => f.write_str(
-                "it lies in a crowd of bodies that overlap too many others: they are parted by the deepest contacts of each first",
-            ),
-            Self::PartLeftOut { body, problem } => write!(
-                f,
-                "its `Collider` is left out of {body}: {problem}; it takes part as soon as that is corrected"
-            ),
-        }
-    }
-}
-
 /// A message: a body is quarantined, or may behave badly.
-#[derive(Message, Clone, Debug, PartialEq, Reflect)]
+#[derive(Message, Clone, Debug, PartialEq, Reflect, Error)]
 #[reflect(Message, Debug)]
 pub struct BodyError {
     /// The body.
@@ -229,19 +198,20 @@ impl fmt::Display for BodyError {
     }
 }
 
-impl std::error::Error for BodyError {}
-
 /// Why a step was not taken, or not with the settings asked for. Sent as a message unless stated otherwise.
-#[derive(Message, Clone, Debug, PartialEq, Reflect)]
+#[derive(Message, Clone, Debug, PartialEq, Reflect, Error)]
 #[reflect(Message, Debug)]
 pub enum StepError {
     /// The step length Δt is negative, not finite or not in [`STEP_LENGTHS`]. No step was taken. A length of zero is not an error: it is
     /// a pause.
+    #[error("no step taken: Δt is {0} s, but must be between {:e} and {} s", STEP_LENGTHS.start(), STEP_LENGTHS.end())]
     InvalidTimeStep(f32),
     /// The world has no resources for a step, because this plugin was not added. No step was taken. This error is logged, but not sent as a
     /// message: the message queue is missing as well.
+    #[error("no step taken: `{0}` is missing; add `DrystonePlugins` to the app")]
     MissingPlugin(&'static str),
     /// A settings resource was invalid. It has been set back to its last valid value, and the step was taken with that.
+    #[error("`{resource}` is set back to what it was before: {why}")]
     InvalidSettings {
         /// Name of the resource.
         resource: &'static str,
@@ -249,28 +219,6 @@ pub enum StepError {
         why: String,
     },
 }
-
-impl fmt::Display for StepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::InvalidTimeStep(dt) => write!(
-                f,
-                "no step taken: Δt is {dt} s, but must be between {:e} and {} s",
-                STEP_LENGTHS.start(),
-                STEP_LENGTHS.end()
-            ),
-            Self::MissingPlugin(plugin) => write!(
-                f,
-                "no step taken: `{plugin}` is missing; add `DrystonePlugins` to the app"
-            ),
-            Self::InvalidSettings { resource, why } => {
-                write!(f, "`{resource}` is set back to what it was before: {why}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for StepError {}
 
 /// Problems found in this step, which *quarantine* will report.
 #[doc(hidden)]

@@ -42,6 +42,7 @@ use parry3d::shape::{
 use parry3d::utils::Array2;
 use solid::Solid;
 use std::fmt;
+use thiserror::Error;
 
 /// The collision shape of a body, in metres and in the body's frame. Default: a cube of 1 m.
 ///
@@ -65,48 +66,29 @@ pub struct Collider {
 }
 
 /// Why a shape cannot be made.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ColliderError {
     /// The points of a convex hull are fewer than four, lie (nearly) in one plane or line, or contain a number that is not finite.
+    #[error("a convex hull needs four points that are not in one plane, all of them finite")]
     DegenerateHull,
     /// The convex hull has this many corners, more than [`Polyhedron::MAX_CORNERS`].
+    #[error("a convex hull of {0} corners, more than {}", Polyhedron::MAX_CORNERS)]
     TooManyCorners(usize),
     /// A triangle names a vertex that does not exist, a vertex is not finite, or there are no triangles.
+    #[error("invalid triangle mesh: {0}")]
     InvalidMesh(String),
     /// The compound has no parts, or a part that is itself composite, degenerate, or at an invalid pose.
+    #[error("a compound needs at least one part, and its parts must be convex and have a size")]
     InvalidCompound,
     /// The height field has fewer than two rows or columns, rows of different lengths, or a height that is not finite.
+    #[error("a height field needs two rows and two columns of finite heights")]
     InvalidHeightField,
     /// A factor of the scale is zero or not finite, or a height field would be mirrored.
+    #[error(
+        "a scale must be finite and not zero along any axis, and not negative for a height field"
+    )]
     InvalidScale,
 }
-
-impl fmt::Display for ColliderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::DegenerateHull => f.write_str(
-                "a convex hull needs four points that are not in one plane, all of them finite",
-            ),
-            Self::TooManyCorners(count) => write!(
-                f,
-                "a convex hull of {count} corners, more than {}",
-                Polyhedron::MAX_CORNERS
-            ),
-            Self::InvalidMesh(why) => write!(f, "invalid triangle mesh: {why}"),
-            Self::InvalidCompound => f.write_str(
-                "a compound needs at least one part, and its parts must be convex and have a size",
-            ),
-            Self::InvalidHeightField => {
-                f.write_str("a height field needs two rows and two columns of finite heights")
-            }
-            Self::InvalidScale => f.write_str(
-                "a scale must be finite and not zero along any axis, and not negative for a height field",
-            ),
-        }
-    }
-}
-
-impl std::error::Error for ColliderError {}
 
 impl Default for Collider {
     /// A cube of 1 m.

@@ -47,6 +47,7 @@ use glam::Vec3;
 use smallvec::SmallVec;
 use std::fmt;
 use std::ops::Range;
+use thiserror::Error;
 
 /// The contact force between two bodies over one face.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,20 +80,9 @@ pub struct FaceForce {
 
 /// An error: the entity is not a body known to the simulation. It has no [`RigidBody`](crate::body::RigidBody), is quarantined, or was
 /// spawned after the last step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("{0} is no body, or none yet: bodies are known from the step after they came")]
 pub struct NotABody(pub Entity);
-
-impl fmt::Display for NotABody {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} is no body, or none yet: bodies are known from the step after they came",
-            self.0
-        )
-    }
-}
-
-impl std::error::Error for NotABody {}
 
 type Pair = (
     &'static ContactPair,

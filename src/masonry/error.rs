@@ -1,16 +1,19 @@
 //! Errors of masonry generators.
 
 use super::MAX_BLOCKS;
-use std::fmt;
+use thiserror::Error;
 
 /// Why a structure cannot be built.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum MasonryError {
     /// The named size, gap or angle is negative, not finite, too large, or zero where it must not be.
+    #[error("{0} is negative, not finite, or out of bounds")]
     InvalidSize(&'static str),
     /// There is nothing to build: no course, block or ring, as named.
+    #[error("no {0}: there is nothing to build")]
     Nothing(&'static str),
     /// The bond cannot end at this length.
+    #[error("{}", no_room(*.length, *.nearest))]
     NoRoom {
         /// The length asked for, m.
         length: f32,
@@ -18,55 +21,29 @@ pub enum MasonryError {
         nearest: [f32; 2],
     },
     /// The bricks of a corner must be half as deep as they are long.
+    #[error("bricks of a corner must be half as deep as they are long")]
     NotHalfAsDeep,
     /// The opening with this index is not inside its wall, leaves a piece of less than a quarter of a brick, or meets another opening.
+    #[error(
+        "opening {0} is not inside its wall, meets another, or leaves less than a quarter of a brick beside it"
+    )]
     BadOpening(usize),
     /// A voussoir, or a block of a dome, would have no volume.
+    #[error("a block would have no volume: too thin, or too many for the space")]
     DegenerateBlock,
     /// The structure would have about this many blocks, more than [`MAX_BLOCKS`](super::MAX_BLOCKS).
+    #[error("{0} blocks, more than {MAX_BLOCKS} at once: build it in parts")]
     TooMany(u64),
 }
 
-impl fmt::Display for MasonryError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::InvalidSize(what) => {
-                write!(f, "{what} is negative, not finite, or out of bounds")
-            }
-            Self::Nothing(what) => write!(f, "no {what}: there is nothing to build"),
-            Self::NoRoom {
-                length,
-                nearest: [shorter, longer],
-            } if *shorter > 0.0 => write!(
-                f,
-                "the bond has no room to end after {length} m; it has after {shorter} or {longer} m"
-            ),
-            Self::NoRoom {
-                length,
-                nearest: [_, longer],
-            } => write!(
-                f,
-                "the bond has no room in {length} m; it needs {longer} m at least"
-            ),
-            Self::NotHalfAsDeep => {
-                f.write_str("bricks of a corner must be half as deep as they are long")
-            }
-            Self::BadOpening(number) => write!(
-                f,
-                "opening {number} is not inside its wall, meets another, or leaves less than a quarter of a brick beside it"
-            ),
-            Self::DegenerateBlock => {
-                f.write_str("a block would have no volume: too thin, or too many for the space")
-            }
-            Self::TooMany(blocks) => write!(
-                f,
-                "{blocks} blocks, more than {MAX_BLOCKS} at once: build it in parts"
-            ),
-        }
+fn no_room(length: f32, [shorter, longer]: [f32; 2]) -> String {
+    match shorter > 0.0 {
+        true => format!(
+            "the bond has no room to end after {length} m; it has after {shorter} or {longer} m"
+        ),
+        false => format!("the bond has no room in {length} m; it needs {longer} m at least"),
     }
 }
-
-impl std::error::Error for MasonryError {}
 
 /// Checks that a number is a valid size.
 pub(super) fn size(what: &'static str, number: f32) -> Result<(), MasonryError> {

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 use std::collections::VecDeque;
-use std::fmt;
+use thiserror::Error;
 
 use super::drift::{Drift, Watched};
 use crate::body::{BodyTable, Pose, RigidBody, Velocity, local_pose};
@@ -92,29 +92,18 @@ pub struct EditReport {
 }
 
 /// Why an edit cannot be made or undone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum EditError {
     /// The entity has no [`RigidBody`], or no longer exists.
+    #[error("{0} is no body, or is gone")]
     NotABody(Entity),
     /// The list of bodies is empty.
+    #[error("an edit of no body")]
     Nothing,
     /// The transform is not finite.
+    #[error("a body is to be put where no place is: its `Transform` is not finite")]
     NotFinite,
 }
-
-impl fmt::Display for EditError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotABody(entity) => write!(f, "{entity} is no body, or is gone"),
-            Self::Nothing => f.write_str("an edit of no body"),
-            Self::NotFinite => {
-                f.write_str("a body is to be put where no place is: its `Transform` is not finite")
-            }
-        }
-    }
-}
-
-impl std::error::Error for EditError {}
 
 impl EditLog {
     /// Maximum number of edits that are kept. Older ones are forgotten.

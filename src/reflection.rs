@@ -33,6 +33,8 @@ use crate::solve::SolveReports;
 use crate::solver::{Nncg, Pgs, SoftStep};
 use bevy_app::App;
 use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::hierarchy::{ChildOf, Children};
+use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
 
 macro_rules! register {
@@ -120,7 +122,7 @@ pub(crate) fn register(app: &mut App) {
     );
     register!(app, SensorEntered, SensorExited, MortarBroke);
     // Components of Bevy that bodies have, which it registers only with plugins of its own.
-    register!(app, Transform, Disabled);
+    register!(app, Transform, ChildOf, Children, Name, Disabled);
     // Names.
     register!(app, Inactive, JointEdge, body::BodyTable, Broadphase);
     register!(

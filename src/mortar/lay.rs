@@ -79,13 +79,10 @@ fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
     let mut bonds = Vec::new();
     for &(body, slot, mortar) in fresh {
         for entity in graph.edges_of_kind(slot, EdgeKind::Contact) {
-            let edge = world.get_entity(entity);
-            let Ok(edge) =
-                edge.and_then(|edge| Ok(edge.get_components::<(&ContactPair, &Manifold)>()))
-            else {
+            let Some(pair) = world.get::<ContactPair>(entity) else {
                 continue;
             };
-            let Ok((pair, manifold)) = edge else {
+            let Some(manifold) = world.get::<Manifold>(entity) else {
                 continue;
             };
             let Some(bodies) = table.both(pair.slots) else {

@@ -45,7 +45,8 @@ impl Moments {
 }
 
 impl Patch {
-    /// The patch between up to four points (world, m) of a plane with this normal; none if its area is not larger than `least`, m².
+    /// The patch between points (world, m) of a plane with this normal, by the four that enclose most of it; none if its area is not larger than
+    /// `least`, m².
     pub fn new(points: &[Vec3], normal: Vec3, least: f32) -> Option<Self> {
         let (y, z) = normal.any_orthonormal_pair();
         let y = if y.cross(z).dot(normal) < 0.0 { -y } else { y };
@@ -57,6 +58,7 @@ impl Patch {
         let mut flat: Vec<DVec2> = points.iter().map(flat).collect();
         let mean = flat.iter().sum::<DVec2>() / flat.len() as f64;
         flat.sort_by(|a, b| (a - mean).to_angle().total_cmp(&(b - mean).to_angle()));
+        leave_four(&mut flat);
         let moments = Moments::of(&flat);
         // A comparison with NaN is false.
         if !(flat.len() >= 3 && moments.area > f64::from(least)) {
@@ -76,6 +78,23 @@ impl Patch {
             axes: Quat::from_mat3(&Mat3::from_cols(axes[0], axes[1], axes[2])).normalize(),
             corners: [0, 1, 2, 3].map(corner),
         })
+    }
+}
+
+/// Removes the corners of a polygon that contribute the least area, until at most four are left, and all of them are convex.
+fn leave_four(corners: &mut Vec<DVec2>) {
+    while corners.len() > 3 {
+        let count = corners.len();
+        let area = |i: usize| {
+            let [before, at, after] = [count - 1, 0, 1].map(|step| corners[(i + step) % count]);
+            (at - before).perp_dot(after - at)
+        };
+        let areas = (0..count).map(|i| (area(i), i));
+        let least = areas.min_by(|a, b| a.0.total_cmp(&b.0));
+        match least {
+            Some((area, i)) if count > 4 || area <= 0.0 => corners.remove(i),
+            _ => break,
+        };
     }
 }
 
@@ -132,6 +151,24 @@ mod tests {
                 assert!(corners.iter().any(|c| c.distance(world) < 1e-5));
             }
         }
+    }
+
+    #[test]
+    fn of_many_points_the_four_that_enclose_most_are_left() {
+        let points = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [1.0, 1.0],
+            [0.4, 0.5],
+            [0.0, 1.0],
+            [0.5, 1.01],
+        ];
+        let points = points.map(|[x, z]| Vec3::new(x, 0.0, z));
+        let patch = Patch::new(&points, Vec3::Y, 0.0).unwrap();
+        assert!((section(patch.corners).area - 1.0).abs() < 1e-6);
+        // The third of four is inside of the triangle of the others.
+        let patch = Patch::new(&[points[0], points[1], points[3], points[4]], Vec3::Y, 0.0);
+        assert!((section(patch.unwrap().corners).area - 0.5).abs() < 1e-6);
     }
 
     #[test]

@@ -3,11 +3,13 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::{ReflectComponent, ReflectMessage, ReflectResource};
-use bevy_reflect::{GetTypeRegistration, TypePath};
+use bevy_reflect::{GetTypeRegistration, TypePath, TypeRegistry};
 use drystone::DrystonePlugins;
 use drystone::masonry::EditLog;
 use drystone::prelude::*;
 use drystone::settings::PhysicsThreads;
+use drystone::state::Visitor;
+use std::any::TypeId;
 
 /// Types that are not registered, and why.
 const INTERNAL: [(&str, &str); 16] = [
@@ -47,35 +49,62 @@ fn app() -> App {
     app
 }
 
-#[test]
-fn every_component_and_resource_is_registered() {
-    let mut app = app();
-    let world = app.world_mut();
-    // Components become known when they are spawned, or required by others.
-    world.spawn((RigidBody::Dynamic, Collider::ball(0.5), Hand::new(1.0)));
-    drystone::step(world, 0.1).unwrap();
-    let registry = world.resource::<AppTypeRegistry>().read();
-    let mut unknown = Vec::new();
-    let mut count = 0;
-    for (_, component) in world.components().iter_registered() {
-        let name = component.name().to_string();
-        eprintln!("{name}");
+/// Compares the types on the list of the state with the registry.
+struct Registered<'a> {
+    registry: &'a TypeRegistry,
+    unknown: Vec<&'static str>,
+    count: usize,
+}
+
+impl Registered<'_> {
+    fn check<T: 'static>(&mut self) {
+        let name = std::any::type_name::<T>();
         let Some(path) = name.strip_prefix("drystone::") else {
-            continue;
+            return;
         };
-        count += 1;
-        let registered = registry.get(component.type_id().unwrap()).is_some();
+        self.count += 1;
+        let registered = self.registry.get(TypeId::of::<T>()).is_some();
         let internal = INTERNAL.iter().any(|(known, _)| *known == path);
         assert!(
             !(registered && internal),
             "{path} is registered, and on the list"
         );
         if !registered && !internal {
-            unknown.push(path.to_owned());
+            self.unknown.push(path);
         }
     }
-    assert!(count > 60, "{count}");
-    assert!(unknown.is_empty(), "not registered: {unknown:#?}");
+}
+
+impl Visitor for Registered<'_> {
+    fn component<T: Component + Clone>(&mut self) {
+        self.check::<T>();
+    }
+
+    fn resource<T: Resource + Clone>(&mut self) {
+        self.check::<T>();
+    }
+
+    fn derived<T: Resource + Default>(&mut self) {
+        self.check::<T>();
+    }
+}
+
+#[test]
+fn every_component_and_resource_of_the_state_is_registered() {
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let mut registered = Registered {
+        registry: &registry,
+        unknown: Vec::new(),
+        count: 0,
+    };
+    drystone::state::visit(&mut registered);
+    assert!(registered.count > 80, "{}", registered.count);
+    assert!(
+        registered.unknown.is_empty(),
+        "not registered: {:#?}",
+        registered.unknown
+    );
 }
 
 /// The source names more types than a world knows: those that only some entities have.
@@ -109,11 +138,17 @@ fn visit(folder: &std::path::Path, found: &mut Vec<String>) {
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
-        let mut derives = false;
+        let (mut derives, mut in_list) = (false, false);
         for line in text.lines().map(str::trim) {
-            if let Some(list) = line.strip_prefix("#[derive(") {
-                let mut names = list.split([',', ')']).map(str::trim);
-                derives = names.any(|name| ["Component", "Resource", "Message"].contains(&name));
+            let begins = line.strip_prefix("#[derive(");
+            if begins.is_some() {
+                (derives, in_list) = (false, true);
+            }
+            if in_list {
+                let names = begins.unwrap_or(line).split([',', ')']);
+                let mut names = names.map(str::trim);
+                derives |= names.any(|name| ["Component", "Resource", "Message"].contains(&name));
+                in_list = !line.ends_with(")]");
             }
             let declared = ["pub struct ", "pub enum "].iter();
             let mut declared = declared.filter_map(|kind| line.strip_prefix(kind));

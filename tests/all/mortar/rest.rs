@@ -4,6 +4,9 @@ use super::*;
 use drystone::body::{Pose, Sleeping};
 use drystone::masonry::{Bond, Wall};
 
+/// Builds a structure, and returns its bodies.
+type Build = fn(&mut Lab) -> Vec<Entity>;
+
 fn wall() -> Wall {
     Wall {
         length: 6.0,
@@ -39,7 +42,7 @@ fn held_wall(lab: &mut Lab) -> Vec<Entity> {
 
 #[test]
 fn bonded_structures_do_not_creep_or_tremble() {
-    let structures: [(&str, fn(&mut Lab) -> Vec<Entity>); 3] = [
+    let structures: [(&str, Build); 3] = [
         ("10 cubes", |lab| cantilever(lab, 10, FOREVER)),
         ("20 cubes", |lab| cantilever(lab, 20, FOREVER)),
         ("a wall", held_wall),

@@ -204,7 +204,7 @@ impl fmt::Display for BodyError {
 pub enum StepError {
     /// The step length Δt is negative, not finite or not in [`STEP_LENGTHS`]. No step was taken. A length of zero is not an error: it is
     /// a pause.
-    #[error("no step taken: Δt is {0} s, but must be between {:e} and {} s", STEP_LENGTHS.start(), STEP_LENGTHS.end())]
+    #[error("no step taken: Δt is {0} s, but must be between {min:e} and {max} s", min = STEP_LENGTHS.start(), max = STEP_LENGTHS.end())]
     InvalidTimeStep(f32),
     /// The world has no resources for a step, because this plugin was not added. No step was taken. This error is logged, but not sent as a
     /// message: the message queue is missing as well.

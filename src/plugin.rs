@@ -13,7 +13,7 @@ use crate::contact::{
 use crate::diagnosis::{BodyError, StepError, Suspects, Told};
 use crate::graph::{self, ConstraintGraph, Islands};
 use crate::joint::{BrokenJoints, JointBroke, JointChanges, JointError};
-use crate::mortar::{self, BrokenMortar, MortarBroke};
+use crate::mortar::{self, BrokenMortar, Mortar, MortarBroke};
 use crate::profile::{Profile, timed};
 use crate::saving::{self, Restored};
 use crate::schedule::{

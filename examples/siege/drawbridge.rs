@@ -56,10 +56,10 @@ pub fn step(world: &mut World, clock: Clock) {
     let goal = if clock.seconds() % 60.0 < 30.0 { UP } else { DOWN };
     let mut ropes = world.query_filtered::<&mut DistanceJoint, With<BridgeRope>>();
     for mut rope in ropes.iter_mut(world) {
-        let length = rope.limits.max;
+        let length = rope.limits.map_or(DOWN, |limits| limits.max);
         if length != goal {
             let way = (goal - length).clamp(-SPEED * clock.dt, SPEED * clock.dt);
-            rope.limits.max = length + way;
+            rope.limits = Some(JointLimits::new(0.0, length + way));
         }
     }
 }

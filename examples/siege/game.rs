@@ -131,8 +131,10 @@ impl Game {
             self.faults.push("a body is elsewhere after loading".into());
         }
         let asleep = save::asleep(self.app.world_mut());
-        drystone::advance(app.world_mut(), app.world().resource::<Clock>().dt).expect("the step is valid");
-        app.world_mut().resource_mut::<Clock>().step += 1;
+        let world = app.world_mut();
+        let dt = world.resource::<Clock>().dt;
+        drystone::advance(world, dt).expect("the step is valid");
+        world.resource_mut::<Clock>().step += 1;
         let still = save::asleep(app.world_mut());
         if still < asleep {
             self.faults

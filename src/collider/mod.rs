@@ -72,7 +72,7 @@ pub enum ColliderError {
     #[error("a convex hull needs four points that are not in one plane, all of them finite")]
     DegenerateHull,
     /// The convex hull has this many corners, more than [`Polyhedron::MAX_CORNERS`].
-    #[error("a convex hull of {0} corners, more than {}", Polyhedron::MAX_CORNERS)]
+    #[error("a convex hull of {0} corners, more than {max}", max = Polyhedron::MAX_CORNERS)]
     TooManyCorners(usize),
     /// A triangle names a vertex that does not exist, a vertex is not finite, or there are no triangles.
     #[error("invalid triangle mesh: {0}")]

@@ -36,9 +36,9 @@ pub enum StabilityError {
     Falls,
     /// The structure has this many bodies, more than [`MAX_BODIES`](super::MAX_BODIES).
     #[error(
-        "the structure has {0} bodies, and at most {} are possible: name only those near the load; bodies that are not named are \
+        "the structure has {0} bodies, and at most {max} are possible: name only those near the load; bodies that are not named are \
                  assumed not to move",
-        super::MAX_BODIES
+        max = super::MAX_BODIES
     )]
     TooMany(usize),
     /// The cone program was not solved: it is too large or too badly scaled.

@@ -152,11 +152,11 @@ fn visit(folder: &std::path::Path, found: &mut Vec<String>) {
             }
             let declared = ["pub struct ", "pub enum "].iter();
             let mut declared = declared.filter_map(|kind| line.strip_prefix(kind));
-            if let Some(name) = declared.next() {
-                if std::mem::take(&mut derives) {
-                    let end = name.find(|c: char| !c.is_alphanumeric());
-                    found.push(name[..end.unwrap_or(name.len())].to_owned());
-                }
+            if let Some(name) = declared.next()
+                && std::mem::take(&mut derives)
+            {
+                let end = name.find(|c: char| !c.is_alphanumeric());
+                found.push(name[..end.unwrap_or(name.len())].to_owned());
             }
         }
     }

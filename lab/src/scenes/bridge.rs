@@ -11,11 +11,11 @@ const PLANK: Vec3 = Vec3::new(0.5, 0.1, 2.0);
 const MASS: f32 = 30.0;
 
 /// The load on the middle plank, m, and its mass, kg. It is shorter than a plank, so that it stands on one alone and statics is determinate.
-const LOAD: Vec3 = Vec3::new(0.4, 1.0, 1.0);
+const LOAD: Vec3 = Vec3::new(0.4, 0.5, 1.8);
 const LOAD_MASS: f32 = 10_000.0;
 
 /// The span as a share of the length of the planks. A straight bridge would bear its load by stretching alone.
-const SPAN: f32 = 0.99;
+const SPAN: f32 = 0.975;
 
 /// Steps of a bisection: as many as a double has digits.
 const HALVINGS: usize = 60;

@@ -18,6 +18,7 @@ pub struct Comparison {
     pub course: Course,
     /// How many are dynamic.
     pub bodies: usize,
+    pub joints: usize,
     /// Drystone first.
     pub engines: Vec<Entry>,
 }
@@ -33,9 +34,10 @@ pub struct Entry {
 /// If an engine cannot have the scene.
 pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comparison, String> {
     let (conditions, course) = (arguments.conditions(), arguments.course());
-    let (run, bodies) = scene::build(scene, seed, conditions)?;
+    let (run, bodies, joints) = scene::build(scene, seed, conditions)?;
     let start = Start {
         bodies: &bodies,
+        joints: &joints,
         gravity: run.world.resource::<Gravity>().0,
         conditions,
     };
@@ -48,7 +50,7 @@ pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comp
     engines.insert(0, Box::new(own));
     let mut metered: Vec<_> = engines
         .into_iter()
-        .map(|engine| Metered::new(engine, &bodies, conditions.dt))
+        .map(|engine| Metered::new(engine, &bodies, &joints, conditions.dt))
         .collect();
     let mut left = course.steps;
     while left > 0 {
@@ -70,6 +72,7 @@ pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comp
         conditions,
         course,
         bodies: dynamic.count(),
+        joints: joints.len(),
         engines: metered.iter().map(entry).collect(),
     })
 }
@@ -87,6 +90,12 @@ impl Comparison {
     /// Drystone's median time over another's; below 1 drystone is the faster.
     pub fn ratio(&self, other: &Entry) -> f64 {
         let seconds = |entry: &Entry| entry.outcome.step_time.median.as_secs_f64();
+        seconds(self.drystone()) / seconds(other)
+    }
+
+    /// As [`ratio`](Self::ratio), of mean times once settled.
+    pub fn settled_ratio(&self, other: &Entry) -> f64 {
+        let seconds = |entry: &Entry| entry.outcome.settled_time.as_secs_f64();
         seconds(self.drystone()) / seconds(other)
     }
 }

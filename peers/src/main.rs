@@ -11,6 +11,7 @@ mod arguments;
 mod box3d;
 mod compare;
 mod engine;
+mod joint;
 mod meter;
 mod overlap;
 mod own;

@@ -1,6 +1,7 @@
 //! The measurements of an engine, the same for all.
 
 use crate::engine::Engine;
+use crate::joint::{self, Joint};
 use crate::overlap;
 use crate::scene::Body;
 use drystone::prelude::{Pose, Vec3};
@@ -9,19 +10,24 @@ use drystone_lab::metrics::Displacement;
 use std::time::{Duration, Instant};
 
 /// An engine under way, and what was gathered of it.
-pub struct Metered<E> {
+pub struct Metered<'a, E> {
     pub engine: E,
+    joints: &'a [Joint],
     start: Vec<Pose>,
     dt: f32,
     times: Vec<Duration>,
     fell_at: Option<f32>,
     mean_squares: Vec<f32>,
+    /// By step: the largest distance of a joint's anchors, m.
+    stretches: Vec<f32>,
 }
 
 /// The result of an engine.
 pub struct Outcome {
     /// Statistics of the time of whole steps.
     pub step_time: Spread,
+    /// Mean time of the steps after the first third, in which a scene settles.
+    pub settled_time: Duration,
     /// When something first fell, by [`Displacement::has_fallen`], s.
     pub fell_at: Option<f32>,
     /// Worst body at the end against its start.
@@ -30,17 +36,21 @@ pub struct Outcome {
     pub rms_speed: f32,
     /// Deepest at the end, m; infinite where a body is lost.
     pub overlap: f32,
+    /// Largest distance of a joint's anchors in any step and in the last second, m; none without joints.
+    pub stretch: Option<[f32; 2]>,
 }
 
-impl<E: Engine> Metered<E> {
-    pub fn new(engine: E, bodies: &[Body], dt: f32) -> Self {
+impl<'a, E: Engine> Metered<'a, E> {
+    pub fn new(engine: E, bodies: &[Body], joints: &'a [Joint], dt: f32) -> Self {
         Self {
             engine,
+            joints,
             start: bodies.iter().map(|body| body.pose).collect(),
             dt,
             times: Vec::new(),
             fell_at: None,
             mean_squares: Vec::new(),
+            stretches: Vec::new(),
         }
     }
 
@@ -62,6 +72,7 @@ impl<E: Engine> Metered<E> {
         }
         self.mean_squares
             .push(mean_square(&self.engine.velocities()));
+        self.stretches.push(joint::stretch(self.joints, &poses));
     }
 
     pub fn outcome(&self, bodies: &[Body]) -> Outcome {
@@ -71,10 +82,16 @@ impl<E: Engine> Metered<E> {
         let tail = &self.mean_squares[steps.saturating_sub(last_second)..];
         Outcome {
             step_time: spread(&self.times),
+            settled_time: mean(&self.times[steps / 3..]),
             fell_at: self.fell_at,
             displacement: Displacement::between(&self.start, &poses),
             rms_speed: (tail.iter().sum::<f32>() / tail.len().max(1) as f32).sqrt(),
             overlap: overlap::deepest(bodies, &poses),
+            stretch: (!self.joints.is_empty()).then(|| {
+                let largest = |of: &[f32]| of.iter().copied().fold(0.0, f32::max);
+                [0, steps.saturating_sub(last_second)]
+                    .map(|first| largest(&self.stretches[first..]))
+            }),
         }
     }
 }
@@ -82,6 +99,10 @@ impl<E: Engine> Metered<E> {
 fn mean_square(velocities: &[Vec3]) -> f32 {
     let sum: f32 = velocities.iter().map(|v| v.length_squared()).sum();
     sum / velocities.len().max(1) as f32
+}
+
+fn mean(times: &[Duration]) -> Duration {
+    times.iter().sum::<Duration>() / times.len().max(1) as u32
 }
 
 /// Median and 95th percentile.

@@ -1,6 +1,7 @@
 //! The engines beside which drystone is put.
 
 use crate::engine::Engine;
+use crate::joint::Joint;
 use crate::rapier::{self, Rapier};
 use crate::scene::{Body, Conditions};
 use drystone::prelude::Vec3;
@@ -18,6 +19,7 @@ pub enum Peer {
 /// A scene as drystone built it, for all.
 pub struct Start<'a> {
     pub bodies: &'a [Body],
+    pub joints: &'a [Joint],
     /// m/s²
     pub gravity: Vec3,
     pub conditions: Conditions,
@@ -36,17 +38,10 @@ impl Peer {
     /// # Errors
     /// If this build has no such engine, or it cannot have the scene or the threads.
     pub fn start(self, start: &Start, rapier: rapier::Options) -> Result<Box<dyn Engine>, String> {
-        let &Start {
-            bodies,
-            gravity,
-            conditions,
-        } = start;
         match self {
-            Self::Rapier => Ok(Box::new(Rapier::new(bodies, gravity, conditions, rapier)?)),
+            Self::Rapier => Ok(Box::new(Rapier::new(start, rapier)?)),
             #[cfg(feature = "box3d")]
-            Self::Box3d => Ok(Box::new(crate::box3d::Box3d::new(
-                bodies, gravity, conditions,
-            )?)),
+            Self::Box3d => Ok(Box::new(crate::box3d::Box3d::new(start)?)),
             #[cfg(not(feature = "box3d"))]
             Self::Box3d => {
                 Err("--engine box3d: this build has no Box3D; build with --features box3d".into())

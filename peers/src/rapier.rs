@@ -4,12 +4,14 @@
 //! and inertia follow from the same code.
 
 use crate::engine::{Effort, Engine};
-use crate::scene::{Body, Conditions, SLAB};
+use crate::joint::{Joint, Kind};
+use crate::peer::Start;
+use crate::scene::{Body, SLAB};
 use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
 use drystone_lab::metrics;
 use rapier3d::prelude::{
-    CoefficientCombineRule, ColliderBuilder, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
-    RigidBodyType, SharedShape,
+    CoefficientCombineRule, ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask,
+    JointAxis, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape,
 };
 
 /// How a half-space is handed over. Its bounding box is the whole world, so that Rapier's broadphase pairs it with every body
@@ -39,25 +41,29 @@ pub struct Rapier {
 impl Rapier {
     /// # Errors
     /// If Rapier gets no threads.
-    pub fn new(
-        bodies: &[Body],
-        gravity: Vec3,
-        conditions: Conditions,
-        options: Options,
-    ) -> Result<Self, String> {
+    pub fn new(start: &Start, options: Options) -> Result<Self, String> {
         let mut world = PhysicsWorld::new();
-        world.gravity = gravity;
-        world.integration_parameters.dt = conditions.dt;
+        world.gravity = start.gravity;
+        world.integration_parameters.dt = start.conditions.dt;
         if let Some(iterations) = options.iterations {
             world.integration_parameters.num_solver_iterations = iterations;
         }
-        set_threads(&mut world, conditions.threads)?;
+        set_threads(&mut world, start.conditions.threads)?;
         let place = |body: &Body| {
             world
                 .insert(rigid_body(body), collider(body, options.ground))
                 .0
         };
-        let bodies = bodies.iter().map(place).collect();
+        let bodies: Vec<_> = start.bodies.iter().map(place).collect();
+        if !start.joints.is_empty() {
+            let rest = world.insert_body(RigidBodyBuilder::fixed());
+            for joint in start.joints {
+                let [a, b] = joint
+                    .bodies
+                    .map(|body| body.map_or(rest, |body| bodies[body]));
+                world.insert_impulse_joint(a, b, generic_joint(joint));
+            }
+        }
         Ok(Self { world, bodies })
     }
 
@@ -124,6 +130,42 @@ fn collider(body: &Body, ground: Ground) -> ColliderBuilder {
         .friction_combine_rule(rule(friction.rule))
         .restitution(restitution.coefficient)
         .restitution_combine_rule(rule(restitution.rule))
+}
+
+/// Rapier limits the rotation of a ball about each of three axes. Dry friction is a motor at rest with a maximum torque.
+fn generic_joint(joint: &Joint) -> GenericJoint {
+    let turns = [JointAxis::AngX, JointAxis::AngY, JointAxis::AngZ];
+    let (locked, limits, friction) = match joint.kind {
+        Kind::Fixed => (JointAxesMask::LOCKED_FIXED_AXES, [None; 3], 0.0),
+        Kind::Revolute { angle, friction } => {
+            let locked = JointAxesMask::LOCKED_REVOLUTE_AXES;
+            (locked, [angle, None, None], friction)
+        }
+        Kind::Spherical {
+            twist,
+            swing,
+            friction,
+        } => {
+            let locked = JointAxesMask::LOCKED_SPHERICAL_AXES;
+            (locked, [twist, swing, swing], friction)
+        }
+    };
+    let mut builder = GenericJointBuilder::new(locked)
+        .local_frame1(pose(&joint.frames[0]))
+        .local_frame2(pose(&joint.frames[1]))
+        .contacts_enabled(joint.collision);
+    for (axis, limits) in turns.into_iter().zip(limits) {
+        if let Some(limits) = limits {
+            builder = builder.limits(axis, [limits.min, limits.max]);
+        }
+        if friction > 0.0 && !locked.contains(axis.into()) {
+            // Stiff enough to hold at its maximum.
+            let factor = 1e3;
+            builder = builder.motor_velocity(axis, 0.0, factor);
+            builder = builder.motor_max_force(axis, friction);
+        }
+    }
+    builder.build()
 }
 
 fn pose(pose: &Pose) -> rapier3d::math::Pose {

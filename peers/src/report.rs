@@ -45,6 +45,7 @@ impl fmt::Display for Comparison {
         let metres = |x: f32| format!("{x:.5}");
         row("step, median", "ms", &|o| ms(o.step_time.median))?;
         row("step, 95 %", "ms", &|o| ms(o.step_time.p95))?;
+        row("step, mean once settled", "ms", &|o| ms(o.settled_time))?;
         row("fell at", "s", &|o| {
             o.fell_at.map_or("stands".to_owned(), |t| format!("{t:.2}"))
         })?;
@@ -53,11 +54,23 @@ impl fmt::Display for Comparison {
         row("tilt", "rad", &|o| metres(o.displacement.tilt))?;
         row("RMS speed, last second", "m/s", &|o| metres(o.rms_speed))?;
         row("deepest overlap, at the end", "m", &|o| metres(o.overlap))?;
+        if self.joints > 0 {
+            let mm = |o: &Outcome, i: usize| {
+                o.stretch
+                    .map_or_else(String::new, |stretch| format!("{:.4}", 1e3 * stretch[i]))
+            };
+            row("joints apart, most", "mm", &|o| mm(o, 0))?;
+            row("joints apart, last second", "mm", &|o| mm(o, 1))?;
+        }
         write!(f, "  {:<28} {:>12}", "drystone's time over theirs", "")?;
         for peer in self.peers() {
             write!(f, " {:>12.2}", self.ratio(peer))?;
         }
-        writeln!(f, "  (medians)")
+        write!(f, "  (medians)\n  {:<28} {:>12}", "", "")?;
+        for peer in self.peers() {
+            write!(f, " {:>12.2}", self.settled_ratio(peer))?;
+        }
+        writeln!(f, "  (means once settled)")
     }
 }
 
@@ -72,6 +85,7 @@ impl Comparison {
             "scene": self.scene.to_string(),
             "seed": self.seed,
             "bodies": self.bodies,
+            "joints": self.joints,
             "dt": self.conditions.dt,
             "steps": self.course.steps,
             "turn": self.course.turn,
@@ -104,6 +118,9 @@ fn engine(outcome: &Outcome) -> Map<String, Value> {
         "tilt_rad": outcome.displacement.tilt,
         "rms_speed_m_s": outcome.rms_speed,
         "overlap_max_m": outcome.overlap,
+        "step_ms_settled": ms(outcome.settled_time),
+        "joint_gap_max_m": outcome.stretch.map(|stretch| stretch[0]),
+        "joint_gap_last_second_m": outcome.stretch.map(|stretch| stretch[1]),
     });
     match fields {
         Value::Object(map) => map,

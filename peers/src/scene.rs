@@ -3,10 +3,11 @@
 //! Drystone builds the scene, and every other engine is given what is read from that world, so that no engine has a scene of
 //! its own that could differ.
 
+use crate::joint::{self, Joint};
 use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
 use drystone::prelude::{
-    Collider, Density, Friction, Pose, Restitution, RigidBody, Vec3, Velocity,
+    Collider, Density, Friction, Mass, Pose, Restitution, RigidBody, Vec3, Velocity,
 };
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone_lab::experiment::{Experiment, Run};
@@ -44,7 +45,11 @@ pub struct Conditions {
 ///
 /// # Errors
 /// If a hand moves the scene, or the operating system gives no threads.
-pub fn build(scene: Scene, seed: u64, conditions: Conditions) -> Result<(Run, Vec<Body>), String> {
+pub fn build(
+    scene: Scene,
+    seed: u64,
+    conditions: Conditions,
+) -> Result<(Run, Vec<Body>, Vec<Joint>), String> {
     let threads = conditions.threads;
     let mut experiment = Experiment::new(scene, Preset::Default).with_seed(seed);
     experiment.dt = conditions.dt;
@@ -59,7 +64,9 @@ pub fn build(scene: Scene, seed: u64, conditions: Conditions) -> Result<(Run, Ve
         ));
     }
     let bodies = read(&mut run);
-    Ok((run, bodies))
+    let joints =
+        joint::read(&mut run.world, &bodies).map_err(|why| format!("--scene {scene}: {why}"))?;
+    Ok((run, bodies, joints))
 }
 
 /// The ground first, then what stands on it in the order in which it was placed: the order decides in which order a
@@ -72,14 +79,14 @@ pub fn read(run: &mut Run) -> Vec<Body> {
         // Drystone's own pose is written by the first step.
         &Transform,
         &Velocity,
-        Option<&Density>,
+        (Option<&Density>, Option<&Mass>),
         Option<&Friction>,
         Option<&Restitution>,
     )>();
     let mut bodies: Vec<Body> = all
         .iter(&run.world)
         .map(
-            |(entity, kind, collider, transform, velocity, density, friction, restitution)| Body {
+            |(entity, kind, collider, transform, velocity, mass, friction, restitution)| Body {
                 entity,
                 kind: *kind,
                 collider: collider.clone(),
@@ -88,7 +95,7 @@ pub fn read(run: &mut Run) -> Vec<Body> {
                     rotation: transform.rotation,
                 },
                 velocity: *velocity,
-                density: density.map_or(Density::DEFAULT, |d| d.0),
+                density: density(collider, mass),
                 friction: friction.copied().unwrap_or_default(),
                 restitution: restitution.copied().unwrap_or_default(),
             },
@@ -96,4 +103,12 @@ pub fn read(run: &mut Run) -> Vec<Body> {
         .collect();
     bodies.sort_by_cached_key(|body| run.bodies.iter().position(|&b| b == body.entity));
     bodies
+}
+
+/// The density that gives a body its mass, kg/m³: a mass of its own counts before a density.
+fn density(collider: &Collider, (density, mass): (Option<&Density>, Option<&Mass>)) -> f32 {
+    match mass {
+        Some(mass) => mass.0 / collider.shape().mass_properties(1.0).mass(),
+        None => density.map_or(Density::DEFAULT, |density| density.0),
+    }
 }

@@ -3,6 +3,7 @@
 use crate::arguments::{Arguments, Command};
 use crate::compare::compare;
 use crate::engine::Engine;
+use crate::joint;
 use crate::meter::Metered;
 use crate::overlap;
 use crate::own::Drystone;
@@ -42,11 +43,12 @@ fn all_with(
     ground: Ground,
     change: impl FnOnce(&mut Run),
 ) -> (Vec<Box<dyn Engine>>, Vec<Body>) {
-    let (mut run, _) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
+    let (mut run, _, joints) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
     change(&mut run);
     let bodies = scene::read(&mut run);
     let start = Start {
         bodies: &bodies,
+        joints: &joints,
         gravity: run.world.resource::<Gravity>().0,
         conditions: CONDITIONS,
     };
@@ -73,7 +75,7 @@ fn steps(engine: &mut dyn Engine, count: usize) {
 
 #[test]
 fn all_start_with_the_same_poses() {
-    for scene in ["wall:4x4", "arch:7", "heap:20", "massratio:100", "rolling"] {
+    for scene in MASSES {
         let (engines, bodies) = all(scene);
         // Drystone's are written by its first step.
         for engine in &engines[1..] {
@@ -102,11 +104,19 @@ fn same_mass(scene: &str, a: Mass, b: Mass) {
     }
 }
 
-const MASSES: [&str; 5] = ["wall:4x4", "arch:7", "heap:20", "massratio:100", "rolling"];
+const MASSES: [&str; 7] = [
+    "wall:4x4",
+    "arch:7",
+    "heap:20",
+    "massratio:100",
+    "rolling",
+    "chain:3",
+    "ragdolls:1",
+];
 
 /// Drystone's own masses of a scene's dynamic bodies, computed in its first step, with their indices.
 fn own_masses(scene: &str) -> (Vec<(usize, Mass)>, Vec<Body>) {
-    let (run, bodies) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
+    let (run, bodies, _) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
     let mut drystone = Drystone::new(run.world, &bodies, CONDITIONS.dt);
     drystone.step();
     let dynamic = bodies.iter().enumerate();
@@ -239,6 +249,25 @@ fn an_arch_stands_for_a_second() {
     }
 }
 
+/// Joints are where the scene has them, and hold in every engine.
+#[test]
+fn joints_hold_in_all() {
+    for (scene, apart) in [("chain:5", 5e-3), ("ragdolls:1", 30e-3)] {
+        let (_, _, joints) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
+        let (mut engines, bodies) = all(scene);
+        let start: Vec<Pose> = bodies.iter().map(|body| body.pose).collect();
+        assert!(!joints.is_empty() && joint::stretch(&joints, &start) < 1e-5);
+        for engine in &mut engines {
+            for _ in 0..60 {
+                engine.step();
+                let stretch = joint::stretch(&joints, &engine.poses());
+                let name = engine.name();
+                assert!(stretch < apart, "{scene} in {name}: {stretch} m");
+            }
+        }
+    }
+}
+
 #[test]
 fn overlap_is_what_was_built() {
     let (engines, bodies) = all("overlap:0.125");
@@ -249,9 +278,14 @@ fn overlap_is_what_was_built() {
 /// Both engines take a body that is no number out of the simulation and leave it where it was.
 #[test]
 fn what_is_lost_has_fallen() {
-    let (run, bodies) = scene::build("stack:3".parse().unwrap(), 1, CONDITIONS).unwrap();
-    let mut rapier =
-        Rapier::new(&bodies, Vec3::NEG_Y * G, CONDITIONS, options(Ground::Slab)).unwrap();
+    let (run, bodies, _) = scene::build("stack:3".parse().unwrap(), 1, CONDITIONS).unwrap();
+    let start = Start {
+        bodies: &bodies,
+        joints: &[],
+        gravity: Vec3::NEG_Y * G,
+        conditions: CONDITIONS,
+    };
+    let mut rapier = Rapier::new(&start, options(Ground::Slab)).unwrap();
     rapier.lose(2);
     let mut drystone = Drystone::new(run.world, &bodies, CONDITIONS.dt);
     let lost = bodies[2].entity;
@@ -259,11 +293,12 @@ fn what_is_lost_has_fallen() {
     drystone.world().entity_mut(lost).insert(nowhere);
     let engines: [Box<dyn Engine>; 2] = [Box::new(drystone), Box::new(rapier)];
     for engine in engines {
-        let mut metered = Metered::new(engine, &bodies, CONDITIONS.dt);
+        let mut metered = Metered::new(engine, &bodies, &[], CONDITIONS.dt);
         metered.steps(5);
         let outcome = metered.outcome(&bodies);
         assert!(outcome.fell_at.is_some() && outcome.displacement.has_fallen());
         assert!(outcome.rms_speed.is_nan() && outcome.overlap == f32::INFINITY);
+        assert!(outcome.stretch.is_none());
     }
 }
 
@@ -293,6 +328,7 @@ fn body(collider: Collider, friction: f32) -> Body {
 fn into_box3d(bodies: &[Body], threads: usize) -> Result<Box<dyn Engine>, String> {
     let start = Start {
         bodies,
+        joints: &[],
         gravity: Vec3::NEG_Y * G,
         conditions: Conditions {
             threads,

@@ -1,4 +1,4 @@
-//! Scenes with joints: a chain, a bridge, ragdolls.
+//! Scenes with joints: a chain, ragdolls.
 
 use super::{Hand, Site};
 use bevy_ecs::prelude::*;
@@ -12,17 +12,12 @@ const LINK: f32 = 0.4;
 /// The ball at the end of a chain, kg.
 const BALL: f32 = 100.0;
 
-/// A plank of a bridge, m.
-const PLANK: Vec3 = Vec3::new(0.5, 0.1, 2.0);
-/// On the middle of a bridge, kg.
-const LOAD: f32 = 10_000.0;
-
 /// Number of courses and of bricks in each of the heap under ragdolls.
 const HEAP: [i32; 2] = [2, 3];
 
 impl Site<'_> {
     /// A body of a certain mass.
-    fn weighing(
+    pub(super) fn weighing(
         &mut self,
         name: &str,
         collider: Collider,
@@ -55,42 +50,6 @@ impl Site<'_> {
         let ball = self.weighing("ball", ball, BALL, at, Quat::IDENTITY);
         self.world
             .spawn(SphericalJoint::new(last, ball).with_anchor(top));
-        None
-    }
-
-    /// Along x, 5 m above the ground.
-    pub(super) fn bridge(&mut self, n: u32) -> Option<Hand> {
-        self.ground(0.0);
-        let height = 5.0;
-        let half = 0.5 * PLANK.x * n as f32;
-        for side in [-1.0, 1.0] {
-            let size = Vec3::new(2.0, height, 4.0);
-            let center = Vec3::new(side * (half + 1.05), 0.5 * height, 0.0);
-            self.fixed("pier", size, center);
-        }
-        let mut last = None;
-        let mut middle = None;
-        let joint = |last: Option<Entity>, next: Option<Entity>, x: f32, world: &mut World| {
-            for z in [-0.9, 0.9] {
-                let at = Vec3::new(x, height, z);
-                world.spawn(SphericalJoint::new(last, next).with_anchor(at));
-            }
-        };
-        for i in 0..n {
-            let x = PLANK.x * i as f32 - half;
-            let shape = Collider::cuboid(PLANK.x - 0.02, PLANK.y, PLANK.z);
-            let at = Vec3::new(x + 0.5 * PLANK.x, height, 0.0);
-            let plank = self.weighing("plank", shape, 30.0, at, Quat::IDENTITY);
-            joint(last, Some(plank), x, self.world);
-            last = Some(plank);
-            if i == n / 2 {
-                middle = Some(at);
-            }
-        }
-        joint(last, None, half, self.world);
-        let load = Collider::cuboid(1.0, 1.0, 1.0);
-        let at = middle.unwrap_or_default() + Vec3::Y * (0.5 * PLANK.y + 0.5);
-        self.weighing("load", load, LOAD, at, Quat::IDENTITY);
         None
     }
 

@@ -7,7 +7,9 @@
 mod world;
 
 use crate::engine::{Effort, Engine};
-use crate::scene::{Body, Conditions, SLAB};
+use crate::joint::Kind;
+use crate::peer::Start;
+use crate::scene::{Body, SLAB};
 use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
 use drystone_lab::metrics;
 use world::{Description, SUBSTEPS, Shape, World};
@@ -21,8 +23,14 @@ pub struct Box3d {
 
 impl Box3d {
     /// # Errors
-    /// If a body has a shape that Box3D lacks, or two would rub otherwise than in drystone.
-    pub fn new(bodies: &[Body], gravity: Vec3, conditions: Conditions) -> Result<Self, String> {
+    /// If a body has a shape that Box3D lacks, two would rub otherwise than in drystone, or a joint has limits that Box3D lacks.
+    pub fn new(start: &Start) -> Result<Self, String> {
+        let &Start {
+            bodies,
+            joints,
+            gravity,
+            conditions,
+        } = start;
         check_surfaces(bodies)?;
         let threads = u32::try_from(conditions.threads).unwrap_or(u32::MAX);
         if threads > box3d_sys::B3_MAX_WORKERS {
@@ -32,6 +40,16 @@ impl Box3d {
         let mut world = World::new(gravity, threads)?;
         for body in bodies {
             add(&mut world, body)?;
+        }
+        for joint in joints {
+            if let Kind::Spherical {
+                swing: Some(swing), ..
+            } = joint.kind
+                && swing.min != -swing.max
+            {
+                return Err("Box3D limits the swing of a ball by a cone only".into());
+            }
+            world.join(joint)?;
         }
         Ok(Self {
             world,

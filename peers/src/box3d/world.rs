@@ -3,6 +3,7 @@
 //! Box3D checks what it is given by assertions, which a release build of it does not have. So what goes in is checked here, and
 //! bodies are told by their index in the world that made them, never by Box3D's own handles, which would outlive it.
 
+use crate::joint::{Joint, Kind};
 use box3d_sys as b3;
 use drystone::prelude::{Pose, Quat, RigidBody, Vec3};
 use std::sync::{Mutex, PoisonError};
@@ -17,6 +18,8 @@ static WORLDS: Mutex<()> = Mutex::new(());
 pub struct World {
     id: b3::b3WorldId,
     bodies: Vec<b3::b3BodyId>,
+    /// A body that does not move and has no shape: the world, for joints.
+    rest: Option<b3::b3BodyId>,
 }
 
 /// A body before the first step.
@@ -74,6 +77,7 @@ impl World {
             _ => Ok(Self {
                 id,
                 bodies: Vec::new(),
+                rest: None,
             }),
         }
     }
@@ -140,6 +144,79 @@ impl World {
                 Shape::Hull { .. } => {
                     let hull = hull.expect("made above");
                     b3::b3CreateHullShape(id, &surface, hull.0);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Joins two bodies. Box3D's axis of a hinge and of the twist is z.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn join(&mut self, joint: &Joint) -> Result<(), String> {
+        let sound = joint
+            .frames
+            .iter()
+            .all(|frame| frame.is_finite() && frame.rotation.is_normalized());
+        if !sound {
+            return Err("Box3D takes no joint with a number that is no good".into());
+        }
+        // SAFETY: the world and its bodies live as long as `self`, indices are checked, and definitions are Box3D's own with plain and sound
+        // numbers changed. Box3D copies them.
+        unsafe {
+            let rest = *self
+                .rest
+                .get_or_insert_with(|| b3::b3CreateBody(self.id, &b3::b3DefaultBodyDef()));
+            let [a, b] = joint
+                .bodies
+                .map(|body| body.map_or(rest, |body| self.bodies[body]));
+            let turn = Quat::from_rotation_arc(Vec3::Z, Vec3::X);
+            let [frame_a, frame_b] = joint.frames.map(|frame| b3::b3Transform {
+                p: vec3(frame.position),
+                q: quat(frame.rotation * turn),
+            });
+            let place = |base: &mut b3::b3JointDef| {
+                (base.bodyIdA, base.bodyIdB) = (a, b);
+                (base.localFrameA, base.localFrameB) = (frame_a, frame_b);
+                base.collideConnected = joint.collision;
+            };
+            match joint.kind {
+                Kind::Fixed => {
+                    let mut definition = b3::b3DefaultWeldJointDef();
+                    place(&mut definition.base);
+                    b3::b3CreateWeldJoint(self.id, &definition);
+                }
+                Kind::Revolute { angle, friction } => {
+                    let mut definition = b3::b3DefaultRevoluteJointDef();
+                    place(&mut definition.base);
+                    if let Some(limits) = angle {
+                        definition.enableLimit = true;
+                        (definition.lowerAngle, definition.upperAngle) = (limits.min, limits.max);
+                    }
+                    definition.enableMotor = friction > 0.0;
+                    definition.maxMotorTorque = friction;
+                    b3::b3CreateRevoluteJoint(self.id, &definition);
+                }
+                Kind::Spherical {
+                    twist,
+                    swing,
+                    friction,
+                } => {
+                    let mut definition = b3::b3DefaultSphericalJointDef();
+                    place(&mut definition.base);
+                    if let Some(limits) = swing {
+                        definition.enableConeLimit = true;
+                        definition.coneAngle = limits.max;
+                    }
+                    if let Some(limits) = twist {
+                        definition.enableTwistLimit = true;
+                        definition.lowerTwistAngle = limits.min;
+                        definition.upperTwistAngle = limits.max;
+                    }
+                    definition.enableMotor = friction > 0.0;
+                    definition.maxMotorTorque = friction;
+                    b3::b3CreateSphericalJoint(self.id, &definition);
                 }
             }
         }

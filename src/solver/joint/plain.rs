@@ -19,7 +19,7 @@ const FASTEST: f32 = 2.0;
 pub struct PlainJoint {
     pub joint: JointConstraint,
     h: f32,
-    inverse: [(f32, Mat3); 2],
+    inverse: [(Vec3, Mat3); 2],
     rows: Vec<Row>,
 }
 
@@ -62,7 +62,7 @@ impl PlainJoint {
             let (linear, angular) = geometry.jacobian(coordinate, found.direction);
             let response = |side: usize| {
                 let body = ends[side];
-                body.inverse_mass * linear.length_squared()
+                body.inverse_mass * (linear * body.free_axes).length_squared()
                     + angular[side].dot(body.inverse_inertia * angular[side])
             };
             let is_last = kinds.get(i + 1).is_none_or(|next| next.0 != coordinate);
@@ -77,7 +77,7 @@ impl PlainJoint {
         });
         Some(Self {
             h,
-            inverse: ends.map(|body| (body.inverse_mass, body.inverse_inertia)),
+            inverse: ends.map(|body| (body.inverse_mass * body.free_axes, body.inverse_inertia)),
             rows: rows.collect(),
             joint: *joint,
         })
@@ -149,7 +149,7 @@ impl PlainJoint {
 }
 
 impl Row {
-    fn push(&self, impulse: f32, inverse: &[(f32, Mat3); 2], to: &mut [[Vec3; 2]; 2]) {
+    fn push(&self, impulse: f32, inverse: &[(Vec3, Mat3); 2], to: &mut [[Vec3; 2]; 2]) {
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
             let (mass, inertia) = &inverse[side];
             to[side][0] += sign * impulse * *mass * self.linear;

@@ -318,3 +318,52 @@ fn a_generic_joint_does_what_its_axes_say() {
     assert!((at.z - 0.5).abs() < 0.01, "{at}");
     assert!(lab.velocity(bead).angular.length() < 1e-2);
 }
+
+/// A carriage that can slide along x only bears a pendulum: its joint pulls it neither down nor round.
+#[test]
+fn locked_axes_bear_what_joints_ask() {
+    for dt in [1.0 / 60.0, 0.1] {
+        let mut lab = Lab::shipped(dt);
+        let carriage = body(
+            &mut lab,
+            Collider::cuboid(0.5, 0.2, 0.2),
+            2.0,
+            Vec3::Y * 3.0,
+        );
+        let axes = LockedAxes::new().lock_translation_y().lock_rotation_z();
+        lab.world.entity_mut(carriage).insert(axes);
+        let bob = ball(&mut lab, 10.0, Vec3::new(0.2, 2.0, 0.0));
+        let anchor = Vec3::new(0.2, 3.0, 0.0);
+        let joint = lab.spawn(SphericalJoint::new(carriage, bob).with_anchor(anchor));
+        let begin = *lab.world.get::<Transform>(carriage).unwrap();
+        let mut gap = 0f32;
+        for _ in 0..(3.0 / dt).round() as usize {
+            lab.step();
+            let now = *lab.world.get::<Transform>(carriage).unwrap();
+            let bob = lab.world.get::<Transform>(bob).unwrap();
+            gap = gap.max(
+                (bob.translation + bob.rotation * Vec3::Y).distance(now * Vec3::new(0.2, 0.0, 0.0)),
+            );
+            assert_eq!(now.translation.y, begin.translation.y);
+            assert_eq!(now.rotation.z, 0.0);
+        }
+        assert!(gap < 1e-4, "{dt}: {gap}");
+        assert_near(
+            forces(&lab, joint).force.y,
+            10.0 * G,
+            1e-3,
+            "the carriage bears the bob",
+        );
+        // It slides along, and the centre of both stays.
+        let shove = Vec3::X * 1.0;
+        lab.set_velocity(bob, shove, Vec3::ZERO);
+        let center =
+            |lab: &Lab| (2.0 * lab.position(carriage).x + 10.0 * lab.position(bob).x) / 12.0;
+        let begin = center(&lab);
+        for _ in 0..(1.2 / dt).round() as usize {
+            lab.step();
+            assert_eq!(lab.position(carriage).y, 3.0);
+        }
+        assert_near(center(&lab) - begin, 10.0 / 12.0 * 1.2, 0.01, "both go on");
+    }
+}

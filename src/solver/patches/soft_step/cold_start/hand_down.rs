@@ -22,12 +22,15 @@ struct Supports {
     above: Vec<usize>,
 }
 
-/// By body: whether a path of closed patches leads down to a fixed body. Patches come in the order of their level, so that one pass finds
+/// By body: whether a path of closed patches leads down to a fixed body, or to one that joints hold (`jointed`, if any). Patches come in the order of their level, so that one pass finds
 /// all.
-pub fn standing(problem: &PatchProblem, closed: f32) -> Vec<bool> {
+pub fn standing(problem: &PatchProblem, closed: f32, jointed: &[bool]) -> Vec<bool> {
     let up = up(problem);
     let fixed = |body: &Body| body.inverse_mass == 0.0;
     let mut stands: Vec<bool> = problem.bodies.iter().map(fixed).collect();
+    for (stands, &jointed) in stands.iter_mut().zip(jointed) {
+        *stands |= jointed;
+    }
     for patch in problem.patches.iter() {
         let points = &problem.points[patch.range()];
         if let Some(side) = upper(patch, up)

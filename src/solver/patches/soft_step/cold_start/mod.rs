@@ -59,7 +59,7 @@ impl New {
         {
             return None;
         }
-        let stands = hand_down::standing(problem, closed);
+        let stands = hand_down::standing(problem, closed, &jointed);
         let bodies = problem.bodies.iter().zip(body_loads).zip(stands);
         let bodies: Vec<[bool; 2]> = bodies
             .enumerate()

@@ -77,7 +77,7 @@ impl Joints {
                 self.rows[link.rows.clone()]
                     .iter_mut()
                     .for_each(Row::release);
-                (piece.is_stale, piece.is_refreshed) = (true, true);
+                (piece.is_stale, piece.is_refreshed, piece.is_calm) = (true, true, false);
             }
         }
     }

@@ -43,6 +43,7 @@ pub struct LeafPatch {
 struct Other {
     body: usize,
     inverse_mass: f32,
+    free_axes: Vec3,
     inverse_inertia: glam::Mat3,
 }
 
@@ -136,6 +137,7 @@ impl LeafPatch {
         self.other = (other.inverse_mass > 0.0).then_some(Other {
             body,
             inverse_mass: other.inverse_mass,
+            free_axes: other.free_axes,
             inverse_inertia: other.inverse_inertia,
         });
     }
@@ -198,7 +200,8 @@ impl LeafPatch {
             let [push, turn] = [push, turn].map(Vec3::as_dvec3);
             let other = self.other.map_or(0.0, |other| {
                 let turn = arms[1 - self.side].cross(self.normal);
-                other.inverse_mass + turn.dot(other.inverse_inertia * turn)
+                let along = self.normal * other.free_axes;
+                other.inverse_mass * along.length_squared() + turn.dot(other.inverse_inertia * turn)
             });
             leaves.push(Leaf {
                 key: (number as u64) << 32 | i as u64,
@@ -247,7 +250,11 @@ impl Leaf {
             let push = sign * self.change as f32 * patch.normal;
             let arm = patch.arms[side] + offsets[patch.offsets.start + i];
             let spin = other.inverse_inertia * arm.cross(push);
-            add(to.velocities, other.body, [other.inverse_mass * push, spin]);
+            add(
+                to.velocities,
+                other.body,
+                [other.inverse_mass * push * other.free_axes, spin],
+            );
         }
     }
 

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3, Mat3, Quat, Vec3, Vec4};
 /// The inverse inertia of a body counts as singular if its determinant is smaller than this, as a share of its trace cubed.
 const SINGULAR: f64 = 1e-13;
 
-/// The inertia about an axis about which a body does not turn, as a factor of the others.
+/// The inertia about an axis about which a body does not turn, and the mass along one along which it does not move, as a factor of the others.
 const LOCKED: f64 = 1e7;
 
 /// The share of its inertia up to which the geometric stiffness of a body is left to the solve.
@@ -24,6 +24,8 @@ pub struct Member {
     /// Its motion in the lists of the island at the last drift, m and rad.
     pub drifted: [Vec3; 2],
     pub inverse_mass: f32,
+    /// 1 for the world axes along which it moves, 0 for those that are locked.
+    free_axes: Vec3,
     /// Inverse inertia at the beginning of the step and now, world axes, 1/(kg·m²).
     start: Mat3,
     pub inverse_inertia: Mat3,
@@ -43,6 +45,8 @@ pub struct Member {
     pub seen: [Vec3; 2],
     /// The part of its velocity change in this substep that joints gave, m/s and rad/s.
     pub given: [Vec3; 2],
+    /// Its velocities, and its motion as in `drifted`, when all rows of its piece were last found content.
+    calm: [[Vec3; 2]; 2],
 }
 
 impl Member {
@@ -53,6 +57,7 @@ impl Member {
             placement: Placement::START,
             drifted: [Vec3::ZERO; 2],
             inverse_mass: 0.0,
+            free_axes: Vec3::ONE,
             start: Mat3::ZERO,
             inverse_inertia: Mat3::ZERO,
             inertia: DMat3::ZERO,
@@ -64,6 +69,7 @@ impl Member {
             principal: None,
             seen: [Vec3::ZERO; 2],
             given: [Vec3::ZERO; 2],
+            calm: [[Vec3::ZERO; 2]; 2],
         }
     }
 
@@ -76,6 +82,7 @@ impl Member {
             return;
         }
         self.inverse_mass = body.inverse_mass;
+        self.free_axes = body.free_axes;
         self.start = body.inverse_inertia;
         self.inverse_inertia = self.start;
         self.answer = self.start;
@@ -102,6 +109,22 @@ impl Member {
             let turn = Quat::from_scaled_axis(h * angular);
             self.placement.turned = (turn * self.placement.turned).normalize();
         }
+    }
+
+    /// All rows of its piece are content with these velocities, and with where it is.
+    pub fn calm_down(&mut self, velocities: [Vec3; 2]) {
+        self.seen = velocities;
+        self.calm = [velocities, self.drifted];
+    }
+
+    /// Whether its velocities differ by less than `slack` (m/s and rad/s) from those with which all rows were content.
+    pub fn is_as_calm(&self, velocities: [Vec3; 2], slack: f32) -> bool {
+        is_near(velocities, self.calm[0], slack)
+    }
+
+    /// Whether it is within `slack` (m and rad) of where all rows were content.
+    pub fn is_still(&self, slack: f32) -> bool {
+        is_near(self.drifted, self.calm[1], slack)
     }
 
     /// Turns its inertia along.
@@ -179,27 +202,51 @@ impl Member {
         found
     }
 
+    /// Whether it was faster than `put` (m/s and rad/s) after the last solve.
+    pub fn is_faster(&self, put: f32) -> bool {
+        self.seen
+            .into_iter()
+            .any(|velocity| velocity.length_squared() > put * put)
+    }
+
+    /// Whether it turned faster than `slack` (rad/s) after the last solve.
+    pub fn turns(&self, slack: f32) -> bool {
+        self.seen[1].abs().max_element() > slack
+    }
+
     /// Whether it has geometric stiffness beyond what the solve bears.
     pub fn is_stiffened(&self) -> bool {
         self.excess != DMat3::ZERO
     }
 
-    /// The change of its angular velocity for one that the solve has found.
-    pub fn allowed(&self, spin: DVec3) -> Vec3 {
-        match self.is_singular {
+    /// Its mass along each of the world axes in the solve, kg.
+    pub fn masses(&self) -> DVec3 {
+        let mass = 1.0 / self.inverse_mass as f64;
+        let mass = |free: f32| if free == 0.0 { LOCKED * mass } else { mass };
+        DVec3::from_array(self.free_axes.to_array().map(mass))
+    }
+
+    /// The changes of its velocities for those that the solve has found: none along locked axes.
+    pub fn allowed(&self, change: DVec3, spin: DVec3) -> [Vec3; 2] {
+        let spin = match self.is_singular {
             false => spin.as_vec3(),
             true => self.inverse_inertia * (self.inertia * spin).as_vec3(),
-        }
+        };
+        [self.free_axes * change.as_vec3(), spin]
     }
 
     /// The changes of its velocities by a push and a moment, N·s and N·m·s.
     pub fn respond(&self, push: Vec3, moment: Vec3) -> [Vec3; 2] {
-        [self.inverse_mass * push, self.answer * moment]
+        [
+            self.inverse_mass * push * self.free_axes,
+            self.answer * moment,
+        ]
     }
 
     /// Inverse effective mass of a push and a moment.
     pub fn response(&self, push: Vec3, moment: Vec3) -> f32 {
-        self.inverse_mass * push.length_squared() + moment.dot(self.answer * moment)
+        let along = push * self.free_axes;
+        self.inverse_mass * along.length_squared() + moment.dot(self.answer * moment)
     }
 
     /// Its motion over the step: displacement, and rotation vector. `motion` is that in the lists of the island, which may have changed
@@ -210,6 +257,11 @@ impl Member {
         let turn = if turn.w < 0.0 { -turn } else { turn };
         [moved, turn.to_scaled_axis() + (turned - self.drifted[1])]
     }
+}
+
+fn is_near(a: [Vec3; 2], b: [Vec3; 2], slack: f32) -> bool {
+    let far = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+    far.max_element() < slack
 }
 
 /// Sweeps of Jacobi's method; each squares what is left.

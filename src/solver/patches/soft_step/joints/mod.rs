@@ -4,7 +4,7 @@
 //! load of a thousand links stretches by centimetres, or flies apart. So each connected [piece] of the joint graph is solved as a
 //! whole by a [sparse factorization](factor), after the contacts of every soft and every rigid sweep; the other way round it flies apart.
 //!
-//! - **Rows** ([`row`]) are springs ten thousand times as stiff as those of contacts. They are never quite rigid: joints that hold each
+//! - **Rows** ([`row`]) are springs a hundred thousand times as stiff as those of contacts. They are never quite rigid: joints that hold each
 //!   other redundantly would have no unique forces.
 //! - **Arms turn** within a step: directions, errors, inertias and the factorization are refreshed in each substep for what has turned by
 //!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way ([`Geometry::inward_rate`]).
@@ -29,20 +29,24 @@ use super::island::Island;
 use crate::solver::batches::Batches;
 use crate::solver::groups::Groups;
 use crate::solver::joint::{
-    COORDINATES, Geometry, Placement, Times, Utilization, filter_share, rows_of,
+    COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
 };
 use crate::solver::lanes::{F32xN, State, cells};
 use crate::solver::{JointConstraint, PatchProblem};
 use glam::{Mat3, Vec3};
 use leaf::{Contacts, LeafPatch, read};
 use member::Member;
-use piece::{Lists, Piece};
+use piece::{CALM, Lists, Piece};
 use row::{Link, Row};
 use std::cell::Cell;
 use std::ops::Range;
 
 /// A motor of infinite stiffness takes at least as many substeps to its target.
 const APPROACH: f32 = 4.0;
+
+/// Upper bounds of the speed of bodies that were placed, m/s and rad/s, and of the error of joints between them, m and rad.
+const PUT: f32 = 0.01;
+const PLACED: f32 = 0.005;
 
 /// The joints of an island.
 #[derive(Default)]
@@ -229,7 +233,11 @@ impl Joints {
                 member += 1;
             }
             let links = first_link..self.links.len();
-            self.pieces.push(Piece::new(first..member, links, pairs));
+            let is_driven = self.rows[self.links[first_link].rows.start..]
+                .iter()
+                .any(|row| row.part == Part::Motor);
+            let piece = Piece::new(first..member, links, pairs, is_driven);
+            self.pieces.push(piece);
         }
     }
 
@@ -283,11 +291,47 @@ impl Joints {
         for piece in &mut self.pieces {
             piece.is_stale = true;
             piece.is_refreshed = true;
+            piece.is_calm = false;
         }
         self.restart(velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
             let was = problem.bodies[member.body as usize].start[1];
             (linear, was, angular - was)
+        });
+        self.cold_start(problem, velocities);
+    }
+
+    /// Finds the impulses of pieces that were just built: whose joints have none yet, and whose bodies rest where joints want them. Then finds
+    /// their geometric stiffness.
+    fn cold_start(&mut self, problem: &PatchProblem, velocities: &[Cell<State>]) {
+        let mut lists = Lists {
+            members: &mut self.members,
+            links: &self.links,
+            rows: &mut self.rows,
+            patches: &self.patches,
+            offsets: &self.offsets,
+        };
+        let joints = &self.joints;
+        let mut is_any_cold = false;
+        for piece in &mut self.pieces {
+            let links = lists.links[piece.links.clone()].iter();
+            let mut forces = links.flat_map(|link| joints[link.joint].forces);
+            if forces.all(|force| force == 0.0)
+                && piece.is_built(&lists, PUT, self.bias_rate * PLACED)
+            {
+                piece.cold_start(self.h, &mut lists, velocities);
+                piece.is_refreshed = true;
+                is_any_cold = true;
+            }
+        }
+        if !is_any_cold {
+            return;
+        }
+        self.restart(velocities, |member, velocities| {
+            let [linear, angular] = read(velocities, member.body as usize);
+            let was = problem.bodies[member.body as usize].start[1];
+            let [moves, turns] = member.given;
+            (linear - moves, was, angular - was - turns)
         });
     }
 
@@ -310,10 +354,20 @@ impl Joints {
             patches: &self.patches,
             offsets: &self.offsets,
         };
-        let pieces = self.pieces.iter_mut();
-        pieces
-            .map(|piece| piece.visit(pass, &mut lists, &mut contacts))
-            .sum()
+        let mut sum = 0.0;
+        for piece in &mut self.pieces {
+            if piece.stays_calm(pass, &lists, &contacts) {
+                continue;
+            }
+            record(
+                piece,
+                (lists.links, lists.rows),
+                &mut self.logs,
+                (&self.joints, self.h),
+            );
+            sum += piece.visit(pass, &mut lists, &mut contacts);
+        }
+        sum
     }
 
     /// Follows the drift of bodies after a soft sweep. `velocities` are those with which they drifted.
@@ -324,7 +378,13 @@ impl Joints {
             member.drift(read(velocities, body), read(motions, body), self.h);
         }
         let times = self.times();
+        let slack = CALM / self.bias_rate.max(f32::MIN_POSITIVE);
         for piece in &mut self.pieces {
+            let members = &self.members[piece.members.clone()];
+            if piece.is_calm && members.iter().all(|member| member.is_still(slack)) {
+                continue;
+            }
+            piece.is_calm = false;
             let links = &mut self.links[piece.links.clone()];
             if links.iter().any(|link| link.is_stale(&self.members)) {
                 for member in &mut self.members[piece.members.clone()] {
@@ -354,7 +414,20 @@ impl Joints {
         ended: &[Cell<State>],
         velocities: &[Cell<State>],
     ) {
-        self.record();
+        for piece in &mut self.pieces {
+            piece.unrecorded += 1;
+            // Bonds may break in any substep.
+            let is_bonded = |link: &Link| self.joints[link.joint].section.is_some();
+            let is_bonded = self.links[piece.links.clone()].iter().any(is_bonded);
+            if is_last || !piece.is_calm || is_bonded {
+                record(
+                    piece,
+                    (&self.links, &self.rows),
+                    &mut self.logs,
+                    (&self.joints, self.h),
+                );
+            }
+        }
         self.break_sections();
         if is_last {
             return;
@@ -377,7 +450,11 @@ impl Joints {
         for piece in &mut self.pieces {
             let is_refreshed = std::mem::take(&mut piece.is_refreshed);
             let members = &mut self.members[piece.members.clone()];
-            let is_stiffened = members.iter().any(|member| member.is_stiffened());
+            // What does not turn needs no spin carried over.
+            let turns = |member: &Member| !piece.is_calm || member.turns(CALM);
+            let is_stiffened = members
+                .iter()
+                .any(|member| member.is_stiffened() && turns(member));
             if !is_refreshed && !is_stiffened {
                 continue;
             }
@@ -424,33 +501,6 @@ impl Joints {
         }
     }
 
-    /// Records the forces of a substep.
-    fn record(&mut self) {
-        for (link, log) in self.links.iter().zip(&mut self.logs) {
-            let joint = &self.joints[link.joint];
-            let mut forces = [Vec3::ZERO; 2];
-            for row in &self.rows[link.rows.clone()] {
-                let [push, moment] = [row.linear, row.angular[1]].map(|v| row.impulse / self.h * v);
-                forces[0] += push;
-                if row.is_angular() {
-                    forces[1] += moment;
-                }
-            }
-            let share = filter_share(self.h, joint.filter);
-            for (i, force) in forces.into_iter().enumerate() {
-                log.sum[i] += force;
-                log.filtered[i] += share * (link.geometry.local(force) - log.filtered[i]);
-                log.peak[i] = log.peak[i].max(log.filtered[i].length());
-            }
-            if let Some(section) = &joint.section
-                && log.broke.is_none()
-            {
-                let now = forces.map(|force| link.geometry.local(force));
-                log.used = breaking::lesser(section, log.filtered, now);
-            }
-        }
-    }
-
     /// Stores the results.
     pub fn store(&self, problem: &mut PatchProblem, motions: &[State]) {
         if self.is_empty() {
@@ -471,6 +521,43 @@ impl Joints {
             let motion = member.motion_of_step(&motions[member.body as usize]);
             body.motion = Some(motion.map(|motion| motion / problem.dt));
             body.motion_is_exact = true;
+        }
+    }
+}
+
+/// Records the forces of the substeps of a piece that were not recorded yet. They were the same in all of them.
+fn record(
+    piece: &mut Piece,
+    (links, rows): (&[Link], &[Row]),
+    logs: &mut [Log],
+    (joints, h): (&[JointConstraint], f32),
+) {
+    let substeps = std::mem::take(&mut piece.unrecorded);
+    if substeps == 0 {
+        return;
+    }
+    let links = links[piece.links.clone()].iter();
+    for (link, log) in links.zip(&mut logs[piece.links.clone()]) {
+        let joint = &joints[link.joint];
+        let mut forces = [Vec3::ZERO; 2];
+        for row in &rows[link.rows.clone()] {
+            let [push, moment] = [row.linear, row.angular[1]].map(|v| row.impulse / h * v);
+            forces[0] += push;
+            if row.is_angular() {
+                forces[1] += moment;
+            }
+        }
+        let share = filter_share(substeps as f32 * h, joint.filter);
+        for (i, force) in forces.into_iter().enumerate() {
+            log.sum[i] += substeps as f32 * force;
+            log.filtered[i] += share * (link.geometry.local(force) - log.filtered[i]);
+            log.peak[i] = log.peak[i].max(log.filtered[i].length());
+        }
+        if let Some(section) = &joint.section
+            && log.broke.is_none()
+        {
+            let now = forces.map(|force| link.geometry.local(force));
+            log.used = breaking::lesser(section, log.filtered, now);
         }
     }
 }

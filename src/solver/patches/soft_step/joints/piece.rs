@@ -3,14 +3,18 @@
 //! Motors, friction and limits have bounded impulses, and contacts only push. A solve takes the rows as it found them in the last sweep,
 //! bounded or free. Where an impulse passes its bound it is fixed there, a fixed one that would come back is freed, and the piece is solved
 //! again, at most [`PASSES`] times. An impulse that is cut without another solve leaves its joint open.
+//!
+//! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its bodies
+//! neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
 
 use super::factor::{Coupling, Factor, Node};
 use super::leaf::{Contacts, Leaf, LeafPatch, add, read};
 use super::member::Member;
 use super::row::{Bound, Link, Row};
-use crate::solver::lanes::F32xN;
+use crate::solver::lanes::{F32xN, State};
 use crate::solver::patches::soft_step::block::Pass;
 use glam::{DVec3, Vec3};
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Upper bound of solves in a visit.
@@ -18,6 +22,12 @@ const PASSES: usize = 5;
 
 /// A rate below which a fixed row counts as content, m/s or rad/s.
 const CONTENT: f64 = 1e-7;
+
+/// What a row may lack in a calm piece, m/s and rad/s.
+pub const CALM: f32 = 1e-7;
+
+/// What a contact of a calm piece may lack, m/s.
+const CALM_CONTACT: f64 = 1e-6;
 
 /// The joints between two bodies.
 #[derive(Clone, Debug)]
@@ -41,6 +51,12 @@ pub struct Piece {
     pub is_stale: bool,
     /// Directions have changed since the substep began.
     pub is_refreshed: bool,
+    /// It has motors, whose targets come closer in every substep.
+    is_driven: bool,
+    /// All rows are content.
+    pub is_calm: bool,
+    /// Number of substeps that it was calm in and whose forces were not recorded.
+    pub unrecorded: usize,
     /// Its patches among the leaf patches.
     pub patches: Range<usize>,
     leaves: Vec<Leaf>,
@@ -64,6 +80,7 @@ impl Piece {
         members: Range<usize>,
         links: Range<usize>,
         pairs: Vec<([usize; 2], Range<usize>)>,
+        is_driven: bool,
     ) -> Self {
         let mut nodes = vec![
             Node {
@@ -102,9 +119,50 @@ impl Piece {
             factor,
             is_stale: true,
             is_refreshed: true,
+            is_driven,
+            is_calm: false,
+            unrecorded: 0,
             patches: 0..0,
             leaves: Vec::new(),
             factorized: Vec::new(),
+        }
+    }
+
+    /// Whether it is still calm. Finds its contacts that carry.
+    pub fn stays_calm<L: F32xN>(
+        &mut self,
+        pass: &Pass,
+        lists: &Lists,
+        contacts: &Contacts<L>,
+    ) -> bool {
+        let members = &lists.members[self.members.clone()];
+        let velocities = contacts.velocities;
+        self.is_calm
+            && members
+                .iter()
+                .all(|member| member.is_as_calm(read(velocities, member.body as usize), CALM))
+            && (self.patches.is_empty() || {
+                self.find_leaves(pass, lists, contacts);
+                self.leaves_are_content()
+            })
+    }
+
+    fn leaves_are_content(&self) -> bool {
+        let mut leaves = self.leaves.iter();
+        leaves.all(|leaf| leaf.lack.abs() < CALM_CONTACT)
+    }
+
+    /// Finds whether it is calm, after what rows lack.
+    fn calm_down(&mut self, soft: bool, lists: &mut Lists, velocities: &[Cell<State>]) {
+        let links = &lists.links[self.links.clone()];
+        let mut rows = links.iter().flat_map(|link| &lists.rows[link.rows.clone()]);
+        self.is_calm = !self.is_driven
+            && rows.all(|row| row.is_content(soft, CALM))
+            && self.leaves_are_content();
+        if self.is_calm {
+            for member in &mut lists.members[self.members.clone()] {
+                member.calm_down(read(velocities, member.body as usize));
+            }
         }
     }
 
@@ -116,15 +174,56 @@ impl Piece {
         contacts: &mut Contacts<L>,
     ) -> f32 {
         self.find_leaves(pass, lists, contacts);
+        let velocities = contacts.velocities;
+        self.find_lacks(pass.soft, 1.0 / pass.rate, lists, velocities);
+        self.calm_down(pass.soft, lists, velocities);
+        if self.is_calm {
+            return 0.0;
+        }
+        self.solve_within_bounds(lists);
+        let sum = self.apply(lists, velocities);
+        sum + self.apply_to_contacts(lists, contacts)
+    }
+
+    /// Finds the impulses that hold still what is not held by contacts, before the first sweep: joints that were just added have none to begin
+    /// with, and a first sweep of contacts would find nothing that bears them.
+    pub fn cold_start(&mut self, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
+        self.leaves.clear();
+        self.find_lacks(false, h, lists, velocities);
+        self.calm_down(false, lists, velocities);
+        if !self.is_calm {
+            self.solve_within_bounds(lists);
+            self.apply(lists, velocities);
+        }
+        self.is_calm = false;
+    }
+
+    /// Whether no body is faster than `put` (m/s and rad/s), and no row corrects an error faster than `correction` (m/s and rad/s).
+    pub fn is_built(&self, lists: &Lists, put: f32, correction: f32) -> bool {
+        let mut links = lists.links[self.links.clone()].iter();
+        let mut members = lists.members[self.members.clone()].iter();
+        members.all(|member| !member.is_faster(put))
+            && links.all(|link| {
+                let mut rows = lists.rows[link.rows.clone()].iter();
+                rows.all(|row| (row.law.rate - row.law.rigid).abs() <= correction)
+            })
+    }
+
+    fn find_lacks(&self, soft: bool, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
         for link in &lists.links[self.links.clone()] {
-            let bodies = link.ends.map(|end| lists.members[end].body as usize);
-            let velocities = bodies.map(|body| read(contacts.velocities, body));
-            let seen = link.ends.map(|end| lists.members[end].seen);
-            let velocities = [velocities, seen];
+            let now = |end: usize| read(velocities, lists.members[end].body as usize);
+            let velocities = [
+                link.ends.map(now),
+                link.ends.map(|end| lists.members[end].seen),
+            ];
             for row in &mut lists.rows[link.rows.clone()] {
-                row.find_lack(pass.soft, 1.0 / pass.rate, &link.geometry, velocities);
+                row.find_lack(soft, h, &link.geometry, velocities);
             }
         }
+    }
+
+    /// Solves until impulses are within their bounds.
+    fn solve_within_bounds(&mut self, lists: &mut Lists) {
         for round in 1..=PASSES {
             self.solve(lists);
             let last = round == PASSES;
@@ -135,7 +234,6 @@ impl Piece {
                 self.solve(lists);
             }
         }
-        self.apply(lists, contacts)
     }
 
     /// Finds the contacts that carry.
@@ -200,10 +298,10 @@ impl Piece {
         for number in self.members.clone() {
             let member = &lists.members[number];
             let pivot = self.factor.pivot(number - self.members.start);
-            let mass = 1.0 / member.inverse_mass as f64;
+            let masses = member.masses();
             let inertia = member.inertia + member.excess;
             for i in 0..3 {
-                pivot[i * 7] = mass;
+                pivot[i * 7] = masses[i];
                 for j in 0..3 {
                     pivot[(i + 3) * 6 + j + 3] = inertia.col(j)[i];
                 }
@@ -314,7 +412,7 @@ impl Piece {
     }
 
     /// Applies the solution.
-    fn apply<L: F32xN>(&mut self, lists: &mut Lists, contacts: &mut Contacts<L>) -> f32 {
+    fn apply(&mut self, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
         let mut sum = 0.0;
         for number in self.members.clone() {
             let first = self.factor.first_of(number - self.members.start);
@@ -322,12 +420,9 @@ impl Piece {
                 continue;
             };
             let member = &mut lists.members[number];
-            let change = [
-                DVec3::new(a, b, c).as_vec3(),
-                member.allowed(DVec3::new(d, e, f)),
-            ];
-            add(contacts.velocities, member.body as usize, change);
-            member.seen = read(contacts.velocities, member.body as usize);
+            let change = member.allowed(DVec3::new(a, b, c), DVec3::new(d, e, f));
+            add(velocities, member.body as usize, change);
+            member.seen = read(velocities, member.body as usize);
             for (given, change) in member.given.iter_mut().zip(change) {
                 *given += change;
             }
@@ -345,6 +440,12 @@ impl Piece {
                 row.impulse = impulse;
             }
         }
+        sum
+    }
+
+    /// Applies the changes of contacts to them. Returns Σ Δλ times what each lacked, J.
+    fn apply_to_contacts<L: F32xN>(&self, lists: &mut Lists, contacts: &mut Contacts<L>) -> f32 {
+        let mut sum = 0.0;
         for leaf in &self.leaves {
             sum += (leaf.change * leaf.lack) as f32;
             leaf.apply(lists.patches, lists.offsets, contacts);

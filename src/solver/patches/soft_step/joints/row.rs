@@ -7,7 +7,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 /// How much stiffer the rows of joints are than springs of contacts.
-const STIFFER: f32 = 1e4;
+const STIFFER: f32 = 1e5;
 
 /// How much stiffer rows of motors and of friction are than that, which have no position to return to.
 const DRIVEN: f32 = 1e3;
@@ -22,6 +22,9 @@ const TURNED: f32 = 1e-4;
 
 /// Directions are refreshed where anchors have moved against each other by more than this share of the arms.
 const MOVED: f32 = 1e-4;
+
+/// Rounding of the velocities that an impulse gives, as a share of them.
+const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
 
 /// Which bound holds the impulse of a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -220,6 +223,27 @@ impl Row {
             false => 0.0,
         };
         self.lack = wanted - self.rate(velocities) - leak;
+    }
+}
+
+impl Row {
+    /// Whether a solve would change nothing that counts, in a soft and in a rigid sweep, given what it lacks in one of them.
+    pub fn is_content(&self, soft: bool, slack: f32) -> bool {
+        let slack = slack + ROUNDING * self.response * self.impulse.abs();
+        let between = match self.part {
+            Part::Hold => self.law.rate - self.law.rigid - self.compliance * self.impulse,
+            _ => 0.0,
+        };
+        let other = match soft {
+            true => self.lack - between,
+            false => self.lack + between,
+        };
+        match self.bound {
+            Bound::Free => self.lack.abs() < slack && other.abs() < slack,
+            _ if self.fixed_change() != 0.0 => false,
+            Bound::Low => self.lack.max(other) < slack,
+            Bound::High => self.lack.min(other) > -slack,
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The castle: four walls, a gate under a lintel, an arch, a tower of planks, and a keep laid with mortar.
+//! The castle: four walls, a gate under a lintel, an arch, a tower of planks, a keep laid with mortar; and a wall aside that nobody touches.
 
 use crate::game::Layer;
 use bevy_ecs::prelude::*;
@@ -14,8 +14,8 @@ use std::f32::consts::FRAC_PI_2;
 pub struct Brick {
     pub home: Vec3,
     pub turn: Quat,
-    /// Whether no shot should ever reach it.
-    pub behind: bool,
+    /// Whether nothing ever reaches it.
+    pub aside: bool,
 }
 
 /// Lays the ground and the castle.
@@ -42,7 +42,8 @@ pub fn build(world: &mut World) {
         ..wall(12.0, 10)
     };
     lay(world, front.blocks(), at(0.0, 0.0, 0.0), false);
-    lay(world, wall(12.0, 10).blocks(), at(0.0, 9.0, 0.0), true);
+    lay(world, wall(12.0, 10).blocks(), at(0.0, 9.0, 0.0), false);
+    lay(world, wall(6.0, 8).blocks(), at(-15.0, 4.0, 0.0), true);
     for x in [-5.75, 5.75] {
         lay(world, wall(8.0, 10).blocks(), at(x, 4.5, FRAC_PI_2), false);
     }
@@ -58,14 +59,22 @@ fn lay(
     world: &mut World,
     blocks: Result<Vec<Block>, drystone::masonry::MasonryError>,
     frame: Pose,
-    behind: bool,
+    aside: bool,
 ) -> Vec<Entity> {
     let blocks = blocks.expect("the lengths fit their bonds");
     let blocks = blocks.into_iter().map(|block| block.moved(&frame));
     let bricks = blocks.map(|block| {
-        let Pose { position: home, rotation: turn } = block.pose;
+        let Pose {
+            position: home,
+            rotation: turn,
+        } = block.pose;
         let layers = CollisionLayers::new(Layer::Things, LayerMask::ALL);
-        let brick = (block.bundle(), Brick { home, turn, behind }, layers, Watch::default());
+        let brick = (
+            block.bundle(),
+            Brick { home, turn, aside },
+            layers,
+            Watch::default(),
+        );
         world.spawn(brick).id()
     });
     bricks.collect()

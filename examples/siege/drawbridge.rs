@@ -17,13 +17,13 @@ pub struct Deck;
 pub struct BridgeRope;
 
 /// The hinge of the deck, m.
-const HINGE: Vec3 = Vec3::new(0.0, 0.25, -0.5);
+const HINGE: Vec3 = Vec3::new(0.0, 0.09, -0.5);
 /// Length and thickness of the deck, m, its width, and its mass, kg.
-const DECK: Vec3 = Vec3::new(1.9, 0.15, 4.0);
+const DECK: Vec3 = Vec3::new(1.9, 0.1, 4.0);
 const MASS: f32 = 400.0;
 /// Height of the winch, m, and lengths of the ropes when the bridge is down and up, m.
 const WINCH: f32 = 5.5;
-const DOWN: f32 = 6.65;
+const DOWN: f32 = 6.75;
 const UP: f32 = 2.2;
 /// Speed of the winch, m/s.
 const SPEED: f32 = 0.7;
@@ -40,7 +40,9 @@ pub fn build(world: &mut World) {
             Deck,
         ))
         .id();
-    let hinge = RevoluteJoint::new(None, deck).with_anchor(HINGE).with_hinge_axis(Vec3::X);
+    let hinge = RevoluteJoint::new(None, deck)
+        .with_anchor(HINGE)
+        .with_hinge_axis(Vec3::X);
     world.spawn(hinge.with_friction(100.0));
     for x in [-0.9, 0.9] {
         let rope = DistanceJoint::new(None, deck)
@@ -51,9 +53,10 @@ pub fn build(world: &mut World) {
     }
 }
 
-/// Up for the first half of each minute, and down for the second.
+/// It is raised behind each wave of raiders, and lowered for the next.
 pub fn step(world: &mut World, clock: Clock) {
-    let goal = if clock.seconds() % 60.0 < 30.0 { UP } else { DOWN };
+    let is_up = (16.0..24.0).contains(&(clock.seconds() % 30.0));
+    let goal = if is_up { UP } else { DOWN };
     let mut ropes = world.query_filtered::<&mut DistanceJoint, With<BridgeRope>>();
     for mut rope in ropes.iter_mut(world) {
         let length = rope.limits.map_or(DOWN, |limits| limits.max);

@@ -110,7 +110,12 @@ impl Game {
         self.times.push(start.elapsed());
         drain::<BodyError>(world, &mut self.faults);
         drain::<JointError>(world, &mut self.faults);
-        let count = |world: &mut World| world.resource_mut::<Messages<MortarBroke>>().drain().count();
+        let count = |world: &mut World| {
+            world
+                .resource_mut::<Messages<MortarBroke>>()
+                .drain()
+                .count()
+        };
         let broken = count(world) as u32;
         let collapses = world.resource_mut::<Messages<Collapse>>().drain().count() as u32;
         let mut tally = world.resource_mut::<Tally>();
@@ -137,8 +142,10 @@ impl Game {
         world.resource_mut::<Clock>().step += 1;
         let still = save::asleep(app.world_mut());
         if still < asleep {
-            self.faults
-                .push(format!("{} of {asleep} sleepers woke by loading", asleep - still));
+            self.faults.push(format!(
+                "{} of {asleep} sleepers woke by loading",
+                asleep - still
+            ));
         }
         Self {
             app,
@@ -153,20 +160,33 @@ impl Game {
         let world = self.app.world();
         let (clock, tally) = (world.resource::<Clock>(), world.resource::<Tally>());
         let mut text = format!("{:.0} s at {:.0} Hz.\n", clock.seconds(), 1.0 / clock.dt);
-        let mut line = |what: &str, value: &dyn Display| writeln!(text, "{what:<28}{value}").expect("a string grows");
+        let mut line = |what: &str, value: &dyn Display| {
+            writeln!(text, "{what:<28}{value}").expect("a string grows")
+        };
         line("shots", &tally.shots);
         line("farthest shot, m", &format!("{:.1}", tally.range));
-        line("raiders / captured", &format!("{} / {}", tally.raiders, tally.captured));
+        line(
+            "raiders / captured",
+            &format!("{} / {}", tally.raiders, tally.captured),
+        );
         line("bricks put back", &tally.repaired);
         line("edits undone", &tally.undone);
         line("bonds of mortar broken", &tally.bonds_broken);
         line("collapses", &tally.collapses);
         line("highest lift, m", &format!("{:.2}", tally.lifted));
         line("saved game, kB", &(self.bytes / 1000));
-        let mut times: Vec<f64> = self.times.iter().map(|time| 1e3 * time.as_secs_f64()).collect();
+        let mut times: Vec<f64> = self
+            .times
+            .iter()
+            .map(|time| 1e3 * time.as_secs_f64())
+            .collect();
         times.sort_unstable_by(f64::total_cmp);
         let mean = times.iter().sum::<f64>() / times.len().max(1) as f64;
-        let quantile = |share: f64| times.get((share * times.len() as f64) as usize).or(times.last());
+        let quantile = |share: f64| {
+            times
+                .get((share * times.len() as f64) as usize)
+                .or(times.last())
+        };
         line("a step, ms: mean", &format!("{mean:.2}"));
         for (name, share) in [("50 %", 0.5), ("99 %", 0.99), ("longest", 1.0)] {
             let value = quantile(share).copied().unwrap_or_default();
@@ -195,7 +215,11 @@ fn look_for_lost(world: &mut World, clock: Clock, faults: &mut Vec<String>) {
     for (body, pose, kind) in bodies.iter(world) {
         let lost = !pose.is_finite() || pose.position.y < -0.2 || pose.position.length() > 300.0;
         if lost && *kind == RigidBody::Dynamic {
-            faults.push(format!("{body} is lost at {} after {:.0} s", pose.position, clock.seconds()));
+            faults.push(format!(
+                "{body} is lost at {} after {:.0} s",
+                pose.position,
+                clock.seconds()
+            ));
         }
     }
 }

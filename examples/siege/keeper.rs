@@ -1,4 +1,4 @@
-//! The keeper of the castle: watches the wall that no shot reaches, puts fallen bricks back, and undoes an edit.
+//! The keeper of the castle: watches the wall aside, puts fallen bricks back, and undoes an edit.
 
 use crate::castle::{Brick, moved};
 use crate::game::{Clock, Tally};
@@ -15,7 +15,7 @@ pub struct Keeper {
     taken: Option<(Entity, Transform)>,
 }
 
-/// Largest movement of the wall that no shot reaches, m.
+/// Largest movement of the wall aside, m.
 const STANDS: f32 = 1e-3;
 /// Movement from which on a brick is put back, m.
 const FALLEN: f32 = 0.3;
@@ -36,11 +36,11 @@ impl Keeper {
         }
     }
 
-    /// Takes a brick from the top of the wall behind.
+    /// Takes a brick from the top of the wall aside.
     fn take(&mut self, world: &mut World) {
         let mut bricks = world.query::<(Entity, &Brick, &Transform)>();
-        let behind = bricks.iter(world).filter(|(_, brick, _)| brick.behind);
-        let top = behind.max_by(|one, other| one.1.home.y.total_cmp(&other.1.home.y));
+        let aside = bricks.iter(world).filter(|(_, brick, _)| brick.aside);
+        let top = aside.max_by(|one, other| one.1.home.y.total_cmp(&other.1.home.y));
         self.taken = top.map(|(brick, _, at)| (brick, *at));
         if let Some((brick, _)) = self.taken {
             self.log.remove(world, &[brick]).expect("it is a body");
@@ -53,23 +53,25 @@ impl Keeper {
             return;
         };
         let undone = self.log.undo(world).ok().flatten();
-        if undone.is_none_or(|report| report.bodies != [brick]) || world.get::<Transform>(brick) != Some(&before) {
+        if undone.is_none_or(|report| report.bodies != [brick])
+            || world.get::<Transform>(brick) != Some(&before)
+        {
             faults.push(format!("undo has not brought {brick} back"));
         }
         world.resource_mut::<Tally>().undone += 1;
     }
 }
 
-/// Looks whether the wall behind stands as it was laid.
+/// Looks whether the wall aside stands as it was laid.
 fn watch(world: &mut World, clock: Clock, faults: &mut Vec<String>) {
     let mut bricks = world.query::<(Entity, &Brick, &Transform)>();
-    let behind = bricks.iter(world).filter(|(_, brick, _)| brick.behind);
-    let most = behind.map(|(entity, brick, at)| (moved(brick, at), entity));
+    let aside = bricks.iter(world).filter(|(_, brick, _)| brick.aside);
+    let most = aside.map(|(entity, brick, at)| (moved(brick, at), entity));
     if let Some((most, brick)) = most.max_by(|one, other| one.0.total_cmp(&other.0))
         && most > STANDS
     {
         faults.push(format!(
-            "{brick} of the wall behind has moved by {:.2} mm after {:.0} s",
+            "{brick} of the wall aside has moved by {:.2} mm after {:.0} s",
             1e3 * most,
             clock.seconds()
         ));
@@ -79,18 +81,33 @@ fn watch(world: &mut World, clock: Clock, faults: &mut Vec<String>) {
 /// Puts bricks back that have fallen, from below, where there is room for them.
 fn repair(world: &mut World) {
     let mut bricks = world.query::<(Entity, &Brick, &Transform, &Collider)>();
-    let fallen = bricks.iter(world).filter(|(_, brick, at, _)| moved(brick, at) > FALLEN);
+    let fallen = bricks
+        .iter(world)
+        .filter(|(_, brick, at, _)| moved(brick, at) > FALLEN);
     let mut fallen: Vec<_> = fallen
         .map(|(entity, brick, _, collider)| (entity, *brick, collider.clone()))
         .collect();
-    fallen.sort_by(|one, other| one.1.home.y.total_cmp(&other.1.home.y).then(one.0.cmp(&other.0)));
+    fallen.sort_by(|one, other| {
+        one.1
+            .home
+            .y
+            .total_cmp(&other.1.home.y)
+            .then(one.0.cmp(&other.0))
+    });
     let mut repaired = 0;
     for (brick, Brick { home, turn, .. }, collider) in fallen {
         let pose = Pose {
             position: home,
             rotation: turn,
         };
-        let fits = spatial_query(world, |query| query.fits(&collider, pose, 0.01, &QueryFilter::default().excluding(&[brick])));
+        let fits = spatial_query(world, |query| {
+            query.fits(
+                &collider,
+                pose,
+                0.01,
+                &QueryFilter::default().excluding(&[brick]),
+            )
+        });
         if fits.unwrap_or(false) {
             let place = Transform::from_translation(home).with_rotation(turn);
             world.entity_mut(brick).insert((place, Velocity::default()));

@@ -25,14 +25,26 @@ const FORCE: f32 = 8_000.0;
 
 pub fn build(world: &mut World) {
     let layers = CollisionLayers::new(Layer::Things, LayerMask::ALL);
-    let platform = (RigidBody::Dynamic, Collider::cuboid(1.2, 0.1, 1.2), Mass(80.0), layers);
-    let platform = world.spawn((platform, Transform::from_translation(FOOT), Platform)).id();
+    let platform = (
+        RigidBody::Dynamic,
+        Collider::cuboid(1.2, 0.1, 1.2),
+        Mass(80.0),
+        layers,
+    );
+    let platform = world
+        .spawn((platform, Transform::from_translation(FOOT), Platform))
+        .id();
     let slider = PrismaticJoint::new(None, platform)
         .with_slider_axis(Vec3::Y)
         .with_limits(0.0, HEIGHT)
         .with_motor(JointMotor::velocity(0.0, FORCE));
     world.spawn((slider, Slider));
-    let load = (RigidBody::Dynamic, Collider::cuboid(0.7, 0.7, 0.7), Mass(250.0), layers);
+    let load = (
+        RigidBody::Dynamic,
+        Collider::cuboid(0.7, 0.7, 0.7),
+        Mass(250.0),
+        layers,
+    );
     world.spawn((load, Transform::from_translation(FOOT + Vec3::Y * 0.4)));
 }
 
@@ -47,7 +59,10 @@ pub fn step(world: &mut World, clock: Clock) {
         }
     }
     let mut platforms = world.query_filtered::<&Transform, With<Platform>>();
-    let height = platforms.iter(world).map(|at| at.translation.y - FOOT.y).fold(0.0, f32::max);
+    let height = platforms
+        .iter(world)
+        .map(|at| at.translation.y - FOOT.y)
+        .fold(0.0, f32::max);
     let mut tally = world.resource_mut::<Tally>();
     tally.lifted = tally.lifted.max(height);
 }

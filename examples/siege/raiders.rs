@@ -20,6 +20,10 @@ pub struct Yard;
 const GOAL: Vec3 = Vec3::new(0.0, 0.0, 3.0);
 const SPEED: f32 = 2.5;
 const MASS: f32 = 80.0;
+/// Largest force of a raider, N: enough to climb the edge of the bridge.
+const STRENGTH: f32 = 1_600.0;
+/// Half the distance of the files in which they run, m.
+const FILE: f32 = 0.45;
 /// Raiders of a wave, and time between two waves, s. A raider gives up after two.
 const WAVE: i32 = 6;
 const PERIOD: f32 = 30.0;
@@ -41,10 +45,13 @@ pub fn step(world: &mut World, clock: Clock) {
         let mut raiders = world.query_filtered::<Entity, With<Raider>>();
         let known: Vec<Entity> = raiders.iter(world).collect();
         if known.len() >= 2 * WAVE as usize {
-            known.into_iter().for_each(|raider| _ = world.despawn(raider));
+            known
+                .into_iter()
+                .for_each(|raider| _ = world.despawn(raider));
         }
         for i in 0..WAVE {
-            let x = 1.2 * (i as f32 - 0.5 * (WAVE - 1) as f32);
+            // In two files.
+            let (x, z) = (FILE * (2 * (i % 2) - 1) as f32, -12.0 - (i / 2) as f32);
             world.spawn((
                 RigidBody::Dynamic,
                 Collider::capsule(0.3, 1.0),
@@ -52,19 +59,19 @@ pub fn step(world: &mut World, clock: Clock) {
                 LockedAxes::ROTATION_LOCKED,
                 CollisionLayers::new(Layer::Raiders, LayerMask::ALL),
                 Friction::new(0.2),
-                Transform::from_xyz(x, 0.8, -14.0),
+                Transform::from_xyz(x, 0.8, z),
                 Raider,
             ));
         }
         world.resource_mut::<Tally>().raiders += WAVE as u32;
     }
-    let mut raiders = world.query_filtered::<(&Transform, &Velocity, &mut ExternalForce), With<Raider>>();
+    let mut raiders =
+        world.query_filtered::<(&Transform, &Velocity, &mut ExternalForce), With<Raider>>();
     for (at, velocity, mut force) in raiders.iter_mut(world) {
-        // First to the foot of the bridge, then through the gate.
-        let goal = if at.translation.z < -5.5 { Vec3::new(0.0, 0.0, -5.0) } else { GOAL };
+        let goal = GOAL.with_x(FILE.copysign(at.translation.x));
         let way = (goal - at.translation).with_y(0.0).normalize_or_zero();
         let change = (SPEED * way - velocity.linear).with_y(0.0);
-        force.force = (8.0 * MASS * change).clamp_length_max(6.0 * MASS);
+        force.force = (12.0 * MASS * change).clamp_length_max(STRENGTH);
     }
 }
 
@@ -73,5 +80,7 @@ fn capture(world: &mut World) {
     let mut zones = world.query_filtered::<&SensorOverlaps, With<Yard>>();
     let inside: Vec<Entity> = zones.iter(world).flat_map(|zone| zone.bodies()).collect();
     world.resource_mut::<Tally>().captured += inside.len() as u32;
-    inside.into_iter().for_each(|raider| _ = world.despawn(raider));
+    inside
+        .into_iter()
+        .for_each(|raider| _ = world.despawn(raider));
 }

@@ -9,11 +9,11 @@ use crate::trebuchet::{Beam, Sling, Stone, Winch};
 use bevy_app::App;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
 use bevy_world_serialization::serde::WorldDeserializer;
 use bevy_world_serialization::{DynamicWorldBuilder, WorldFilter};
 use drystone::prelude::*;
 use drystone::saving;
-use bevy_transform::components::Transform;
 use serde::de::DeserializeSeed;
 use std::any::TypeId;
 
@@ -41,11 +41,15 @@ pub fn write(world: &mut World) -> String {
     let own = [TypeId::of::<Clock>(), TypeId::of::<Tally>()];
     let scene = DynamicWorldBuilder::from_world(world, &registry.read())
         .with_component_filter(WorldFilter::Denylist(saving::computed(world).collect()))
-        .with_resource_filter(WorldFilter::Allowlist(saving::settings().chain(own).collect()))
+        .with_resource_filter(WorldFilter::Allowlist(
+            saving::settings().chain(own).collect(),
+        ))
         .extract_entities(entities.into_iter())
         .extract_resources()
         .build();
-    scene.serialize(&registry.read()).expect("all of it can be written")
+    scene
+        .serialize(&registry.read())
+        .expect("all of it can be written")
 }
 
 /// Reads a game into an empty app.
@@ -65,7 +69,11 @@ pub fn read(world: &mut World, text: &str) {
 struct NoAssets;
 
 impl bevy_asset::LoadFromPath for NoAssets {
-    fn load_from_path_erased(&mut self, _: TypeId, _: bevy_asset::AssetPath<'static>) -> bevy_asset::UntypedHandle {
+    fn load_from_path_erased(
+        &mut self,
+        _: TypeId,
+        _: bevy_asset::AssetPath<'static>,
+    ) -> bevy_asset::UntypedHandle {
         unreachable!("the game has no assets")
     }
 }
@@ -73,7 +81,9 @@ impl bevy_asset::LoadFromPath for NoAssets {
 /// The positions of all bodies, sorted: two apps have different entities.
 pub fn poses(world: &mut World) -> Vec<[u32; 3]> {
     let mut bodies = world.query_filtered::<&Transform, With<RigidBody>>();
-    let bodies = bodies.iter(world).map(|at| at.translation.to_array().map(f32::to_bits));
+    let bodies = bodies
+        .iter(world)
+        .map(|at| at.translation.to_array().map(f32::to_bits));
     let mut poses: Vec<_> = bodies.collect();
     poses.sort_unstable();
     poses

@@ -29,7 +29,7 @@ pub struct Stone {
 }
 
 /// The hinge of the beam, m.
-const HINGE: Vec3 = Vec3::new(0.0, 4.0, -24.0);
+const HINGE: Vec3 = Vec3::new(3.2, 4.0, -24.0);
 /// Lengths of its long and its short arm, m.
 const LONG: f32 = 4.5;
 const SHORT: f32 = 1.5;
@@ -39,7 +39,7 @@ const SLING: f32 = 2.8;
 const PERIOD: f32 = 20.0;
 const SWINGS: f32 = 8.0;
 /// Torque of the winch, N·m.
-const TORQUE: f32 = 60_000.0;
+const TORQUE: f32 = 120_000.0;
 /// How long a stone lies about, s.
 const LIES: f32 = 30.0;
 
@@ -49,14 +49,34 @@ fn layers() -> CollisionLayers {
 
 pub fn build(world: &mut World) {
     let at = HINGE - Vec3::Z * (0.5 * (LONG - SHORT));
-    let beam = (RigidBody::Dynamic, Collider::cuboid(0.2, 0.2, LONG + SHORT), Mass(80.0), layers());
-    let beam = world.spawn((beam, Transform::from_translation(at), Beam)).id();
-    let hinge = RevoluteJoint::new(None, beam).with_anchor(HINGE).with_hinge_axis(Vec3::X);
+    let beam = (
+        RigidBody::Dynamic,
+        Collider::cuboid(0.2, 0.2, LONG + SHORT),
+        Mass(80.0),
+        layers(),
+    );
+    let beam = world
+        .spawn((beam, Transform::from_translation(at), Beam))
+        .id();
+    let hinge = RevoluteJoint::new(None, beam)
+        .with_anchor(HINGE)
+        .with_hinge_axis(Vec3::X);
     world.spawn((hinge.with_motor(JointMotor::servo(0.0, TORQUE)), Winch));
     let hung = HINGE + Vec3::Z * (SHORT - 0.1);
-    let weight = (RigidBody::Dynamic, Collider::cuboid(0.8, 0.8, 0.8), Mass(2000.0), layers());
-    let weight = world.spawn((weight, Transform::from_translation(hung - Vec3::Y * 0.6))).id();
-    world.spawn(RevoluteJoint::new(beam, weight).with_anchor(hung).with_hinge_axis(Vec3::X));
+    let weight = (
+        RigidBody::Dynamic,
+        Collider::cuboid(0.8, 0.8, 0.8),
+        Mass(4000.0),
+        layers(),
+    );
+    let weight = world
+        .spawn((weight, Transform::from_translation(hung - Vec3::Y * 0.6)))
+        .id();
+    world.spawn(
+        RevoluteJoint::new(beam, weight)
+            .with_anchor(hung)
+            .with_hinge_axis(Vec3::X),
+    );
 }
 
 pub fn step(world: &mut World, clock: Clock) {
@@ -84,9 +104,20 @@ fn shoot(world: &mut World, clock: Clock) {
     };
     let tip = Vec3::NEG_Z * (0.5 * (LONG + SHORT));
     let at = pose.transform_point(tip) + Vec3::new(0.0, -0.72 * SLING, 0.7 * SLING);
-    let stone = (RigidBody::Dynamic, Collider::ball(0.25), Mass(30.0), layers());
+    let stone = (
+        RigidBody::Dynamic,
+        Collider::ball(0.25),
+        Mass(80.0),
+        Damping {
+            linear: 0.0,
+            angular: 2.0,
+        },
+        layers(),
+    );
     let thrown = clock.seconds();
-    let stone = world.spawn((stone, Transform::from_translation(at), Stone { thrown })).id();
+    let stone = world
+        .spawn((stone, Transform::from_translation(at), Stone { thrown }))
+        .id();
     let sling = DistanceJoint::new(beam, stone)
         .with_local_anchor1(tip)
         .with_local_anchor2(Vec3::ZERO)
@@ -96,7 +127,7 @@ fn shoot(world: &mut World, clock: Clock) {
     world.resource_mut::<Tally>().shots += 1;
 }
 
-/// The sling opens when the stone flies towards the castle, half as much up as forward.
+/// The sling opens when the stone flies down towards the castle.
 fn open_sling(world: &mut World) {
     let mut slings = world.query_filtered::<(Entity, &DistanceJoint), With<Sling>>();
     let mut opened = Vec::new();
@@ -105,11 +136,13 @@ fn open_sling(world: &mut World) {
         let Some(Velocity { linear, .. }) = stone else {
             continue;
         };
-        if linear.z > 8.0 && linear.y < 0.7 * linear.z {
+        if linear.z > 8.0 && linear.y < -0.12 * linear.z {
             opened.push(sling);
         }
     }
-    opened.into_iter().for_each(|sling| _ = world.despawn(sling));
+    opened
+        .into_iter()
+        .for_each(|sling| _ = world.despawn(sling));
 }
 
 /// Notes how far the stones came, and takes old ones away.

@@ -17,11 +17,13 @@
 //! | [`drawbridge`] | A drawbridge on two chains |
 //! | [`wrecking_ball`] | A wrecking ball |
 //! | [`breakable_joint`] | A joint that breaks |
+//! | [`mortar`] | A wall that breaks |
 //! | [`trigger_zone`] | A trigger zone |
 //! | [`hit_sound`] | The sound of a hit |
 //! | [`stairs`] | A character that climbs stairs |
 //! | [`drag`] | Drag bodies with the pointer |
 //! | [`explosion`] | An explosion |
+//! | [`save`] | Save and load |
 //! | [`server`] | A server without a window |
 //! | [`bad_input`] | Bad input |
 //! | [`settings`] | Which settings for which game |
@@ -73,6 +75,9 @@ pub mod wrecking_ball {}
 #[doc = include_str!("breakable_joint.md")]
 pub mod breakable_joint {}
 
+#[doc = include_str!("mortar.md")]
+pub mod mortar {}
+
 #[doc = include_str!("trigger_zone.md")]
 pub mod trigger_zone {}
 
@@ -87,6 +92,9 @@ pub mod drag {}
 
 #[doc = include_str!("explosion.md")]
 pub mod explosion {}
+
+#[doc = include_str!("save.md")]
+pub mod save {}
 
 #[doc = include_str!("server.md")]
 pub mod server {}

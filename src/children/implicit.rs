@@ -2,7 +2,8 @@
 
 use super::gather::body_of;
 use crate::body::{
-    BodyIndex, BodyTable, MassProperties, Motion, Pose, Quarantined, RigidBody, Sleeping, Velocity,
+    BodyIndex, BodyTable, MassProperties, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport,
+    Velocity,
 };
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
@@ -29,8 +30,10 @@ pub(super) fn make_body(world: &mut World, entity: Entity, kind: RigidBody) {
         return;
     };
     if entity.contains::<ImplicitBody>() {
-        if let Some(mut known) = entity.get_mut::<RigidBody>() {
-            known.set_if_neq(kind);
+        let known = entity.get_mut::<RigidBody>();
+        if known.is_some_and(|mut known| known.set_if_neq(kind)) {
+            // It has come below another body. That is a new place, not a motion that would throw what it meets.
+            entity.insert(Teleport);
         }
         return;
     }

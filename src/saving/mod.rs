@@ -26,12 +26,12 @@
 //! #         unreachable!("the scene has no assets")
 //! #     }
 //! # }
-//! # fn app() -> App {
+//! # fn new_app() -> App {
 //! #     let mut app = App::new();
 //! #     app.add_plugins(DrystonePlugins::default());
 //! #     app
 //! # }
-//! let mut app = app(); // with `DrystonePlugins`
+//! let mut app = new_app(); // with `DrystonePlugins`
 //! let world = app.world_mut();
 //! world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
 //! for brick in Wall::new(Bond::Running).blocks().unwrap() {
@@ -54,7 +54,7 @@
 //!     .unwrap();
 //!
 //! // Load. In a game, the asset server does this with a file.
-//! let mut app = self::app();
+//! let mut app = new_app();
 //! let world = app.world_mut();
 //! let registry = world.resource::<AppTypeRegistry>().clone();
 //! let scene = WorldDeserializer {

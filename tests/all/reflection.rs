@@ -12,7 +12,7 @@ use drystone::state::Visitor;
 use std::any::TypeId;
 
 /// Types that are not registered, and why.
-const INTERNAL: [(&str, &str); 16] = [
+const INTERNAL: [(&str, &str); 17] = [
     ("body::pending::Pending", "derived, for queries"),
     (
         "warm_start::problems::IslandProblems",
@@ -28,6 +28,10 @@ const INTERNAL: [(&str, &str); 16] = [
     ("contact::cache::NarrowphaseCache", "hidden; data of parry"),
     ("joint::edge::JointChanges", "hidden; empty between steps"),
     ("joint::forces::BrokenJoints", "hidden; empty between steps"),
+    (
+        "mortar::events::BrokenMortar",
+        "hidden; empty between steps",
+    ),
     (
         "children::assemble::Unassembled",
         "hidden; a list of changes",

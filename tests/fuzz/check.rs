@@ -5,6 +5,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use drystone::body::{BodyTable, MassProperties, Pose, Quarantined, RigidBody, Velocity};
+use drystone::children::CompoundCollider;
 use drystone::collider::Collider;
 use drystone::contact::{
     ContactAnchors, ContactEnded, ContactImpulses, ContactPair, ContactStarted, ContactTargets,
@@ -225,7 +226,7 @@ fn guest(site: &Site, guest: Entity) -> Result<(), Fault> {
 fn is_body(world: &World, body: Entity) -> bool {
     world.get_entity(body).is_ok_and(|body| {
         body.contains::<RigidBody>()
-            && body.contains::<Collider>()
+            && (body.contains::<Collider>() || body.contains::<CompoundCollider>())
             && !body.contains::<Quarantined>()
             && !body.contains::<Disabled>()
     })

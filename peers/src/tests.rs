@@ -261,8 +261,8 @@ fn an_arch_stands_for_a_second() {
 /// Joints are where the scene has them, and hold in every engine.
 #[test]
 fn joints_hold_in_all() {
-    // Rapier's chain stretches by 5 mm.
-    for (scene, apart) in [("chain:5", 20e-3), ("ragdolls:1", 0.1)] {
+    // Elsewhere joints stretch by centimetres; frames that went over wrongly would be further apart.
+    for scene in ["chain:5", "ragdolls:1"] {
         let (_, _, joints) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
         let (mut engines, bodies) = all(scene);
         let start: Vec<Pose> = bodies.iter().map(|body| body.pose).collect();
@@ -272,7 +272,8 @@ fn joints_hold_in_all() {
                 engine.step();
                 let stretch = joint::stretch(&joints, &engine.poses());
                 let name = engine.name();
-                assert!(stretch < apart, "{scene} in {name}: {stretch} m");
+                let most = if name == "drystone" { 1e-3 } else { 0.08 };
+                assert!(stretch < most, "{scene} in {name}: {stretch} m");
             }
         }
     }

@@ -63,6 +63,16 @@ fn all_with(
     (engines, bodies)
 }
 
+/// A start without joints.
+fn unjointed(bodies: &[Body]) -> Start<'_> {
+    Start {
+        bodies,
+        joints: &[],
+        gravity: Vec3::NEG_Y * G,
+        conditions: CONDITIONS,
+    }
+}
+
 fn all(scene: &str) -> (Vec<Box<dyn Engine>>, Vec<Body>) {
     all_with(scene, Ground::Slab, |_| ())
 }
@@ -133,8 +143,7 @@ fn own_masses(scene: &str) -> (Vec<(usize, Mass)>, Vec<Body>) {
 fn rapier_has_the_same_masses() {
     for scene in MASSES {
         let (own, bodies) = own_masses(scene);
-        let mut rapier =
-            Rapier::new(&bodies, Vec3::NEG_Y, CONDITIONS, options(Ground::HalfSpace)).unwrap();
+        let mut rapier = Rapier::new(&unjointed(&bodies), options(Ground::HalfSpace)).unwrap();
         // It computes them in its first step.
         rapier.step();
         let others: Vec<_> = rapier.bodies().collect();
@@ -151,7 +160,7 @@ fn rapier_has_the_same_masses() {
 fn box3d_has_the_same_masses() {
     for scene in MASSES {
         let (own, bodies) = own_masses(scene);
-        let box3d = crate::box3d::Box3d::new(&bodies, Vec3::NEG_Y, CONDITIONS).unwrap();
+        let box3d = crate::box3d::Box3d::new(&unjointed(&bodies)).unwrap();
         for (i, own) in own {
             let (mass, center, [x, y, z]) = box3d.mass(i);
             // All these bodies lie along their own axes.
@@ -252,7 +261,8 @@ fn an_arch_stands_for_a_second() {
 /// Joints are where the scene has them, and hold in every engine.
 #[test]
 fn joints_hold_in_all() {
-    for (scene, apart) in [("chain:5", 5e-3), ("ragdolls:1", 30e-3)] {
+    // Elsewhere joints stretch by centimetres; frames that went over wrongly would be further apart.
+    for scene in ["chain:5", "ragdolls:1"] {
         let (_, _, joints) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
         let (mut engines, bodies) = all(scene);
         let start: Vec<Pose> = bodies.iter().map(|body| body.pose).collect();
@@ -262,7 +272,8 @@ fn joints_hold_in_all() {
                 engine.step();
                 let stretch = joint::stretch(&joints, &engine.poses());
                 let name = engine.name();
-                assert!(stretch < apart, "{scene} in {name}: {stretch} m");
+                let most = if name == "drystone" { 1e-3 } else { 0.08 };
+                assert!(stretch < most, "{scene} in {name}: {stretch} m");
             }
         }
     }
@@ -279,13 +290,7 @@ fn overlap_is_what_was_built() {
 #[test]
 fn what_is_lost_has_fallen() {
     let (run, bodies, _) = scene::build("stack:3".parse().unwrap(), 1, CONDITIONS).unwrap();
-    let start = Start {
-        bodies: &bodies,
-        joints: &[],
-        gravity: Vec3::NEG_Y * G,
-        conditions: CONDITIONS,
-    };
-    let mut rapier = Rapier::new(&start, options(Ground::Slab)).unwrap();
+    let mut rapier = Rapier::new(&unjointed(&bodies), options(Ground::Slab)).unwrap();
     rapier.lose(2);
     let mut drystone = Drystone::new(run.world, &bodies, CONDITIONS.dt);
     let lost = bodies[2].entity;

@@ -39,7 +39,9 @@ pub(super) fn joints(
         let [(one, frame, center), (other, _, far)] = edge.placed(&table);
         if let Some(section) = &edge.definition.section {
             let [a, b, c, d] = crate::mortar::corners(section, one, frame);
-            gizmos.linestrip([a, b, c, d, a, c], MORTAR);
+            for [from, to] in [[a, b], [b, c], [c, d], [d, a], [a, c]] {
+                gizmos.line(from, to, MORTAR);
+            }
             continue;
         }
         gizmos.line(center, one, HELD);

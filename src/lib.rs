@@ -71,26 +71,19 @@
 //! | Who is inside a zone? | [`SensorOverlaps`](sensor::SensorOverlaps), a component of the sensor | |
 //! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
 //!
-//! # Joints
+//! # By task
 //!
-//! [`joint`] connects bodies with each other and with the world: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break.
+//! | to | see |
+//! |---|---|
+//! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
+//! | move | [`body`]: velocities, forces, locks, teleports; [`query`]: characters that move and slide; [`grab`]: hands |
+//! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
+//! | ask | the questions above; [`sensor`]: who is inside a zone; [`contact`]: messages and events of hits and forces; [`collapse`]: structures that fail |
+//! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
+//! | save | [`saving`], with the feature `serde` |
+//! | tune | [`settings`]: gravity, pause and slow motion, solver, sleep, threads; [hooks](contact::ContactHooks) |
 //!
-//! [`mortar`] bonds bricks face to face, until the stress in a patch exceeds its strength.
-//!
-//! # For builders
-//!
-//! [`masonry`] generates structures and undoes edits, [`grab`] holds bodies, and [`collapse`] reports structures that fail. The features `gizmos`,
-//! `picking` and `diagnostics` add debug rendering, a picking backend, and stage times as Bevy diagnostics.
-//!
-//! # Several colliders
-//!
-//! A body of several colliders has them on [child entities](children). [Sensors](sensor) are zones that report who enters and leaves. The feature
-//! `mesh` makes colliders from meshes.
-//!
-//! # Saving
-//!
-//! [`saving`] puts contacts into scenes, so that a structure that is loaded stands as it stood. The feature `serde` writes bodies, joints, settings and
-//! shapes to files.
+//! The module `cookbook` of this documentation solves tasks of a game one by one. The feature `mesh` makes colliders from meshes.
 //!
 //! Named scenes, experiments and meters are in a separate crate, `drystone-lab` in `lab/`, which examples, tests and benches use.
 

@@ -65,7 +65,9 @@
 //! scene.write_to_world(world, &mut EntityHashMap::default()).unwrap();
 //! let mut bricks = world.query::<(&RigidBody, &Pose, &Sleeping)>();
 //! let heights = |world: &World, bricks: &mut QueryState<(&RigidBody, &Pose, &Sleeping)>| {
-//!     bricks.iter(world).map(|(_, pose, _)| pose.position.y).collect::<Vec<_>>()
+//!     let mut heights: Vec<f32> = bricks.iter(world).map(|(_, pose, _)| pose.position.y).collect();
+//!     heights.sort_by(f32::total_cmp);
+//!     heights
 //! };
 //! let before = heights(world, &mut bricks);
 //! drystone::step(world, 1.0 / 60.0).unwrap();

@@ -1,4 +1,4 @@
-//! The keeper of the castle: watches the wall aside, puts fallen bricks back, and undoes an edit.
+//! The keeper of the castle: watches a wall that nobody touches, puts fallen bricks back, and undoes an edit.
 
 use crate::castle::{Brick, moved};
 use crate::game::{Clock, Tally};
@@ -15,7 +15,7 @@ pub struct Keeper {
     taken: Option<(Entity, Transform)>,
 }
 
-/// Largest movement of the wall aside, m.
+/// Largest movement that is allowed of the wall that nobody touches, m.
 const STANDS: f32 = 1e-3;
 /// Movement from which on a brick is put back, m.
 const FALLEN: f32 = 0.3;
@@ -36,7 +36,7 @@ impl Keeper {
         }
     }
 
-    /// Takes a brick from the top of the wall aside.
+    /// Takes a brick from the top of the wall that nobody touches.
     fn take(&mut self, world: &mut World) {
         let mut bricks = world.query::<(Entity, &Brick, &Transform)>();
         let aside = bricks.iter(world).filter(|(_, brick, _)| brick.aside);
@@ -62,7 +62,7 @@ impl Keeper {
     }
 }
 
-/// Looks whether the wall aside stands as it was laid.
+/// Checks that the wall that nobody touches stands as it was laid.
 fn watch(world: &mut World, clock: Clock, faults: &mut Vec<String>) {
     let mut bricks = world.query::<(Entity, &Brick, &Transform)>();
     let aside = bricks.iter(world).filter(|(_, brick, _)| brick.aside);
@@ -71,7 +71,7 @@ fn watch(world: &mut World, clock: Clock, faults: &mut Vec<String>) {
         && most > STANDS
     {
         faults.push(format!(
-            "{brick} of the wall aside has moved by {:.2} mm after {:.0} s",
+            "{brick} of the untouched wall has moved by {:.2} mm after {:.0} s",
             1e3 * most,
             clock.seconds()
         ));

@@ -1,4 +1,4 @@
-//! A siege, played by a script: a castle of some five hundred bricks, a trebuchet, a drawbridge on two ropes, a lift, a mortared keep, raiders,
+//! A siege, played by a script: a castle of some 550 bricks, a trebuchet, a drawbridge on two ropes, a lift, a mortared keep, raiders,
 //! a zone that counts them, repairs, undo, and a game that is saved and loaded in the middle of it.
 //!
 //! `cargo run --release --example siege -- --help`

@@ -125,8 +125,11 @@ pub enum PartProblem {
     /// Its shape has no extent in some direction, also after it was scaled, or a size that is not finite or out of bounds.
     #[error("its shape has no volume, or a size out of bounds, at the scale that it has there")]
     DegenerateShape,
-    /// Its density or mass is zero, negative or not finite.
-    #[error("its density or mass is not positive and finite")]
+    /// Its density or mass is zero, negative or not finite, or its mass is out of bounds.
+    #[error(
+        "its density or mass is not positive and finite, or its mass is above {:.0e} kg",
+        limits::HEAVIEST
+    )]
     InvalidMass,
     /// Its friction, rolling friction or restitution is negative, not finite or out of bounds.
     #[error("its friction, rolling friction or restitution is negative or out of bounds")]

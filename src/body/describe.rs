@@ -43,7 +43,11 @@ pub(super) fn describe(
     let collider = compound.map_or(collider, CompoundCollider::shape);
     let radius = collider.map_or(0.0, |c| c.radius_about(computed.local_center));
     if kind == RigidBody::Dynamic && !computed.is_valid(radius) {
-        let by_hand = density.is_some() || mass.is_some() || inertia.is_some() || center.is_some();
+        let by_hand = density.is_some()
+            || mass.is_some()
+            || inertia.is_some()
+            || center.is_some()
+            || compound.is_some_and(CompoundCollider::has_own_masses);
         return Err(if by_hand {
             BodyProblem::InvalidMass
         } else {

@@ -180,16 +180,15 @@ fn rebuild(world: &mut World, body: Entity) {
     let Ok(known) = world.get_entity(body) else {
         return;
     };
-    let kind = known.get::<RigidBody>().copied();
     let compound = known.get::<CompoundCollider>();
     if compound.is_some_and(|compound| compound.is_copy) {
         return;
     }
     let has_compound = compound.is_some();
-    let is_implicit = known.contains::<ImplicitBody>();
-    if is_implicit && !known.contains::<Collider>() {
+    if known.contains::<ImplicitBody>() && !known.contains::<Collider>() {
         take_body(world, body);
     }
+    let kind = world.get::<RigidBody>(body).copied();
     let parts = kind.and_then(|_| gather(world, body));
     let (Some(kind), Some(parts)) = (kind, parts) else {
         if has_compound {

@@ -55,11 +55,20 @@ impl MapEntities for CompoundCollider {
     }
 }
 
-/// A valid part: its convex pieces, in the frame of the body.
 type Pieces = Vec<(ParryPose, Collider)>;
 
+/// A valid part.
+struct ValidPart {
+    /// Its convex pieces, in the frame of the body.
+    pieces: Pieces,
+    /// Its moments at 1 kg/m³.
+    unit: Moments,
+    /// Its density if it is not that of the body, kg/m³.
+    density: Option<f64>,
+}
+
 /// Checks a part and transforms its shape into the frame of the body.
-fn pieces(part: &Part) -> Result<Pieces, PartProblem> {
+fn check(part: &Part) -> Result<ValidPart, PartProblem> {
     let (axes, position) = (part.map.matrix3, Vec3::from(part.map.translation));
     let positive = |x: f32| x.is_finite() && x > 0.0;
     if !part.map.is_finite() || !limits::within(position, limits::LARGEST) {
@@ -81,10 +90,22 @@ fn pieces(part: &Part) -> Result<Pieces, PartProblem> {
     }
     let pieces = part.collider.pieces(axes.into(), position);
     let pieces = pieces.map_err(|_| PartProblem::DegenerateShape)?;
-    match pieces.iter().any(|(_, piece)| piece.is_degenerate()) {
-        true => Err(PartProblem::DegenerateShape),
-        false => Ok(pieces),
+    if pieces.iter().any(|(_, piece)| piece.is_degenerate()) {
+        return Err(PartProblem::DegenerateShape);
     }
+    let unit = moments(&pieces);
+    let density = match (part.mass, part.density) {
+        (Some(mass), _) if unit.volume > 0.0 => Some(f64::from(mass.0) / unit.volume),
+        (_, density) => density.map(|density| f64::from(density.0)),
+    };
+    if density.is_some_and(|density| density * unit.volume > f64::from(limits::HEAVIEST)) {
+        return Err(PartProblem::InvalidMass);
+    }
+    Ok(ValidPart {
+        pieces,
+        unit,
+        density,
+    })
 }
 
 /// Returns true if a part cannot be in the same compound as the body's own collider.
@@ -122,16 +143,11 @@ struct Scale {
 }
 
 impl Scale {
-    fn add(&mut self, part: &Part, pieces: &Pieces) {
-        let unit = moments(pieces);
-        let density = match (part.mass, part.density) {
-            (Some(mass), _) if unit.volume > 0.0 => Some(f64::from(mass.0) / unit.volume),
-            (_, density) => density.map(|density| f64::from(density.0)),
-        };
-        match density {
-            _ if part.is_sensor => self.sensors.push(unit),
-            Some(density) => self.own.push(unit.times(density)),
-            None => self.shared.push(unit),
+    fn add(&mut self, is_sensor: bool, part: &ValidPart) {
+        match part.density {
+            _ if is_sensor => self.sensors.push(part.unit),
+            Some(density) => self.own.push(part.unit.times(density)),
+            None => self.shared.push(part.unit),
         }
     }
 
@@ -193,14 +209,14 @@ impl CompoundCollider {
                 }
                 continue;
             }
-            let found = match pieces(part) {
+            let found = match check(part) {
                 Ok(_) if solids.len() >= BodyParts::MAX && !is_own && !part.is_sensor => {
                     Err(PartProblem::TooMany)
                 }
                 found => found,
             };
-            let pieces = match found {
-                Ok(pieces) => pieces,
+            let valid = match found {
+                Ok(valid) => valid,
                 Err(_) if is_own => {
                     made.problem = Some(BodyProblem::DegenerateShape);
                     continue;
@@ -210,7 +226,8 @@ impl CompoundCollider {
                     continue;
                 }
             };
-            scale.add(part, &pieces);
+            scale.add(part.is_sensor, &valid);
+            let pieces = valid.pieces;
             if part.is_sensor {
                 zones.push(Zone::new(part.entity, part.layers, pieces));
                 continue;
@@ -260,14 +277,19 @@ impl CompoundCollider {
         let mut scale = Scale::default();
         for part in &sources {
             if !is_separate(part, body, own)
-                && let Ok(pieces) = pieces(part)
+                && let Ok(valid) = check(part)
             {
-                scale.add(part, &pieces);
+                scale.add(part.is_sensor, &valid);
             }
         }
         let mut made = Self::empty(kind);
         made.masses = scale.read();
         made
+    }
+
+    /// Whether some of its parts have a density or mass of their own.
+    pub(crate) fn has_own_masses(&self) -> bool {
+        self.masses.own.volume != 0.0
     }
 
     /// Marks the compound as a copy in a world in which its parts do not exist.

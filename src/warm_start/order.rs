@@ -42,7 +42,7 @@ pub(crate) struct IslandOrder {
     derived_from: Option<Revision>,
     /// Revision of this order.
     pub revision: Revision,
-    /// The number of the island.
+    /// The number of the island; `u32::MAX` if it has none.
     number: u32,
     /// Index of its first contact among those of all islands.
     first: u32,
@@ -145,7 +145,7 @@ impl Order {
     fn take_out_changed(&mut self, from: &Source) {
         let islands = from.islands;
         let count = islands.ids().max(self.islands.len());
-        self.islands.resize_with(count, IslandOrder::default);
+        self.islands.resize_with(count, IslandOrder::none);
         // Only islands that had a number have an order. There may be many more, asleep.
         for at in 0..self.numbered.len() {
             let id = self.numbered[at];
@@ -370,6 +370,14 @@ impl Order {
 }
 
 impl IslandOrder {
+    /// The order of an island without a number.
+    fn none() -> Self {
+        Self {
+            number: u32::MAX,
+            ..Default::default()
+        }
+    }
+
     /// Number of contacts.
     pub fn contacts(&self) -> usize {
         self.slots.len()

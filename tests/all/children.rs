@@ -470,6 +470,24 @@ fn a_collider_without_a_body_is_static() {
 
 /// A mesh cannot be a part, but may be carried by a body that is not dynamic.
 #[test]
+fn a_static_collider_that_loses_its_shape_takes_no_parts() {
+    let mut lab = Lab::new();
+    let above = lab.spawn((Collider::cuboid(1.0, 1.0, 1.0), at(0.0, 0.5, 0.0)));
+    let below = lab.spawn((
+        Collider::cuboid(1.0, 1.0, 1.0),
+        at(3.0, 0.0, 0.0),
+        ChildOf(above),
+    ));
+    lab.step();
+    lab.world.entity_mut(above).remove::<Collider>();
+    lab.step();
+    assert!(!lab.world.entity(above).contains::<CompoundCollider>());
+    assert!(lab.world.get::<ColliderOf>(below).is_none());
+    let kind = lab.world.get::<RigidBody>(below);
+    assert_eq!(kind, Some(&RigidBody::Static));
+}
+
+#[test]
 fn meshes_below_a_body() {
     let mut lab = Lab::new();
     let [a, b, c, d] =
@@ -525,13 +543,17 @@ fn a_part_with_invalid_input_is_left_out_until_it_is_corrected() {
     lab.step();
     let whole = lab.mass(body);
     type Break = fn(&mut World, Entity);
-    let break_it: [(Break, PartProblem); 4] = [
+    let break_it: [(Break, PartProblem); 5] = [
         (
             |world, part| _ = world.entity_mut(part).insert(Collider::ball(-1.0)),
             PartProblem::DegenerateShape,
         ),
         (
             |world, part| _ = world.entity_mut(part).insert(Density(f32::NAN)),
+            PartProblem::InvalidMass,
+        ),
+        (
+            |world, part| _ = world.entity_mut(part).insert(Density(1e30)),
             PartProblem::InvalidMass,
         ),
         (

@@ -190,7 +190,10 @@ fn guest(site: &Site, guest: Entity) -> Result<(), Fault> {
     let world = &site.noisy.world;
     let body = world.entity(guest);
     if let Some(Quarantined { problem, .. }) = body.get() {
-        return match site.tainted.contains(&guest) {
+        // A body has the numbers of its parts too.
+        let parts = body.get().map(CompoundCollider::parts);
+        let mut all = parts.into_iter().flatten().chain([guest]);
+        return match all.any(|part| site.tainted.contains(&part)) {
             true => Ok(()),
             false => fault(format!("quarantined for nothing: {}", name(problem)), guest),
         };

@@ -360,12 +360,6 @@ impl Site {
             }
             _ => {}
         }
-        // A collider without a body would be a static body, or a part of the body above it. Neither is fuzzed yet.
-        if let Ok(mut body) = self.noisy.world.get_entity_mut(guest)
-            && !body.contains::<RigidBody>()
-        {
-            body.remove::<Collider>();
-        }
     }
 
     /// Pairs of guests with each other and the ground, in an order of their own.

@@ -78,6 +78,12 @@ pub enum BodyProblem {
         "its `MaxLinearSpeed` or `MaxAngularSpeed` is negative or not a number; an infinite one is no limit"
     )]
     InvalidMaxSpeed,
+    /// The [`SolverEffort`](crate::body::SolverEffort) is not a number from 1 to its maximum.
+    #[error(
+        "its `SolverEffort` is not between 1 and {}",
+        crate::body::SolverEffort::MAX
+    )]
+    InvalidSolverEffort,
     /// The solve of its island gave an invalid velocity. The island keeps its velocities and poses from before the step, and starts
     /// without impulses.
     #[error(

@@ -148,7 +148,7 @@ pub mod prelude {
         AngularInertia, CenterOfMass, ColliderDisabled, Damping, Density, Dominance, ExternalForce,
         ExternalImpulse, Forces, GravityScale, LockedAxes, Mass, MassProperties, MaxAngularSpeed,
         MaxLinearSpeed, Motion, Pose, Quarantined, RigidBody, RigidBodyDisabled, Sleeping,
-        SpawnOrder, Teleport, Velocity,
+        SolverEffort, SpawnOrder, Teleport, Velocity,
     };
     pub use crate::children::{ColliderOf, ImplicitBody};
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};

@@ -13,7 +13,8 @@ pub(super) mod names {
     pub use crate::body::{
         AngularInertia, BodyIndex, CenterOfMass, ColliderDisabled, Damping, Density, Dominance,
         ExternalForce, ExternalImpulse, GravityScale, LockedAxes, Mass, MassProperties,
-        MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Sleeping, SpawnOrder, Velocity,
+        MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Sleeping, SolverEffort, SpawnOrder,
+        Velocity,
     };
     pub use crate::children::CompoundCollider;
     pub use crate::collider::{
@@ -93,6 +94,8 @@ macro_rules! body_properties {
                 max_linear_speed: MaxLinearSpeed,
                 /// Its maximum angular speed.
                 max_angular_speed: MaxAngularSpeed,
+                /// The multiple of the usual sweeps that it needs.
+                solver_effort: SolverEffort,
                 /// The velocity of its surface.
                 surface_velocity: SurfaceVelocity,
                 /// The hooks that are called for its contacts.

@@ -38,6 +38,7 @@ mod prepare;
 mod quarantine;
 mod rows;
 mod sleeping;
+mod solver_effort;
 mod spawn_order;
 mod table;
 
@@ -63,6 +64,7 @@ pub use prepare::prepare;
 pub use quarantine::{Quarantined, lift, quarantine};
 pub(crate) use rows::look;
 pub use sleeping::Sleeping;
+pub use solver_effort::SolverEffort;
 pub use spawn_order::SpawnOrder;
 pub use table::{BodyIndex, BodyState, BodyTable};
 pub(crate) use table::{is_body, lost_description, lost_parent};

@@ -267,8 +267,8 @@ mod tests {
             Collider::cone(0.3, 1.0),
             Collider::capsule(0.3, 1.0),
             Collider::wedge(1.0, 0.5, 2.0).unwrap(),
+            Collider::round_cuboid(0.8, 0.3, 0.5, 0.1),
         ];
-        // Not rounded boxes: parry's mass of those leaves out the border.
         let turn = Mat3::from_quat(Quat::from_rotation_z(0.7));
         let maps = [
             Mat3::from_diagonal(Vec3::splat(2.0)),

@@ -1,9 +1,10 @@
 //! The polyhedra of a collider, which contact detection uses. The parry shape is used for ray casts, bounding boxes and round shapes.
 
 use super::{ColliderError, Moments, Polyhedron};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use parry3d::mass_properties::MassProperties;
 use parry3d::shape::{ConvexPolyhedron, SharedShape};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The polyhedra of a collider. A cuboid has none, because its half extents are enough.
@@ -41,18 +42,24 @@ impl Solid {
         }
     }
 
-    /// The moments of a hull, or of a compound with hulls in it. Returns `None` for other shapes, for which parry's are accurate.
+    /// The moments of a hull, of a rounded box, or of a compound with hulls in it. Returns `None` for other shapes, for which parry's are accurate.
     pub fn moments(&self, shape: &SharedShape) -> Option<Moments> {
         match self {
-            Self::Other => None,
+            Self::Other => round_cuboid(shape),
             Self::Hull(hull) => Some(hull.moments()),
             Self::Parts(hulls) => {
-                hulls.iter().flatten().next()?;
-                let parts = shape.as_compound()?.shapes().iter().zip(&**hulls);
+                let parts = shape.as_compound()?.shapes();
+                let is_accurate = parts
+                    .iter()
+                    .all(|(_, part)| part.as_round_cuboid().is_none());
+                if is_accurate && hulls.iter().all(Option::is_none) {
+                    return None;
+                }
+                let parts = parts.iter().zip(&**hulls);
                 let moments = parts.map(|((at, part), hull)| {
-                    let moments = hull
-                        .as_ref()
-                        .map_or_else(|| parry_moments(part), |h| h.moments());
+                    let moments = hull.as_ref().map(|hull| hull.moments());
+                    let moments = moments.or_else(|| round_cuboid(part));
+                    let moments = moments.unwrap_or_else(|| parry_moments(part));
                     moments.placed(at.translation.as_dvec3(), at.rotation.as_dquat())
                 });
                 Some(Moments::sum(&moments.collect::<Vec<_>>()))
@@ -76,6 +83,44 @@ pub(super) fn parry_moments(shape: &SharedShape) -> Moments {
         DVec3::from_array(unit.inv_principal_inertia.to_array().map(inverse)),
         unit.principal_inertia_local_frame.as_dquat(),
     )
+}
+
+/// The moments of a rounded box, whose border parry leaves out: those of the inner box, of six slabs on its faces, of a cylinder along each axis,
+/// whose quarters lie on four edges, and of a ball, whose eighths lie on the corners.
+fn round_cuboid(shape: &SharedShape) -> Option<Moments> {
+    let round = shape.as_round_cuboid()?;
+    let (h, r) = (
+        round.inner_shape.half_extents.as_dvec3(),
+        f64::from(round.border_radius),
+    );
+    let (area, ball) = (PI * r * r, 4.0 / 3.0 * PI * r.powi(3));
+    // The second moment ∫x² of what has a constant section from -h to h.
+    let even = |volume: f64, h: f64| volume * h * h / 3.0;
+    let (mut volume, mut second) = (ball, DVec3::ZERO);
+    volume += 8.0 * h.element_product();
+    for i in 0..3 {
+        let [x, y, z] = [i, (i + 1) % 3, (i + 2) % 3].map(|axis| h[axis]);
+        let (slab, cylinder) = (8.0 * r * y * z, 2.0 * x * area);
+        let slabs_aside = 8.0 * r * x * (y + z);
+        volume += slab + cylinder;
+        let core = even(8.0 * h.element_product(), x);
+        let slabs = 8.0 * y * z * ((x + r).powi(3) - x.powi(3)) / 3.0 + even(slabs_aside, x);
+        let disc = x * x * area + x * 8.0 / 3.0 * r.powi(3) + PI * r.powi(4) / 4.0;
+        let cylinders = even(cylinder, x) + 2.0 * (y + z) * disc;
+        let corners = x * x * ball + x * PI * r.powi(4) + ball * r * r / 5.0;
+        second[i] = core + slabs + cylinders + corners;
+    }
+    let principal = DVec3::new(
+        second.y + second.z,
+        second.z + second.x,
+        second.x + second.y,
+    );
+    Some(Moments::new(
+        volume,
+        DVec3::ZERO,
+        principal,
+        DQuat::IDENTITY,
+    ))
 }
 
 /// Converts moments to parry's mass properties, in single precision.
@@ -120,6 +165,32 @@ mod tests {
     use glam::{Quat, Vec3};
     use parry3d::shape::SharedShape;
     use std::f32::consts::PI;
+
+    #[test]
+    fn a_rounded_box_has_the_moments_of_its_border_too() {
+        let close = |found: Collider, expected: Collider| {
+            let [found, expected] = [found, expected].map(|collider| collider.mass_properties());
+            assert!(
+                (found.mass() / expected.mass() - 1.0).abs() < 1e-3,
+                "{found:?} {expected:?}"
+            );
+            let [found, expected] = [found, expected].map(|m| m.principal_inertia());
+            assert!(
+                (found / expected - 1.0).abs().max_element() < 2e-3,
+                "{found} {expected}"
+            );
+        };
+        let ball = Collider::round_cuboid(1e-4, 1e-4, 1e-4, 0.5);
+        close(ball, Collider::ball(0.5));
+        let cuboid = Collider::round_cuboid(1.0, 0.5, 2.0, 1e-4);
+        close(cuboid, Collider::cuboid(1.0002, 0.5002, 2.0002));
+        let capsule = Collider::round_cuboid(1e-5, 1.0, 1e-5, 0.3);
+        let expected = Collider::capsule(0.3, 1.0);
+        close(capsule.clone(), expected.clone());
+        let part =
+            |collider| Collider::compound(vec![(Vec3::X, Quat::IDENTITY, collider)]).unwrap();
+        close(part(capsule), part(expected));
+    }
 
     /// The compound consists of two wedges that form a box, and a box beside them.
     #[test]

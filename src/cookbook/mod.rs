@@ -24,6 +24,7 @@
 //! | [`drag`] | Drag bodies with the pointer |
 //! | [`explosion`] | An explosion |
 //! | [`save`] | Save and load |
+//! | [`smooth`] | Smooth motion between steps |
 //! | [`server`] | A server without a window |
 //! | [`bad_input`] | Bad input |
 //! | [`settings`] | Which settings for which game |
@@ -95,6 +96,9 @@ pub mod explosion {}
 
 #[doc = include_str!("save.md")]
 pub mod save {}
+
+#[doc = include_str!("smooth.md")]
+pub mod smooth {}
 
 #[doc = include_str!("server.md")]
 pub mod server {}

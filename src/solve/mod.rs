@@ -61,19 +61,20 @@ trait SolveRows: Rows {
     /// Whether solvers of this kind take substeps of their own.
     const SUBSTEPS: bool;
 
+    /// Solves an island with a multiple of the usual number of sweeps.
     fn solve(
         &mut self,
         solver: &Self::Solver,
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
         joints: &mut [JointConstraint],
-        context: &SolveContext,
+        effort_and_context: (f32, &SolveContext),
     ) -> SolveReport;
 
     /// Returns true if an island with this many contacts is best solved together with others.
     fn is_small(&self, contacts: usize) -> bool;
 
-    /// Solves several small islands without grabs and joints.
+    /// Solves several small islands without grabs and joints, with the usual effort.
     fn solve_each(
         solver: &Self::Solver,
         islands: &mut [(&mut Self, &mut [Body])],
@@ -224,14 +225,16 @@ impl Solve<'_> {
         let solve = |island: &mut Island<R>| {
             let (bodies, grabs) = (&mut island.bodies, &mut island.grabs);
             let joints = &mut island.joints;
-            island.report = island.rows.solve(solver, bodies, grabs, joints, context);
+            let with = (island.effort, context);
+            island.report = island.rows.solve(solver, bodies, grabs, joints, with);
             take_back_if_wrong(island);
         };
         let threads = &context.threads;
         if many {
             let (mut small, large): (Vec<_>, Vec<_>) = work.partition(|island| {
                 let only_touches = island.grabs.is_empty() && island.joints.is_empty();
-                only_touches && island.rows.is_small(island.contacts())
+                let is_usual = only_touches && island.effort == 1.0;
+                is_usual && island.rows.is_small(island.contacts())
             });
             let solve_small = |some: &mut [&mut Island<R>]| match some {
                 [island] => solve(island),

@@ -18,9 +18,10 @@ impl SolveRows for PatchRows {
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
         joints: &mut [JointConstraint],
-        context: &SolveContext,
+        (effort, context): (f32, &SolveContext),
     ) -> SolveReport {
-        solver.solve(&mut problem(self, bodies, grabs, joints, context))
+        let problem = problem(self, bodies, grabs, joints, context);
+        solver.solve(&mut PatchProblem { effort, ..problem })
     }
 
     fn is_small(&self, contacts: usize) -> bool {
@@ -103,6 +104,7 @@ fn problem<'a>(
         dt: context.time.dt,
         longest: context.time.max_recent_dt,
         gravity: context.gravity.0,
+        effort: 1.0,
         max_correction_speed: context.stabilization.max_correction_speed,
         record_history: context.solver.record_history,
         threads,

@@ -17,7 +17,7 @@ impl SolveRows for PointRows {
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
         joints: &mut [JointConstraint],
-        context: &SolveContext,
+        (effort, context): (f32, &SolveContext),
     ) -> SolveReport {
         let mut problem = PointProblem {
             bodies,
@@ -25,6 +25,7 @@ impl SolveRows for PointRows {
             grabs,
             joints,
             dt: context.time.dt,
+            effort,
             free_merit: 0.0,
             record_history: context.solver.record_history,
         };
@@ -43,7 +44,7 @@ impl SolveRows for PointRows {
     ) -> Vec<SolveReport> {
         let islands = islands.iter_mut();
         islands
-            .map(|(rows, bodies)| rows.solve(solver, bodies, &mut [], &mut [], context))
+            .map(|(rows, bodies)| rows.solve(solver, bodies, &mut [], &mut [], (1.0, context)))
             .collect()
     }
 

@@ -60,6 +60,8 @@ pub(crate) struct Island<R> {
     pub joint_slots: Vec<[u32; 2]>,
     pub rows: R,
     pub report: SolveReport,
+    /// The largest [`SolverEffort`](crate::body::SolverEffort) of its dynamic bodies.
+    pub effort: f32,
     /// Whether the solve diverged and was undone.
     pub diverged: bool,
     /// Identity of the island, if it has one.
@@ -104,6 +106,7 @@ impl<R: Rows> Island<R> {
         self.joints.clear();
         self.joint_slots.clear();
         self.diverged = false;
+        self.effort = 1.0;
         self.dynamic = 0;
         if !kept {
             self.ends.clear();
@@ -117,6 +120,7 @@ impl<R: Rows> Island<R> {
     /// Adds the next dynamic body in the order.
     pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32) {
         self.dynamic += 1;
+        self.effort = self.effort.max(body.properties.effort());
         let mut start = body.velocity;
         body.properties.locked_axes.stop(&mut start);
         self.bodies.push(Body {

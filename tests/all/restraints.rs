@@ -6,8 +6,9 @@ use drystone::body::*;
 use drystone::collider::{Collider, Friction, Restitution};
 use drystone::diagnosis::BodyProblem;
 use drystone::prelude::{Grab, SolverSettings};
-use drystone::settings::Preset;
-use drystone::solver::{Nncg, Pgs};
+use drystone::settings::{ContactSolver, Preset};
+use drystone::solve::SolveReports;
+use drystone::solver::{Nncg, Pgs, SoftStep};
 use glam::{BVec3, Quat, Vec3};
 use support::{G, Lab, assert_near};
 
@@ -371,4 +372,56 @@ fn locks_are_set_while_bodies_touch() {
         lab.velocity(bodies[1]).linear.length() < 0.01,
         "it leans on the one that is held"
     );
+}
+
+/// A light brick between two heavy ones gets the sweeps that it asks for, and so does all that it touches; others do not.
+#[test]
+fn effort_is_for_what_needs_it() {
+    for solver in [
+        ContactSolver::from(SoftStep::default()),
+        Pgs::default().into(),
+        Nncg::default().into(),
+    ] {
+        let mut lab = Lab::new();
+        lab.world.insert_resource(SolverSettings::new(solver));
+        lab.ground();
+        let tower = |lab: &mut Lab, x: f32| {
+            let place = |i: usize| Transform::from_xyz(x, 0.5 + i as f32, 0.0);
+            let cube = |i| {
+                (
+                    RigidBody::Dynamic,
+                    Collider::cuboid(1.0, 1.0, 1.0),
+                    place(i),
+                )
+            };
+            let bodies: Vec<Entity> = (0..3).map(|i| lab.spawn(cube(i))).collect();
+            lab.world.entity_mut(bodies[1]).insert(Mass(1.0));
+            bodies
+        };
+        let bodies = tower(&mut lab, 0.0);
+        tower(&mut lab, 9.0);
+        let sweeps = |lab: &mut Lab| {
+            lab.step();
+            let reports = &lab.world.resource::<SolveReports>().0;
+            let sweeps = reports.iter().map(|island| island.report.sweeps);
+            sweeps.collect::<Vec<usize>>()
+        };
+        sweeps(&mut lab);
+        let usual = sweeps(&mut lab);
+        assert_eq!(usual[0], usual[1]);
+        lab.world.entity_mut(bodies[1]).insert(SolverEffort(4.0));
+        let more = sweeps(&mut lab);
+        assert_eq!(more[1], usual[1]);
+        // Whole rounds of sweeps; and PGS and NNCG may be content earlier.
+        assert!(
+            more[0] >= 2 * usual[0] && more[0] <= 4 * usual[0] + 4,
+            "{usual:?}, {more:?}"
+        );
+        lab.world.entity_mut(bodies[1]).remove::<SolverEffort>();
+        assert_eq!(sweeps(&mut lab)[0], usual[0]);
+        lab.world.entity_mut(bodies[1]).insert(SolverEffort(0.5));
+        lab.step();
+        let errors = lab.errors();
+        assert_eq!(errors[0].problem, BodyProblem::InvalidSolverEffort);
+    }
 }

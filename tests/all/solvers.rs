@@ -127,6 +127,7 @@ fn solve_recording(graph: &Graph, solver: &dyn PointSolver, record_history: bool
         grabs: &mut [],
         joints: &mut [],
         dt: 1.0 / 60.0,
+        effort: 1.0,
         free_merit,
         record_history,
     });
@@ -393,6 +394,7 @@ impl Patches {
             dt: DT,
             longest: DT,
             gravity: self.gravity,
+            effort: 1.0,
             max_correction_speed: 2.0,
             record_history: false,
             threads: 1,

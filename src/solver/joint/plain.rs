@@ -214,6 +214,7 @@ mod tests {
                 grabs: &mut [],
                 joints: &mut joints,
                 dt: DT,
+                effort: 1.0,
                 free_merit: 1.0,
                 record_history: false,
             };

@@ -63,6 +63,8 @@ pub struct PatchProblem<'a> {
     pub longest: f32,
     /// Acceleration of free fall, m/s².
     pub gravity: Vec3,
+    /// Multiple of the usual number of sweeps, at least 1.
+    pub effort: f32,
     /// Fastest correction of an error of position, m/s.
     pub max_correction_speed: f32,
     /// Keep [`SolveReport::history`].

@@ -166,6 +166,8 @@ pub struct PointProblem<'a> {
     pub joints: &'a mut [JointConstraint],
     /// Length of the step, s.
     pub dt: f32,
+    /// Multiple of the usual number of sweeps, at least 1.
+    pub effort: f32,
     /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].
     pub free_merit: f32,
     /// Whether to record [`SolveReport::history`].
@@ -173,6 +175,11 @@ pub struct PointProblem<'a> {
 }
 
 impl PointProblem<'_> {
+    /// The number of sweeps, where this many are usual.
+    fn sweeps(&self, usual: usize) -> usize {
+        (usual as f32 * self.effort).round() as usize
+    }
+
     /// Measures the merit of the free motion, then scales the impulses of the constraints by `share` and applies them to the bodies.
     pub fn warm_start(&mut self, share: f32) {
         let contacts = merit::free_merit(self.bodies, self.constraints);

@@ -72,16 +72,17 @@ impl PointSolver for Nncg {
 
 impl Method for Nncg {
     fn solve_as<L: F32xN, C: Cone>(&self, problem: &mut PointProblem) -> SolveReport {
+        let iterations = problem.sweeps(self.iterations);
         if problem.has_locks() {
-            return problem.sweep_alone(self.iterations, self.tolerance, self.cone);
+            return problem.sweep_alone(iterations, self.tolerance, self.cone);
         }
         let mut report = problem.report();
         let mut blocks = Conjugate::<L, C>::of(problem);
         let mut last = f32::INFINITY;
         let mut restarts = 0;
-        for k in 0..self.iterations {
-            let gradient = blocks.sweep(Direction::of_sweep(k, self.iterations));
-            if report.record(gradient.sqrt()) <= self.tolerance || k + 1 == self.iterations {
+        for k in 0..iterations {
+            let gradient = blocks.sweep(Direction::of_sweep(k, iterations));
+            if report.record(gradient.sqrt()) <= self.tolerance || k + 1 == iterations {
                 break;
             }
             if restarts == GIVE_UP {

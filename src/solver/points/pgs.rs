@@ -61,13 +61,14 @@ impl PointSolver for Pgs {
 
 impl Method for Pgs {
     fn solve_as<L: F32xN, C: Cone>(&self, problem: &mut PointProblem) -> SolveReport {
+        let iterations = problem.sweeps(self.iterations);
         if problem.has_locks() {
-            return problem.sweep_alone(self.iterations, self.tolerance, self.cone);
+            return problem.sweep_alone(iterations, self.tolerance, self.cone);
         }
         let mut report = problem.report();
         let mut blocks = Blocks::<L, C>::of(problem);
-        for k in 0..self.iterations {
-            let direction = Direction::of_sweep(k, self.iterations);
+        for k in 0..iterations {
+            let direction = Direction::of_sweep(k, iterations);
             let change = blocks.sweep(direction);
             if report.record(change.sqrt()) <= self.tolerance {
                 break;

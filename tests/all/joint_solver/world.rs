@@ -246,6 +246,7 @@ impl World {
             dt,
             longest: dt,
             gravity: self.gravity,
+            effort: 1.0,
             max_correction_speed: 2.0,
             record_history: false,
             threads: 1,

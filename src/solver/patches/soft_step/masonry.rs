@@ -194,6 +194,7 @@ impl Masonry {
             dt: DT,
             longest: DT,
             gravity: self.gravity,
+            effort: 1.0,
             max_correction_speed: 2.0,
             record_history: false,
             threads: 1,

@@ -100,8 +100,9 @@ impl SweepBudget {
             unsettled, pressed, ..
         } = statistics;
         let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
-        let rate =
-            (settings.sweeps_per_period * stable(problem, courses, pressed)).clamp(usual, most);
+        let rate = (settings.sweeps_per_period * stable(problem, courses, pressed))
+            .clamp(usual, most)
+            * problem.effort;
         let sweeps = |seconds: f32| {
             let rounds = (rate * seconds / round as f32 - A_LITTLE).ceil() as usize;
             (rounds * round)

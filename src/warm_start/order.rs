@@ -108,6 +108,7 @@ impl Order {
     ) {
         if self.derived_from.is_none() {
             self.islands.clear();
+            self.numbered.clear();
             self.local.clear();
             self.by_edge.clear();
         }
@@ -145,7 +146,9 @@ impl Order {
         let islands = from.islands;
         let count = islands.ids().max(self.islands.len());
         self.islands.resize_with(count, IslandOrder::default);
-        for id in 0..count as u32 {
+        // Only islands that had a number have an order. There may be many more, asleep.
+        for at in 0..self.numbered.len() {
+            let id = self.numbered[at];
             let island = &mut self.islands[id as usize];
             island.number = u32::MAX;
             if island.derived_from != islands.revision_of_id(id) {

@@ -15,6 +15,7 @@
 //! - Bodies and pairs that are despawned are still part of the solve, but nothing is stored for them.
 
 mod contact;
+mod edits;
 mod island;
 mod joints;
 mod order;
@@ -34,6 +35,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_platform::time::Instant;
 pub(crate) use contact::SolverContact;
+pub(crate) use edits::Splice;
 pub(crate) use island::{GatherContext, Island, Rows};
 pub(crate) use joints::{JointOrder, Joints};
 pub(crate) use order::{IslandOrder, Member, Order, Stored};

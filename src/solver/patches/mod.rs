@@ -12,7 +12,7 @@ mod soft_step;
 use super::{Body, GrabConstraint, JointConstraint, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
-pub use memory::Memory;
+pub use memory::{Memory, PatchEdit};
 pub use soft_step::SoftStep;
 pub(crate) use soft_step::settle;
 

@@ -22,7 +22,7 @@ pub use body::Body;
 pub use grab::GrabConstraint;
 pub use joint::{JointAxis, JointConstraint, JointMotor, MortarFailure, Section, Utilization};
 pub use patches::{
-    FEW, Memory, PatchConstraint, PatchEdit, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
+    FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
 };
 pub(crate) use points::PatchFrame;
 pub use points::{

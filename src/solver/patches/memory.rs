@@ -17,7 +17,7 @@ pub struct Memory {
 /// Patches of a problem that were replaced by others, without a change of its bodies. Edits are applied one after the other; each counts from
 /// the result of the one before.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PatchEdit {
+pub(crate) struct PatchEdit {
     /// Index of the first patch.
     pub at: usize,
     /// The bodies of the patches that were removed there.
@@ -52,7 +52,7 @@ impl Memory {
         }
     }
 
-    /// The edits of the problem since the state was stored. The caller makes the same edits in the state, by [`Self::peek_mut`], or discards it.
+    /// The edits of the problem since the state was stored. The caller takes the state, and makes the same edits in it or drops it.
     pub(crate) fn take_edits(&mut self) -> Vec<PatchEdit> {
         let kept = self.kept.as_mut();
         kept.map(|kept| std::mem::take(&mut kept.edits))
@@ -89,13 +89,6 @@ impl Memory {
         let kept = self.kept.as_ref()?;
         let valid = kept.is_valid(self.problem);
         kept.state.downcast_ref().filter(|_| valid)
-    }
-
-    /// As [`Self::peek`], to change the state.
-    pub fn peek_mut<T: Any>(&mut self) -> Option<&mut T> {
-        let kept = self.kept.as_mut()?;
-        let valid = kept.is_valid(self.problem);
-        kept.state.downcast_mut().filter(|_| valid)
     }
 
     /// Keeps a state for the next problem.
@@ -143,8 +136,7 @@ mod tests {
         memory.edit(edit.clone());
         assert_eq!(memory.peek::<i32>(), None);
         assert_eq!(memory.take_edits(), [edit.clone(), edit.clone()]);
-        *memory.peek_mut().unwrap() = 4;
-        assert_eq!(memory.take(), Some(Box::new(4)));
+        assert_eq!(memory.take(), Some(Box::new(3)));
         memory.keep(Box::new(3));
         memory.edit(edit);
         assert_eq!(memory.take::<i32>(), None);

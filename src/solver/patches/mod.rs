@@ -12,7 +12,8 @@ mod soft_step;
 use super::{Body, GrabConstraint, JointConstraint, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
-pub use memory::{Memory, PatchEdit};
+pub use memory::Memory;
+pub(crate) use memory::PatchEdit;
 pub use soft_step::SoftStep;
 pub(crate) use soft_step::settle;
 

@@ -45,7 +45,7 @@ impl Memory {
 
     /// Replaces some patches of the problem. The state is kept for a solver that [takes the edits over](Self::take_edits).
     pub(crate) fn edit(&mut self, edit: PatchEdit) {
-        let before = std::mem::replace(&mut self.problem, Revision::next());
+        let before = std::mem::take(&mut self.problem);
         if let Some(kept) = self.kept.as_mut().filter(|kept| kept.problem == before) {
             kept.problem = self.problem;
             kept.edits.push(edit);

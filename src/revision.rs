@@ -18,6 +18,9 @@
 //! | the bodies that were removed from the [`BodyTable`](crate::body::BodyTable) | *prepare* | the contents of [sensors](crate::sensor) |
 //! | the patches of a problem ([`Memory`](crate::solver::Memory)): their number, bodies and points | *warm start* | the state that a solver keeps |
 //!
+//! Where little of a large source has changed, derived data may be edited. Then the source also says what has changed since which revision, and
+//! the edit is made if the derived data has that revision. The order of an island, its problem and the state of Soft Step do so.
+//!
 //! The stage *anchors* does not give a new revision to a pair when it writes an anchor, because rows do not read anchors. It sets
 //! `ContactAnchors::measured` to `None`.
 //!

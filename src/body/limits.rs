@@ -35,11 +35,11 @@ pub const FRICTION: f32 = 1e6;
 /// Maximum coefficient of restitution.
 pub const RESTITUTION: f32 = 1.0;
 
-/// Returns true if the vector is finite and no component exceeds a bound in magnitude.
+/// Returns true if the vector is finite and no component exceeds a finite bound in magnitude.
 #[inline]
 pub(crate) fn within(v: Vec3, bound: f32) -> bool {
     // A comparison with NaN is false.
-    v.abs().max_element() <= bound && v.is_finite()
+    v.abs().cmple(Vec3::splat(bound)).all()
 }
 
 /// Smaller numbers count as zero, in any unit: their squares are subnormal, and processors take a hundred times as long for subnormal numbers.

@@ -267,8 +267,8 @@ fn leave(
 
 /// Returns true if the body cannot stay asleep: it has a velocity, an impulse, or a [`Grab`].
 fn is_disturbed(velocity: &Velocity, (_, impulse, _, _, grab): Item<Pushed>) -> bool {
-    let impulse = impulse.copied().unwrap_or_default();
-    *velocity != Velocity::default() || impulse != ExternalImpulse::default() || grab.is_some()
+    let is_hit = impulse.is_some_and(|impulse| *impulse != ExternalImpulse::default());
+    *velocity != Velocity::default() || is_hit || grab.is_some()
 }
 
 /// Maximum speed that a [`Grab`] gives the surface of a body by turning it, m/s. In one step it turns the body by half a turn at most.
@@ -306,15 +306,15 @@ pub(super) fn check(
     velocity: &Velocity,
     (force, impulse, damping, scale, grab): Item<Pushed>,
 ) -> Option<BodyProblem> {
-    let force = force.copied().unwrap_or_default();
-    let impulse = impulse.copied().unwrap_or_default();
-    let impulses = [impulse.linear, impulse.angular];
-    let mut forces = force.parts().into_iter().chain(impulses);
+    // Most bodies have neither.
+    let are_within = |forces: &[Vec3]| forces.iter().all(|v| limits::within(*v, limits::FORCE));
+    let is_valid = force.is_none_or(|force| are_within(&force.parts()))
+        && impulse.is_none_or(|impulse| are_within(&[impulse.linear, impulse.angular]));
     if !limits::within(pose.position, limits::POSITION) || !limits::is_turn(pose.rotation) {
         Some(BodyProblem::NonFinitePose)
     } else if !velocity.is_within_limits() {
         Some(BodyProblem::NonFiniteVelocity)
-    } else if !forces.all(|v| limits::within(v, limits::FORCE)) {
+    } else if !is_valid {
         Some(BodyProblem::NonFiniteForce)
     } else if damping.is_some_and(|damping| !damping.is_valid()) {
         Some(BodyProblem::InvalidDamping)

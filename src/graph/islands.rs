@@ -32,6 +32,7 @@ pub struct Islands {
     /// The active bodies, in the order of their slots.
     active: Vec<Member>,
     revision: Revision,
+    recent: Recent,
     pub(super) woke: bool,
     pub(super) deactivation: Deactivation,
     /// Pairs of slots of bodies that touched in the last step and no longer do.
@@ -57,8 +58,18 @@ impl MapEntities for Islands {
             pair.map_entities(mapper);
         }
         self.revision = Revision::next();
+        self.recent.since = None;
         self.partition.mark_all(self.revision);
     }
+}
+
+/// What has changed since the stage last began, for data that is edited and not derived anew.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Recent {
+    /// [Revision](crate::revision) of all islands when the stage began. `None` if the changes since are not listed.
+    pub since: Option<Revision>,
+    /// Slots of the bodies whose links, level of support, kind or activity have changed. A slot may be listed several times.
+    pub slots: Vec<u32>,
 }
 
 /// A body, and whether contacts can move it.
@@ -151,6 +162,17 @@ impl Islands {
         self.revision
     }
 
+    /// What has changed since the stage last began.
+    pub(crate) fn recent(&self) -> &Recent {
+        &self.recent
+    }
+
+    /// Begins a new list of recent changes.
+    pub(super) fn begin(&mut self) {
+        self.recent.since = Some(self.revision);
+        self.recent.slots.clear();
+    }
+
     /// Returns true if the island sleeps and some of its bodies were added in this step.
     pub(crate) fn arrives(&self, island: usize) -> bool {
         self.arriving.get(island).copied().unwrap_or(false)
@@ -208,6 +230,7 @@ pub fn islands(
     mut sleepers: Query<&mut Sleeping>,
 ) {
     let (graph, islands) = (&mut *graph, &mut *islands);
+    islands.begin();
     graph.forget(&lost);
     graph.report(edited(&pairs));
     islands.parted.clear();
@@ -289,6 +312,7 @@ impl Islands {
             return;
         }
         self.revision = Revision::next();
+        self.recent.since = None;
         for &slot in slots {
             self.partition.mark(slot, self.revision);
         }
@@ -338,7 +362,9 @@ impl Islands {
         let slots = linked.as_flattened().iter().chain(&ends);
         for &slot in slots.chain(&renewed).chain(&activity_changed) {
             self.partition.mark(slot, self.revision);
+            self.recent.slots.push(slot);
         }
+        self.recent.slots.extend_from_slice(self.levels.changed());
     }
 
     /// Takes over which bodies are active, and their kind.

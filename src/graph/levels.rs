@@ -36,6 +36,8 @@ pub(super) struct Levels {
     queue: BinaryHeap<Reverse<(u32, u32)>>,
     /// Scratch: bodies that have lost their level.
     lost: Vec<u32>,
+    /// Bodies whose level the last update has set or removed.
+    changed: Vec<u32>,
 }
 
 impl Levels {
@@ -47,6 +49,11 @@ impl Levels {
             .get(slot as usize)
             .copied()
             .unwrap_or(Self::NONE)
+    }
+
+    /// Bodies whose level the last update may have changed.
+    pub fn changed(&self) -> &[u32] {
+        &self.changed
     }
 
     /// Updates the levels after edges began or ceased to link, and after slots changed their content.
@@ -65,6 +72,7 @@ impl Levels {
         {
             self.levels.resize(last as usize + 1, Self::NONE);
         }
+        self.changed.clear();
         self.lose(graph, &kind, unlinked, renewed);
         self.find(graph, &kind, linked, renewed);
     }
@@ -141,6 +149,7 @@ impl Levels {
     fn remove(&mut self, graph: &ConstraintGraph, slot: u32) {
         let level = std::mem::replace(&mut self.levels[slot as usize], Self::NONE);
         self.lost.push(slot);
+        self.changed.push(slot);
         if level != Self::NONE {
             self.queue_neighbours(graph, slot, level + 1, |known| known == level + 1);
         }
@@ -149,6 +158,7 @@ impl Levels {
     /// Sets the level of a body, and queues its neighbours that get a lower level by it.
     fn set(&mut self, graph: &ConstraintGraph, slot: u32, level: u32) {
         self.levels[slot as usize] = level;
+        self.changed.push(slot);
         self.queue_neighbours(graph, slot, level + 1, |known| known > level + 1);
     }
 

@@ -77,7 +77,7 @@ impl Site {
         self.graph.remove(edge, entity);
     }
 
-    fn disconnect(&mut self, slots: [u32; 2]) {
+    pub fn disconnect(&mut self, slots: [u32; 2]) {
         let (edge, entity, _) = self.edges.remove(&slots).unwrap();
         self.graph.remove(edge, entity);
     }
@@ -90,6 +90,7 @@ impl Site {
 
     pub fn update(&mut self) {
         self.table.removed.clear();
+        self.islands.begin();
         self.islands.update(&mut self.graph, &self.table);
         self.fresh.clear();
     }

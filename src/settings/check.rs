@@ -36,6 +36,19 @@ trait Checked: Resource + Clone {
 
 /// Sets back settings that are invalid or were removed, and notes whether any have changed.
 pub(crate) fn check(world: &mut World) {
+    let last = world.resource::<ActiveSettings>();
+    let is_same = is_same(world, &last.gravity)
+        && is_same(world, &last.stabilization)
+        && is_same(world, &last.narrowphase)
+        && is_same(world, &last.solver)
+        && is_same(world, &last.sleeping)
+        && is_same(world, &last.speeds);
+    if is_same {
+        let mut last = world.resource_mut::<ActiveSettings>();
+        last.changed = false;
+        last.steps += 1;
+        return;
+    }
     let mut last = world.resource::<ActiveSettings>().clone();
     let changed = [
         take_over(world, &mut last.gravity),
@@ -49,6 +62,12 @@ pub(crate) fn check(world: &mut World) {
     last.changed = last.steps > 0 && changed.contains(&true);
     last.steps += 1;
     world.insert_resource(last);
+}
+
+/// Returns true if a resource is valid and has not changed.
+fn is_same<T: Checked>(world: &World, last: &T) -> bool {
+    let now = world.get_resource::<T>();
+    now.is_some_and(|now| now.is_same(last) && now.problem().is_none())
 }
 
 /// Takes over a valid resource into `last`, or sets an invalid one back to it. Returns true if the resource is valid and has changed.

@@ -1,14 +1,18 @@
 //! The problem of one island: its bodies, contacts, joints and grabs.
 
-use super::{IslandOrder, SolveContext, SolverContact};
+use super::{IslandOrder, SolveContext, SolverContact, Splice};
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::revision::Revision;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
+use smallvec::SmallVec;
 
 /// The contacts of an island in the form that a kind of solver needs: points or patches.
 pub(crate) trait Rows: Default + Send + Sync {
     fn clear(&mut self);
+
+    /// Replaces contacts, as their order was edited. `contacts` are all contacts after all edits of this step, `added` the bodies of the inserted ones.
+    fn splice(&mut self, splice: Splice, contacts: &[SolverContact], added: &[[u32; 2]]);
 
     /// Number of contact points.
     fn points(&self) -> usize;
@@ -38,6 +42,20 @@ pub(crate) struct GatherContext<'a> {
     pub context: &'a SolveContext<'a>,
 }
 
+impl GatherContext<'_> {
+    /// The index of a body in its island, or `None` if it is not solved. The world has no slot.
+    fn local(&self, slot: u32) -> Option<u32> {
+        let local = self.local.get(slot as usize).copied();
+        local.filter(|&local| local != u32::MAX)
+    }
+
+    /// Whether each body of a contact [dominates](crate::body::Dominance) the other.
+    fn dominates(&self, contact: &SolverContact) -> [bool; 2] {
+        let both = self.table.both(contact.pair.slots);
+        both.map_or([false; 2], |[a, b]| [a.dominates(b), b.dominates(a)])
+    }
+}
+
 /// The problem of one island.
 #[derive(Default)]
 pub(crate) struct Island<R> {
@@ -52,6 +70,10 @@ pub(crate) struct Island<R> {
     copy_indices: HashMap<u32, u32>,
     /// Whether the ends of contacts and joints are known.
     has_ends: bool,
+    /// Whether it had joints when they were found.
+    has_joints: bool,
+    /// The edits of the order since the last step.
+    edits: SmallVec<[Splice; 2]>,
     /// The grabs that hold some of the bodies.
     pub grabs: Vec<GrabConstraint>,
     /// The joints between the bodies.
@@ -94,10 +116,18 @@ impl<R: Rows> Island<R> {
     }
 
     /// Begins a step with the order of an island, or only those of its contacts that still exist. Data of the last step is kept if the order
-    /// is the same.
+    /// is the same, or is edited if the order is.
     pub fn begin(&mut self, id: u32, order: &IslandOrder, complete: bool) {
         let derived_from = complete.then_some(order.revision);
-        let kept = complete && self.derived_from == derived_from;
+        let edits = order.edits_from(self.derived_from);
+        let edits = edits.filter(|_| complete && order.contacts() > 0);
+        let is_same = complete && self.derived_from == derived_from;
+        self.edits.clear();
+        self.edits
+            .extend_from_slice(edits.filter(|_| !is_same).unwrap_or_default());
+        if !is_same && edits.is_none() {
+            self.reset();
+        }
         self.id = Some(id);
         self.derived_from = derived_from;
         self.in_order = order.contacts();
@@ -108,13 +138,16 @@ impl<R: Rows> Island<R> {
         self.diverged = false;
         self.effort = 1.0;
         self.dynamic = 0;
-        if !kept {
-            self.ends.clear();
-            self.copies.clear();
-            self.copy_indices.clear();
-            self.has_ends = false;
-            self.rows.clear();
-        }
+    }
+
+    /// Drops the data of the last step.
+    fn reset(&mut self) {
+        self.ends.clear();
+        self.copies.clear();
+        self.copy_indices.clear();
+        self.has_ends = false;
+        self.edits.clear();
+        self.rows.clear();
     }
 
     /// Adds the next dynamic body in the order.
@@ -138,6 +171,9 @@ impl<R: Rows> Island<R> {
 
     /// Takes the contacts, and copies of the bodies that they touch and cannot move.
     pub fn gather(&mut self, contacts: &[SolverContact], from: &GatherContext) {
+        if !self.edits.is_empty() && !self.edit(contacts, from) {
+            self.reset();
+        }
         if !self.has_ends {
             self.find_ends(contacts, from);
         }
@@ -160,27 +196,62 @@ impl<R: Rows> Island<R> {
 
     fn find_ends(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         self.has_ends = true;
+        self.has_joints = !self.joints.is_empty();
         let dynamic = self.bodies.len() as u32;
         let (copies, known) = (&mut self.copies, &mut self.copy_indices);
-        // The world has no slot in the list.
-        let local = |slot: u32| from.local.get(slot as usize).copied().unwrap_or(u32::MAX);
-        let mut end = |slot: u32, dominates: bool| match local(slot) {
-            local if local != u32::MAX && !dominates => local,
-            _ => *known.entry(slot).or_insert_with(|| {
-                copies.push(slot);
-                dynamic + copies.len() as u32 - 1
-            }),
+        let mut end = |slot: u32, dominates: bool| {
+            from.local(slot).filter(|_| !dominates).unwrap_or_else(|| {
+                *known.entry(slot).or_insert_with(|| {
+                    copies.push(slot);
+                    dynamic + copies.len() as u32 - 1
+                })
+            })
         };
         let ends = contacts.iter().map(|contact| {
             let [a, b] = contact.pair.slots;
-            let dominates = from.table.both([a, b]);
-            let dominates = dominates.map_or([false; 2], |[a, b]| [a.dominates(b), b.dominates(a)]);
-            [end(a, dominates[0]), end(b, dominates[1])]
+            let [a_dominates, b_dominates] = from.dominates(contact);
+            [end(a, a_dominates), end(b, b_dominates)]
         });
         self.ends.extend(ends);
         for slot in self.joint_slots.as_flattened() {
             end(*slot, false);
         }
+    }
+
+    /// Replaces contacts, as their order was edited. Returns false if the copied bodies would be others, or in another order, than those of a
+    /// rebuild. Then the problem is in an unspecified state.
+    fn edit(&mut self, contacts: &[SolverContact], from: &GatherContext) -> bool {
+        if !self.has_ends || self.has_joints || !self.joints.is_empty() {
+            return false;
+        }
+        let dynamic = self.bodies.len() as u32;
+        for splice in std::mem::take(&mut self.edits) {
+            let Splice { at, removed, added } = splice;
+            // A copy is numbered by the first contact that needs it, so that must not change.
+            let is_needed_before =
+                |&copy: &u32| copy < dynamic || self.ends[..at].as_flattened().contains(&copy);
+            let leaving = &self.ends[at..at + removed];
+            let end = |slot: u32, dominates: bool| {
+                let local = from.local(slot).filter(|_| !dominates);
+                local.or_else(|| self.copy_indices.get(&slot).copied())
+            };
+            // Later splices change neither these contacts nor those before them.
+            let ends = contacts[at..at + added].iter().map(|contact| {
+                let [a, b] = contact.pair.slots;
+                let [a_dominates, b_dominates] = from.dominates(contact);
+                Some([end(a, a_dominates)?, end(b, b_dominates)?])
+            });
+            let Some(ends) = ends.collect::<Option<SmallVec<[_; 4]>>>() else {
+                return false;
+            };
+            let mut copies = leaving.as_flattened().iter().chain(ends.as_flattened());
+            if !copies.all(is_needed_before) {
+                return false;
+            }
+            self.rows.splice(splice, contacts, &ends);
+            self.ends.splice(at..at + removed, ends);
+        }
+        self.ends.len() == contacts.len()
     }
 
     /// Sets the indices of the bodies of joints.

@@ -1,8 +1,8 @@
 //! The stage **warm start**: updates the problem of every awake island and sets the impulses that its contacts start from.
 //!
 //! The problem of an island consists of its bodies, its contacts, its joints and the grabs on its bodies. It is kept from step to step: while no contact
-//! begins or ends, only bodies that moved and contacts that were detected anew are updated. Then each contact gets the impulse that it starts
-//! from. It follows from the forces at the end of the last step, whatever the length of that step was. The stage [solve](crate::solve)
+//! begins or ends, only bodies that moved and contacts that were detected anew are updated. In a large island, contacts that begin or end are
+//! inserted and removed. Then each contact gets the impulse that it starts from. It follows from the forces at the end of the last step, whatever the length of that step was. The stage [solve](crate::solve)
 //! computes the impulses and stores them.
 //!
 //! Between the two stages the problems are the resource [`IslandProblems`]. Systems of your own may run there:
@@ -15,6 +15,7 @@
 //! - Bodies and pairs that are despawned are still part of the solve, but nothing is stored for them.
 
 mod contact;
+mod edits;
 mod island;
 mod joints;
 mod order;
@@ -34,6 +35,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_platform::time::Instant;
 pub(crate) use contact::SolverContact;
+pub(crate) use edits::Splice;
 pub(crate) use island::{GatherContext, Island, Rows};
 pub(crate) use joints::{JointOrder, Joints};
 pub(crate) use order::{IslandOrder, Member, Order, Stored};

@@ -1,5 +1,6 @@
 //! The order in which bodies and contacts are solved. Each island has an order of its own, which is computed when the island changes and
-//! kept otherwise: a contact that begins costs other islands nothing. The islands follow each other by their numbers.
+//! kept otherwise: a contact that begins costs other islands nothing. In a large island it is inserted into the order ([`edits`](super::edits)).
+//! The islands follow each other by their numbers.
 //!
 //! The contacts are the links of the constraint graph between bodies that are solved. A pair is identified by the number of its edge and by
 //! its entity, not by its position in a query: a system between two stages may move pairs into other tables, for example by inserting a
@@ -7,6 +8,7 @@
 
 use super::Pairs;
 use super::contact::SolverContact;
+use super::edits::Edit;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
@@ -22,13 +24,17 @@ pub(crate) struct Order {
     /// [Revision](crate::revision) of all islands; `None` if nothing of the order is valid.
     derived_from: Option<Revision>,
     /// By identity of an island.
-    islands: Vec<IslandOrder>,
+    pub(super) islands: Vec<IslandOrder>,
     /// Identities of islands, by number.
     numbered: Vec<u32>,
     /// By slot: the index of the body in the problem of its island; `u32::MAX` if it is in none.
     pub local: Vec<u32>,
     /// By number of an edge: its place in the order.
-    by_edge: Vec<Place>,
+    pub(super) by_edge: Vec<Place>,
+    /// Scratch: changed bodies, as the identities of their islands and their slots, sorted.
+    pub(super) changed: Vec<(u32, u32)>,
+    /// Scratch: the contacts of a body with lower bodies, each with its rank.
+    pub(super) lower: Vec<(u64, OrderSlot)>,
     /// Scratch.
     ranked: Vec<((u32, SpawnOrder), Member)>,
     places: Vec<u32>,
@@ -39,9 +45,11 @@ pub(crate) struct Order {
 #[derive(Default)]
 pub(crate) struct IslandOrder {
     /// [Revision](crate::revision) of the island.
-    derived_from: Option<Revision>,
+    pub(super) derived_from: Option<Revision>,
     /// Revision of this order.
     pub revision: Revision,
+    /// How it was made from an earlier order.
+    pub(super) edit: Edit,
     /// The number of the island; `u32::MAX` if it has none.
     number: u32,
     /// Index of its first contact among those of all islands.
@@ -50,27 +58,29 @@ pub(crate) struct IslandOrder {
     pub bodies: Vec<Member>,
     /// Contacts, sorted by their higher body, then by their lower body, so that all supports of a brick are visited together. Static and
     /// kinematic bodies are lower than all others; they are sorted by spawn order.
-    slots: Vec<OrderSlot>,
+    pub(super) slots: Vec<OrderSlot>,
 }
 
 /// The place of a contact in the order: the identity of its island, and its index in that.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     island: u32,
     index: u32,
 }
 
 /// The edge is not solved.
-const NOWHERE: Place = Place {
+pub(super) const NOWHERE: Place = Place {
     island: u32::MAX,
     index: 0,
 };
 
 /// The slot of a contact in the order.
 #[derive(Clone, Copy)]
-struct OrderSlot {
-    pair: Entity,
-    edge: u32,
+pub(super) struct OrderSlot {
+    pub pair: Entity,
+    pub edge: u32,
+    /// The index of the higher of its two bodies.
+    pub higher: u32,
     /// Revision of the pair when it was last gathered.
     revision: Option<Revision>,
 }
@@ -83,10 +93,10 @@ pub(crate) struct Member {
 }
 
 /// The data from which an order is computed.
-struct Source<'a> {
-    table: &'a BodyTable,
-    graph: &'a ConstraintGraph,
-    islands: &'a Islands,
+pub(super) struct Source<'a> {
+    pub table: &'a BodyTable,
+    pub graph: &'a ConstraintGraph,
+    pub islands: &'a Islands,
 }
 
 impl Order {
@@ -112,7 +122,7 @@ impl Order {
             self.local.clear();
             self.by_edge.clear();
         }
-        self.derived_from = Some(islands.revision());
+        let before = self.derived_from.replace(islands.revision());
         self.local.resize(table.slots(), u32::MAX);
         self.by_edge.resize(graph.edge_numbers(), NOWHERE);
         let source = Source {
@@ -120,7 +130,8 @@ impl Order {
             graph,
             islands,
         };
-        self.take_out_changed(&source);
+        self.list_changed(before, &source);
+        self.take_out_changed(&source, &is_solved);
         self.numbered.clear();
         self.numbered.extend_from_slice(islands.numbered());
         let mut first = 0;
@@ -141,19 +152,29 @@ impl Order {
         self.derived_from = None;
     }
 
-    /// Takes the bodies and contacts of islands that have changed, or are gone, out of the order.
-    fn take_out_changed(&mut self, from: &Source) {
+    /// Edits islands of which only contacts have changed. Takes the bodies and contacts of other islands that have changed, or are gone, out
+    /// of the order.
+    fn take_out_changed(&mut self, from: &Source, is_solved: &impl Fn(usize, &BodyState) -> bool) {
         let islands = from.islands;
         let count = islands.ids().max(self.islands.len());
         self.islands.resize_with(count, IslandOrder::none);
+        let mut edited: SmallVec<[u32; 4]> = SmallVec::new();
         // Only islands that had a number have an order. There may be many more, asleep.
         for at in 0..self.numbered.len() {
             let id = self.numbered[at];
             let island = &mut self.islands[id as usize];
             island.number = u32::MAX;
-            if island.derived_from != islands.revision_of_id(id) {
-                self.take_out(id);
+            if island.derived_from == islands.revision_of_id(id) {
+                continue;
             }
+            match self.can_edit(id, from, &is_solved) {
+                true => edited.push(id),
+                false => self.take_out(id),
+            }
+        }
+        // Bodies of islands that were taken out may be static by now.
+        for id in edited {
+            self.edit(id, from);
         }
         // Bodies that were removed from the table since the islands were updated, because their input is invalid.
         for &slot in &from.table.removed {
@@ -181,6 +202,7 @@ impl Order {
         let island = &mut self.islands[id as usize];
         island.derived_from = islands.revision_of_id(id);
         island.revision = Revision::next();
+        island.edit = Edit::default();
         let rank = |slot: u32| {
             let body = table.get(slot).filter(|body| is_solved(body));
             let body = body.filter(|_| !table.is_inactive(slot))?;
@@ -211,31 +233,38 @@ impl Order {
     }
 
     fn order_contacts(&mut self, id: u32, from: &Source) {
-        const MOVES: u64 = 1 << 63;
-        let IslandOrder { bodies, slots, .. } = &mut self.islands[id as usize];
-        let mut lower: SmallVec<[(u64, OrderSlot); 16]> = SmallVec::new();
-        for (local, body) in (0..).zip(bodies) {
-            // A contact is taken once, from the list of its higher body.
-            let links = from.graph.links_of(body.slot);
-            let links = links.filter(|link| link.kind == EdgeKind::Contact);
-            lower.extend(links.filter_map(|link| {
-                let [a, b] = link.slots;
-                let other = if a == body.slot { b } else { a };
-                let rank = match self.local[other as usize] {
-                    u32::MAX => from.table.get(other)?.spawn_order.0 & !MOVES,
-                    other => MOVES | other as u64,
-                };
-                let slot = OrderSlot {
-                    pair: link.pair,
-                    edge: link.edge,
-                    revision: None,
-                };
-                (rank < (MOVES | local)).then_some((rank, slot))
-            }));
-            lower.sort_unstable_by_key(|&(rank, _)| rank);
-            slots.extend(lower.drain(..).map(|(_, slot)| slot));
+        for local in 0..self.islands[id as usize].bodies.len() as u32 {
+            self.sort_contacts_of(id, local, from);
+            let lower = self.lower.iter().map(|&(_, slot)| slot);
+            self.islands[id as usize].slots.extend(lower);
         }
-        number_edges(&mut self.by_edge, id, slots);
+        number_edges(&mut self.by_edge, id, 0, &self.islands[id as usize].slots);
+    }
+
+    /// Finds the contacts of a body with lower bodies, in order, as [`Self::lower`].
+    pub(super) fn sort_contacts_of(&mut self, id: u32, higher: u32, from: &Source) {
+        const MOVES: u64 = 1 << 63;
+        let body = self.islands[id as usize].bodies[higher as usize];
+        // A contact is taken once, from the list of its higher body.
+        let links = from.graph.links_of(body.slot);
+        let links = links.filter(|link| link.kind == EdgeKind::Contact);
+        self.lower.clear();
+        self.lower.extend(links.filter_map(|link| {
+            let [a, b] = link.slots;
+            let other = if a == body.slot { b } else { a };
+            let rank = match self.local[other as usize] {
+                u32::MAX => from.table.get(other)?.spawn_order.0 & !MOVES,
+                other => MOVES | other as u64,
+            };
+            let slot = OrderSlot {
+                pair: link.pair,
+                edge: link.edge,
+                higher,
+                revision: None,
+            };
+            (rank < (MOVES | u64::from(higher))).then_some((rank, slot))
+        }));
+        self.lower.sort_unstable_by_key(|&(rank, _)| rank);
     }
 
     /// The identities of islands, by number.
@@ -327,7 +356,7 @@ impl Order {
             });
             island.first = first;
             first += island.slots.len() as u32;
-            number_edges(&mut self.by_edge, id, &island.slots);
+            number_edges(&mut self.by_edge, id, 0, &island.slots);
         }
     }
 
@@ -389,9 +418,9 @@ impl IslandOrder {
     }
 }
 
-/// Stores the places of the contacts of an island.
-fn number_edges(by_edge: &mut [Place], island: u32, slots: &[OrderSlot]) {
-    for (index, slot) in (0..).zip(slots) {
+/// Stores the places of the contacts of an island from index `first` on.
+pub(super) fn number_edges(by_edge: &mut [Place], island: u32, first: usize, slots: &[OrderSlot]) {
+    for (index, slot) in (first as u32..).zip(&slots[first..]) {
         by_edge[slot.edge as usize] = Place { island, index };
     }
 }

@@ -7,7 +7,7 @@ use bevy_transform::components::Transform;
 use drystone::body::Sleeping;
 use drystone::body::{
     BodyIndex, CenterOfMass, Damping, Density, ExternalForce, GravityScale, Mass, MassProperties,
-    RigidBody, Velocity,
+    Pose, RigidBody, Velocity,
 };
 use drystone::collider::{Collider, CollisionExceptions, CollisionLayers, Friction, Restitution};
 use drystone::contact::{
@@ -16,7 +16,10 @@ use drystone::contact::{
 };
 use drystone::preview::{PreviewSettings, Shadow};
 use drystone::settings::SleepSettings;
+use drystone::warm_start::IslandProblems;
+use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::{Quat, Vec3};
+use std::collections::HashMap;
 use support::*;
 
 fn drain<M: Message>(lab: &mut Lab) -> Vec<M> {
@@ -651,4 +654,71 @@ fn copies_in_a_preview_do_not_collide_either() {
     let shadow = Shadow::around(&lab.world, &[inner, outer]).unwrap();
     let preview = shadow.run(&PreviewSettings::default()).unwrap();
     assert!(preview.at_rest && preview.moved.is_empty(), "{preview:?}");
+}
+
+/// The bits of poses, velocities and contact forces.
+fn bits(world: &mut World) -> Vec<u32> {
+    let mut bodies = world.query::<(Entity, &Pose, &Velocity)>();
+    let mut bodies: Vec<_> = bodies.iter(world).collect();
+    bodies.sort_by_key(|(entity, ..)| *entity);
+    let bodies = bodies.into_iter().flat_map(|(_, pose, velocity)| {
+        let [at, linear, angular] = [pose.position, velocity.linear, velocity.angular];
+        let moving = [at, linear, angular].map(|v| v.to_array());
+        let turn = pose.rotation.to_array();
+        moving.into_iter().flatten().chain(turn).map(f32::to_bits)
+    });
+    let bodies: Vec<u32> = bodies.collect();
+    let mut pairs = world.query::<(&ContactPair, &ContactImpulses)>();
+    let mut pairs: Vec<_> = pairs.iter(world).collect();
+    pairs.sort_by_key(|(pair, _)| pair.bodies);
+    let forces = pairs.into_iter().flat_map(|(_, impulses)| &impulses.points);
+    let forces = forces.flat_map(|point| [point.normal_force, point.rest_force].map(f32::to_bits));
+    bodies.into_iter().chain(forces).collect()
+}
+
+/// A large island is edited when contacts begin and end in it. One whose problem is forgotten before every step is gathered from nothing.
+#[test]
+fn contacts_that_begin_and_end_in_a_wall_cost_no_bit() {
+    let build = || {
+        let mut lab = Lab::new();
+        lab.world.resource_mut::<SleepSettings>().enabled = false;
+        let built = Scene::Wall(24, 16).build(&mut lab.world, &SceneOptions::default());
+        lab.run(0.1);
+        (lab, built.bodies)
+    };
+    let (mut kept, bricks) = build();
+    let (mut anew, _) = build();
+    let mut lists: [HashMap<Entity, _>; 2] = Default::default();
+    let mut rng = fastrand::Rng::with_seed(2);
+    for step in 0..80 {
+        // A contact ends for some steps, and a brick is hit now and then, so that contacts begin and end by themselves.
+        let ended: Vec<usize> = (0..2).map(|_| rng.usize(..300)).collect();
+        let hit = bricks[rng.usize(..bricks.len())];
+        for (lab, list) in [&mut kept, &mut anew].into_iter().zip(&mut lists) {
+            if step % 20 == 10 {
+                let mut velocity = lab.world.get_mut::<Velocity>(hit).unwrap();
+                velocity.linear = Vec3::new(0.3, 0.2, 0.1);
+            }
+            let mut query = lab.world.query::<(Entity, &ContactPair, &mut Manifold)>();
+            let mut pairs: Vec<_> = query.iter_mut(&mut lab.world).collect();
+            pairs.sort_by_key(|(_, pair, _)| pair.bodies);
+            for (number, (entity, _, manifold)) in pairs.iter_mut().enumerate() {
+                if ended.contains(&number) && !manifold.points.is_empty() {
+                    list.insert(*entity, std::mem::take(&mut manifold.points));
+                } else if step % 3 == 0
+                    && manifold.points.is_empty()
+                    && let Some(points) = list.remove(entity)
+                {
+                    manifold.points = points;
+                }
+            }
+        }
+        anew.world.insert_resource(IslandProblems::default());
+        kept.step();
+        anew.step();
+        assert!(
+            bits(&mut kept.world) == bits(&mut anew.world),
+            "step {step}"
+        );
+    }
 }

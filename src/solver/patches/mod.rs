@@ -13,6 +13,7 @@ use super::{Body, GrabConstraint, JointConstraint, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 pub use memory::Memory;
+pub(crate) use memory::PatchEdit;
 pub use soft_step::SoftStep;
 pub(crate) use soft_step::settle;
 

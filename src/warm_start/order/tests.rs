@@ -126,3 +126,56 @@ fn a_body_that_was_removed_since_the_islands_were_updated_is_not_ordered() {
         assert!(members.into_iter().all(|member| member.entity != entity));
     }
 }
+
+/// A wall of 10 × 10 bricks on a floor, in which contacts begin and end: those with the course below, and those side by side.
+#[test]
+fn an_order_that_is_edited_equals_one_computed_from_nothing() {
+    let mut site = Site::default();
+    let floor = site.spawn(RigidBody::Static);
+    let bricks: Vec<u32> = (0..100).map(|_| site.spawn(RigidBody::Dynamic)).collect();
+    let mut edges = Vec::new();
+    for (number, &brick) in bricks.iter().enumerate() {
+        if number % 10 > 0 {
+            edges.push([bricks[number - 1], brick]);
+        }
+        match number.checked_sub(10) {
+            Some(below) => {
+                edges.extend([[bricks[below], brick], [bricks[below - below % 10], brick]])
+            }
+            None => edges.push([floor, brick]),
+        }
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    for &slots in &edges {
+        site.connect(slots);
+        site.link(slots, true);
+    }
+    site.update();
+    let mut order = Order::default();
+    order.keep_for(&site);
+    let mut rng = Rng::with_seed(1);
+    let mut edits = 0;
+    for round in 0..300 {
+        for _ in 0..rng.u8(1..3) {
+            // An edge that ended gets a number that another edge had.
+            let slots = edges[rng.usize(..edges.len())];
+            match round % 4 {
+                0 => site.link(slots, false),
+                1 => {
+                    site.disconnect(slots);
+                    site.connect(slots);
+                }
+                _ => site.link(slots, true),
+            }
+        }
+        site.update();
+        order.keep_for(&site);
+        order.check(&site);
+        let numbered = order.numbered.iter();
+        edits += numbered
+            .filter(|&&id| !order.islands[id as usize].edit.splices.is_empty())
+            .count();
+    }
+    assert!(edits > 50, "{edits}");
+}

@@ -43,6 +43,51 @@ pub fn stands_by_itself(problem: &PatchProblem) -> bool {
     })
 }
 
+/// The number of patches of each body.
+pub fn neighbours(problem: &PatchProblem) -> Vec<u32> {
+    let mut neighbours = vec![0u32; problem.bodies.len()];
+    for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
+        neighbours[body as usize] += 1;
+    }
+    neighbours
+}
+
+impl<L: F32xN> Block<L> {
+    /// Loads the patches of an empty block. `neighbours` is the number of patches of each body, `rounds` come with the index of their first seat.
+    #[inline(always)]
+    pub fn fill<'a>(
+        &mut self,
+        points: &mut [Points<L>],
+        patches: impl Iterator<Item = (usize, u32, &'a PatchConstraint)>,
+        problem: &PatchProblem,
+        neighbours: &[u32],
+        (rounds, first_seat): (&Rounds, u32),
+    ) {
+        let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
+        for (lane, number, patch) in patches {
+            // Full stiffness is that of a body between two others, which is held by two springs.
+            let most = patch.bodies.into_iter().filter(|&body| moves(body));
+            let most = most.map(|body| neighbours[body as usize]).max();
+            let shared = 2.0 / most.unwrap_or(0).max(2) as f32;
+            self.load(points, lane, patch, problem, shared);
+            for (side, seat) in rounds.seats(number).into_iter().enumerate() {
+                let body = patch.bodies[side];
+                match seat {
+                    Some(seat) => {
+                        let seat = first_seat + seat.body * ROUND as u32 + seat.number;
+                        self.write_to(lane, side, seat);
+                    }
+                    None if moves(body) => self.write_to(lane, side, body),
+                    None => {}
+                }
+            }
+            // The sum of all corrections would throw out a body that overlaps many others.
+            let slowdown = (CROWD * 0.5 * shared).min(1.0);
+            self.set_max_speed(lane, problem.max_correction_speed * slowdown);
+        }
+    }
+}
+
 /// An island during a step: its blocks, and the velocities and motions of its bodies.
 pub struct Island<L: F32xN> {
     pub(super) substeps: usize,
@@ -101,17 +146,7 @@ impl<L: F32xN> Island<L> {
     pub fn new(problem: &PatchProblem, batches: Batches) -> Self {
         let bodies = &*problem.bodies;
         let null_body = bodies.len() as u32;
-        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
-        let mut neighbours = vec![0u32; bodies.len()];
-        for body in problem.patches.iter().flat_map(|patch| patch.bodies) {
-            neighbours[body as usize] += 1;
-        }
-        // Full stiffness is that of a body between two others, which is held by two springs.
-        let shared = |patch: &PatchConstraint| {
-            let most = patch.bodies.into_iter().filter(|&body| moves(body));
-            let most = most.map(|body| neighbours[body as usize]).max();
-            2.0 / most.unwrap_or(0).max(2) as f32
-        };
+        let neighbours = neighbours(problem);
         let first_seat = null_body + 1 + batches.blocks() as u32;
         let mut blocks = Vec::with_capacity(batches.blocks());
         let mut points = Vec::with_capacity(problem.points.len() / L::LANES * 5 / 4);
@@ -127,24 +162,8 @@ impl<L: F32xN> Island<L> {
             blocks.push(Block::<L>::new(null_body, null_target));
             let block = blocks.last_mut().expect("it was just added");
             block.place(first, count);
-            for (lane, number, patch) in patches {
-                let shared = shared(patch);
-                block.load(&mut points[first..], lane, patch, problem, shared);
-                for (side, seat) in batches.rounds().seats(number).into_iter().enumerate() {
-                    let body = patch.bodies[side];
-                    match seat {
-                        Some(seat) => {
-                            let seat = first_seat + seat.body * ROUND as u32 + seat.number;
-                            block.write_to(lane, side, seat);
-                        }
-                        None if moves(body) => block.write_to(lane, side, body),
-                        None => {}
-                    }
-                }
-                // The sum of all corrections would throw out a body that overlaps many others.
-                let slowdown = (CROWD * 0.5 * shared).min(1.0);
-                block.set_max_speed(lane, problem.max_correction_speed * slowdown);
-            }
+            let seats = (batches.rounds(), first_seat);
+            block.fill(&mut points[first..], patches, problem, &neighbours, seats);
         }
         Self {
             substeps: 1,

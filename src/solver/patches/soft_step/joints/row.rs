@@ -72,6 +72,8 @@ pub struct Row {
     pub softness: f32,
     pub impulse: f32,
     pub bound: Bound,
+    /// Its place among the unknowns of its pair, in the factorized system; unknown if a bound holds it.
+    pub place: usize,
     /// It holds nothing for the rest of the step.
     is_released: bool,
     /// The share of its compliance by which it yields under a lasting force.
@@ -97,6 +99,7 @@ impl Row {
             softness: 0.0,
             impulse: 0.0,
             bound: Bound::Free,
+            place: 0,
             is_released: false,
             yields: 1.0,
             lack: 0.0,

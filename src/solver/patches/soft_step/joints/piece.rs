@@ -7,7 +7,7 @@
 //! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its bodies
 //! neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
 
-use super::factor::{Coupling, Factor, Node, Quad, quads};
+use super::factor::{Coupling, Factor, MOST_ROWS, Node, Quad, quads};
 use super::leaf::{Contacts, Leaf, LeafPatch, add, read};
 use super::member::Member;
 use super::row::{Bound, Link, Row};
@@ -29,7 +29,7 @@ pub const CALM: f32 = 1e-7;
 /// What a contact of a calm piece may lack, m/s.
 const CALM_CONTACT: f64 = 1e-6;
 
-/// The joints between two bodies.
+/// Rows of the joints between two bodies, as many as a node of the factorization holds.
 #[derive(Clone, Debug)]
 pub struct Pair {
     /// The members; A and B of its first joint.
@@ -91,6 +91,11 @@ impl Piece {
             members.len()
         ];
         let mut edges = Vec::new();
+        let pairs = pairs.into_iter().flat_map(|(ends, rows)| {
+            let firsts = rows.clone().step_by(MOST_ROWS);
+            firsts.map(move |first| (ends, first..rows.end.min(first + MOST_ROWS)))
+        });
+        let pairs: Vec<_> = pairs.collect();
         for (ends, rows) in &pairs {
             let node = nodes.len();
             nodes.push(Node {
@@ -213,12 +218,11 @@ impl Piece {
     fn find_lacks(&self, soft: bool, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
         for link in &lists.links[self.links.clone()] {
             let now = |end: usize| read(velocities, lists.members[end].body as usize);
-            let velocities = [
-                link.ends.map(now),
-                link.ends.map(|end| lists.members[end].seen),
-            ];
+            let velocities = link.ends.map(now);
+            let seen = link.ends.map(|end| lists.members[end].seen);
+            let bend = link.geometry.bend(seen);
             for row in &mut lists.rows[link.rows.clone()] {
-                row.find_lack(soft, h, &link.geometry, velocities);
+                row.find_lack(soft, h, &bend, velocities);
             }
         }
     }
@@ -257,10 +261,10 @@ impl Piece {
             run_plain(self.is_fused, self.factor.factorize());
             self.is_stale = false;
         }
-        self.solution.clear();
         self.solution
             .resize(self.factor.unknowns(), Quad::default());
         let solution = self.solution.as_flattened_mut();
+        solution.fill(0.0);
         for leaf in &self.leaves {
             let first = self.factor.first_of(leaf.member - self.members.start);
             let push = match leaf.is_active {

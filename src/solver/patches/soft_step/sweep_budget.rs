@@ -44,9 +44,6 @@ const NEW: f32 = 0.25;
 /// Upper bound of the rate of sweeps, as a factor of the usual rate.
 const MOST: f32 = 4.0;
 
-/// Additional sweeps for joints without contacts, as a share of the usual rate: with fewer, a pendulum gains 0.3 % of its energy.
-const HANGING: f32 = 0.25;
-
 /// A step gets another round only if it is longer by more than this share of a round.
 const A_LITTLE: f32 = 0.1;
 
@@ -104,11 +101,7 @@ impl SweepBudget {
         let &LoadStatistics {
             unsettled, pressed, ..
         } = statistics;
-        let more = match hangs {
-            true => HANGING,
-            false => UNSETTLED * (unsettled / NEW).min(1.0),
-        };
-        let usual = usual * (1.0 + more);
+        let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
         let rate =
             (settings.sweeps_per_period * stable(problem, courses, pressed)).clamp(usual, most);
         let sweeps = |seconds: f32| {

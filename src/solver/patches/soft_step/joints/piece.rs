@@ -320,8 +320,9 @@ impl Piece {
             let inertia = member.inertia + member.excess;
             for i in 0..3 {
                 pivot[2 * i][i] = masses[i];
+                let row = i + 3;
                 for j in 0..3 {
-                    pivot[2 * (j + 3) + (i + 3) / 4][(i + 3) % 4] = inertia.col(j)[i];
+                    pivot[2 * (j + 3) + row / 4][row % 4] = inertia.col(j)[i];
                 }
             }
         }

@@ -61,10 +61,20 @@ macro_rules! joint_builder {
             }
         }
 
+        $crate::joint::joint_ends!($Type, |joint| joint.collision);
+    };
+}
+
+/// Implements [`JointEnds`](super::definition::JointEnds) for a joint type with the fields `body1`, `body2`, `frame1` and `frame2`. The last argument says
+/// whether its bodies collide.
+macro_rules! joint_ends {
+    ($Type:ident, |$joint:ident| $collision:expr) => {
         impl $crate::joint::JointEnds for $Type {
-            fn locked(&self) -> JointDefinition {
+            fn locked(&self) -> $crate::joint::JointDefinition {
+                let $joint = self;
                 let bodies = [self.body1, self.body2];
-                JointDefinition::locked(bodies, [self.frame1, self.frame2], self.collision)
+                let frames = [self.frame1, self.frame2];
+                $crate::joint::JointDefinition::locked(bodies, frames, $collision)
             }
 
             fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
@@ -78,3 +88,4 @@ macro_rules! joint_builder {
     };
 }
 pub(super) use joint_builder;
+pub(crate) use joint_ends;

@@ -92,11 +92,8 @@ impl JointEdge {
         })
     }
 
-    /// Errors of position that are rounding of poses, m and rad, for joints with a section.
+    /// Errors of position that are rounding of poses, m and rad.
     fn slack(&self, table: &BodyTable) -> [f32; 2] {
-        if self.definition.section.is_none() {
-            return [0.0; 2];
-        }
         let bodies = self.slots.into_iter().filter_map(|slot| table.get(slot));
         let far = bodies.map(|body| body.pose.position.abs().max_element());
         let far = far.fold(0.0, f32::max);

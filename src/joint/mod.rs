@@ -75,6 +75,7 @@ mod spherical;
 mod spring;
 
 pub use crate::solver::{JointAxis, JointMotor};
+pub(crate) use builder::joint_ends;
 pub use changes::joints;
 pub(crate) use changes::update;
 pub use definition::JointLimits;

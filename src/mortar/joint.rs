@@ -79,20 +79,7 @@ impl MortarJoint {
     }
 }
 
-impl JointEnds for MortarJoint {
-    fn locked(&self) -> JointDefinition {
-        let bodies = [self.body1, self.body2];
-        JointDefinition::locked(bodies, [self.frame1, self.frame2], false)
-    }
-
-    fn set_bodies(&mut self, bodies: [Option<Entity>; 2]) {
-        [self.body1, self.body2] = bodies;
-    }
-
-    fn set_frames(&mut self, frames: [JointFrame; 2]) {
-        [self.frame1, self.frame2] = frames;
-    }
-}
+crate::joint::joint_ends!(MortarJoint, |_joint| false);
 
 impl JointType for MortarJoint {
     fn definition(&self) -> JointDefinition {

@@ -6,7 +6,7 @@ use bevy_reflect::Reflect;
 
 /// Number of contacts that a solver relaxes side by side: patches, or pairs of bodies with all of their points.
 ///
-/// Results differ by rounding: eight lanes use fused multiply-add, four lanes do not. So the same scene gives the same bits on all machines
+/// Results differ by rounding: eight lanes use fused multiply-add, four lanes do not; nor does the direct solve of joints with [`Four`](Lanes::Four). So the same scene gives the same bits on all machines
 /// only with [`Four`](Lanes::Four).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Debug)]

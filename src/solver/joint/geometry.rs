@@ -37,6 +37,37 @@ pub struct Geometry {
     relative: Quat,
     /// The axis of the only rotation that is not locked.
     hinge: Option<usize>,
+    /// `relative` as a rotation vector, if rotations are its components and something acts on them.
+    turn: Option<Turn>,
+}
+
+/// A rotation vector, and the factor k of [`Geometry::turn`].
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    vector: Vec3,
+    curved: f32,
+}
+
+impl Turn {
+    fn of(rotation: Quat) -> Self {
+        let sine = rotation.xyz();
+        let length = sine.length();
+        let half = ops::atan2(length, rotation.w);
+        let scale = if length > NONE {
+            2.0 * half / length
+        } else {
+            2.0
+        };
+        let vector = scale * sine;
+        let square = vector.length_squared();
+        Self {
+            vector,
+            curved: match square > 1e-4 {
+                true => (1.0 - half * rotation.w / length) / square,
+                false => 1.0 / 12.0,
+            },
+        }
+    }
 }
 
 /// A coordinate: its value, and the direction of its rate.
@@ -48,6 +79,45 @@ pub struct Coordinate {
     /// m or rad.
     pub value: f32,
     pub direction: Vec3,
+}
+
+/// How the way of B's anchor relative to A bends.
+#[derive(Clone, Copy, Debug)]
+pub struct Bend {
+    /// Acceleration in A's frame, m/s².
+    along_axes: Vec3,
+    /// Acceleration, m/s², and velocity, m/s, in the world.
+    inward: Vec3,
+    rate: Vec3,
+    /// Distance of the anchors, m.
+    distance: f32,
+}
+
+impl Bend {
+    /// The acceleration of a coordinate at constant velocities of the bodies, m/s²: a straight motion over a short time h changes a
+    /// translation or a distance by h times its rate and ½h² times this. That of rotations is left out.
+    fn curvature(&self, coordinate: usize, direction: Vec3) -> f32 {
+        match coordinate {
+            0..3 => direction.dot(self.along_axes),
+            3..6 => 0.0,
+            _ => {
+                let along = direction.dot(self.rate);
+                let across = self.rate.length_squared() - along * along;
+                direction.dot(self.inward) + across / self.distance
+            }
+        }
+    }
+
+    /// The rate, m/s, that a held coordinate must have besides the wanted one in a straight motion over a time of `h` s, because its way is
+    /// curved.
+    pub fn inward_rate(&self, coordinate: usize, direction: Vec3, h: f32) -> f32 {
+        CURVED * 0.5 * h * self.curvature(coordinate, direction)
+    }
+}
+
+/// ω × (ω × r).
+fn twice(spin: Vec3, arm: Vec3) -> Vec3 {
+    spin.cross(spin.cross(arm))
 }
 
 /// The share of the curvature of a way that rows allow for. A rigid row at an arm that turns takes the inward velocity that every straight
@@ -69,18 +139,21 @@ impl Geometry {
             (Some(axis), None) => Some(axis - 3),
             _ => None,
         };
+        // The shorter way.
+        let relative = if relative.w < 0.0 {
+            -relative
+        } else {
+            relative
+        };
+        let acts = hinge.is_none() && joint.axes[3..].iter().any(|axis| !axis.is_free());
         Self {
             arms: [turned[0] + gap, turned[1]],
             gap,
             axes: [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| frame * axis),
             frame,
-            // The shorter way.
-            relative: if relative.w < 0.0 {
-                -relative
-            } else {
-                relative
-            },
+            relative,
             hinge,
+            turn: acts.then(|| Turn::of(relative)),
         }
     }
 
@@ -151,20 +224,8 @@ impl Geometry {
 
     /// A component of the rotation vector φ. Its rate is ω − ½ φ×ω + k φ×(φ×ω), with ω the relative angular velocity in A's frame.
     fn turn(&self, axis: usize) -> Coordinate {
-        let sine = self.relative.xyz();
-        let length = sine.length();
-        let half = ops::atan2(length, self.relative.w);
-        let scale = if length > NONE {
-            2.0 * half / length
-        } else {
-            2.0
-        };
-        let turn = scale * sine;
-        let square = turn.length_squared();
-        let curved = match square > 1e-4 {
-            true => (1.0 - half * self.relative.w / length) / square,
-            false => 1.0 / 12.0,
-        };
+        let found = self.turn.unwrap_or_else(|| Turn::of(self.relative));
+        let (turn, curved) = (found.vector, found.curved);
         let own = Vec3::AXES[axis];
         let across = turn.cross(own);
         Coordinate {
@@ -173,36 +234,17 @@ impl Geometry {
         }
     }
 
-    /// The acceleration of a translation or a distance at constant velocities of the bodies, m/s²: a straight motion over a short time h
-    /// changes the coordinate by h times its rate and ½h² times this. `velocities` are linear and angular ones of A and B.
-    fn curvature(&self, coordinate: usize, direction: Vec3, velocities: [[Vec3; 2]; 2]) -> f32 {
+    /// The bend of the way of B's anchor at constant velocities of the bodies; `velocities` are linear and angular ones of A and B.
+    pub fn bend(&self, velocities: [[Vec3; 2]; 2]) -> Bend {
         let [[_, turns], [_, spins]] = velocities;
-        let twice = |spin: Vec3, arm: Vec3| spin.cross(spin.cross(arm));
         let rate = self.rate(velocities);
         let inward = twice(spins, self.arms[1]) - twice(turns, self.arms[0]);
-        match coordinate {
-            0..3 => direction.dot(inward) + 2.0 * turns.cross(direction).dot(rate),
-            3..6 => 0.0,
-            _ => {
-                let rate = rate + turns.cross(self.gap);
-                let along = direction.dot(rate);
-                let across = rate.length_squared() - along * along;
-                let distance = self.gap.length().max(NONE);
-                direction.dot(inward + twice(turns, self.gap)) + across / distance
-            }
+        Bend {
+            along_axes: inward + 2.0 * rate.cross(turns),
+            inward: inward + twice(turns, self.gap),
+            rate: rate + turns.cross(self.gap),
+            distance: self.gap.length().max(NONE),
         }
-    }
-
-    /// The rate, m/s, that a held coordinate must have besides the wanted one in a straight motion over a time of `h` s, because its way is
-    /// curved.
-    pub fn inward_rate(
-        &self,
-        coordinate: usize,
-        direction: Vec3,
-        velocities: [[Vec3; 2]; 2],
-        h: f32,
-    ) -> f32 {
-        CURVED * 0.5 * h * self.curvature(coordinate, direction, velocities)
     }
 
     /// The rate of a coordinate with this direction is that of B's centre less that of A's along the first vector, and of the rotations of B
@@ -276,7 +318,7 @@ mod tests {
                 let found = (later - before) / (2.0 * h);
                 assert!((rate - found).abs() < 1e-3, "{number}: {rate} {found}");
                 if number < 3 || number == 6 {
-                    let bent = now.curvature(number, direction, VELOCITIES);
+                    let bent = now.bend(VELOCITIES).curvature(number, direction);
                     let found = (later - 2.0 * value + before) / (h * h);
                     assert!((bent - found).abs() < 0.02, "{number}: {bent} {found}");
                 }

@@ -11,7 +11,7 @@ mod section;
 
 use super::Body;
 use bevy_reflect::Reflect;
-pub(super) use geometry::{Geometry, Placement};
+pub(super) use geometry::{Bend, Geometry, Placement};
 use glam::{Quat, Vec3};
 pub(super) use plain::PlainJoint;
 pub(super) use rows::{COORDINATES, Law, Part, Times, rows_of, take_share};
@@ -48,8 +48,8 @@ pub struct JointConstraint {
     pub filter: f32,
     /// The joint is a bonded patch that breaks by the stresses in this section.
     pub section: Option<Section>,
-    /// Errors of position up to these are rounding of poses, m and rad. Only joints with a section have them: rows are so stiff that rounding
-    /// would put bonds that hold each other under more stress than mortar bears.
+    /// Errors of position up to these are rounding of poses, m and rad. Rows are so stiff that rounding would keep a joint from coming to rest,
+    /// and would put bonds that hold each other under more stress than mortar bears.
     pub slack: [f32; 2],
     /// Out: the section has broken in this step, by this stress.
     pub broke: Option<Utilization>,

@@ -44,7 +44,7 @@ impl PlainJoint {
         }
         let ends = joint.bodies.map(|body| &bodies[body as usize]);
         let geometry = Geometry::new(joint, [Placement::START; 2]);
-        let velocities = ends.map(|body| [body.linear, body.angular]);
+        let bend = geometry.bend(ends.map(|body| [body.linear, body.angular]));
         let times = Times {
             h,
             left: h,
@@ -57,7 +57,7 @@ impl PlainJoint {
             let found = geometry.coordinate(coordinate);
             let mut law = Law::of(&joint.axis(coordinate), part, found.value, &times);
             if law.is_held {
-                law.rate -= geometry.inward_rate(coordinate, found.direction, velocities, h);
+                law.rate -= bend.inward_rate(coordinate, found.direction, h);
             }
             let (linear, angular) = geometry.jacobian(coordinate, found.direction);
             let response = |side: usize| {

@@ -111,5 +111,45 @@ pub trait Kernel {
     fn run(self) -> Self::Output;
 }
 
+/// Work on plain numbers that is compiled twice: for AVX2 and FMA, and for every processor. Its `run` and all functions that it calls must be
+/// `#[inline(always)]`.
+pub trait PlainKernel {
+    type Output;
+
+    /// `FUSED`: products and sums are rounded once, by [`f64::mul_add`].
+    fn run<const FUSED: bool>(self) -> Self::Output;
+}
+
+/// Whether this processor has AVX2 and FMA.
+pub fn has_fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return F32x8::is_available();
+    #[cfg(not(target_arch = "x86_64"))]
+    return false;
+}
+
+/// Runs a kernel, with AVX2 and FMA if it `is_fused`; the processor must have both then.
+pub fn run_plain<K: PlainKernel>(is_fused: bool, kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    if is_fused {
+        return F32x8::run(Fused(kernel));
+    }
+    let _ = is_fused;
+    kernel.run::<false>()
+}
+
+#[cfg(target_arch = "x86_64")]
+struct Fused<K>(K);
+
+#[cfg(target_arch = "x86_64")]
+impl<K: PlainKernel> Kernel for Fused<K> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn run(self) -> K::Output {
+        self.0.run::<true>()
+    }
+}
+
 #[cfg(test)]
 mod tests;

@@ -149,7 +149,8 @@ impl<L: F32xN> Island<L> {
         self.refresh(problem, spring, &passes[0], f32::INFINITY);
         let missing = self.warm_start();
         let velocities = cells(&mut self.velocities);
-        self.joints.begin(problem, spring, substeps, velocities);
+        self.joints
+            .begin(problem, spring, substeps, self.lanes, velocities);
         missing.sqrt()
     }
 

@@ -89,8 +89,10 @@ impl SweepBudget {
         let bodies: usize = courses.iter().map(|course| course.bodies).sum();
         let downwards =
             courses.len() >= VERY_TALL && problem.patches.len() as f32 > BRANCHED * bodies as f32;
+        // Joints are solved directly, however many bodies hang on each other.
+        let hangs = problem.patches.is_empty() && !problem.joints.is_empty();
         let soft = match courses.len() {
-            TALL.. if !downwards => SUBSTEPS_PER_RIGID_SWEEP_IF_TALL,
+            TALL.. if !downwards && !hangs => SUBSTEPS_PER_RIGID_SWEEP_IF_TALL,
             _ => SUBSTEPS_PER_RIGID_SWEEP,
         };
         let round = soft + 1;

@@ -7,7 +7,7 @@
 //! - **Rows** ([`row`]) are springs a hundred thousand times as stiff as those of contacts. They are never quite rigid: joints that hold each
 //!   other redundantly would have no unique forces.
 //! - **Arms turn** within a step: directions, errors, inertias and the factorization are refreshed in each substep for what has turned by
-//!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way ([`Geometry::inward_rate`]).
+//!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way ([`Bend::inward_rate`](crate::solver::joint::Bend::inward_rate)).
 //! - **Impulses** are applied anew where arms have turned. The extrapolation of velocities, which contacts use, would repeat forces in
 //!   directions in which they no longer act.
 //! - **Geometric stiffness** ([`Member::stiffen`]): a light link under a large pull vibrates faster than any substep.
@@ -31,8 +31,8 @@ use crate::solver::groups::Groups;
 use crate::solver::joint::{
     COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
 };
-use crate::solver::lanes::{F32xN, State, cells};
-use crate::solver::{JointConstraint, PatchProblem};
+use crate::solver::lanes::{F32xN, State, cells, has_fused};
+use crate::solver::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
 use leaf::{Contacts, LeafPatch, read};
 use member::Member;
@@ -247,6 +247,7 @@ impl Joints {
         problem: &PatchProblem,
         spring: &Spring,
         substeps: usize,
+        lanes: Lanes,
         velocities: &[Cell<State>],
     ) {
         if self.is_empty() {
@@ -288,10 +289,12 @@ impl Joints {
             link.ask(joint, &mut self.rows, &times, self.stiffness);
         }
         self.break_misfits();
+        let is_fused = lanes != Lanes::Four && has_fused();
         for piece in &mut self.pieces {
             piece.is_stale = true;
             piece.is_refreshed = true;
             piece.is_calm = false;
+            piece.is_fused = is_fused;
         }
         self.restart(velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);

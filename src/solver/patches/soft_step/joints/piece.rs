@@ -7,11 +7,11 @@
 //! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its bodies
 //! neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
 
-use super::factor::{Coupling, Factor, Node};
+use super::factor::{Coupling, Factor, MOST_ROWS, Node, Quad, quads};
 use super::leaf::{Contacts, Leaf, LeafPatch, add, read};
 use super::member::Member;
 use super::row::{Bound, Link, Row};
-use crate::solver::lanes::{F32xN, State};
+use crate::solver::lanes::{F32xN, State, run_plain};
 use crate::solver::patches::soft_step::block::Pass;
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
@@ -29,14 +29,13 @@ pub const CALM: f32 = 1e-7;
 /// What a contact of a calm piece may lack, m/s.
 const CALM_CONTACT: f64 = 1e-6;
 
-/// The joints between two bodies.
+/// Rows of the joints between two bodies, as many as a node of the factorization holds.
 #[derive(Clone, Debug)]
 pub struct Pair {
     /// The members; A and B of its first joint.
     pub ends: [usize; 2],
     pub rows: Range<usize>,
     couplings: [Option<Coupling>; 2],
-    first: usize,
 }
 
 /// Bodies that are connected by joints, directly or through others that move.
@@ -62,7 +61,9 @@ pub struct Piece {
     leaves: Vec<Leaf>,
     /// The leaves in the factorized system.
     factorized: Vec<u64>,
-    solution: Vec<f64>,
+    solution: Vec<Quad>,
+    /// Solves use AVX2 and FMA.
+    pub is_fused: bool,
 }
 
 /// The lists of all pieces.
@@ -90,6 +91,11 @@ impl Piece {
             members.len()
         ];
         let mut edges = Vec::new();
+        let pairs = pairs.into_iter().flat_map(|(ends, rows)| {
+            let firsts = rows.clone().step_by(MOST_ROWS);
+            firsts.map(move |first| (ends, first..rows.end.min(first + MOST_ROWS)))
+        });
+        let pairs: Vec<_> = pairs.collect();
         for (ends, rows) in &pairs {
             let node = nodes.len();
             nodes.push(Node {
@@ -107,7 +113,6 @@ impl Piece {
         };
         let pairs = pairs.into_iter().enumerate().map(|(i, (ends, rows))| Pair {
             couplings: ends.map(|end| couple(count + i, end)),
-            first: factor.first_of(count + i),
             ends,
             rows,
         });
@@ -115,7 +120,8 @@ impl Piece {
             pairs: pairs.collect(),
             members,
             links,
-            solution: vec![0.0; factor.unknowns()],
+            solution: Vec::new(),
+            is_fused: false,
             factor,
             is_stale: true,
             is_refreshed: true,
@@ -212,12 +218,11 @@ impl Piece {
     fn find_lacks(&self, soft: bool, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
         for link in &lists.links[self.links.clone()] {
             let now = |end: usize| read(velocities, lists.members[end].body as usize);
-            let velocities = [
-                link.ends.map(now),
-                link.ends.map(|end| lists.members[end].seen),
-            ];
+            let velocities = link.ends.map(now);
+            let seen = link.ends.map(|end| lists.members[end].seen);
+            let bend = link.geometry.bend(seen);
             for row in &mut lists.rows[link.rows.clone()] {
-                row.find_lack(soft, h, &link.geometry, velocities);
+                row.find_lack(soft, h, &bend, velocities);
             }
         }
     }
@@ -246,33 +251,36 @@ impl Piece {
     }
 
     /// Solves with the present bounds.
-    fn solve(&mut self, lists: &Lists) {
+    fn solve(&mut self, lists: &mut Lists) {
         let active = || self.leaves.iter().filter(|leaf| leaf.is_active);
         let keys = active().map(|leaf| leaf.key);
         if self.is_stale || !keys.clone().eq(self.factorized.iter().copied()) {
             self.factorized.clear();
             self.factorized.extend(keys);
             self.assemble(lists);
-            self.factor.factorize();
+            run_plain(self.is_fused, self.factor.factorize());
             self.is_stale = false;
         }
-        self.solution.fill(0.0);
+        self.solution
+            .resize(self.factor.unknowns(), Quad::default());
+        let solution = self.solution.as_flattened_mut();
+        solution.fill(0.0);
         for leaf in &self.leaves {
             let first = self.factor.first_of(leaf.member - self.members.start);
             let push = match leaf.is_active {
                 true => leaf.lack / leaf.compliance,
                 false => leaf.change,
             };
-            for (to, number) in self.solution[first..][..6].iter_mut().zip(leaf.numbers) {
+            for (to, number) in solution[first..][..6].iter_mut().zip(leaf.numbers) {
                 *to += push * number;
             }
         }
-        for pair in &self.pairs {
-            let unknowns = pair.first..;
-            for (row, unknown) in lists.rows[pair.rows.clone()].iter().zip(unknowns) {
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let unknowns = self.factor.first_of(self.members.len() + i);
+            for row in &lists.rows[pair.rows.clone()] {
                 let change = row.fixed_change();
                 if row.bound == Bound::Free {
-                    self.solution[unknown] = row.lack as f64;
+                    solution[unknowns + row.place] = row.lack as f64;
                 } else if change != 0.0 {
                     for (side, sign) in sides(row) {
                         // The other side is a body that nothing moves.
@@ -282,18 +290,28 @@ impl Piece {
                         let end = pair.ends[side] - self.members.start;
                         let first = self.factor.first_of(end);
                         let numbers = row.numbers(sign);
-                        for (to, number) in self.solution[first..][..6].iter_mut().zip(numbers) {
+                        for (to, number) in solution[first..][..6].iter_mut().zip(numbers) {
                             *to += change as f64 * number;
                         }
                     }
                 }
             }
         }
-        self.factor.solve(&mut self.solution);
+        run_plain(self.is_fused, self.factor.solve(&mut self.solution));
     }
 
-    /// Writes the system.
-    fn assemble(&mut self, lists: &Lists) {
+    /// Writes the system. Rows that a bound holds have no place in it.
+    fn assemble(&mut self, lists: &mut Lists) {
+        let count = self.members.len();
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let mut size = 0;
+            let rows = lists.rows[pair.rows.clone()].iter_mut();
+            for row in rows.filter(|row| row.bound == Bound::Free) {
+                row.place = size;
+                size += 1;
+            }
+            self.factor.resize(count + i, size);
+        }
         self.factor.clear();
         for number in self.members.clone() {
             let member = &lists.members[number];
@@ -301,35 +319,35 @@ impl Piece {
             let masses = member.masses();
             let inertia = member.inertia + member.excess;
             for i in 0..3 {
-                pivot[i * 7] = masses[i];
+                pivot[2 * i][i] = masses[i];
+                let row = i + 3;
                 for j in 0..3 {
-                    pivot[(i + 3) * 6 + j + 3] = inertia.col(j)[i];
+                    pivot[2 * (j + 3) + row / 4][row % 4] = inertia.col(j)[i];
                 }
             }
         }
         for leaf in self.leaves.iter().filter(|leaf| leaf.is_active) {
             let pivot = self.factor.pivot(leaf.member - self.members.start);
-            for i in 0..6 {
-                let scaled = leaf.numbers[i] / leaf.compliance;
-                for j in 0..=i {
-                    pivot[i * 6 + j] += scaled * leaf.numbers[j];
+            for j in 0..6 {
+                let scaled = leaf.numbers[j] / leaf.compliance;
+                for i in 0..6 {
+                    pivot[2 * j + i / 4][i % 4] += scaled * leaf.numbers[i];
                 }
             }
         }
         for (i, pair) in self.pairs.iter().enumerate() {
-            let size = pair.rows.len();
-            let rows = lists.rows[pair.rows.clone()].iter().enumerate();
-            let pivot = self.factor.pivot(self.members.len() + i);
-            for (number, row) in rows.clone() {
-                pivot[number * (size + 1)] = match row.bound {
-                    Bound::Free => -row.compliance as f64,
-                    _ => -1.0,
-                };
+            let rows = lists.rows[pair.rows.clone()].iter();
+            let rows = rows.filter(|row| row.bound == Bound::Free);
+            let size = quads(rows.clone().count());
+            let pivot = self.factor.pivot(count + i);
+            for row in rows.clone() {
+                let place = row.place;
+                pivot[place * size + place / 4][place % 4] = -row.compliance as f64;
             }
-            for (number, row) in rows.filter(|(_, row)| row.bound == Bound::Free) {
+            for row in rows {
                 for (side, sign) in sides(row) {
                     if let Some(coupling) = &pair.couplings[side] {
-                        self.factor.set(coupling, number, &row.numbers(sign));
+                        self.factor.set(coupling, row.place, &row.numbers(sign));
                     }
                 }
             }
@@ -348,6 +366,7 @@ impl Piece {
             leaves,
             ..
         } = self;
+        let solution = solution.as_flattened();
         let of = |member: usize| &solution[factor.first_of(member - members.start)..][..6];
         for leaf in leaves.iter_mut() {
             let left = leaf.lack - leaf.rate(of(leaf.member));
@@ -363,13 +382,14 @@ impl Piece {
                 changed = true;
             }
         }
-        for pair in pairs.iter() {
+        for (i, pair) in pairs.iter().enumerate() {
+            let unknowns = factor.first_of(members.len() + i);
             for number in pair.rows.clone() {
                 let row = &lists.rows[number];
                 let [low, high] = row.law.bounds;
                 let bound = match row.bound {
                     Bound::Free => {
-                        let change = -solution[pair.first + number - pair.rows.start];
+                        let change = -solution[unknowns + row.place];
                         let impulse = row.impulse as f64 + change;
                         // Beyond rounding.
                         let slack = 1e-6 * (row.impulse.abs() as f64 + change.abs());
@@ -414,9 +434,10 @@ impl Piece {
     /// Applies the solution.
     fn apply(&mut self, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
         let mut sum = 0.0;
+        let solution = self.solution.as_flattened();
         for number in self.members.clone() {
             let first = self.factor.first_of(number - self.members.start);
-            let Some(&[a, b, c, d, e, f]) = self.solution[first..].first_chunk() else {
+            let Some(&[a, b, c, d, e, f]) = solution[first..].first_chunk() else {
                 continue;
             };
             let member = &mut lists.members[number];
@@ -427,12 +448,12 @@ impl Piece {
                 *given += change;
             }
         }
-        for pair in &self.pairs {
-            for (i, number) in pair.rows.clone().enumerate() {
-                let row = &mut lists.rows[number];
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let unknowns = self.factor.first_of(self.members.len() + i);
+            for row in &mut lists.rows[pair.rows.clone()] {
                 let [low, high] = row.law.bounds;
                 let found = match row.bound {
-                    Bound::Free => -self.solution[pair.first + i] as f32,
+                    Bound::Free => -solution[unknowns + row.place] as f32,
                     _ => row.fixed_change(),
                 };
                 let impulse = (row.impulse + found).clamp(low, high);

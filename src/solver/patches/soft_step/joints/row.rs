@@ -2,7 +2,7 @@
 
 use super::member::Member;
 use crate::solver::JointConstraint;
-use crate::solver::joint::{Geometry, Law, Part, Times, take_share};
+use crate::solver::joint::{Bend, Geometry, Law, Part, Times, take_share};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -72,10 +72,14 @@ pub struct Row {
     pub softness: f32,
     pub impulse: f32,
     pub bound: Bound,
+    /// Its place among the unknowns of its pair, in the factorized system; unknown if a bound holds it.
+    pub place: usize,
     /// It holds nothing for the rest of the step.
     is_released: bool,
     /// The share of its compliance by which it yields under a lasting force.
     yields: f32,
+    /// Corrections up to this rate are rounding of poses, m/s and rad/s.
+    rounding: f32,
     /// The rate that it lacks in a visit, before the solve.
     pub lack: f32,
 }
@@ -97,8 +101,10 @@ impl Row {
             softness: 0.0,
             impulse: 0.0,
             bound: Bound::Free,
+            place: 0,
             is_released: false,
             yields: 1.0,
+            rounding: 0.0,
             lack: 0.0,
         }
     }
@@ -139,13 +145,22 @@ impl Row {
         self.response = response(0) + response(1);
     }
 
+    /// Takes over the direction of another row of its coordinate.
+    fn aim_as(&mut self, other: &Self) {
+        (self.value, self.refreshed) = (other.value, other.refreshed);
+        self.direction = other.direction;
+        (self.linear, self.angular) = (other.linear, other.angular);
+        self.response = other.response;
+    }
+
     /// Updates its law. Returns whether its bounds have changed sides.
     fn ask(&mut self, joint: &JointConstraint, times: &Times) -> bool {
         let axis = joint.axis(self.coordinate);
         let before = self.law.bounds;
         self.law = Law::of(&axis, self.part, self.error(joint), times);
-        if joint.section.is_some() {
-            self.yields = CREEP;
+        match joint.section {
+            Some(_) => self.yields = CREEP,
+            None => self.rounding = times.bias_rate * joint.slack[usize::from(self.is_angular())],
         }
         if self.is_released {
             self.law.bounds = [0.0; 2];
@@ -206,23 +221,29 @@ impl Row {
         }
     }
 
-    /// Finds the rate that it lacks, from the velocities of A and B now and after the last solve.
-    pub fn find_lack(
-        &mut self,
-        soft: bool,
-        h: f32,
-        geometry: &Geometry,
-        [velocities, seen]: [[[Vec3; 2]; 2]; 2],
-    ) {
-        let mut wanted = if soft { self.law.rate } else { self.law.rigid };
-        if self.law.is_held {
-            wanted -= geometry.inward_rate(self.coordinate, self.direction, seen, h);
+    /// Finds the rate that it lacks, from the velocities of A and B now and the bend of their way.
+    pub fn find_lack(&mut self, soft: bool, h: f32, bend: &Bend, velocities: [[Vec3; 2]; 2]) {
+        let mut wanted = self.law.rigid;
+        if soft {
+            wanted += self.correction();
         }
-        let leak = match soft || self.part != Part::Hold {
-            true => self.yields * self.compliance * self.impulse,
-            false => 0.0,
-        };
-        self.lack = wanted - self.rate(velocities) - leak;
+        if self.law.is_held {
+            wanted -= bend.inward_rate(self.coordinate, self.direction, h);
+        }
+        if self.part != Part::Hold {
+            wanted -= self.compliance * self.impulse;
+        }
+        self.lack = wanted - self.rate(velocities);
+    }
+
+    /// The rate that it asks for in a soft sweep and not in a rigid one: it corrects an error of position, and yields to its force.
+    fn correction(&self) -> f32 {
+        if self.part != Part::Hold {
+            return 0.0;
+        }
+        let yielding = self.yields * self.compliance * self.impulse;
+        let wanted = self.law.rate - self.law.rigid - yielding;
+        wanted - wanted.clamp(-self.rounding, self.rounding)
     }
 }
 
@@ -230,10 +251,7 @@ impl Row {
     /// Whether a solve would change nothing that counts, in a soft and in a rigid sweep, given what it lacks in one of them.
     pub fn is_content(&self, soft: bool, slack: f32) -> bool {
         let slack = slack + ROUNDING * self.response * self.impulse.abs();
-        let between = match self.part {
-            Part::Hold => self.law.rate - self.law.rigid - self.compliance * self.impulse,
-            _ => 0.0,
-        };
+        let between = self.correction();
         let other = match soft {
             true => self.lack - between,
             false => self.lack + between,
@@ -281,8 +299,15 @@ impl Link {
         let ends = self.ends.map(|end| &members[end]);
         self.geometry = Geometry::new(joint, ends.map(|end| end.placement));
         self.refreshed = ends.map(|end| end.drifted);
-        for row in &mut rows[self.rows.clone()] {
-            row.aim(&self.geometry, ends);
+        let rows = &mut rows[self.rows.clone()];
+        for i in 0..rows.len() {
+            let (before, after) = rows.split_at_mut(i);
+            match before.last() {
+                Some(before) if before.coordinate == after[0].coordinate => {
+                    after[0].aim_as(before);
+                }
+                _ => after[0].aim(&self.geometry, ends),
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-//! A cookbook: pages that each solve one task of a game. All of them are compiled and run as tests.
+//! A cookbook: pages that each solve one task of a game. Their code is compiled and run as tests, except that of [`smooth`].
 //!
 //! | page | |
 //! |---|---|

@@ -214,6 +214,7 @@ fn soft_step(criterion: &mut Criterion) {
             dt: DT,
             longest: DT,
             gravity: Vec3::NEG_Y * 9.81,
+            effort: 1.0,
             max_correction_speed: 2.0,
             record_history: false,
             threads: 1,

@@ -132,11 +132,11 @@ impl Order {
             number_edges(&mut self.by_edge, id, at, &island.slots);
         }
         island.derived_from = from.islands.revision_of_id(id);
-        let before = std::mem::replace(&mut island.revision, Revision::next());
         island.edit = Edit {
-            from: Some(before),
+            from: Some(island.revision),
             splices,
         };
+        island.revision = Revision::next();
     }
 
     fn changed_in(&self, id: u32) -> &[(u32, u32)] {

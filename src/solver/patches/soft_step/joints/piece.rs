@@ -17,8 +17,9 @@ use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::ops::Range;
 
-/// Upper bound of solves in a visit.
-const PASSES: usize = 5;
+/// Upper bound of solves in a visit. With 5, a joint of a ragdoll in a heap of 100 opened by 7.1 mm in a blow; with 20 none by more than 0.16 mm.
+/// Few visits need so many.
+const PASSES: usize = 20;
 
 /// A rate below which a fixed row counts as content, m/s or rad/s.
 const CONTENT: f64 = 1e-7;

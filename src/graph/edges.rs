@@ -12,6 +12,7 @@
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_platform::collections::hash_map::Entry;
 use bevy_reflect::Reflect;
 
 /// The kind of constraint of an edge. To add a kind, add a variant, document it, and insert and remove its edges where its components are
@@ -200,13 +201,17 @@ impl ConstraintGraph {
     /// Adds an edge that does not link yet and returns its number, or `None` if there may be only one and it exists already. [`Self::name`]
     /// sets its entity later.
     pub(crate) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> Option<u32> {
-        if kind.is_single() && self.known.contains_key(&(kind, slots)) {
-            return None;
-        }
-        let number = self.free.pop().unwrap_or(self.edges.len() as u32);
+        let number = match self.free.last() {
+            Some(&free) => free,
+            None => self.edges.len() as u32,
+        };
         if kind.is_single() {
-            self.known.insert((kind, slots), number);
+            match self.known.entry((kind, slots)) {
+                Entry::Occupied(_) => return None,
+                Entry::Vacant(place) => place.insert(number),
+            };
         }
+        self.free.pop();
         let bodies = slots.into_iter().filter(|&slot| slot != WORLD);
         let last = bodies.max().unwrap_or(0) as usize;
         if self.nodes.len() <= last {

@@ -134,6 +134,9 @@ fn outline(facets: &[Facet], part: &[u32], face_of: &[u32]) -> Option<Vec<u32>> 
 
 /// Returns the vertices that are corners. The others lie inside a face or between two faces, or on an outline that is straight or bent inwards there.
 /// Two adjacent vertices are not removed in the same pass, because on a finely divided curve every vertex is almost straight.
+///
+/// Vertices with fewer than three faces go first. If one of them lies a little beside an edge, the outline bends inwards at its neighbour, which may
+/// be a corner far outside the hull of the others.
 pub(super) fn corners(
     points: &[I64Vec3],
     facets: &[Facet],
@@ -153,17 +156,22 @@ pub(super) fn corners(
         }
     }
     let mut kept = vec![false; points.len()];
-    let mut left_out = vec![false; points.len()];
     let mut beside = vec![Vec::new(); points.len()];
     for facet in facets {
         for k in 0..3 {
             beside[facet.corners[k] as usize].push(facet.corners[(k + 1) % 3]);
         }
     }
-    for i in 0..points.len() {
-        if beside[i].is_empty() || faces[i] == 0 {
+    let is_vertex = |i: &usize| !beside[*i].is_empty();
+    let (flat, rest): (Vec<usize>, Vec<usize>) = (0..points.len())
+        .filter(is_vertex)
+        .partition(|&i| faces[i] < 3);
+    let bent = rest.into_iter().filter(|&i| straight[i]);
+    let mut left_out: Vec<bool> = beside.iter().map(Vec::is_empty).collect();
+    for i in flat.into_iter().chain(bent) {
+        if faces[i] == 0 {
             left_out[i] = true;
-        } else if (faces[i] < 3 || straight[i]) && !kept[i] {
+        } else if !kept[i] {
             left_out[i] = true;
             beside[i].iter().for_each(|&j| kept[j as usize] = true);
         }

@@ -1,8 +1,8 @@
 //! The cost of one contact that begins or ends in a wall of 10 000 bricks that is awake: the time of the step with the change, minus that of a
-//! step without.
+//! step without. The contact is one of the wall's own, or that of two bricks beside it, which are another island.
 //!
 //! ```text
-//! cargo run --release --example one_contact -- [--courses 99] [--at 0.5] [--changes 20]
+//! cargo run --release --example one_contact -- [--courses 99] [--at 0.5 | --beside] [--changes 20]
 //! ```
 //!
 //! A system between *narrowphase* and *islands* takes the points out of a manifold and puts them back. Prints the least and the median time of
@@ -13,6 +13,7 @@
 //! ```
 
 use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
 use clap::Parser;
 use drystone::contact::{ContactPoint, Manifold};
 use drystone::prelude::*;
@@ -33,6 +34,9 @@ struct Arguments {
     /// Height of the contact, as a share of the wall's.
     #[arg(long, default_value_t = 0.5)]
     at: f32,
+    /// The contact is between two bricks that lie on each other beside the wall.
+    #[arg(long, conflicts_with = "at")]
+    beside: bool,
     /// How often the contact ends and begins.
     #[arg(long, default_value_t = 20)]
     changes: usize,
@@ -60,17 +64,8 @@ fn toggle(mut toggled: ResMut<Toggled>, mut manifolds: Query<&mut Manifold>) {
     }
 }
 
-/// A wall that has come to rest; one thread, nothing asleep.
-fn resting_wall(arguments: &Arguments) -> Run {
-    let scene = Scene::Wall(arguments.width, arguments.courses);
-    let mut experiment = Experiment::new(scene, Preset::Default);
-    experiment.threads = PhysicsThreads::new(1).expect("one thread can be had");
-    experiment.sleeping.enabled = false;
-    let mut run = experiment.start();
-    for _ in 0..10 {
-        run.step();
-    }
-    let world = &mut run.world;
+/// The dynamic body at this share of the order by height, from the lowest to the highest.
+fn brick_at(world: &mut World, share: f32) -> Entity {
     let mut bodies = world.query::<(Entity, &Pose, &RigidBody)>();
     let dynamic = bodies
         .iter(world)
@@ -79,17 +74,40 @@ fn resting_wall(arguments: &Arguments) -> Run {
         .map(|(entity, pose, _)| (pose.position.y, pose.position.x.abs(), entity))
         .collect();
     heights.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let at = arguments.at * (heights.len() - 1) as f32;
-    let upper = heights[at as usize].2;
-    let height = |entity| world.get::<Pose>(entity).map(|pose| pose.position.y);
-    let top = height(upper);
+    heights[(share * (heights.len() - 1) as f32) as usize].2
+}
+
+/// A wall that has come to rest; one thread, nothing asleep.
+fn resting_wall(arguments: &Arguments) -> Run {
+    let scene = Scene::Wall(arguments.width, arguments.courses);
+    let mut experiment = Experiment::new(scene, Preset::Default);
+    experiment.threads = PhysicsThreads::new(1).expect("one thread can be had");
+    experiment.sleeping.enabled = false;
+    let mut run = experiment.start();
+    let place = |height| Transform::from_xyz(0.0, height, 20.0);
+    let pair = arguments.beside.then(|| {
+        [0.25, 0.75].map(|height| {
+            let collider = Collider::cuboid(1.0, 0.5, 0.5);
+            let brick = (RigidBody::Dynamic, collider, place(height));
+            run.world.spawn(brick).id()
+        })
+    });
+    for _ in 0..10 {
+        run.step();
+    }
+    let upper = match pair {
+        Some([_, upper]) => upper,
+        None => brick_at(&mut run.world, arguments.at),
+    };
+    let world = &mut run.world;
+    let height = |world: &World, body| world.get::<Pose>(body).map(|pose| pose.position.y);
+    let top = height(world, upper);
     let mut pairs = world.query::<(Entity, &ContactPair, &Manifold)>();
-    let world = &run.world;
     let below = pairs.iter(world).find(|(_, pair, manifold)| {
         let [a, b] = pair.bodies;
         let other = if a == upper { b } else { a };
-        let other_height = world.get::<Pose>(other).map(|pose| pose.position.y);
-        pair.bodies.contains(&upper) && other_height < top && !manifold.points.is_empty()
+        let touches = pair.bodies.contains(&upper) && !manifold.points.is_empty();
+        touches && height(world, other) < top
     });
     let pair = below.expect("it lies on others").0;
     run.world.insert_resource(Toggled {

@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::play::Play;
 use crate::run::RunArguments;
 use crate::table::Table;
 use clap::{Parser, Subcommand};
@@ -30,6 +31,8 @@ pub struct Arguments {
 pub enum Command {
     /// Runs the standard scenes and writes one table, as Markdown and CSV, and a plot.
     Table(Table),
+    /// Measures what playing on a scene costs in drystone and Rapier, with sleeping on.
+    Play(Play),
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod meter;
 mod overlap;
 mod own;
 mod peer;
+mod play;
 mod rapier;
 mod report;
 mod run;
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match &arguments.command {
         Some(Command::Table(table)) => table.make(),
+        Some(Command::Play(play)) => play.print(),
         None => scenes(&arguments),
     };
     match done {

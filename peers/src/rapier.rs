@@ -7,8 +7,9 @@ use crate::engine::{Effort, Engine};
 use crate::joint::{Joint, Kind};
 use crate::peer::Start;
 use crate::scene::{Body, SLAB};
-use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
+use drystone::prelude::{CombineRule, Friction, Pose, Quat, RigidBody, Vec3};
 use drystone_lab::metrics;
+use drystone_lab::play::{BRICK, Ball, FRICTION, Game};
 use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask,
     JointAxis, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape,
@@ -51,7 +52,10 @@ impl Rapier {
         set_threads(&mut world, start.conditions.threads)?;
         let place = |body: &Body| {
             world
-                .insert(rigid_body(body), collider(body, options.ground))
+                .insert(
+                    rigid_body(body).can_sleep(start.conditions.sleeping),
+                    collider(body, options.ground),
+                )
                 .0
         };
         let bodies: Vec<_> = start.bodies.iter().map(place).collect();
@@ -107,7 +111,6 @@ fn rigid_body(body: &Body) -> RigidBodyBuilder {
         .angvel(body.velocity.angular)
         .linear_damping(0.0)
         .angular_damping(0.0)
-        .can_sleep(false)
 }
 
 fn collider(body: &Body, ground: Ground) -> ColliderBuilder {
@@ -180,6 +183,57 @@ fn rule(rule: CombineRule) -> CoefficientCombineRule {
         CombineRule::Min => CoefficientCombineRule::Min,
         CombineRule::Multiply => CoefficientCombineRule::Multiply,
         CombineRule::Max => CoefficientCombineRule::Max,
+    }
+}
+
+impl Rapier {
+    /// Adds a dynamic body of 1 000 kg/m³.
+    fn add(&mut self, shape: SharedShape, at: Vec3, velocity: Vec3) -> RigidBodyHandle {
+        let friction = Friction::new(FRICTION);
+        let body = RigidBodyBuilder::dynamic()
+            .translation(at)
+            .linvel(velocity)
+            .linear_damping(0.0)
+            .angular_damping(0.0);
+        let collider = ColliderBuilder::new(shape)
+            .density(1000.0)
+            .friction(friction.coefficient)
+            .friction_combine_rule(rule(friction.rule));
+        self.world.insert(body, collider).0
+    }
+}
+
+impl Game for Rapier {
+    type Body = RigidBodyHandle;
+
+    fn lay(&mut self, at: Vec3) -> RigidBodyHandle {
+        let half = 0.5 * BRICK;
+        self.add(SharedShape::cuboid(half.x, half.y, half.z), at, Vec3::ZERO)
+    }
+
+    fn throw(&mut self, ball: &Ball) {
+        self.add(SharedShape::ball(ball.radius), ball.at, ball.velocity);
+    }
+
+    fn take(&mut self, body: RigidBodyHandle) {
+        self.world.remove_body(body);
+    }
+
+    fn place(&self, body: RigidBodyHandle) -> Option<Vec3> {
+        let body = self.world.bodies.get(body);
+        body.map(|body| body.position().translation)
+    }
+
+    fn step(&mut self, dt: f32) {
+        self.world.integration_parameters.dt = dt;
+        self.world.step();
+    }
+
+    fn awake(&mut self) -> usize {
+        let bodies = self.world.bodies.iter();
+        bodies
+            .filter(|(_, body)| body.is_dynamic() && !body.is_sleeping())
+            .count()
     }
 }
 

@@ -52,6 +52,7 @@ impl RunArguments {
             dt: self.dt,
             threads: self.threads,
             ground: self.ground,
+            sleeping: false,
         }
     }
 
@@ -92,14 +93,14 @@ pub fn count(text: &str) -> Result<usize, String> {
     }
 }
 
-fn length(text: &str) -> Result<f32, String> {
+pub fn length(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(dt) if (1e-6..=1.0).contains(&dt) => Ok(dt),
         _ => Err("must be a number from 0.000001 to 1".into()),
     }
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(n) if (1..=256).contains(&n) => Ok(n),
         _ => Err("must be a whole number from 1 to 256".into()),

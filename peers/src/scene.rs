@@ -38,10 +38,12 @@ pub struct Conditions {
     pub threads: usize,
     /// The ground of the scene.
     pub ground: Ground,
+    /// Whether bodies may sleep. In comparisons of scenes at rest they may not: a sleeping body costs nothing and does not creep, so a body that
+    /// sleeps in only one engine would decide both.
+    pub sleeping: bool,
 }
 
-/// Builds a scene in drystone, with its default settings except that sleeping is off. A sleeping body costs nothing and does not creep, so a body that
-/// sleeps in only one engine would decide both comparisons.
+/// Builds a scene in drystone, with its default settings.
 ///
 /// # Errors
 /// If a hand moves the scene, or the operating system gives no threads.
@@ -54,7 +56,7 @@ pub fn build(
     let mut experiment = Experiment::new(scene, Preset::Default).with_seed(seed);
     experiment.dt = conditions.dt;
     experiment.options.ground = conditions.ground;
-    experiment.sleeping.enabled = false;
+    experiment.sleeping.enabled = conditions.sleeping;
     experiment.threads =
         PhysicsThreads::new(threads).map_err(|e| format!("--threads {threads}: {e}"))?;
     let mut run = experiment.start();

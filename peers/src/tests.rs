@@ -26,6 +26,7 @@ const CONDITIONS: Conditions = Conditions {
     dt: 1.0 / 60.0,
     threads: 1,
     ground: scenes::Ground::HalfSpace,
+    sleeping: false,
 };
 
 const G: f32 = 9.81;
@@ -435,7 +436,7 @@ fn folder(name: &str) -> PathBuf {
 fn make(line: &[&str]) -> Result<(), String> {
     match parsed(line).command {
         Some(Command::Table(table)) => table.make(),
-        None => unreachable!("it was given"),
+        _ => unreachable!("a table was asked for"),
     }
 }
 

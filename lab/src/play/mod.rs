@@ -1,13 +1,20 @@
 //! A player at a wall: every half second a brick is laid on it or taken off again, or a ball is thrown at it.
+//!
+//! [`Play`] measures whether the wall sways, and a [`Session`] what playing costs, in drystone or in another engine that is a [`Game`].
+
+mod cost;
+mod game;
+
+pub use cost::{Cost, Script, Session};
+pub use game::{BRICK, Ball, FRICTION, Game, Player};
 
 use crate::experiment::empty_world;
 use crate::metrics::watch;
 use crate::scenes::{Scene, SceneOptions};
 use bevy_ecs::prelude::*;
-use bevy_transform::components::Transform;
-use drystone::body::{MassProperties, RigidBody, Velocity};
-use drystone::collider::{Collider, Friction};
+use drystone::body::MassProperties;
 use drystone::schedule::step;
+use game::{THROWN, ball};
 use glam::Vec3;
 
 /// A wall, and who plays on it.
@@ -45,13 +52,6 @@ pub struct Played {
 /// Time between two actions, s.
 const PAUSE: f32 = 0.5;
 
-/// Speed of a ball along z, m/s; it flies up by a tenth of that.
-const THROWN: f32 = 10.0;
-
-/// Radius of a ball, m, and its mass, kg.
-const RADIUS: f32 = 0.1;
-const BALL: f32 = 1000.0 * 4.0 / 3.0 * std::f32::consts::PI * RADIUS * RADIUS * RADIUS;
-
 /// How long the wall stands before, s.
 const SETTLES: f32 = 1.0;
 
@@ -67,21 +67,17 @@ impl Play {
         }
         let start: Vec<f32> = bricks.iter().map(|&b| offset(&world, b)).collect();
         let masses: Vec<f32> = bricks.iter().map(|&b| mass(&world, b)).collect();
-        let mut player = Player {
-            wall: *self,
-            rng: fastrand::Rng::with_seed(self.seed),
-            laid: Vec::new(),
-            turns: 0,
-        };
+        let mut player = Player::new([self.columns, self.courses], self.seed);
         let mut played = Played::default();
         let mut budget = Budget::default();
         let top = self.columns as usize + self.courses.is_multiple_of(2) as usize;
         let pause = (PAUSE / self.dt).round() as usize;
         for number in 0..(self.seconds / self.dt).round() as usize {
             if number % pause == 0 {
-                let [momentum, angular] = player.act(&mut world);
+                let ball = player.act(&mut world);
+                let momentum = ball.map_or(0.0, |ball| ball.mass() * THROWN);
                 played.thrown += momentum;
-                budget.bring(angular);
+                budget.bring(ball.map_or(0.0, |ball| momentum * ball.at.y));
             }
             advance(&mut world);
             let off = bricks
@@ -102,7 +98,7 @@ impl Play {
             played.top_moved = played.top_moved.max(mean(&off[off.len() - top..]).abs());
             played.momentum = played.momentum.max(momentum.abs());
             let excess = budget.excess(angular, 9.81 * lean * self.dt);
-            let at_top = BALL * THROWN * 0.5 * self.courses as f32;
+            let at_top = ball(Vec3::ZERO).mass() * THROWN * 0.5 * self.courses as f32;
             played.swing = played.swing.max(excess / at_top);
         }
         played
@@ -150,63 +146,4 @@ fn mass(world: &World, body: Entity) -> f32 {
     world
         .get::<MassProperties>(body)
         .map_or(0.0, MassProperties::mass)
-}
-
-/// A player that lays, throws, lays and takes in turn.
-struct Player {
-    wall: Play,
-    rng: fastrand::Rng,
-    laid: Vec<Entity>,
-    turns: usize,
-}
-
-impl Player {
-    /// Takes the next action. Returns the momentum of the thrown ball, N·s, and its angular momentum about the foot of the wall, N·m·s.
-    fn act(&mut self, world: &mut World) -> [f32; 2] {
-        let columns = self.wall.columns as f32;
-        let top = 0.5 * self.wall.courses as f32;
-        let column = (self.rng.f32() * (columns - 2.0)).floor() - 0.5 * columns + 1.0;
-        self.turns += 1;
-        match self.turns % 4 {
-            2 => {
-                let at = Vec3::new(
-                    column + self.rng.f32(),
-                    self.rng.f32() * (top - 1.0) + 0.5,
-                    2.0,
-                );
-                world.spawn((
-                    RigidBody::Dynamic,
-                    Collider::ball(RADIUS),
-                    Friction::new(0.5),
-                    Transform::from_translation(at),
-                    Velocity::linear(Vec3::new(0.0, 0.1 * THROWN, -THROWN)),
-                ));
-                [1.0, at.y].map(|arm| BALL * THROWN * arm)
-            }
-            0 => {
-                if let Some(brick) = self.laid.pop() {
-                    world.despawn(brick);
-                }
-                [0.0; 2]
-            }
-            _ => {
-                let shift = 0.5 * (self.wall.courses % 2) as f32;
-                let at = Vec3::new(column + shift, top + 0.25, 0.0);
-                let is_clear = |&brick: &Entity| {
-                    let there = world.get::<Transform>(brick);
-                    there.is_none_or(|there| there.translation.distance(at) > 1.01)
-                };
-                if self.laid.iter().all(is_clear) {
-                    let brick = (
-                        RigidBody::Dynamic,
-                        Collider::cuboid(1.0, 0.5, 0.5),
-                        Friction::new(0.5),
-                        Transform::from_translation(at),
-                    );
-                    self.laid.push(world.spawn(brick).id());
-                }
-                [0.0; 2]
-            }
-        }
-    }
 }

@@ -66,7 +66,7 @@ impl Plugin for CollapsePlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        crate::plugin::check_step_plugin::<Self>(app);
+        crate::schedule::check_step_plugin::<Self>(app);
     }
 }
 

@@ -20,7 +20,7 @@ impl Plugin for DrystoneDiagnosticsPlugin {
 
     /// Registers the systems of plugins that were added later.
     fn finish(&self, app: &mut App) {
-        crate::plugin::check_step_plugin::<Self>(app);
+        crate::schedule::check_step_plugin::<Self>(app);
         register(app);
     }
 }

@@ -29,7 +29,7 @@ impl Plugin for PhysicsPickingPlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        crate::plugin::check_step_plugin::<Self>(app);
+        crate::schedule::check_step_plugin::<Self>(app);
     }
 }
 

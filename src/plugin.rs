@@ -17,7 +17,8 @@ use crate::mortar::{self, BrokenMortar, Mortar, MortarBroke};
 use crate::profile::{Profile, timed};
 use crate::saving::{self, Restored};
 use crate::schedule::{
-    PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, order_stages, refresh,
+    PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, check_step_plugin, order_stages,
+    refresh,
 };
 use crate::sensor::{self, SensorEntered, SensorExited, Sensors, UntriggeredSensorEvents};
 use crate::settings::{
@@ -173,19 +174,6 @@ fn take_step(world: &mut World) {
 fn profile(app: &mut App) -> Profile {
     app.init_resource::<Profile>();
     app.world().resource::<Profile>().clone()
-}
-
-/// Checks at [`Plugin::finish`], when all plugins are there, that the resources of a step exist.
-///
-/// # Panics
-/// With a sentence that names [`StepPlugin`] if they do not.
-pub(crate) fn check_step_plugin<P: Plugin>(app: &App) {
-    let path = std::any::type_name::<P>();
-    let name = path.rsplit("::").next().unwrap_or(path);
-    assert!(
-        app.world().contains_resource::<StepTime>(),
-        "`{name}` needs `StepPlugin`, which adds the schedule and the resources of a step: add `DrystonePlugins`, or `StepPlugin` as well"
-    );
 }
 
 /// A stage's system, timed and in its set.

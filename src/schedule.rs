@@ -12,6 +12,7 @@ use crate::profile::Profile;
 use crate::sensor::{SensorEntered, SensorExited};
 pub use crate::settings::STEP_LENGTHS;
 use crate::settings::{self, SolverSettings, StepTime};
+use bevy_app::{App, Plugin};
 use bevy_ecs::message::{Message, Messages};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
@@ -201,4 +202,17 @@ pub fn refresh(world: &mut World) {
     } else if world.try_run_schedule(RefreshSchedule).is_err() {
         tracing::error!("nothing is refreshed: `RefreshPlugin` is missing");
     }
+}
+
+/// Checks at [`Plugin::finish`], when all plugins are there, that the resources of a step exist.
+///
+/// # Panics
+/// With a sentence that names [`StepPlugin`](crate::StepPlugin) if they do not.
+pub(crate) fn check_step_plugin<P: Plugin>(app: &App) {
+    let path = std::any::type_name::<P>();
+    let name = path.rsplit("::").next().unwrap_or(path);
+    assert!(
+        app.world().contains_resource::<StepTime>(),
+        "`{name}` needs `StepPlugin`, which adds the schedule and the resources of a step: add `DrystonePlugins`, or `StepPlugin` as well"
+    );
 }

@@ -3,9 +3,8 @@
 use crate::engine::{Effort, Engine};
 use crate::meter::{Metered, Outcome};
 use crate::own::Drystone;
-use crate::peer::Start;
 use crate::run::{Course, RunArguments};
-use crate::scene::{self, Conditions};
+use crate::scene::{self, Conditions, Start};
 use drystone::prelude::RigidBody;
 use drystone::settings::Gravity;
 use drystone_lab::scenes::Scene;

@@ -1,6 +1,6 @@
 //! The joints of a drystone scene before the first step, for all engines.
 
-use crate::scene::Body;
+use crate::body::Body;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 use drystone::body::SpawnOrder;

@@ -7,6 +7,7 @@
 #![deny(unsafe_code)]
 
 mod arguments;
+mod body;
 #[cfg(feature = "box3d")]
 mod box3d;
 mod compare;

@@ -1,9 +1,9 @@
 //! The measurements of an engine, the same for all.
 
+use crate::body::Body;
 use crate::engine::Engine;
 use crate::joint::{self, Joint};
 use crate::overlap;
-use crate::scene::Body;
 use drystone::prelude::{Pose, Vec3};
 use drystone_lab::experiment::Spread;
 use drystone_lab::metrics::Displacement;

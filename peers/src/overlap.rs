@@ -1,7 +1,7 @@
 //! How deep bodies are in each other, by one and the same code for every engine: from shapes and poses alone, since what engines
 //! say of their own contacts is a step old here and cached there.
 
-use crate::scene::Body;
+use crate::body::Body;
 use drystone::prelude::{Pose, RigidBody};
 use drystone_lab::overlap::{self, Placed};
 use rapier3d::math::Pose as ParryPose;

@@ -1,7 +1,7 @@
 //! Drystone as one of the engines.
 
+use crate::body::Body;
 use crate::engine::Engine;
-use crate::scene::Body;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 use drystone::prelude::{Pose, RigidBody, Vec3};

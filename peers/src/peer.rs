@@ -1,10 +1,8 @@
 //! The engines beside which drystone is put.
 
 use crate::engine::Engine;
-use crate::joint::Joint;
 use crate::rapier::{self, Rapier};
-use crate::scene::{Body, Conditions};
-use drystone::prelude::Vec3;
+use crate::scene::Start;
 
 /// Another engine.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,15 +12,6 @@ pub enum Peer {
     /// Box3D 0.1; with the feature `box3d`.
     #[value(name = "box3d")]
     Box3d,
-}
-
-/// A scene as drystone built it, for all.
-pub struct Start<'a> {
-    pub bodies: &'a [Body],
-    pub joints: &'a [Joint],
-    /// m/s²
-    pub gravity: Vec3,
-    pub conditions: Conditions,
 }
 
 impl Peer {

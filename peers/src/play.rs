@@ -1,10 +1,9 @@
 //! What playing costs in drystone and in Rapier: every half second a brick is laid, a ball thrown, a brick laid, a brick taken. Sleeping is on,
 //! as it is by default in both.
 
-use crate::peer::Start;
 use crate::rapier::{self, Rapier};
 use crate::run::{length, threads};
-use crate::scene::{self, Conditions};
+use crate::scene::{self, Conditions, Start};
 use bevy_ecs::world::World;
 use clap::Args;
 use drystone::settings::Gravity;

@@ -3,10 +3,10 @@
 //! Drystone and Rapier take their shapes from the same version of parry, so that a shape goes over as it is and mass, centre
 //! and inertia follow from the same code.
 
+use crate::body::Body;
 use crate::engine::{Effort, Engine};
 use crate::joint::{Joint, Kind};
-use crate::peer::Start;
-use crate::scene::{Body, SLAB};
+use crate::scene::{SLAB, Start};
 use drystone::prelude::{CombineRule, Friction, Pose, Quat, RigidBody, Vec3};
 use drystone_lab::metrics;
 use drystone_lab::play::{BRICK, Ball, FRICTION, Game};

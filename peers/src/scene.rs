@@ -3,6 +3,7 @@
 //! Drystone builds the scene, and every other engine is given what is read from that world, so that no engine has a scene of
 //! its own that could differ.
 
+use crate::body::Body;
 use crate::joint::{self, Joint};
 use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
@@ -17,18 +18,6 @@ use drystone_lab::scenes::{Ground, Scene};
 /// are found in its frame: in single precision and 1 km from its middle they would come in steps of 0.06 mm.
 pub const SLAB: Vec3 = Vec3::new(500.0, 1.0, 500.0);
 
-/// A body before the first step.
-pub struct Body {
-    pub entity: Entity,
-    pub kind: RigidBody,
-    pub collider: Collider,
-    pub pose: Pose,
-    pub velocity: Velocity,
-    pub density: f32,
-    pub friction: Friction,
-    pub restitution: Restitution,
-}
-
 /// How all engines are run.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions {
@@ -41,6 +30,15 @@ pub struct Conditions {
     /// Whether bodies may sleep. In comparisons of scenes at rest they may not: a sleeping body costs nothing and does not creep, so a body that
     /// sleeps in only one engine would decide both.
     pub sleeping: bool,
+}
+
+/// A scene as drystone built it, for all.
+pub struct Start<'a> {
+    pub bodies: &'a [Body],
+    pub joints: &'a [Joint],
+    /// m/s²
+    pub gravity: Vec3,
+    pub conditions: Conditions,
 }
 
 /// Builds a scene in drystone, with its default settings.

@@ -1,15 +1,16 @@
 //! All engines of this build are held against closed forms and against each other.
 
 use crate::arguments::{Arguments, Command};
+use crate::body::Body;
 use crate::compare::compare;
 use crate::engine::Engine;
 use crate::joint;
 use crate::meter::Metered;
 use crate::overlap;
 use crate::own::Drystone;
-use crate::peer::{Peer, Start};
+use crate::peer::Peer;
 use crate::rapier::{self, Ground, Rapier};
-use crate::scene::{self, Body, Conditions};
+use crate::scene::{self, Conditions, Start};
 use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
 use clap::Parser;

@@ -1,8 +1,9 @@
 //! Part of the stage *prepare* and of a refresh: makes the shapes of bodies whose parts have changed.
 
+use super::carry::carry;
 use super::compound::{CompoundCollider, is_separate};
 use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
-use super::implicit::{ImplicitBody, carry, make_body, take_body};
+use super::implicit::{ImplicitBody, make_body, take_body};
 use crate::body::{Density, Mass, RigidBody, look};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};

@@ -1,6 +1,6 @@
 //! The shape and mass of a body that consists of several colliders, or whose collider is scaled or a sensor.
 
-use super::gather::Part;
+use super::gather::{Part, gather};
 use super::parts::{BodyPart, BodyParts, Zone};
 use crate::body::{
     AngularInertia, BodyProperties, CenterOfMass, Density, Mass, MassProperties, RigidBody, limits,
@@ -10,7 +10,7 @@ use crate::diagnosis::{BodyProblem, PartProblem};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use parry3d::math::Pose as ParryPose;
 use std::sync::Arc;
 
@@ -171,6 +171,13 @@ pub(crate) fn shape_of(world: &World, body: Entity) -> Option<&Collider> {
         Some(compound) => compound.shape(),
         None => world.get(body),
     }
+}
+
+/// The mass properties of a body as the hierarchy has it now. `None` if its shape is its own collider, or if no part is valid.
+pub(crate) fn compound_mass(world: &World, body: Entity) -> Option<CompoundCollider> {
+    let parts = gather(world, body)?;
+    let kind = *world.get::<RigidBody>(body)?;
+    Some(CompoundCollider::weighed(body, kind, parts))
 }
 
 impl CompoundCollider {
@@ -357,16 +364,5 @@ impl Moments {
             inertia: self.inertia * density,
             ..self
         }
-    }
-}
-
-/// The pose of several pieces that are one shape: the identity; of a single piece its own.
-pub(super) fn joined(mut pieces: Pieces) -> (ParryPose, Collider) {
-    match pieces.len() {
-        1 => pieces.remove(0),
-        _ => (
-            ParryPose::from_parts(Vec3::ZERO, Quat::IDENTITY),
-            Collider::of_pieces(pieces),
-        ),
     }
 }

@@ -1,6 +1,5 @@
 //! The parts of a body, as the hierarchy has them.
 
-use super::compound::CompoundCollider;
 use super::implicit::ImplicitBody;
 use crate::body::{Density, Mass, RigidBody, SpawnOrder};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
@@ -161,11 +160,4 @@ fn gather_below(world: &World, root: EntityRef, map: Affine3A, parts: &mut Vec<P
         }
         below(entity, map, &mut stack);
     }
-}
-
-/// The mass properties of a body as the hierarchy has it now. `None` if its shape is its own collider, or if no part is valid.
-pub(crate) fn compound_mass(world: &World, body: Entity) -> Option<CompoundCollider> {
-    let parts = gather(world, body)?;
-    let kind = *world.get::<RigidBody>(body)?;
-    Some(CompoundCollider::weighed(body, kind, parts))
 }

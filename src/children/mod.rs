@@ -70,6 +70,7 @@
 //! body goes on without it.
 
 mod assemble;
+mod carry;
 mod compound;
 mod gather;
 mod hooks;
@@ -79,9 +80,9 @@ mod surface;
 
 pub use assemble::{Unassembled, assemble};
 pub use compound::CompoundCollider;
-pub(crate) use compound::shape_of;
+pub(crate) use compound::{compound_mass, shape_of};
 pub use gather::ColliderOf;
-pub(crate) use gather::{body_of, compound_mass};
+pub(crate) use gather::body_of;
 pub(crate) use hooks::{
     changed_kind, child_disabled, child_enabled, child_joined, child_left, collider_inserted,
     lost_kind, mark, mark_if_part, sensor_changed,

@@ -1,11 +1,11 @@
 //! The parts of a body in the [`BodyTable`](crate::body::BodyTable): which piece of its shape belongs to which collider.
 
-use super::compound::joined;
 use crate::body::{BodyState, BodyTable};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, ManifoldPatch};
 use bevy_ecs::entity::{Entity, EntityMapper};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
 use std::sync::Arc;
 
@@ -40,6 +40,17 @@ pub(crate) struct Zone {
     pub at: ParryPose,
     pub shape: Collider,
     layers: Option<CollisionLayers>,
+}
+
+/// The pose of several pieces that are one shape: the identity; of a single piece its own.
+fn joined(mut pieces: Vec<(ParryPose, Collider)>) -> (ParryPose, Collider) {
+    match pieces.len() {
+        1 => pieces.remove(0),
+        _ => (
+            ParryPose::from_parts(Vec3::ZERO, Quat::IDENTITY),
+            Collider::of_pieces(pieces),
+        ),
+    }
 }
 
 impl Zone {

@@ -31,7 +31,7 @@ impl Plugin for HandPlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        crate::plugin::check_step_plugin::<Self>(app);
+        crate::schedule::check_step_plugin::<Self>(app);
     }
 }
 

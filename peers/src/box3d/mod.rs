@@ -6,10 +6,10 @@
 #[allow(unsafe_code)]
 mod world;
 
+use crate::body::Body;
 use crate::engine::{Effort, Engine};
 use crate::joint::Kind;
-use crate::peer::Start;
-use crate::scene::{Body, SLAB};
+use crate::scene::{SLAB, Start};
 use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
 use drystone_lab::metrics;
 use world::{Description, SUBSTEPS, Shape, World};

@@ -295,6 +295,8 @@ impl Joints {
             piece.is_refreshed = true;
             piece.is_calm = false;
             piece.is_fused = is_fused;
+            let mut links = self.links[piece.links.clone()].iter();
+            piece.is_bonded = links.any(|link| self.joints[link.joint].section.is_some());
         }
         self.restart(velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
@@ -419,10 +421,7 @@ impl Joints {
     ) {
         for piece in &mut self.pieces {
             piece.unrecorded += 1;
-            // Bonds may break in any substep.
-            let is_bonded = |link: &Link| self.joints[link.joint].section.is_some();
-            let is_bonded = self.links[piece.links.clone()].iter().any(is_bonded);
-            if is_last || !piece.is_calm || is_bonded {
+            if is_last || !piece.is_calm || piece.is_bonded {
                 record(
                     piece,
                     (&self.links, &self.rows),
@@ -540,6 +539,8 @@ fn record(
         return;
     }
     let links = links[piece.links.clone()].iter();
+    // Nearly all joints of a piece have the same filter.
+    let (mut filter, mut share) = (f32::NAN, 0.0);
     for (link, log) in links.zip(&mut logs[piece.links.clone()]) {
         let joint = &joints[link.joint];
         let mut forces = [Vec3::ZERO; 2];
@@ -550,7 +551,12 @@ fn record(
                 forces[1] += moment;
             }
         }
-        let share = filter_share(substeps as f32 * h, joint.filter);
+        if filter != joint.filter {
+            (filter, share) = (
+                joint.filter,
+                filter_share(substeps as f32 * h, joint.filter),
+            );
+        }
         for (i, force) in forces.into_iter().enumerate() {
             log.sum[i] += substeps as f32 * force;
             log.filtered[i] += share * (link.geometry.local(force) - log.filtered[i]);

@@ -24,11 +24,12 @@ const PASSES: usize = 20;
 /// A rate below which a fixed row counts as content, m/s or rad/s.
 const CONTENT: f64 = 1e-7;
 
-/// What a row may lack in a calm piece, m/s and rad/s.
-pub const CALM: f32 = 1e-7;
+/// What a row may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it, so joints of a calm piece
+/// open by less than a micrometre, which is less than the rounding of poses.
+pub const CALM: f32 = 1e-5;
 
 /// What a contact of a calm piece may lack, m/s.
-const CALM_CONTACT: f64 = 1e-6;
+const CALM_CONTACT: f64 = 1e-5;
 
 /// Rows of the joints between two bodies, as many as a node of the factorization holds.
 #[derive(Clone, Debug)]
@@ -53,6 +54,8 @@ pub struct Piece {
     pub is_refreshed: bool,
     /// It has motors, whose targets come closer in every substep.
     is_driven: bool,
+    /// It has bonds, which may break in any substep.
+    pub is_bonded: bool,
     /// All rows are content.
     pub is_calm: bool,
     /// Number of substeps that it was calm in and whose forces were not recorded.
@@ -127,6 +130,7 @@ impl Piece {
             is_stale: true,
             is_refreshed: true,
             is_driven,
+            is_bonded: false,
             is_calm: false,
             unrecorded: 0,
             patches: 0..0,

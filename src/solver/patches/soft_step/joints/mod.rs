@@ -16,6 +16,7 @@
 //! - **Breaking**: forces pass a low-pass with a time constant, since the force of a single substep grows with the rate of substeps
 //!   wherever something hits. Bonded patches break within the step ([`breaking`]), and share loads by their areas ([`sharing`]).
 
+mod borders;
 mod breaking;
 mod factor;
 mod leaf;
@@ -286,7 +287,8 @@ impl Joints {
         self.share_stiffness();
         for link in &self.links {
             let joint = &self.joints[link.joint];
-            link.ask(joint, &mut self.rows, &times, self.stiffness);
+            link.ask(joint, &mut self.rows, &times);
+            link.soften(&mut self.rows, self.stiffness);
         }
         self.break_misfits();
         let is_fused = lanes != Lanes::Four && has_fused();
@@ -397,6 +399,7 @@ impl Joints {
                 }
                 for link in links {
                     link.point(&self.joints[link.joint], &mut self.rows, &self.members);
+                    link.soften(&mut self.rows, self.stiffness);
                 }
                 (piece.is_stale, piece.is_refreshed) = (true, true);
             } else {
@@ -406,7 +409,7 @@ impl Joints {
             }
             for link in &self.links[piece.links.clone()] {
                 let joint = &self.joints[link.joint];
-                piece.is_stale |= link.ask(joint, &mut self.rows, &times, self.stiffness);
+                link.ask(joint, &mut self.rows, &times);
             }
         }
     }

@@ -37,7 +37,7 @@ use crate::solver::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
 use leaf::{Contacts, LeafPatch, read};
 use member::Member;
-use piece::{CALM, Lists, Piece};
+use piece::{Lists, Piece};
 use row::{Link, Row};
 use std::cell::Cell;
 use std::ops::Range;
@@ -385,8 +385,8 @@ impl Joints {
             member.drift(read(velocities, body), read(motions, body), self.h);
         }
         let times = self.times();
-        let slack = CALM / self.bias_rate.max(f32::MIN_POSITIVE);
         for piece in &mut self.pieces {
+            let slack = piece.calm() / self.bias_rate.max(f32::MIN_POSITIVE);
             let members = &self.members[piece.members.clone()];
             if piece.is_calm && members.iter().all(|member| member.is_still(slack)) {
                 continue;
@@ -456,7 +456,7 @@ impl Joints {
             let is_refreshed = std::mem::take(&mut piece.is_refreshed);
             let members = &mut self.members[piece.members.clone()];
             // What does not turn needs no spin carried over.
-            let turns = |member: &Member| !piece.is_calm || member.turns(CALM);
+            let turns = |member: &Member| !piece.is_calm || member.turns(piece.calm());
             let is_stiffened = members
                 .iter()
                 .any(|member| member.is_stiffened() && turns(member));

@@ -25,12 +25,15 @@ const PASSES: usize = 20;
 /// A rate below which a fixed row counts as content, m/s or rad/s.
 const CONTENT: f64 = 1e-7;
 
-/// What a row may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it, so joints of a calm piece
-/// open by less than a micrometre, which is less than the rounding of poses.
-pub const CALM: f32 = 2e-6;
+/// What a row or a contact may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it, so joints of
+/// a calm piece open by less than a micrometre, which is less than the rounding of poses.
+const CALM: f32 = 1e-5;
 
-/// What a contact of a calm piece may lack, m/s.
-const CALM_CONTACT: f64 = 1e-5;
+/// The same for bonds, which are so stiff that what they lack in a loop would strain them.
+const CALM_BOND: f32 = 1e-7;
+
+/// What a contact of bonded bodies may lack, m/s.
+const CALM_BONDED_CONTACT: f32 = 1e-6;
 
 /// Number of borders from which on another factorization is less work than to add them.
 const MANY: usize = 5;
@@ -167,9 +170,9 @@ impl Piece {
         let members = &lists.members[self.members.clone()];
         let velocities = contacts.velocities;
         self.is_calm
-            && members
-                .iter()
-                .all(|member| member.is_as_calm(read(velocities, member.body as usize), CALM))
+            && members.iter().all(|member| {
+                member.is_as_calm(read(velocities, member.body as usize), self.calm())
+            })
             && (self.patches.is_empty() || {
                 self.find_leaves(pass, lists, contacts);
                 self.leaves_are_content()
@@ -177,8 +180,20 @@ impl Piece {
     }
 
     fn leaves_are_content(&self) -> bool {
+        let slack = match self.is_bonded {
+            true => CALM_BONDED_CONTACT,
+            false => CALM,
+        };
         let mut leaves = self.leaves.iter();
-        leaves.all(|leaf| leaf.lack.abs() < CALM_CONTACT)
+        leaves.all(|leaf| leaf.lack.abs() < slack as f64)
+    }
+
+    /// What its rows may lack while it is calm, m/s and rad/s.
+    pub fn calm(&self) -> f32 {
+        match self.is_bonded {
+            true => CALM_BOND,
+            false => CALM,
+        }
     }
 
     /// Finds whether it is calm, after what rows lack.
@@ -186,7 +201,7 @@ impl Piece {
         let links = &lists.links[self.links.clone()];
         let mut rows = links.iter().flat_map(|link| &lists.rows[link.rows.clone()]);
         self.is_calm = !self.is_driven
-            && rows.all(|row| row.is_content(soft, CALM))
+            && rows.all(|row| row.is_content(soft, self.calm()))
             && self.leaves_are_content();
         if self.is_calm {
             for member in &mut lists.members[self.members.clone()] {

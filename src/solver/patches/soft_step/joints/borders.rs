@@ -216,3 +216,69 @@ fn eliminate<const N: usize>(rows: &mut [[f64; N]]) {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::factor::Node;
+    use super::*;
+
+    /// A body held by a joint of two rows. Taking out one row, and adding another, gives what a factorization without and with it gives.
+    #[test]
+    fn borders_are_as_another_factorization() {
+        let rows = [
+            [0.3, -0.5, 0.8, 0.1, 0.2, -0.4],
+            [0.7, 0.2, -0.1, 0.5, -0.3, 0.6],
+            [-0.2, 0.9, 0.4, -0.6, 0.1, 0.3],
+        ];
+        let right = [0.4, -0.2, 0.9];
+        let factorized = |used: &[usize]| {
+            let body = Node {
+                size: 6,
+                is_body: true,
+            };
+            let joint = Node {
+                size: used.len(),
+                is_body: false,
+            };
+            let mut factor = Factor::new(&[body, joint], &[[1, 0]]);
+            factor.clear();
+            for (i, column) in factor.pivot(0).chunks_exact_mut(2).enumerate() {
+                column[i / 4][i % 4] = 2.0;
+            }
+            for i in 0..used.len() {
+                factor.pivot(1)[i][i] = -1e-3;
+            }
+            let coupling = factor.coupling(1, 0);
+            for (place, &row) in used.iter().enumerate() {
+                factor.set(&coupling, place, &rows[row]);
+            }
+            run_plain(false, factor.factorize());
+            let mut x = vec![Quad::default(); factor.unknowns()];
+            let first = factor.first_of(1);
+            for (place, &row) in used.iter().enumerate() {
+                x.as_flattened_mut()[first + place] = right[row];
+            }
+            run_plain(false, factor.solve(&mut x));
+            (factor, x)
+        };
+        let (factor, without) = factorized(&[0, 1]);
+        let (wanted_factor, wanted) = factorized(&[1, 2]);
+        let mut borders = Borders::default();
+        let taken = factor.first_of(1);
+        let body = factor.first_of(0);
+        let taken = borders.add(Direction::Unknown(taken), 0.0, &factor, false);
+        let added = Direction::Bodies([Some((body, rows[2])), None]);
+        let added = borders.add(added, -1e-3, &factor, false);
+        borders.ask(taken, Wanted::Value(0.0));
+        borders.ask(added, Wanted::Value(right[2]));
+        let mut found = Vec::new();
+        borders.apply(&without, &mut found);
+        let (found, wanted) = (found.as_flattened(), wanted.as_flattened());
+        let first = wanted_factor.first_of(0);
+        for i in 0..6 {
+            assert!((found[body + i] - wanted[first + i]).abs() < 1e-9);
+        }
+        let pushed = wanted[wanted_factor.first_of(1) + 1];
+        assert!((borders.amount(added) - pushed).abs() < 1e-9);
+    }
+}

@@ -139,11 +139,9 @@ impl JointAxis {
 
 impl JointConstraint {
     /// What acts on a coordinate: the axes, then the distance.
-    pub(super) fn axis(&self, coordinate: usize) -> JointAxis {
-        match self.axes.get(coordinate) {
-            Some(axis) => *axis,
-            None => self.distance.unwrap_or(JointAxis::FREE),
-        }
+    pub(super) fn axis(&self, coordinate: usize) -> &JointAxis {
+        let distance = || self.distance.as_ref().unwrap_or(&JointAxis::FREE);
+        self.axes.get(coordinate).unwrap_or_else(distance)
     }
 
     /// Whether it acts between two bodies of which at least one moves.

@@ -55,7 +55,7 @@ impl PlainJoint {
         let kinds: Vec<(usize, Part)> = rows_of(joint).collect();
         let rows = kinds.iter().enumerate().map(|(i, &(coordinate, part))| {
             let found = geometry.coordinate(coordinate);
-            let mut law = Law::of(&joint.axis(coordinate), part, found.value, &times);
+            let mut law = Law::of(joint.axis(coordinate), part, found.value, &times);
             if law.is_held {
                 law.rate -= bend.inward_rate(coordinate, found.direction, h);
             }

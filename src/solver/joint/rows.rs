@@ -61,6 +61,13 @@ pub struct Times {
     pub fastest: f32,
 }
 
+impl Times {
+    /// The rate that corrects an error of position.
+    pub fn back(&self, error: f32) -> f32 {
+        -(self.bias_rate * error).clamp(-self.fastest, self.fastest)
+    }
+}
+
 impl Law {
     pub fn of(axis: &JointAxis, part: Part, value: f32, times: &Times) -> Self {
         match part {
@@ -85,7 +92,7 @@ impl Law {
             let error = value - least;
             (error, [0.0, f32::INFINITY], error.max(0.0))
         };
-        let back = -(times.bias_rate * error).clamp(-times.fastest, times.fastest);
+        let back = times.back(error);
         let closes = -open / times.h;
         Self {
             rate: if open == 0.0 { back } else { closes },

@@ -288,6 +288,21 @@ impl Factor {
 /// The smallest pivot, as a share of its diagonal before elimination.
 const SMALLEST: f64 = 1e-14;
 
+/// Calls a method for a column of so many unknowns, with this number and that of the groups of four that hold them. Loops of constant length
+/// are several times as fast, so the sizes of bodies and of most joints are constants.
+macro_rules! for_size {
+    ($size:expr, $of:ident.$method:ident($($argument:expr),*)) => {
+        match $size {
+            0 => {}
+            3 => $of.$method::<FUSED, 1>(3, $($argument),*),
+            6 => $of.$method::<FUSED, 2>(6, $($argument),*),
+            n @ 1..=4 => $of.$method::<FUSED, 1>(n, $($argument),*),
+            n @ 5..=8 => $of.$method::<FUSED, 2>(n, $($argument),*),
+            n => $of.$method::<FUSED, 3>(n, $($argument),*),
+        }
+    };
+}
+
 struct Factorize<'a>(&'a mut Factor);
 
 impl PlainKernel for Factorize<'_> {
@@ -315,15 +330,7 @@ impl PlainKernel for Factorize<'_> {
             };
             (first, target) = (column.below, column.targets);
             let inverses = &mut inverses[column.first..];
-            // Loops of constant length are several times as fast.
-            match column.size {
-                0 => {}
-                3 => step.run::<FUSED, 1>(3, values, inverses, scaled),
-                6 => step.run::<FUSED, 2>(6, values, inverses, scaled),
-                n @ 1..=4 => step.run::<FUSED, 1>(n, values, inverses, scaled),
-                n @ 5..=8 => step.run::<FUSED, 2>(n, values, inverses, scaled),
-                n => step.run::<FUSED, 3>(n, values, inverses, scaled),
-            }
+            for_size!(column.size, step.run(values, inverses, scaled));
         }
     }
 }
@@ -515,45 +522,39 @@ impl PlainKernel for Solve<'_> {
         for column in &factor.columns {
             let below = &factor.below[first..column.below];
             first = column.below;
-            match column.size {
-                0 => {}
-                3 => factor.descend::<FUSED, 1>(column, below, 3, x),
-                6 => factor.descend::<FUSED, 2>(column, below, 6, x),
-                n @ 1..=4 => factor.descend::<FUSED, 1>(column, below, n, x),
-                n @ 5..=8 => factor.descend::<FUSED, 2>(column, below, n, x),
-                n => factor.descend::<FUSED, 3>(column, below, n, x),
-            }
+            for_size!(column.size, factor.descend(column, below, x));
         }
         for (number, column) in factor.columns.iter().enumerate().rev() {
             let below = &factor.below[factor.blocks(number)];
-            match column.size {
-                0 => {}
-                3 => factor.ascend::<FUSED, 1>(column, below, 3, x),
-                6 => factor.ascend::<FUSED, 2>(column, below, 6, x),
-                n @ 1..=4 => factor.ascend::<FUSED, 1>(column, below, n, x),
-                n @ 5..=8 => factor.ascend::<FUSED, 2>(column, below, n, x),
-                n => factor.ascend::<FUSED, 3>(column, below, n, x),
-            }
+            for_size!(column.size, factor.ascend(column, below, x));
         }
     }
 }
 
 impl Factor {
+    /// The factorized pivot of a column of n unknowns: L, and the inverse of D.
+    #[inline(always)]
+    fn pivot_of<const Q: usize>(
+        &self,
+        n: usize,
+        column: &Column,
+    ) -> Option<(&[[Quad; Q]], &[Quad; Q])> {
+        let pivot = &columns_of::<Q>(&self.values[column.pivot..])[..n];
+        Some((pivot, self.inverses[column.first..].first_chunk()?))
+    }
+
     /// Eliminates the n unknowns of a column from the right side.
     #[inline(always)]
     fn descend<const FUSED: bool, const Q: usize>(
         &self,
+        n: usize,
         column: &Column,
         below: &[Below],
-        n: usize,
         x: &mut [Quad],
     ) {
-        let (before, rest) = x.split_at_mut(column.first + Q);
-        let pivot = &columns_of::<Q>(&self.values[column.pivot..])[..n];
-        let (Some(to), Some(inverses)) = (
-            before.last_chunk_mut::<Q>(),
-            self.inverses[column.first..].first_chunk::<Q>(),
-        ) else {
+        let (own, rest) = x[column.first..].split_at_mut(Q);
+        let (Some(to), Some((pivot, inverses))) = (own.first_chunk_mut(), self.pivot_of(n, column))
+        else {
             return;
         };
         let mut own = *to;
@@ -584,17 +585,14 @@ impl Factor {
     #[inline(always)]
     fn ascend<const FUSED: bool, const Q: usize>(
         &self,
+        n: usize,
         column: &Column,
         below: &[Below],
-        n: usize,
         x: &mut [Quad],
     ) {
-        let (before, rest) = x.split_at_mut(column.first + Q);
-        let pivot = &columns_of::<Q>(&self.values[column.pivot..])[..n];
-        let (Some(to), Some(inverses)) = (
-            before.last_chunk_mut::<Q>(),
-            self.inverses[column.first..].first_chunk::<Q>(),
-        ) else {
+        let (own, rest) = x[column.first..].split_at_mut(Q);
+        let (Some(to), Some((pivot, inverses))) = (own.first_chunk_mut(), self.pivot_of(n, column))
+        else {
             return;
         };
         let mut own = *to;

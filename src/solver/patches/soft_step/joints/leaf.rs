@@ -66,6 +66,23 @@ pub struct Leaf {
     pub impulse: f64,
     pub change: f64,
     pub is_active: bool,
+    /// Its index among the contacts of the solve, if it is there.
+    pub held: Option<usize>,
+}
+
+/// A contact that the factorized system or a border of it has.
+#[derive(Clone, Debug)]
+pub struct Held {
+    pub key: u64,
+    /// Where the unknowns of its jointed body begin, and its row over them.
+    pub first: usize,
+    pub numbers: [f64; 6],
+    pub compliance: f64,
+    /// The factorized system has it.
+    pub is_factorized: bool,
+    pub border: Option<usize>,
+    /// Its index among the leaves of this visit, if it still carries.
+    pub leaf: Option<usize>,
 }
 
 /// The blocks and bodies of an island.
@@ -215,12 +232,26 @@ impl LeafPatch {
                 impulse: impulse as f64,
                 change: 0.0,
                 is_active: true,
+                held: None,
             });
         }
     }
 }
 
 impl Leaf {
+    /// As a contact of the solve. `first` is where the unknowns of its jointed body begin.
+    pub fn hold(&self, first: usize, is_factorized: bool, leaf: usize) -> Held {
+        Held {
+            key: self.key,
+            first,
+            numbers: self.numbers,
+            compliance: self.compliance,
+            is_factorized,
+            border: None,
+            leaf: Some(leaf),
+        }
+    }
+
     /// Adds its own compliance to its part of the response of the other body, which `leaves` share.
     pub fn share(leaves: &mut [Self], patches: &[LeafPatch]) {
         let other = |leaf: &Self| patches[leaf.patch].other.map(|other| other.body);

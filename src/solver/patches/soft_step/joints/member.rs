@@ -267,13 +267,17 @@ fn is_near(a: [Vec3; 2], b: [Vec3; 2], slack: f32) -> bool {
 /// Sweeps of Jacobi's method; each squares what is left.
 const SWEEPS: usize = 6;
 
+/// Numbers off the diagonal that are smaller than this share of the trace are rounding: inertias come from single precision.
+const ROUNDING: f64 = 1e-9;
+
 /// The principal axes and moments of a symmetric matrix, by Jacobi's method.
 fn principal(matrix: &DMat3) -> (Mat3, DVec3) {
     let (mut matrix, mut axes) = (*matrix, DMat3::IDENTITY);
+    let least = ROUNDING * (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z);
     for _ in 0..SWEEPS {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let off = matrix.col(q)[p];
-            if off == 0.0 {
+            if off.abs() <= least {
                 continue;
             }
             let half = (matrix.col(q)[q] - matrix.col(p)[p]) / (2.0 * off);

@@ -16,6 +16,7 @@
 //! - **Breaking**: forces pass a low-pass with a time constant, since the force of a single substep grows with the rate of substeps
 //!   wherever something hits. Bonded patches break within the step ([`breaking`]), and share loads by their areas ([`sharing`]).
 
+mod borders;
 mod breaking;
 mod factor;
 mod leaf;
@@ -36,7 +37,7 @@ use crate::solver::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
 use leaf::{Contacts, LeafPatch, read};
 use member::Member;
-use piece::{CALM, Lists, Piece};
+use piece::{Lists, Piece};
 use row::{Link, Row};
 use std::cell::Cell;
 use std::ops::Range;
@@ -286,7 +287,8 @@ impl Joints {
         self.share_stiffness();
         for link in &self.links {
             let joint = &self.joints[link.joint];
-            link.ask(joint, &mut self.rows, &times, self.stiffness);
+            link.ask(joint, &mut self.rows, &times);
+            link.soften(&mut self.rows, self.stiffness);
         }
         self.break_misfits();
         let is_fused = lanes != Lanes::Four && has_fused();
@@ -295,6 +297,8 @@ impl Joints {
             piece.is_refreshed = true;
             piece.is_calm = false;
             piece.is_fused = is_fused;
+            let mut links = self.links[piece.links.clone()].iter();
+            piece.is_bonded = links.any(|link| self.joints[link.joint].section.is_some());
         }
         self.restart(velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
@@ -381,8 +385,8 @@ impl Joints {
             member.drift(read(velocities, body), read(motions, body), self.h);
         }
         let times = self.times();
-        let slack = CALM / self.bias_rate.max(f32::MIN_POSITIVE);
         for piece in &mut self.pieces {
+            let slack = piece.calm() / self.bias_rate.max(f32::MIN_POSITIVE);
             let members = &self.members[piece.members.clone()];
             if piece.is_calm && members.iter().all(|member| member.is_still(slack)) {
                 continue;
@@ -395,6 +399,7 @@ impl Joints {
                 }
                 for link in links {
                     link.point(&self.joints[link.joint], &mut self.rows, &self.members);
+                    link.soften(&mut self.rows, self.stiffness);
                 }
                 (piece.is_stale, piece.is_refreshed) = (true, true);
             } else {
@@ -404,7 +409,7 @@ impl Joints {
             }
             for link in &self.links[piece.links.clone()] {
                 let joint = &self.joints[link.joint];
-                piece.is_stale |= link.ask(joint, &mut self.rows, &times, self.stiffness);
+                link.ask(joint, &mut self.rows, &times);
             }
         }
     }
@@ -419,10 +424,7 @@ impl Joints {
     ) {
         for piece in &mut self.pieces {
             piece.unrecorded += 1;
-            // Bonds may break in any substep.
-            let is_bonded = |link: &Link| self.joints[link.joint].section.is_some();
-            let is_bonded = self.links[piece.links.clone()].iter().any(is_bonded);
-            if is_last || !piece.is_calm || is_bonded {
+            if is_last || !piece.is_calm || piece.is_bonded {
                 record(
                     piece,
                     (&self.links, &self.rows),
@@ -454,7 +456,7 @@ impl Joints {
             let is_refreshed = std::mem::take(&mut piece.is_refreshed);
             let members = &mut self.members[piece.members.clone()];
             // What does not turn needs no spin carried over.
-            let turns = |member: &Member| !piece.is_calm || member.turns(CALM);
+            let turns = |member: &Member| !piece.is_calm || member.turns(piece.calm());
             let is_stiffened = members
                 .iter()
                 .any(|member| member.is_stiffened() && turns(member));
@@ -540,6 +542,8 @@ fn record(
         return;
     }
     let links = links[piece.links.clone()].iter();
+    // Nearly all joints of a piece have the same filter.
+    let (mut filter, mut share) = (f32::NAN, 0.0);
     for (link, log) in links.zip(&mut logs[piece.links.clone()]) {
         let joint = &joints[link.joint];
         let mut forces = [Vec3::ZERO; 2];
@@ -550,7 +554,12 @@ fn record(
                 forces[1] += moment;
             }
         }
-        let share = filter_share(substeps as f32 * h, joint.filter);
+        if filter != joint.filter {
+            (filter, share) = (
+                joint.filter,
+                filter_share(substeps as f32 * h, joint.filter),
+            );
+        }
         for (i, force) in forces.into_iter().enumerate() {
             log.sum[i] += substeps as f32 * force;
             log.filtered[i] += share * (link.geometry.local(force) - log.filtered[i]);

@@ -7,8 +7,9 @@
 //! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its bodies
 //! neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
 
+use super::borders::{Borders, Direction, MOST_BORDERS, Wanted};
 use super::factor::{Coupling, Factor, MOST_ROWS, Node, Quad, quads};
-use super::leaf::{Contacts, Leaf, LeafPatch, add, read};
+use super::leaf::{Contacts, Held, Leaf, LeafPatch, add, read};
 use super::member::Member;
 use super::row::{Bound, Link, Row};
 use crate::solver::lanes::{F32xN, State, run_plain};
@@ -24,11 +25,19 @@ const PASSES: usize = 20;
 /// A rate below which a fixed row counts as content, m/s or rad/s.
 const CONTENT: f64 = 1e-7;
 
-/// What a row may lack in a calm piece, m/s and rad/s.
-pub const CALM: f32 = 1e-7;
+/// What a row or a contact may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it. With 1e-7, which
+/// is rounding of the velocities of a link under a hundred times its weight, a chain at rest is seldom calm; with 1e-5 it is nearly always,
+/// and trembles by 2e-5 m/s where it wakes.
+const CALM: f32 = 1e-6;
 
-/// What a contact of a calm piece may lack, m/s.
-const CALM_CONTACT: f64 = 1e-6;
+/// What bonds may lack. They are so stiff that what they lack in a loop would strain them.
+const CALM_BOND: f32 = 1e-7;
+
+/// Number of borders from which on another factorization is less work than to add them.
+const MANY: usize = 5;
+
+/// How much softer than it is a contact may be in the solve. Its compliance changes with the number of contacts of its other body.
+const SOFTER: f64 = 2.0;
 
 /// Rows of the joints between two bodies, as many as a node of the factorization holds.
 #[derive(Clone, Debug)]
@@ -53,6 +62,8 @@ pub struct Piece {
     pub is_refreshed: bool,
     /// It has motors, whose targets come closer in every substep.
     is_driven: bool,
+    /// It has bonds, which may break in any substep.
+    pub is_bonded: bool,
     /// All rows are content.
     pub is_calm: bool,
     /// Number of substeps that it was calm in and whose forces were not recorded.
@@ -60,8 +71,15 @@ pub struct Piece {
     /// Its patches among the leaf patches.
     pub patches: Range<usize>,
     leaves: Vec<Leaf>,
-    /// The leaves in the factorized system.
-    factorized: Vec<u64>,
+    /// The contacts of the factorized system and of its borders.
+    held: Vec<Held>,
+    /// Rows that are solved for and have no place in the factorized system, and those that have one and are held by bounds.
+    borders: Borders,
+    /// The solution of the factorized system in this visit, without its borders, if it `is_begun`.
+    unbordered: Vec<Quad>,
+    is_begun: bool,
+    /// It includes changes of impulses that bounds hold.
+    has_fixed: bool,
     solution: Vec<Quad>,
     /// Solves use AVX2 and FMA.
     pub is_fused: bool,
@@ -121,17 +139,22 @@ impl Piece {
             pairs: pairs.collect(),
             members,
             links,
+            held: Vec::new(),
+            borders: Borders::default(),
+            unbordered: Vec::new(),
+            is_begun: false,
+            has_fixed: false,
             solution: Vec::new(),
             is_fused: false,
             factor,
             is_stale: true,
             is_refreshed: true,
             is_driven,
+            is_bonded: false,
             is_calm: false,
             unrecorded: 0,
             patches: 0..0,
             leaves: Vec::new(),
-            factorized: Vec::new(),
         }
     }
 
@@ -145,9 +168,9 @@ impl Piece {
         let members = &lists.members[self.members.clone()];
         let velocities = contacts.velocities;
         self.is_calm
-            && members
-                .iter()
-                .all(|member| member.is_as_calm(read(velocities, member.body as usize), CALM))
+            && members.iter().all(|member| {
+                member.is_as_calm(read(velocities, member.body as usize), self.calm())
+            })
             && (self.patches.is_empty() || {
                 self.find_leaves(pass, lists, contacts);
                 self.leaves_are_content()
@@ -156,7 +179,15 @@ impl Piece {
 
     fn leaves_are_content(&self) -> bool {
         let mut leaves = self.leaves.iter();
-        leaves.all(|leaf| leaf.lack.abs() < CALM_CONTACT)
+        leaves.all(|leaf| leaf.lack.abs() < CALM as f64)
+    }
+
+    /// What its rows may lack while it is calm, m/s and rad/s.
+    pub fn calm(&self) -> f32 {
+        match self.is_bonded {
+            true => CALM_BOND,
+            false => CALM,
+        }
     }
 
     /// Finds whether it is calm, after what rows lack.
@@ -164,7 +195,7 @@ impl Piece {
         let links = &lists.links[self.links.clone()];
         let mut rows = links.iter().flat_map(|link| &lists.rows[link.rows.clone()]);
         self.is_calm = !self.is_driven
-            && rows.all(|row| row.is_content(soft, CALM))
+            && rows.all(|row| row.is_content(soft, self.calm()))
             && self.leaves_are_content();
         if self.is_calm {
             for member in &mut lists.members[self.members.clone()] {
@@ -230,6 +261,7 @@ impl Piece {
 
     /// Solves until impulses are within their bounds.
     fn solve_within_bounds(&mut self, lists: &mut Lists) {
+        self.is_begun = false;
         for round in 1..=PASSES {
             self.solve(lists);
             let last = round == PASSES;
@@ -253,26 +285,158 @@ impl Piece {
 
     /// Solves with the present bounds.
     fn solve(&mut self, lists: &mut Lists) {
-        let active = || self.leaves.iter().filter(|leaf| leaf.is_active);
-        let keys = active().map(|leaf| leaf.key);
-        if self.is_stale || !keys.clone().eq(self.factorized.iter().copied()) {
-            self.factorized.clear();
-            self.factorized.extend(keys);
+        if self.is_stale || !self.follow(lists) {
             self.assemble(lists);
             run_plain(self.is_fused, self.factor.factorize());
-            self.is_stale = false;
+            (self.is_stale, self.is_begun) = (false, false);
         }
-        self.solution
-            .resize(self.factor.unknowns(), Quad::default());
-        let solution = self.solution.as_flattened_mut();
-        solution.fill(0.0);
+        if !self.is_begun {
+            self.begin(lists);
+            self.is_begun = true;
+        }
+        self.borders.apply(&self.unbordered, &mut self.solution);
+    }
+
+    /// Takes over what is solved for now into the borders of the factorized system. Returns whether that is less work than another
+    /// factorization.
+    fn follow(&mut self, lists: &mut Lists) -> bool {
+        if !self.is_begun && !self.find_held() {
+            return false;
+        }
+        let rows = self.pairs.iter();
+        let rows = rows.flat_map(|pair| &lists.rows[pair.rows.clone()]);
+        let new = rows
+            .filter(|row| row.border.is_none() && row.is_moved())
+            .count();
+        let is_moved = |held: &&Held| held.is_factorized && held.border.is_none();
+        let ended = self.held.iter().filter(is_moved);
+        let ended = ended.filter(|held| !held.leaf.is_some_and(|leaf| self.leaves[leaf].is_active));
+        let begun = self.leaves.iter();
+        let begun = begun.filter(|leaf| leaf.is_active && leaf.held.is_none());
+        let new = new + ended.count() + begun.count();
+        if new >= MANY || self.borders.len() + new > MOST_BORDERS {
+            return false;
+        }
+        for held in &self.held {
+            if let Some(leaf) = held.leaf {
+                self.leaves[leaf].compliance = held.compliance;
+            }
+        }
+        self.borders.reset();
+        self.border_rows(lists);
+        self.border_leaves();
+        true
+    }
+
+    fn border_rows(&mut self, lists: &mut Lists) {
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let unknowns = self.factor.first_of(self.members.len() + i);
+            for row in &mut lists.rows[pair.rows.clone()] {
+                let fixed = -row.fixed_change() as f64;
+                let wanted = match (row.place, row.bound) {
+                    (Some(_), Bound::Free) => continue,
+                    (Some(_), _) => Wanted::Value(fixed),
+                    (None, Bound::Free) => Wanted::Value(row.lack as f64),
+                    (None, _) => Wanted::Amount(fixed),
+                };
+                if row.border.is_none() && row.is_moved() {
+                    let (direction, corner) = match row.place {
+                        Some(place) => (Direction::Unknown(unknowns + place), 0.0),
+                        None => {
+                            // Its impulse may have a part in what is solved already.
+                            self.is_begun &= !self.has_fixed;
+                            let mut bodies = [None; 2];
+                            for (side, sign) in sides(row) {
+                                if pair.couplings[side].is_some() {
+                                    let end = pair.ends[side] - self.members.start;
+                                    let first = self.factor.first_of(end);
+                                    bodies[side] = Some((first, row.numbers(sign)));
+                                }
+                            }
+                            (Direction::Bodies(bodies), -row.compliance as f64)
+                        }
+                    };
+                    let is_fused = self.is_fused;
+                    row.border = Some(self.borders.add(direction, corner, &self.factor, is_fused));
+                }
+                if let Some(border) = row.border {
+                    self.borders.ask(border, wanted);
+                }
+            }
+        }
+    }
+
+    fn border_leaves(&mut self) {
+        for (number, leaf) in self.leaves.iter_mut().enumerate() {
+            if leaf.is_active && leaf.held.is_none() {
+                self.is_begun &= !self.has_fixed;
+                let first = self.factor.first_of(leaf.member - self.members.start);
+                leaf.held = Some(self.held.len());
+                self.held.push(leaf.hold(first, false, number));
+            }
+        }
+        for held in &mut self.held {
+            let leaf = held.leaf.map(|leaf| &self.leaves[leaf]);
+            let is_active = leaf.is_some_and(|leaf| leaf.is_active);
+            if held.border.is_none() && held.is_factorized != is_active {
+                let direction = Direction::Bodies([Some((held.first, held.numbers)), None]);
+                let corner = match held.is_factorized {
+                    true => held.compliance,
+                    false => -held.compliance,
+                };
+                let is_fused = self.is_fused;
+                held.border = Some(self.borders.add(direction, corner, &self.factor, is_fused));
+            }
+            let Some(border) = held.border else {
+                continue;
+            };
+            let [lack, change] = leaf.map_or([0.0; 2], |leaf| [leaf.lack, leaf.change]);
+            let wanted = match (held.is_factorized, is_active) {
+                (true, true) => Wanted::Nothing,
+                (true, false) => Wanted::Value(lack - held.compliance * change),
+                (false, true) => Wanted::Value(lack),
+                (false, false) if leaf.is_some() => Wanted::Amount(-change),
+                (false, false) => Wanted::Nothing,
+            };
+            self.borders.ask(border, wanted);
+        }
+    }
+
+    /// Finds which leaves of this visit are in the solve. Returns whether their compliances are near enough to those of the solve.
+    fn find_held(&mut self) -> bool {
+        let mut are_near = true;
+        for held in &mut self.held {
+            held.leaf = None;
+        }
+        for (number, leaf) in self.leaves.iter_mut().enumerate() {
+            leaf.held = self.held.iter().position(|held| held.key == leaf.key);
+            if let Some(held) = leaf.held {
+                let held = &mut self.held[held];
+                held.leaf = Some(number);
+                // Stiffer than it is would throw bodies.
+                let softer = held.compliance / leaf.compliance;
+                are_near &= (1.0 - CONTENT..SOFTER).contains(&softer);
+            }
+        }
+        are_near
+    }
+
+    /// Solves the factorized system without its borders.
+    fn begin(&mut self, lists: &Lists) {
+        self.has_fixed = false;
+        let solution = &mut self.unbordered;
+        solution.clear();
+        solution.resize(self.factor.unknowns(), Quad::default());
+        let numbers = solution.as_flattened_mut();
         for leaf in &self.leaves {
             let first = self.factor.first_of(leaf.member - self.members.start);
-            let push = match leaf.is_active {
-                true => leaf.lack / leaf.compliance,
-                false => leaf.change,
+            let push = match leaf.held.map(|held| self.held[held].is_factorized) {
+                Some(true) => leaf.lack / leaf.compliance,
+                Some(false) => continue,
+                None => leaf.change,
             };
-            for (to, number) in solution[first..][..6].iter_mut().zip(leaf.numbers) {
+            self.has_fixed |= leaf.held.is_none();
+            for (to, number) in numbers[first..][..6].iter_mut().zip(leaf.numbers) {
                 *to += push * number;
             }
         }
@@ -280,9 +444,10 @@ impl Piece {
             let unknowns = self.factor.first_of(self.members.len() + i);
             for row in &lists.rows[pair.rows.clone()] {
                 let change = row.fixed_change();
-                if row.bound == Bound::Free {
-                    solution[unknowns + row.place] = row.lack as f64;
-                } else if change != 0.0 {
+                if let Some(place) = row.place {
+                    numbers[unknowns + place] = row.lack as f64;
+                } else if change != 0.0 && row.border.is_none() {
+                    self.has_fixed = true;
                     for (side, sign) in sides(row) {
                         // The other side is a body that nothing moves.
                         if pair.couplings[side].is_none() {
@@ -290,26 +455,27 @@ impl Piece {
                         }
                         let end = pair.ends[side] - self.members.start;
                         let first = self.factor.first_of(end);
-                        let numbers = row.numbers(sign);
-                        for (to, number) in solution[first..][..6].iter_mut().zip(numbers) {
+                        for (to, number) in numbers[first..][..6].iter_mut().zip(row.numbers(sign))
+                        {
                             *to += change as f64 * number;
                         }
                     }
                 }
             }
         }
-        run_plain(self.is_fused, self.factor.solve(&mut self.solution));
+        run_plain(self.is_fused, self.factor.solve(solution));
     }
 
-    /// Writes the system. Rows that a bound holds have no place in it.
+    /// Writes the system, without borders. Rows that a bound holds have no place in it.
     fn assemble(&mut self, lists: &mut Lists) {
         let count = self.members.len();
+        self.borders.clear();
         for (i, pair) in self.pairs.iter().enumerate() {
             let mut size = 0;
-            let rows = lists.rows[pair.rows.clone()].iter_mut();
-            for row in rows.filter(|row| row.bound == Bound::Free) {
-                row.place = size;
-                size += 1;
+            for row in &mut lists.rows[pair.rows.clone()] {
+                row.border = None;
+                row.place = (row.bound == Bound::Free).then_some(size);
+                size += usize::from(row.place.is_some());
             }
             self.factor.resize(count + i, size);
         }
@@ -327,8 +493,16 @@ impl Piece {
                 }
             }
         }
-        for leaf in self.leaves.iter().filter(|leaf| leaf.is_active) {
-            let pivot = self.factor.pivot(leaf.member - self.members.start);
+        self.held.clear();
+        for (number, leaf) in self.leaves.iter_mut().enumerate() {
+            leaf.held = leaf.is_active.then_some(self.held.len());
+            if !leaf.is_active {
+                continue;
+            }
+            let member = leaf.member - self.members.start;
+            self.held
+                .push(leaf.hold(self.factor.first_of(member), true, number));
+            let pivot = self.factor.pivot(member);
             for j in 0..6 {
                 let scaled = leaf.numbers[j] / leaf.compliance;
                 for i in 0..6 {
@@ -338,17 +512,16 @@ impl Piece {
         }
         for (i, pair) in self.pairs.iter().enumerate() {
             let rows = lists.rows[pair.rows.clone()].iter();
-            let rows = rows.filter(|row| row.bound == Bound::Free);
+            let rows = rows.filter_map(|row| Some((row, row.place?)));
             let size = quads(rows.clone().count());
             let pivot = self.factor.pivot(count + i);
-            for row in rows.clone() {
-                let place = row.place;
+            for (row, place) in rows.clone() {
                 pivot[place * size + place / 4][place % 4] = -row.compliance as f64;
             }
-            for row in rows {
+            for (row, place) in rows {
                 for (side, sign) in sides(row) {
                     if let Some(coupling) = &pair.couplings[side] {
-                        self.factor.set(coupling, row.place, &row.numbers(sign));
+                        self.factor.set(coupling, place, &row.numbers(sign));
                     }
                 }
             }
@@ -364,6 +537,7 @@ impl Piece {
             factor,
             members,
             solution,
+            borders,
             leaves,
             ..
         } = self;
@@ -390,7 +564,7 @@ impl Piece {
                 let [low, high] = row.law.bounds;
                 let bound = match row.bound {
                     Bound::Free => {
-                        let change = -solution[unknowns + row.place];
+                        let change = found(solution, borders, unknowns, row);
                         let impulse = row.impulse as f64 + change;
                         // Beyond rounding.
                         let slack = 1e-6 * (row.impulse.abs() as f64 + change.abs());
@@ -428,7 +602,6 @@ impl Piece {
                 changed = true;
             }
         }
-        self.is_stale |= changed;
         changed
     }
 
@@ -454,7 +627,7 @@ impl Piece {
             for row in &mut lists.rows[pair.rows.clone()] {
                 let [low, high] = row.law.bounds;
                 let found = match row.bound {
-                    Bound::Free => -solution[unknowns + row.place] as f32,
+                    Bound::Free => found(solution, &self.borders, unknowns, row) as f32,
                     _ => row.fixed_change(),
                 };
                 let impulse = (row.impulse + found).clamp(low, high);
@@ -478,6 +651,15 @@ impl Piece {
             }
         }
         sum
+    }
+}
+
+/// The change of the impulse of a row that no bound holds. `unknowns` is where those of its pair begin in the solution.
+fn found(solution: &[f64], borders: &Borders, unknowns: usize, row: &Row) -> f64 {
+    match (row.place, row.border) {
+        (Some(place), _) => -solution[unknowns + place],
+        (None, Some(border)) => -borders.amount(border),
+        (None, None) => 0.0,
     }
 }
 

@@ -72,8 +72,10 @@ pub struct Row {
     pub softness: f32,
     pub impulse: f32,
     pub bound: Bound,
-    /// Its place among the unknowns of its pair, in the factorized system; unknown if a bound holds it.
-    pub place: usize,
+    /// Its place among the unknowns of its pair, if it has one in the factorized system.
+    pub place: Option<usize>,
+    /// Its border of that system, if it has one.
+    pub border: Option<usize>,
     /// It holds nothing for the rest of the step.
     is_released: bool,
     /// The share of its compliance by which it yields under a lasting force.
@@ -101,7 +103,8 @@ impl Row {
             softness: 0.0,
             impulse: 0.0,
             bound: Bound::Free,
-            place: 0,
+            place: None,
+            border: None,
             is_released: false,
             yields: 1.0,
             rounding: 0.0,
@@ -135,6 +138,11 @@ impl Row {
         [impulse * self.linear, impulse * self.angular[side]]
     }
 
+    /// Whether it is solved for and has no place in the factorized system, or the other way round.
+    pub fn is_moved(&self) -> bool {
+        self.place.is_some() != (self.bound == Bound::Free)
+    }
+
     /// Sets its direction from its coordinate.
     fn aim(&mut self, geometry: &Geometry, ends: [&Member; 2]) {
         let found = geometry.coordinate(self.coordinate);
@@ -153,11 +161,21 @@ impl Row {
         self.response = other.response;
     }
 
-    /// Updates its law. Returns whether its bounds have changed sides.
-    fn ask(&mut self, joint: &JointConstraint, times: &Times) -> bool {
-        let axis = joint.axis(self.coordinate);
+    /// Updates its law.
+    fn ask(&mut self, joint: &JointConstraint, times: &Times) {
         let before = self.law.bounds;
-        self.law = Law::of(&axis, self.part, self.error(joint), times);
+        // Within a step, nothing of the law of friction changes, and of a locked coordinate only the rate.
+        match self.part {
+            Part::Friction if before[1] > 0.0 => return,
+            Part::Hold if before == [f32::NEG_INFINITY, f32::INFINITY] => {
+                let least = joint.axis(self.coordinate).limits[0];
+                self.law.rate = times.back(self.error(joint) - least);
+                return;
+            }
+            _ => {}
+        }
+        let axis = joint.axis(self.coordinate);
+        self.law = Law::of(axis, self.part, self.error(joint), times);
         match joint.section {
             Some(_) => self.yields = CREEP,
             None => self.rounding = times.bias_rate * joint.slack[usize::from(self.is_angular())],
@@ -167,10 +185,9 @@ impl Row {
         }
         let [low, high] = self.law.bounds;
         if before == [low, high] {
-            return false;
+            return;
         }
         self.impulse = self.impulse.clamp(low, high);
-        let was = self.bound;
         self.bound = if self.impulse == low {
             Bound::Low
         } else if self.impulse == high {
@@ -178,7 +195,6 @@ impl Row {
         } else {
             Bound::Free
         };
-        (was == Bound::Free) != (self.bound == Bound::Free)
     }
 
     /// Lets go for the rest of the step.
@@ -198,7 +214,7 @@ impl Row {
         }
     }
 
-    /// Sets its compliance; `stiffness` is b of the springs of contacts: their effective mass over their compliance.
+    /// Sets its compliance.
     fn soften(&mut self, stiffness: f32) {
         let softness = match self.softness > 0.0 {
             true => self.softness,
@@ -337,24 +353,22 @@ impl Link {
             let number = rows[i].coordinate;
             let is_last = rows.get(i + 1).is_none_or(|next| next.coordinate != number);
             let row = &mut rows[i];
-            let law = Law::of(&joint.axis(number), row.part, row.value, times);
+            let law = Law::of(joint.axis(number), row.part, row.value, times);
             row.impulse = take_share(&mut left[number], &law, is_last);
         }
     }
 
-    /// Updates laws and compliances. Returns whether some bounds have changed sides.
-    pub fn ask(
-        &self,
-        joint: &JointConstraint,
-        rows: &mut [Row],
-        times: &Times,
-        stiffness: f32,
-    ) -> bool {
-        let mut changed = false;
+    /// Updates laws.
+    pub fn ask(&self, joint: &JointConstraint, rows: &mut [Row], times: &Times) {
         for row in &mut rows[self.rows.clone()] {
-            changed |= row.ask(joint, times);
+            row.ask(joint, times);
+        }
+    }
+
+    /// Updates compliances; `stiffness` is b of the springs of contacts: their effective mass over their compliance.
+    pub fn soften(&self, rows: &mut [Row], stiffness: f32) {
+        for row in &mut rows[self.rows.clone()] {
             row.soften(stiffness);
         }
-        changed
     }
 }

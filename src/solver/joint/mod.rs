@@ -13,8 +13,10 @@ use super::Body;
 use bevy_reflect::Reflect;
 pub(super) use geometry::{Bend, Geometry, Placement};
 use glam::{Quat, Vec3};
+use rows::SWING;
 pub(super) use plain::PlainJoint;
-pub(super) use rows::{COORDINATES, Law, Part, Times, rows_of, take_share};
+pub(crate) use rows::COORDINATES;
+pub(super) use rows::{Law, Part, Times, is_angular, rows_of, take_share};
 pub use section::{MortarFailure, Section, Utilization};
 
 /// The input of a solver for a joint, and its results.
@@ -30,14 +32,16 @@ pub struct JointConstraint {
     pub frames: [Quat; 2],
     /// Translation of B's anchor along x, y and z of A's frame, m; then rotation of B's frame relative to A's about x, y and z, rad.
     ///
-    /// If one rotation is not locked, it is the full angle about that axis, −π to π, and the others are the tilt of the axis. Otherwise the
-    /// rotations are the components of the rotation vector.
+    /// If one rotation is not locked, it is the full angle about that axis, −π to π, and the others are the tilt of the axis. So it is for the
+    /// rotation about x if there is a `swing`. Otherwise the rotations are the components of the rotation vector.
     pub axes: [JointAxis; 6],
     /// The distance of the anchors, m: for ropes and springs. It is never locked at zero; lock the translations for that.
     pub distance: Option<JointAxis>,
-    /// In: the forces along and torques about `axes`, on B, N and N·m, and the force along the line between the anchors, to begin with.
-    /// Out: those at the end of the step.
-    pub forces: [f32; 7],
+    /// The largest angle between the x axes of both frames, rad: B's lies within a cone about A's.
+    pub swing: Option<f32>,
+    /// In: the forces along and torques about `axes`, on B, N and N·m, the force along the line between the anchors, and the torque
+    /// against the swing, to begin with. Out: those at the end of the step.
+    pub forces: [f32; 8],
     /// Out: the mean force at the anchor on B over the step, N, and torque, N·m, world axes.
     pub mean: [Vec3; 2],
     /// In and out: force and torque on B, N and N·m, in A's frame, filtered by a low-pass with the time constant `filter`.
@@ -64,7 +68,8 @@ impl Default for JointConstraint {
             frames: [Quat::IDENTITY; 2],
             axes: [JointAxis::FREE; 6],
             distance: None,
-            forces: [0.0; 7],
+            swing: None,
+            forces: [0.0; 8],
             mean: [Vec3::ZERO; 2],
             filtered: [Vec3::ZERO; 2],
             peak: [0.0; 2],
@@ -138,10 +143,14 @@ impl JointAxis {
 }
 
 impl JointConstraint {
-    /// What acts on a coordinate: the axes, then the distance.
+    /// What acts on a coordinate: the axes, the distance, the swing.
     pub(super) fn axis(&self, coordinate: usize) -> JointAxis {
         match self.axes.get(coordinate) {
             Some(axis) => *axis,
+            None if coordinate == SWING => JointAxis {
+                limits: [f32::NEG_INFINITY, self.swing.unwrap_or(f32::INFINITY)],
+                ..JointAxis::FREE
+            },
             None => self.distance.unwrap_or(JointAxis::FREE),
         }
     }

@@ -19,6 +19,7 @@
 mod breaking;
 mod factor;
 mod leaf;
+mod loads;
 mod member;
 mod piece;
 mod row;
@@ -34,7 +35,8 @@ use crate::solver::joint::{
 use crate::solver::lanes::{F32xN, State, cells, has_fused};
 use crate::solver::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
-use leaf::{Contacts, LeafPatch, read};
+pub use leaf::Contacts;
+use leaf::{LeafPatch, read};
 use member::Member;
 use piece::{CALM, Lists, Piece};
 use row::{Link, Row};
@@ -241,14 +243,14 @@ impl Joints {
         }
     }
 
-    /// Begins a step with substeps of `h` s, and applies the impulses to begin with to `velocities`.
-    pub fn begin(
+    /// Begins a step with substeps of `h` s, and applies the impulses to begin with to velocities.
+    pub fn begin<L: F32xN>(
         &mut self,
         problem: &PatchProblem,
         spring: &Spring,
         substeps: usize,
         lanes: Lanes,
-        velocities: &[Cell<State>],
+        mut contacts: Contacts<L>,
     ) {
         if self.is_empty() {
             return;
@@ -296,17 +298,17 @@ impl Joints {
             piece.is_calm = false;
             piece.is_fused = is_fused;
         }
-        self.restart(velocities, |member, velocities| {
+        self.restart(contacts.velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
             let was = problem.bodies[member.body as usize].start[1];
             (linear, was, angular - was)
         });
-        self.cold_start(problem, velocities);
+        self.cold_start(problem, &mut contacts);
     }
 
-    /// Finds the impulses of pieces that were just built: whose joints have none yet, and whose bodies rest where joints want them. Then finds
-    /// their geometric stiffness.
-    fn cold_start(&mut self, problem: &PatchProblem, velocities: &[Cell<State>]) {
+    /// Finds the impulses of pieces that were just built, and of the contacts on which they stand: whose joints have none yet, and whose bodies
+    /// rest where joints want them. Then finds their geometric stiffness.
+    fn cold_start<L: F32xN>(&mut self, problem: &PatchProblem, contacts: &mut Contacts<L>) {
         let mut lists = Lists {
             members: &mut self.members,
             links: &self.links,
@@ -314,6 +316,9 @@ impl Joints {
             patches: &self.patches,
             offsets: &self.offsets,
         };
+        // The distance that a body falls from rest in a step.
+        let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
+        let closed = fallen.max(PLACED);
         let joints = &self.joints;
         let mut is_any_cold = false;
         for piece in &mut self.pieces {
@@ -322,7 +327,7 @@ impl Joints {
             if forces.all(|force| force == 0.0)
                 && piece.is_built(&lists, PUT, self.bias_rate * PLACED)
             {
-                piece.cold_start(self.h, &mut lists, velocities);
+                piece.cold_start(self.h, closed, &mut lists, contacts);
                 piece.is_refreshed = true;
                 is_any_cold = true;
             }
@@ -330,7 +335,7 @@ impl Joints {
         if !is_any_cold {
             return;
         }
-        self.restart(velocities, |member, velocities| {
+        self.restart(contacts.velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
             let was = problem.bodies[member.body as usize].start[1];
             let [moves, turns] = member.given;
@@ -504,11 +509,12 @@ impl Joints {
         }
     }
 
-    /// Stores the results.
-    pub fn store(&self, problem: &mut PatchProblem, motions: &[State]) {
+    /// Stores the results. Loads at rest of contacts have followed by the share `rate`.
+    pub fn store(&self, problem: &mut PatchProblem, motions: &[State], rate: f32) {
         if self.is_empty() {
             return;
         }
+        loads::follow(&self.patches, problem, rate);
         for (link, log) in self.links.iter().zip(&self.logs) {
             let joint = &mut problem.joints[link.joint];
             joint.forces = [0.0; COORDINATES];
@@ -572,7 +578,7 @@ impl<L: F32xN> Island<L> {
             return 0.0;
         }
         let contacts = Contacts {
-            blocks: &self.blocks,
+            blocks: &mut self.blocks,
             points: &mut self.points,
             velocities: cells(&mut self.velocities),
             motions: cells(&mut self.motions),

@@ -2,7 +2,7 @@
 
 use super::member::Member;
 use crate::solver::JointConstraint;
-use crate::solver::joint::{Bend, Geometry, Law, Part, Times, take_share};
+use crate::solver::joint::{Bend, Geometry, Law, Part, Times, is_angular, take_share};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -114,7 +114,7 @@ impl Row {
     }
 
     pub fn is_angular(&self) -> bool {
-        (3..6).contains(&self.coordinate)
+        is_angular(self.coordinate)
     }
 
     /// Its row over the velocities of a side.

@@ -34,6 +34,8 @@ pub struct JointForces {
     pub(crate) start: [f32; COORDINATES],
     /// Force and torque in the axes of the frame on body 1, filtered, N and N·m.
     pub(crate) filtered: [Vec3; 2],
+    /// See [`JointConstraint::late`].
+    pub(crate) late: [Vec3; 2],
 }
 
 impl JointForces {
@@ -47,6 +49,7 @@ impl JointForces {
             filtered_torque: solved.peak[1],
             start: solved.forces,
             filtered: solved.filtered,
+            late: solved.late,
         }
     }
 }

@@ -92,7 +92,7 @@ pub(crate) use forces::trigger;
 pub use forces::{BreakForce, JointBroke, JointForces, joint_events};
 pub use frame::{JointAnchor, JointBasis, JointFrame};
 pub use generic::{GenericJoint, JointAxes};
-pub(crate) use list::{copy, look_again, register, visit};
+pub(crate) use list::{added, copy, look_again, register, visit};
 pub use prismatic::PrismaticJoint;
 pub use query::{BodyJoint, Joints, joints_of};
 pub use revolute::RevoluteJoint;

@@ -288,7 +288,7 @@ fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
         }
         for joint in &mut island.joints {
             joint.forces = Default::default();
-            (joint.mean, joint.filtered) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
+            (joint.mean, joint.filtered, joint.late) = Default::default();
         }
     }
 }

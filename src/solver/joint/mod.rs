@@ -46,6 +46,8 @@ pub struct JointConstraint {
     pub mean: [Vec3; 2],
     /// In and out: force and torque on B, N and N·m, in A's frame, filtered by a low-pass with the time constant `filter`.
     pub filtered: [Vec3; 2],
+    /// In and out: the part of the forces in the last substep that counts as the next one's in `filtered`, in A's frame.
+    pub late: [Vec3; 2],
     /// Out: the largest length of each of them during the step, N and N·m: a joint breaks by these, at any length of a step.
     pub peak: [f32; 2],
     /// Time constant of that low-pass, s.
@@ -72,6 +74,7 @@ impl Default for JointConstraint {
             forces: [0.0; 8],
             mean: [Vec3::ZERO; 2],
             filtered: [Vec3::ZERO; 2],
+            late: [Vec3::ZERO; 2],
             peak: [0.0; 2],
             filter: 0.01,
             section: None,

@@ -1,4 +1,4 @@
-use bevy_ecs::prelude::*;
+use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
 use drystone::prelude::*;
 use drystone_lab::scenes::{Scene, SceneOptions};

@@ -188,7 +188,7 @@ impl Piece {
             return 0.0;
         }
         self.solve_within_bounds(lists);
-        let sum = self.apply(lists, velocities);
+        let sum = self.apply(pass.soft, lists, velocities);
         sum + self.apply_to_contacts(lists, contacts)
     }
 
@@ -211,7 +211,7 @@ impl Piece {
         self.calm_down(false, lists, contacts.velocities);
         if !self.is_calm {
             self.solve_within_bounds(lists);
-            self.apply(lists, contacts.velocities);
+            self.apply(true, lists, contacts.velocities);
             self.apply_to_contacts(lists, contacts);
             for leaf in &self.leaves {
                 leaf.rest(lists.patches, contacts);
@@ -448,7 +448,7 @@ impl Piece {
     }
 
     /// Applies the solution.
-    fn apply(&mut self, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
+    fn apply(&mut self, soft: bool, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
         let mut sum = 0.0;
         let solution = self.solution.as_flattened();
         for number in self.members.clone() {
@@ -474,6 +474,9 @@ impl Piece {
                 };
                 let impulse = (row.impulse + found).clamp(low, high);
                 sum += (impulse - row.impulse) * row.lack;
+                if !soft {
+                    row.late += impulse - row.impulse;
+                }
                 row.impulse = impulse;
             }
         }

@@ -17,9 +17,6 @@ const DRIVEN: f32 = 1e3;
 /// a pose can show, and what rounding puts into bonds that hold each other is gone after two seconds.
 const CREEP: f32 = 5e-4;
 
-/// A rotation by more than this makes arms, directions and inertias stale, rad.
-const TURNED: f32 = 1e-4;
-
 /// Directions are refreshed where anchors have moved against each other by more than this share of the arms.
 const MOVED: f32 = 1e-4;
 
@@ -71,6 +68,8 @@ pub struct Row {
     /// Its compliance in the scale of `response`, if it is a row of a section; else 0, and it is in proportion to `response`.
     pub softness: f32,
     pub impulse: f32,
+    /// The part of it that the rigid sweep of this substep has added.
+    pub late: f32,
     pub bound: Bound,
     /// Its place among the unknowns of its pair, in the factorized system; unknown if a bound holds it.
     pub place: usize,
@@ -100,6 +99,7 @@ impl Row {
             response: 0.0,
             softness: 0.0,
             impulse: 0.0,
+            late: 0.0,
             bound: Bound::Free,
             place: 0,
             is_released: false,
@@ -280,10 +280,12 @@ impl Link {
     pub fn is_stale(&self, members: &[Member]) -> bool {
         let [a, b] = self.motions(members);
         let turned = a[1].length_squared().max(b[1].length_squared());
+        let [one, other] = self.ends.map(|end| members[end].bears_turn);
+        let most = one.min(other);
         let Geometry { arms, gap, .. } = self.geometry;
         let moved = (b[0] + b[1].cross(arms[1])) - (a[0] + a[1].cross(arms[0]));
         let size = arms[0].length() + arms[1].length() + gap.length();
-        turned > TURNED * TURNED || moved.length_squared() > (MOVED * size).powi(2)
+        turned > most * most || moved.length_squared() > (MOVED * size).powi(2)
     }
 
     /// The motions of A and B since the last refresh, m and rad.

@@ -127,14 +127,20 @@ fn a_swing_cone_is_drawn() {
     };
     let joint = app.world_mut().spawn(joint).id();
     let plain = lines(&mut app, show()).len();
-    app.world_mut().get_mut::<SphericalJoint>(joint).unwrap().swing_cone = Some(0.5);
+    app.world_mut()
+        .get_mut::<SphericalJoint>(joint)
+        .unwrap()
+        .swing_cone = Some(0.5);
     let with_cone = lines(&mut app, show());
     assert_eq!(with_cone.len(), plain + 24 + 4 + 1);
     let on_rim = |point: &&Vec3| {
         let out = **point - at;
         (out.length() - 0.15).abs() < 1e-3 && (out.angle_between(Vec3::Y) - 0.5).abs() < 1e-3
     };
-    assert_eq!(with_cone.iter().flatten().filter(on_rim).count(), 2 * 24 + 4);
+    assert_eq!(
+        with_cone.iter().flatten().filter(on_rim).count(),
+        2 * 24 + 4
+    );
 }
 
 #[test]

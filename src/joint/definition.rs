@@ -185,7 +185,10 @@ impl JointDefinition {
         }
         self.axes.iter().try_for_each(check)?;
         // A comparison with NaN is false.
-        if self.swing.is_some_and(|angle| !(angle > 0.0 && angle <= PI)) {
+        if self
+            .swing
+            .is_some_and(|angle| !(angle > 0.0 && angle <= PI))
+        {
             return Err(JointProblem::InvalidCone);
         }
         match &self.distance {

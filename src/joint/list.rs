@@ -3,12 +3,12 @@
 //! From the list follow the change detection of joints, the conversion to the form that solvers need, reflection, and the part of the
 //! [state](crate::state) that joints are.
 
-use crate::body::SpawnOrder;
 use super::{
     DistanceJoint, FixedJoint, GenericJoint, JointChanges, JointDefinition, JointDisabled,
-    JointEdge, JointEnds, JointFrame, JointType, PrismaticJoint, QuarantinedJoint, RevoluteJoint, SphericalJoint,
-    SpringJoint,
+    JointEdge, JointEnds, JointFrame, JointType, PrismaticJoint, QuarantinedJoint, RevoluteJoint,
+    SphericalJoint, SpringJoint,
 };
+use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
 use crate::state::visitor::Visitor;

@@ -576,6 +576,11 @@ fn joints_added_since_the_last_step_hold() {
     };
     lab.world.despawn(removed[0]);
     lab.run(3.0);
-    let to = found.moved.iter().find(|moved| moved.body == high).unwrap().to;
+    let to = found
+        .moved
+        .iter()
+        .find(|moved| moved.body == high)
+        .unwrap()
+        .to;
     assert!(to.position.distance(lab.position(high)) < 1e-3);
 }

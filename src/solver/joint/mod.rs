@@ -13,9 +13,9 @@ use super::Body;
 use bevy_reflect::Reflect;
 pub(super) use geometry::{Bend, Geometry, Placement};
 use glam::{Quat, Vec3};
-use rows::SWING;
 pub(super) use plain::PlainJoint;
 pub(crate) use rows::COORDINATES;
+use rows::SWING;
 pub(super) use rows::{Law, Part, Times, is_angular, rows_of, take_share};
 pub use section::{MortarFailure, Section, Utilization};
 

@@ -12,8 +12,15 @@ const STEPS: [f32; 3] = [1.0 / 60.0, 1.0 / 30.0, 0.1];
 fn arm(lab: &mut Lab, along: Vec3, joint: impl Fn(SphericalJoint) -> SphericalJoint) -> Entity {
     let at = Transform::from_translation(0.5 * along)
         .with_rotation(Quat::from_rotation_arc(Vec3::Y, along));
-    let arm = lab.spawn((RigidBody::Dynamic, Collider::capsule(0.1, 0.8), Mass(4.0), at));
-    let shoulder = SphericalJoint::new(None, arm).with_anchor(Vec3::ZERO).with_twist_axis(along);
+    let arm = lab.spawn((
+        RigidBody::Dynamic,
+        Collider::capsule(0.1, 0.8),
+        Mass(4.0),
+        at,
+    ));
+    let shoulder = SphericalJoint::new(None, arm)
+        .with_anchor(Vec3::ZERO)
+        .with_twist_axis(along);
     lab.spawn(joint(shoulder));
     arm
 }
@@ -24,7 +31,10 @@ fn swing_and_twist(lab: &Lab, arm: Entity, along: Vec3) -> (f32, f32) {
     let turn = lab.pose(arm).rotation * was.inverse();
     let now = turn * along;
     let twist = Quat::from_rotation_arc(along, now).inverse() * turn;
-    (now.angle_between(along), 2.0 * twist.xyz().dot(along).atan2(twist.w))
+    (
+        now.angle_between(along),
+        2.0 * twist.xyz().dot(along).atan2(twist.w),
+    )
 }
 
 /// Thrown in all directions, it swings to the same angle, though the limits of a box would let it swing farther in some.
@@ -109,6 +119,9 @@ fn twist_stops_at_its_limits_beside_a_swing() {
             (swung, twisted) = (swung.max(swing), twisted.max(twist.abs()));
         }
         let past = [swung - 0.9, twisted - 0.4].map(f32::to_degrees);
-        assert!(past.iter().all(|past| (-2.0..0.5).contains(past)), "{dt}: {past:?}° past them");
+        assert!(
+            past.iter().all(|past| (-2.0..0.5).contains(past)),
+            "{dt}: {past:?}° past them"
+        );
     }
 }

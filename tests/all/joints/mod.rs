@@ -7,7 +7,6 @@ mod input;
 mod scenes;
 mod sleep;
 mod table;
-mod trace;
 mod types;
 mod worlds;
 

@@ -62,14 +62,16 @@ fn a_bridge_of_forty_planks_bears_ten_tons() {
 #[test]
 fn ragdolls_stay_together() {
     let mut lab = Lab::shipped(1.0 / 60.0);
-    build(&mut lab, &std::env::var("RAGS").unwrap_or("ragdolls:27".into()));
+    build(&mut lab, "ragdolls:27");
     let mut widest = (0f32, 0);
     for step in 0..200 {
         lab.step();
         let joints = joints_apart(&mut lab);
         if joints > widest.0 {
             widest = (joints, step);
-            if joints > 5e-4 { println!("{step}: {joints}"); }
+            if joints > 5e-4 {
+                println!("{step}: {joints}");
+            }
         }
     }
     println!("{widest:?}");

@@ -217,7 +217,8 @@ impl LeafPatch {
         let points = &contacts.points[block.range()];
         let lane = self.lane;
         let used = || points.iter().take(self.offsets.len());
-        let carries = |point: &Points<L>| point.impulse[lane] > 0.0 || point.rest_impulse[lane] > 0.0;
+        let carries =
+            |point: &Points<L>| point.impulse[lane] > 0.0 || point.rest_impulse[lane] > 0.0;
         if self.other.is_some() || used().any(carries) {
             return;
         }

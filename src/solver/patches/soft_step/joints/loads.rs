@@ -16,7 +16,9 @@ pub fn follow(patches: &[LeafPatch], problem: &mut PatchProblem, rate: f32) {
     let share = ((FASTER - 1.0) * rate).min(1.0);
     for patch in patches {
         let points = &mut problem.points[problem.patches[patch.patch].range()];
-        let new = points.iter().map(|point| point.normal_impulse - point.rest_impulse);
+        let new = points
+            .iter()
+            .map(|point| point.normal_impulse - point.rest_impulse);
         let more = share * new.sum::<f32>() / points.len() as f32;
         for point in points {
             point.rest_impulse = (point.rest_impulse + more).max(0.0);

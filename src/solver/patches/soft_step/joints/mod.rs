@@ -131,6 +131,21 @@ impl Joints {
             .is_some_and(|&member| member != u32::MAX)
     }
 
+    /// The bodies of each piece, and its inverse mass as a whole, 1/kg; 0 if something holds it that does not move.
+    pub fn wholes(&self) -> impl Iterator<Item = (impl Iterator<Item = usize> + '_, f32)> + '_ {
+        self.pieces.iter().map(|piece| {
+            let members = &self.members[piece.members.clone()];
+            let links = self.links[piece.links.clone()].iter();
+            let is_free = links
+                .flat_map(|link| link.ends)
+                .all(|end| piece.members.contains(&end))
+                && members.iter().all(Member::moves_along_all_axes);
+            let mass: f32 = members.iter().map(|member| 1.0 / member.inverse_mass).sum();
+            let bodies = members.iter().map(|member| member.body as usize);
+            (bodies, if is_free { 1.0 / mass } else { 0.0 })
+        })
+    }
+
     /// Finds the pieces, if the joints are not those of the last step.
     pub fn place(&mut self, problem: &PatchProblem, batches: &Batches) {
         let shape = problem.joints.iter().map(|joint| Shape::of(joint, problem));

@@ -97,7 +97,7 @@ pub struct Bend {
 impl Bend {
     /// The acceleration of a coordinate at constant velocities of the bodies, m/s²: a straight motion over a short time h changes a
     /// translation or a distance by h times its rate and ½h² times this. That of rotations is left out.
-    fn curvature(&self, coordinate: usize, direction: Vec3) -> f32 {
+    pub fn curvature(&self, coordinate: usize, direction: Vec3) -> f32 {
         match coordinate {
             0..3 => direction.dot(self.along_axes),
             _ if is_angular(coordinate) => 0.0,

@@ -475,7 +475,7 @@ impl Piece {
                 let impulse = (row.impulse + found).clamp(low, high);
                 sum += (impulse - row.impulse) * row.lack;
                 if !soft {
-                    row.late += impulse - row.impulse;
+                    row.count_late(impulse - row.impulse);
                 }
                 row.impulse = impulse;
             }

@@ -68,8 +68,10 @@ pub struct Row {
     /// Its compliance in the scale of `response`, if it is a row of a section; else 0, and it is in proportion to `response`.
     pub softness: f32,
     pub impulse: f32,
-    /// The part of it that the rigid sweep of this substep has added.
+    /// The part of it that the rigid sweep of this substep has added because arms have turned.
     pub late: f32,
+    /// The rate that a substep of turning makes it lack, m/s.
+    turned: f32,
     pub bound: Bound,
     /// Its place among the unknowns of its pair, in the factorized system; unknown if a bound holds it.
     pub place: usize,
@@ -100,6 +102,7 @@ impl Row {
             softness: 0.0,
             impulse: 0.0,
             late: 0.0,
+            turned: 0.0,
             bound: Bound::Free,
             place: 0,
             is_released: false,
@@ -221,6 +224,13 @@ impl Row {
         }
     }
 
+    /// Takes over a change of its impulse in a rigid sweep: how much of it is due to the turning of arms.
+    pub fn count_late(&mut self, change: f32) {
+        if self.lack != 0.0 {
+            self.late += (self.turned / self.lack).abs().min(1.0) * change;
+        }
+    }
+
     /// Finds the rate that it lacks, from the velocities of A and B now and the bend of their way.
     pub fn find_lack(&mut self, soft: bool, h: f32, bend: &Bend, velocities: [[Vec3; 2]; 2]) {
         let mut wanted = self.law.rigid;
@@ -228,6 +238,7 @@ impl Row {
             wanted += self.correction();
         }
         if self.law.is_held {
+            self.turned = h * bend.curvature(self.coordinate, self.direction);
             wanted -= bend.inward_rate(self.coordinate, self.direction, h);
         }
         if self.part != Part::Hold {

@@ -115,6 +115,34 @@ fn each_kind_is_drawn_where_it_is_asked_for() {
     assert!(bond.iter().flatten().all(|at| at.y.abs() < 0.01));
 }
 
+/// A swing cone: its rim, four lines to it, and the axis that it holds, beside what is drawn of every joint.
+#[test]
+fn a_swing_cone_is_drawn() {
+    let (mut app, cube) = app();
+    let at = Vec3::new(0.0, 2.0, 0.0);
+    let joint = SphericalJoint::new(None, cube).with_anchor(at);
+    let show = || PhysicsGizmos {
+        joints: true,
+        ..nothing()
+    };
+    let joint = app.world_mut().spawn(joint).id();
+    let plain = lines(&mut app, show()).len();
+    app.world_mut()
+        .get_mut::<SphericalJoint>(joint)
+        .unwrap()
+        .swing_cone = Some(0.5);
+    let with_cone = lines(&mut app, show());
+    assert_eq!(with_cone.len(), plain + 24 + 4 + 1);
+    let on_rim = |point: &&Vec3| {
+        let out = **point - at;
+        (out.length() - 0.15).abs() < 1e-3 && (out.angle_between(Vec3::Y) - 0.5).abs() < 1e-3
+    };
+    assert_eq!(
+        with_cone.iter().flatten().filter(on_rim).count(),
+        2 * 24 + 4
+    );
+}
+
 #[test]
 fn every_shape_has_lines() {
     let (mut app, _) = app();

@@ -1,4 +1,5 @@
-//! The joints: the outline of each bonded patch; of others a cross at each anchor, lines to the bodies, the axes of the frame on body 1, and the limits of what is limited.
+//! The joints: the outline of each bonded patch; of others a cross at each anchor, lines to the bodies, the axes of the frame on body 1, and the
+//! limits of what is limited. A swing cone comes with the axis that it holds.
 
 use super::PhysicsGizmos;
 use crate::body::BodyTable;
@@ -8,6 +9,7 @@ use bevy_ecs::prelude::*;
 use bevy_gizmos::config::GizmoConfigStore;
 use bevy_gizmos::gizmos::Gizmos;
 use glam::{Quat, Vec3};
+use std::f32::consts::TAU;
 
 const HELD: Color = Color::srgb(0.95, 0.85, 0.35);
 const APART: Color = Color::srgb(0.95, 0.20, 0.15);
@@ -22,8 +24,9 @@ const LIMIT: Color = Color::srgb(0.95, 0.55, 0.15);
 /// Length of an axis and radius of an arc, m.
 const AXIS: f32 = 0.15;
 
-/// Number of lines of an arc.
+/// Number of lines of an arc, and of the rim of a cone.
 const ARC: u32 = 12;
+const RIM: u32 = 24;
 
 /// Draws the joints that take part in the simulation.
 pub(super) fn joints(
@@ -36,7 +39,7 @@ pub(super) fn joints(
         return;
     }
     for edge in &joints {
-        let [(one, frame, center), (other, _, far)] = edge.placed(&table);
+        let [(one, frame, center), (other, turned, far)] = edge.placed(&table);
         if let Some(section) = &edge.definition.section {
             let [a, b, c, d] = crate::mortar::corners(section, one, frame);
             for [from, to] in [[a, b], [b, c], [c, d], [d, a], [a, c]] {
@@ -48,6 +51,10 @@ pub(super) fn joints(
         gizmos.line(far, other, HELD);
         // What a joint lets through, or does not hold.
         gizmos.line(one, other, APART);
+        if let Some(angle) = edge.definition.swing {
+            cone(one, frame, angle, |[a, b]| gizmos.line(a, b, LIMIT));
+            gizmos.ray(one, AXIS * (turned * Vec3::X), HELD);
+        }
         let axes = &edge.definition.axes;
         for (i, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
             let direction = frame * axis;
@@ -64,6 +71,17 @@ pub(super) fn joints(
             }
         }
     }
+}
+
+/// A cone about the x axis of a frame, of this half opening angle: its rim and four lines from its tip.
+fn cone(tip: Vec3, frame: Quat, angle: f32, mut line: impl FnMut([Vec3; 2])) {
+    let (sine, cosine) = bevy_math::ops::sin_cos(angle);
+    let point = |i: u32| {
+        let around = Quat::from_rotation_x(TAU * i as f32 / RIM as f32);
+        tip + AXIS * (frame * (around * Vec3::new(cosine, sine, 0.0)))
+    };
+    (0..RIM).for_each(|i| line([point(i), point(i + 1)]));
+    (0..4).for_each(|i| line([tip, point(i * RIM / 4)]));
 }
 
 /// A sector about an axis of a frame, from one angle to another.

@@ -6,6 +6,7 @@ use crate::solver::{JointAxis, JointMotor, Section};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
+use std::f32::consts::PI;
 
 /// The bodies and frames of a joint. [`joint_builder`](super::builder) implements it for every type.
 pub(crate) trait JointEnds {
@@ -39,6 +40,8 @@ pub(crate) struct JointDefinition {
     pub valid_axis: bool,
     pub axes: [JointAxis; 6],
     pub distance: Option<Distance>,
+    /// The largest angle between the solver's x axes, rad.
+    pub swing: Option<f32>,
     pub collision: bool,
     /// The section of a bonded patch, by which the joint breaks.
     pub section: Option<Section>,
@@ -105,6 +108,7 @@ impl JointDefinition {
             valid_axis: true,
             axes: [JointAxis::LOCKED; 6],
             distance: None,
+            swing: None,
             collision,
             section: None,
         }
@@ -180,6 +184,13 @@ impl JointDefinition {
             return Err(JointProblem::InvalidSection);
         }
         self.axes.iter().try_for_each(check)?;
+        // A comparison with NaN is false.
+        if self
+            .swing
+            .is_some_and(|angle| !(angle > 0.0 && angle <= PI))
+        {
+            return Err(JointProblem::InvalidCone);
+        }
         match &self.distance {
             None | Some(Distance::Untaken(None)) => Ok(()),
             Some(Distance::Spring(motor) | Distance::Untaken(Some(motor))) => check_motor(motor),

@@ -113,6 +113,7 @@ impl JointEdge {
                 .definition
                 .distance_axis()
                 .filter(|axis| *axis != JointAxis::FREE),
+            swing: self.definition.swing.map(JointAxis::at_most),
             section: self.definition.section,
             slack: self.slack(table),
             ..Default::default()

@@ -21,6 +21,11 @@ pub enum JointProblem {
     /// Limits are reversed, not numbers, or out of bounds.
     #[error("its limits are not numbers, or the minimum is above the maximum")]
     InvalidLimits,
+    /// The angle of a swing cone is not above zero, or above π.
+    #[error(
+        "the angle of its swing cone is not between 0 and π; use a `RevoluteJoint` if it shall not swing"
+    )]
+    InvalidCone,
     /// The maximum of a distance is not above zero.
     #[error(
         "the maximum of its distance is not above zero; use a `SphericalJoint` to keep two points together"

@@ -3,7 +3,7 @@
 use super::JointEdge;
 use super::list::look_again;
 use crate::body::{SpawnOrder, limits};
-use crate::solver::JointConstraint;
+use crate::solver::{COORDINATES, JointConstraint};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -30,10 +30,12 @@ pub struct JointForces {
     pub filtered_force: f32,
     /// The largest magnitude of the torque, N·m, filtered as the force is.
     pub filtered_torque: f32,
-    /// What the next solve starts from: the forces along and torques about the axes, N and N·m.
-    pub(crate) start: [f32; 7],
+    /// What the next solve starts from: the forces along and torques about the coordinates, N and N·m.
+    pub(crate) start: [f32; COORDINATES],
     /// Force and torque in the axes of the frame on body 1, filtered, N and N·m.
     pub(crate) filtered: [Vec3; 2],
+    /// See [`JointConstraint::late`].
+    pub(crate) late: [Vec3; 2],
 }
 
 impl JointForces {
@@ -47,6 +49,7 @@ impl JointForces {
             filtered_torque: solved.peak[1],
             start: solved.forces,
             filtered: solved.filtered,
+            late: solved.late,
         }
     }
 }

@@ -5,9 +5,10 @@
 
 use super::{
     DistanceJoint, FixedJoint, GenericJoint, JointChanges, JointDefinition, JointDisabled,
-    JointEdge, JointEnds, JointFrame, JointType, PrismaticJoint, RevoluteJoint, SphericalJoint,
-    SpringJoint,
+    JointEdge, JointEnds, JointFrame, JointType, PrismaticJoint, QuarantinedJoint, RevoluteJoint,
+    SphericalJoint, SpringJoint,
 };
+use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
 use crate::state::visitor::Visitor;
@@ -44,6 +45,25 @@ macro_rules! joint_types {
                 found = Some(of.definition());
             })+
             (count, found)
+        }
+
+        /// Joints that take no part in the simulation yet and have bodies, valid or not, in spawn order: those that were added since the last
+        /// step, and those that wait for a body.
+        pub(crate) fn added(world: &World) -> Vec<(Entity, [Option<Entity>; 2])> {
+            // Before the first step there is nothing that they could join.
+            let Some(mut joints) = world.try_query_filtered::<EntityRef, DetachedJoints>() else {
+                return Vec::new();
+            };
+            let joints = joints.iter(world);
+            let joints = joints.filter(|joint| !joint.contains::<QuarantinedJoint>());
+            let mut joints: Vec<_> = joints
+                .filter_map(|joint| {
+                    let order = joint.get().copied().unwrap_or(SpawnOrder::NONE);
+                    Some((order, joint.id(), definition(joint).1?.bodies))
+                })
+                .collect();
+            joints.sort_unstable_by_key(|&(order, joint, _)| (order, joint));
+            joints.into_iter().map(|(_, joint, bodies)| (joint, bodies)).collect()
         }
 
         /// Replaces frames that are given in the world, or not given, by local ones. `distance` is that of the anchors, m.

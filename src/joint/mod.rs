@@ -10,7 +10,7 @@
 //! | connect with a spring | [`SpringJoint`] |
 //! | choose what each of the six axes does | [`GenericJoint`] |
 //! | drive or hold in place | [`JointMotor`], with `with_motor` |
-//! | bound the motion | `with_limits`, `with_angle_limits`, `with_twist_limits`, … |
+//! | bound the motion | `with_limits`, `with_angle_limits`, `with_twist_limits`, `with_swing_cone`, … |
 //! | brake by dry friction | `with_friction` |
 //! | bond two faces with mortar | [`Mortar`](crate::mortar::Mortar), which makes joints of its own |
 //! | let it break | [`BreakForce`]; [`JointBroke`] reports it |
@@ -46,7 +46,7 @@
 //! # From Avian and Rapier
 //! Types and builder methods have Avian's names. Differences: a joint to the world needs no static body; an anchor that is not given is where the
 //! bodies are, and not at the origin of each; jointed bodies do not collide unless asked; there is no compliance or damping to tune, because
-//! joints are solved directly. From bevy_rapier: a joint is an entity and not a component of one of its bodies; `locked_axes` is
+//! joints are solved directly; Avian's `swing_limit` is `swing_cone`. From bevy_rapier: a joint is an entity and not a component of one of its bodies; `locked_axes` is
 //! [`GenericJoint::with_locked_axes`], `motor_velocity` and `motor_position` are [`JointMotor::velocity`] and [`JointMotor::position`].
 //!
 //! Under the point solvers ([`Pgs`](crate::solver::Pgs), [`Nncg`](crate::solver::Nncg)) joints are plain rows, which heavy loads stretch.
@@ -92,7 +92,7 @@ pub(crate) use forces::trigger;
 pub use forces::{BreakForce, JointBroke, JointForces, joint_events};
 pub use frame::{JointAnchor, JointBasis, JointFrame};
 pub use generic::{GenericJoint, JointAxes};
-pub(crate) use list::{copy, look_again, register, visit};
+pub(crate) use list::{added, copy, look_again, register, visit};
 pub use prismatic::PrismaticJoint;
 pub use query::{BodyJoint, Joints, joints_of};
 pub use revolute::RevoluteJoint;

@@ -10,7 +10,7 @@ use crate::contact::{
     ContactAnchors, ContactHooks, ContactImpulses, ContactPair, ContactTargets, Manifold,
     NarrowphaseCache,
 };
-use crate::joint::{self, BreakForce, JointEdge, JointForces};
+use crate::joint::{self, BreakForce, JointForces};
 use crate::mortar::Mortar;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::settings::{
@@ -192,16 +192,14 @@ pub(super) fn copy(
     copy.id()
 }
 
-/// A copy of a joint between copies of its bodies.
+/// A copy of a joint between these bodies of the copy.
 pub(super) fn copy_joint(
     world: &World,
     joint: Entity,
     shadow: &mut World,
-    copies: &HashMap<Entity, Entity>,
+    bodies: [Option<Entity>; 2],
 ) -> Option<Entity> {
     let original = world.get_entity(joint).ok()?;
-    let bodies = original.get::<JointEdge>()?.definition.bodies;
-    let bodies = bodies.map(|body| body.and_then(|body| copies.get(&body).copied()));
     let mut copy = shadow.spawn_empty();
     if let Some(forces) = original.get::<JointForces>() {
         copy.insert(*forces);

@@ -6,7 +6,8 @@
 //! steps it finishes sooner, but falling bodies end up only roughly where they would.
 //!
 //! The copy has none of your own systems, and no hands. It leaves out bodies that were despawned or disabled since the last step. Bodies
-//! that were spawned or moved since then are where they are now, if the world has been [refreshed](crate::refresh()).
+//! that were spawned or moved since then are where they are now, if the world has been [refreshed](crate::refresh()); joints that were added
+//! since then hold.
 //!
 //! ```
 //! use bevy_transform::components::Transform;

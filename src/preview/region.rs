@@ -6,7 +6,7 @@ use crate::body::{BodyState, BodyTable, Pending, is_body};
 use crate::broadphase::Broadphase;
 use crate::contact::ContactPair;
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD};
-use crate::joint::JointEdge;
+use crate::joint::{self, JointEdge};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -23,6 +23,8 @@ pub(super) struct Region<'w> {
     pub bereft: HashSet<u32>,
     /// Bodies that were spawned or moved since the last step, as the next step will find them.
     pub pending: Vec<&'w BodyState>,
+    /// Joints that were added since the last step, and their bodies, in spawn order.
+    pub added: Vec<(Entity, [Option<Entity>; 2])>,
 }
 
 impl<'w> Region<'w> {
@@ -40,6 +42,7 @@ impl<'w> Region<'w> {
             structure: HashSet::default(),
             bereft: HashSet::default(),
             pending: Vec::new(),
+            added: joint::added(world),
         };
         let pending = world.resource::<Pending>();
         let pending = pending.is_of(table).then_some(pending);
@@ -125,24 +128,29 @@ impl<'w> Region<'w> {
                     );
                 }
             }
+            for (_, bodies) in &self.added {
+                if bodies.contains(&Some(body.entity)) {
+                    let others = bodies.iter().flatten();
+                    next.extend(others.filter_map(|&other| self.table.slot_of(world, other)));
+                }
+            }
         }
     }
 
-    /// The joints of which all bodies are copied, in spawn order.
-    pub fn joints(&self, world: &World, copies: &HashMap<Entity, Entity>) -> Vec<Entity> {
+    /// The joints of the bodies, and their bodies, in spawn order.
+    pub fn joints(&self, world: &World) -> Vec<(Entity, [Option<Entity>; 2])> {
         let slots = self.slots.iter();
         let joints = slots.flat_map(|&slot| self.graph.edges_of_kind(slot, EdgeKind::Joint));
         let mut joints: Vec<_> = joints
             .filter_map(|joint| {
                 let edge = world.get::<JointEdge>(joint)?;
-                let mut bodies = edge.definition.bodies.iter().flatten();
-                let copied = bodies.all(|body| copies.contains_key(body));
-                copied.then_some((edge.order, joint))
+                Some((edge.order, joint, edge.definition.bodies))
             })
             .collect();
         joints.sort_unstable();
         joints.dedup();
-        joints.into_iter().map(|(_, joint)| joint).collect()
+        let joints = joints.into_iter();
+        joints.map(|(_, joint, bodies)| (joint, bodies)).collect()
     }
 
     /// The contacts between the bodies that are copied.

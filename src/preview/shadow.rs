@@ -6,7 +6,6 @@ use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
 use crate::children::shape_of;
 use crate::collider::{Collider, CollisionExceptions};
-use crate::joint::JointEdge;
 use crate::schedule::step;
 use crate::settings::STEP_LENGTHS;
 use crate::settings::{Preset, SleepSettings, StepTime};
@@ -241,16 +240,17 @@ impl Shadow {
             poses.insert(copy, (from, from != body.pose));
         }
         let contacts = region.contacts(world, &copies);
-        for joint in region.joints(world, &copies) {
-            if let Some(copy) = copy_joint(world, joint, &mut shadow.world, &copies) {
-                let bodies = world
-                    .get::<JointEdge>(joint)
-                    .map(|edge| edge.definition.bodies);
-                shadow.joints.push((copy, bodies.unwrap_or_default()));
-            }
+        for (joint, bodies) in region.joints(world) {
+            shadow.join(world, joint, bodies);
         }
         for body in region.pending {
             shadow.bring_up_to_date(world, body);
+        }
+        // As in the next step, bodies that are joined wake.
+        for (joint, bodies) in region.added {
+            if shadow.join(world, joint, bodies) {
+                shadow.wake(bodies);
+            }
         }
         shadow.copy_exceptions(world);
         shadow
@@ -266,12 +266,28 @@ impl Shadow {
             .extract_if(.., |(_, bodies)| bodies.contains(&Some(body)));
         for (joint, bodies) in removed.collect::<Vec<_>>() {
             self.world.despawn(joint);
-            for other in bodies.into_iter().flatten() {
-                if let Some(copy) = self.copy_of(other)
-                    && let Some(mut sleeping) = self.world.get_mut::<Sleeping>(copy)
-                {
-                    sleeping.wake();
-                }
+            self.wake(bodies);
+        }
+    }
+
+    /// Copies a joint, if its bodies are copied. Returns whether they are.
+    fn join(&mut self, world: &World, joint: Entity, bodies: [Option<Entity>; 2]) -> bool {
+        let ends = bodies.map(|body| body.and_then(|body| self.copy_of(body)));
+        if ends.map(|end| end.is_none()) != bodies.map(|body| body.is_none()) {
+            return false;
+        }
+        let copy = copy_joint(world, joint, &mut self.world, ends);
+        self.joints.extend(copy.map(|copy| (copy, bodies)));
+        copy.is_some()
+    }
+
+    /// Wakes the copies of bodies.
+    fn wake(&mut self, bodies: [Option<Entity>; 2]) {
+        for body in bodies.into_iter().flatten() {
+            if let Some(copy) = self.copy_of(body)
+                && let Some(mut sleeping) = self.world.get_mut::<Sleeping>(copy)
+            {
+                sleeping.wake();
             }
         }
     }

@@ -287,8 +287,8 @@ fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
             (grab.force, grab.torque) = (Vec3::ZERO, Vec3::ZERO);
         }
         for joint in &mut island.joints {
-            joint.forces = [0.0; 7];
-            (joint.mean, joint.filtered) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
+            joint.forces = Default::default();
+            (joint.mean, joint.filtered, joint.late) = Default::default();
         }
     }
 }

@@ -20,6 +20,7 @@ mod width;
 
 pub use body::Body;
 pub use grab::GrabConstraint;
+pub(crate) use joint::COORDINATES;
 pub use joint::{JointAxis, JointConstraint, JointMotor, MortarFailure, Section, Utilization};
 pub use patches::{
     FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,

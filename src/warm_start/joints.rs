@@ -136,6 +136,7 @@ impl<R: Rows> ProblemSet<R> {
             island.joints.push(JointConstraint {
                 forces: forces.start,
                 filtered: forces.filtered,
+                late: forces.late,
                 filter: breaks.copied().unwrap_or_default().response,
                 ..edge.constraint(table)
             });

@@ -544,3 +544,43 @@ fn bodies_of_this_frame_are_in_a_preview() {
     let gone = preview(&lab.world, &Edit::Remove(vec![lintel]));
     assert_eq!(gone.err(), Some(PreviewError::NotABody(lintel)));
 }
+
+/// A joint that was added since the last step holds, also between bodies that are far from each other or were added themselves.
+#[test]
+fn joints_added_since_the_last_step_hold() {
+    use drystone::prelude::{DistanceJoint, FixedJoint, SphericalJoint};
+    let mut lab = Lab::new();
+    lab.ground();
+    let brick = |lab: &mut Lab, x: f32, y: f32| {
+        lab.body(Collider::cuboid(1.0, 0.5, 0.5), Vec3::new(x, y, 0.0))
+    };
+    let [low, high] = [0.25, 0.75].map(|y| brick(&mut lab, 0.0, y));
+    let far = brick(&mut lab, 30.0, 0.25);
+    lab.run(1.0);
+    let moved = |lab: &Lab, edit: Edit| preview(&lab.world, &edit).unwrap().moved;
+    let without = || Edit::Remove(vec![low]);
+    assert_eq!(moved(&lab, without()).len(), 1);
+    let hook = lab.spawn(SphericalJoint::new(None, high).with_anchor(Vec3::Y * 0.75));
+    assert_eq!(moved(&lab, without()), []);
+    lab.world.despawn(hook);
+    assert_eq!(moved(&lab, without()).len(), 1);
+    // A rope to a far brick goes along with the structure.
+    lab.spawn(FixedJoint::new(None, far));
+    lab.spawn(DistanceJoint::new(far, high));
+    let shadow = Shadow::of(&lab.world, &without()).unwrap();
+    assert!(shadow.copy_of(far).is_some());
+    let found = preview(&lab.world, &without()).unwrap();
+    let edit = without();
+    let Edit::Remove(removed) = edit else {
+        unreachable!()
+    };
+    lab.world.despawn(removed[0]);
+    lab.run(3.0);
+    let to = found
+        .moved
+        .iter()
+        .find(|moved| moved.body == high)
+        .unwrap()
+        .to;
+    assert!(to.position.distance(lab.position(high)) < 1e-3);
+}

@@ -1,6 +1,7 @@
 //! The coordinates of a joint, and the directions in which they change.
 
 use super::JointConstraint;
+use super::rows::{SWING, is_angular};
 use bevy_math::ops;
 use glam::{Quat, Vec3};
 
@@ -35,7 +36,7 @@ pub struct Geometry {
     frame: Quat,
     /// B's frame relative to A's.
     relative: Quat,
-    /// The axis of the only rotation that is not locked.
+    /// The axis of the only rotation that is not locked, or of the twist of a joint with a cone.
     hinge: Option<usize>,
     /// `relative` as a rotation vector, if rotations are its components and something acts on them.
     turn: Option<Turn>,
@@ -96,10 +97,10 @@ pub struct Bend {
 impl Bend {
     /// The acceleration of a coordinate at constant velocities of the bodies, m/s²: a straight motion over a short time h changes a
     /// translation or a distance by h times its rate and ½h² times this. That of rotations is left out.
-    fn curvature(&self, coordinate: usize, direction: Vec3) -> f32 {
+    pub fn curvature(&self, coordinate: usize, direction: Vec3) -> f32 {
         match coordinate {
             0..3 => direction.dot(self.along_axes),
-            3..6 => 0.0,
+            _ if is_angular(coordinate) => 0.0,
             _ => {
                 let along = direction.dot(self.rate);
                 let across = self.rate.length_squared() - along * along;
@@ -136,6 +137,7 @@ impl Geometry {
         let relative = frame.inverse() * other;
         let mut turns = (3..6).filter(|&axis| !joint.axes[axis].is_locked());
         let hinge = match (turns.next(), turns.next()) {
+            _ if joint.swing.is_some() => Some(0),
             (Some(axis), None) => Some(axis - 3),
             _ => None,
         };
@@ -157,14 +159,15 @@ impl Geometry {
         }
     }
 
-    /// Three translations, three rotations and the distance.
+    /// Three translations, three rotations, the distance and the swing.
     pub fn coordinate(&self, number: usize) -> Coordinate {
         match number {
             0..3 => Coordinate {
                 value: self.axes[number].dot(self.gap),
                 direction: self.axes[number],
             },
-            3..6 => match self.hinge {
+            SWING => self.swing(),
+            _ if is_angular(number) => match self.hinge {
                 Some(hinge) if number == hinge + 3 => self.angle(hinge),
                 Some(hinge) => self.tilt(hinge, number - 3),
                 None => self.turn(number - 3),
@@ -216,6 +219,20 @@ impl Geometry {
         }
     }
 
+    /// The angle between the x axes of A and B. Where they are one, any direction across them is as good.
+    fn swing(&self) -> Coordinate {
+        let (own, other) = self.hinge_axes(0);
+        let across = own.cross(other);
+        let sine = across.length();
+        Coordinate {
+            value: ops::atan2(sine, own.dot(other)),
+            direction: match sine > NONE {
+                true => self.frame * (across / sine),
+                false => self.axes[1],
+            },
+        }
+    }
+
     /// The hinge axes of A and B in A's frame.
     fn hinge_axes(&self, hinge: usize) -> (Vec3, Vec3) {
         let own = Vec3::AXES[hinge];
@@ -251,7 +268,7 @@ impl Geometry {
     /// and A along the others.
     pub fn jacobian(&self, coordinate: usize, direction: Vec3) -> (Vec3, [Vec3; 2]) {
         match coordinate {
-            3..6 => (Vec3::ZERO, [direction; 2]),
+            _ if is_angular(coordinate) => (Vec3::ZERO, [direction; 2]),
             _ => (direction, self.arms.map(|arm| arm.cross(direction))),
         }
     }
@@ -300,8 +317,16 @@ mod tests {
     /// Rates and curvatures are those of finite differences.
     #[test]
     fn directions_are_derivatives() {
-        for (free, numbers) in [(vec![0, 1, 2, 3, 4, 5], 0..7), (vec![], 0..3)] {
-            let joint = joint(&free);
+        let all = || vec![0, 1, 2, 3, 4, 5];
+        for (free, swing, numbers) in [
+            (all(), None, 0..7),
+            (vec![], None, 0..3),
+            (all(), Some(JointAxis::at_most(1.0)), SWING..8),
+        ] {
+            let joint = JointConstraint {
+                swing,
+                ..joint(&free)
+            };
             let now = Geometry::new(&joint, after(0.0));
             for number in numbers {
                 let h = 0.01;
@@ -310,7 +335,7 @@ mod tests {
                 let Coordinate { value, direction } = now.coordinate(number);
                 let [[_, turns], [_, spins]] = VELOCITIES;
                 let rate = match number {
-                    3..6 => spins - turns,
+                    _ if is_angular(number) => spins - turns,
                     6 => now.rate(VELOCITIES) + turns.cross(now.gap),
                     _ => now.rate(VELOCITIES),
                 };
@@ -322,6 +347,25 @@ mod tests {
                     let found = (later - 2.0 * value + before) / (h * h);
                     assert!((bent - found).abs() < 0.02, "{number}: {bent} {found}");
                 }
+            }
+        }
+    }
+
+    /// The twist of a joint with a cone does not depend on its swing.
+    #[test]
+    fn swing_and_twist_are_apart() {
+        for twist in [-2.5f32, -0.7, 0.0, 1.2] {
+            for (swing, about) in [(0.0f32, 0.4f32), (0.3, 1.0), (1.2, 2.6), (1.9, -2.0)] {
+                let mut joint = joint(&[3, 4, 5]);
+                joint.swing = Some(JointAxis::at_most(2.0));
+                let across = Quat::from_rotation_x(about) * Vec3::Y;
+                joint.frames[1] = joint.frames[0]
+                    * Quat::from_axis_angle(across, swing)
+                    * Quat::from_rotation_x(twist);
+                let geometry = Geometry::new(&joint, [Placement::START; 2]);
+                let found = [3, SWING].map(|number| geometry.coordinate(number).value);
+                assert!((found[0] - twist).abs() < 1e-5, "{found:?} {twist}");
+                assert!((found[1] - swing).abs() < 1e-5, "{found:?} {swing}");
             }
         }
     }

@@ -14,7 +14,9 @@ use bevy_reflect::Reflect;
 pub(super) use geometry::{Bend, Geometry, Placement};
 use glam::{Quat, Vec3};
 pub(super) use plain::PlainJoint;
-pub(super) use rows::{COORDINATES, Law, Part, Times, rows_of, take_share};
+pub(crate) use rows::COORDINATES;
+use rows::SWING;
+pub(super) use rows::{Law, Part, Times, is_angular, rows_of, take_share};
 pub use section::{MortarFailure, Section, Utilization};
 
 /// The input of a solver for a joint, and its results.
@@ -30,18 +32,22 @@ pub struct JointConstraint {
     pub frames: [Quat; 2],
     /// Translation of B's anchor along x, y and z of A's frame, m; then rotation of B's frame relative to A's about x, y and z, rad.
     ///
-    /// If one rotation is not locked, it is the full angle about that axis, −π to π, and the others are the tilt of the axis. Otherwise the
-    /// rotations are the components of the rotation vector.
+    /// If one rotation is not locked, it is the full angle about that axis, −π to π, and the others are the tilt of the axis. So it is for the
+    /// rotation about x if there is a `swing`. Otherwise the rotations are the components of the rotation vector.
     pub axes: [JointAxis; 6],
     /// The distance of the anchors, m: for ropes and springs. It is never locked at zero; lock the translations for that.
     pub distance: Option<JointAxis>,
-    /// In: the forces along and torques about `axes`, on B, N and N·m, and the force along the line between the anchors, to begin with.
-    /// Out: those at the end of the step.
-    pub forces: [f32; 7],
+    /// The angle between the x axes of both frames, rad, which has a maximum: B's lies within a cone about A's.
+    pub swing: Option<JointAxis>,
+    /// In: the forces along and torques about `axes`, on B, N and N·m, the force along the line between the anchors, and the torque
+    /// against the swing, to begin with. Out: those at the end of the step.
+    pub forces: [f32; 8],
     /// Out: the mean force at the anchor on B over the step, N, and torque, N·m, world axes.
     pub mean: [Vec3; 2],
     /// In and out: force and torque on B, N and N·m, in A's frame, filtered by a low-pass with the time constant `filter`.
     pub filtered: [Vec3; 2],
+    /// In and out: the part of the forces in the last substep that counts as the next one's in `filtered`, in A's frame.
+    pub late: [Vec3; 2],
     /// Out: the largest length of each of them during the step, N and N·m: a joint breaks by these, at any length of a step.
     pub peak: [f32; 2],
     /// Time constant of that low-pass, s.
@@ -64,9 +70,11 @@ impl Default for JointConstraint {
             frames: [Quat::IDENTITY; 2],
             axes: [JointAxis::FREE; 6],
             distance: None,
-            forces: [0.0; 7],
+            swing: None,
+            forces: [0.0; 8],
             mean: [Vec3::ZERO; 2],
             filtered: [Vec3::ZERO; 2],
+            late: [Vec3::ZERO; 2],
             peak: [0.0; 2],
             filter: 0.01,
             section: None,
@@ -114,6 +122,14 @@ pub struct JointMotor {
 }
 
 impl JointAxis {
+    /// A coordinate with a maximum.
+    pub const fn at_most(max: f32) -> Self {
+        Self {
+            limits: [f32::NEG_INFINITY, max],
+            ..Self::FREE
+        }
+    }
+
     /// Free motion.
     pub const FREE: Self = Self {
         limits: [f32::NEG_INFINITY, f32::INFINITY],
@@ -138,10 +154,15 @@ impl JointAxis {
 }
 
 impl JointConstraint {
-    /// What acts on a coordinate: the axes, then the distance.
+    /// What acts on a coordinate: the axes, the distance, the swing.
     pub(super) fn axis(&self, coordinate: usize) -> &JointAxis {
-        let distance = || self.distance.as_ref().unwrap_or(&JointAxis::FREE);
-        self.axes.get(coordinate).unwrap_or_else(distance)
+        let apart = if coordinate == SWING {
+            &self.swing
+        } else {
+            &self.distance
+        };
+        let apart = || apart.as_ref().unwrap_or(&JointAxis::FREE);
+        self.axes.get(coordinate).unwrap_or_else(apart)
     }
 
     /// Whether it acts between two bodies of which at least one moves.

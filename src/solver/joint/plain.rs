@@ -1,7 +1,7 @@
 //! A joint row by row, for solvers of points: each row is relaxed by itself, as a contact is. Such a joint yields under load, and the more
 //! so the more bodies hang on each other; Soft Step solves joints directly.
 
-use super::rows::{Times, take_share};
+use super::rows::{Times, is_angular, take_share};
 use super::{COORDINATES, Geometry, JointConstraint, Law, Part, Placement, rows_of};
 use crate::solver::Body;
 use crate::solver::lanes::State;
@@ -138,7 +138,7 @@ impl PlainJoint {
             let along = row.impulse / self.h;
             joint.forces[row.coordinate] += along;
             match row.coordinate {
-                3..6 => torque += along * row.angular[1],
+                coordinate if is_angular(coordinate) => torque += along * row.angular[1],
                 _ => force += along * row.linear,
             }
         }

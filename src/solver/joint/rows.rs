@@ -5,8 +5,16 @@
 
 use super::{JointAxis, JointConstraint, JointMotor};
 
-/// Three translations, three rotations and the distance.
-pub const COORDINATES: usize = 7;
+/// Three translations, three rotations, the distance and the swing.
+pub const COORDINATES: usize = 8;
+
+/// The number of the swing.
+pub const SWING: usize = 7;
+
+/// Whether a coordinate is a rotation.
+pub fn is_angular(coordinate: usize) -> bool {
+    (3..6).contains(&coordinate) || coordinate == SWING
+}
 
 /// What a row does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -50,7 +50,8 @@ fn a_pendulum_pulls_with_three_times_its_weight_at_every_step_length() {
     for dt in [1.0 / 60.0, 1.0 / 30.0, 0.1] {
         let found = jerk(dt) / G;
         println!("dt {dt}: {found} of its weight");
-        assert!((found - 3.0).abs() < 0.15, "{found}");
+        // That of a ball of 0.1 m at 1 m turns along with it: 1 + 2 / 1.004. The low-pass takes 0.2 %.
+        assert!((found - 2.986).abs() < 0.01, "{found}");
     }
 }
 

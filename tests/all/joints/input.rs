@@ -12,7 +12,7 @@ type Break = fn(&mut SphericalJoint, [Entity; 4]);
 
 #[test]
 fn invalid_joints_are_reported_and_come_back_when_they_are_mended() {
-    let cases: [(Break, &str); 10] = [
+    let cases: [(Break, &str); 12] = [
         (
             |joint, _| joint.frame1.anchor = JointAnchor::Local(Vec3::NAN),
             "anchor",
@@ -34,6 +34,8 @@ fn invalid_joints_are_reported_and_come_back_when_they_are_mended() {
             |joint, _| joint.swing_limits = Some(JointLimits::new(f32::NAN, 1.0)),
             "not numbers",
         ),
+        (|joint, _| joint.swing_cone = Some(0.0), "swing cone"),
+        (|joint, _| joint.swing_cone = Some(f32::NAN), "swing cone"),
         (|joint, _| joint.friction = -1.0, "friction"),
         (
             |joint, [_, _, stray, _]| joint.body1 = Some(stray),

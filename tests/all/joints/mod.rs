@@ -1,10 +1,12 @@
 //! Joints: what each type does, edits at run time, bad input, breaking, copies, sleep, and scenes.
 
 mod breaking;
+mod cone;
 mod edits;
 mod input;
 mod scenes;
 mod sleep;
+mod table;
 mod types;
 mod worlds;
 

@@ -51,8 +51,8 @@ fn a_bridge_of_forty_planks_bears_ten_tons() {
         }
         println!("{dt}: off by {} mm, {} mm/s", 1e3 * off, 1e3 * fastest);
         assert!(off < 1e-3, "{dt}: {off}");
-        // Nothing damps the waves that run along it.
-        assert!(fastest < 0.04, "{dt}: {fastest}");
+        // Nothing damps the waves that run along it; they come from the load, which settles on its plank.
+        assert!(fastest < 2e-3, "{dt}: {fastest}");
         assert_eq!(lab.errors(), []);
         assert_eq!(drain::<JointError>(&mut lab), []);
     }
@@ -62,13 +62,16 @@ fn a_bridge_of_forty_planks_bears_ten_tons() {
 #[test]
 fn ragdolls_stay_together() {
     let mut lab = Lab::shipped(1.0 / 60.0);
-    build(&mut lab, "ragdolls:16");
+    build(&mut lab, "ragdolls:27");
     let mut widest = (0f32, 0);
     for step in 0..200 {
         lab.step();
         let joints = joints_apart(&mut lab);
         if joints > widest.0 {
             widest = (joints, step);
+            if joints > 5e-4 {
+                println!("{step}: {joints}");
+            }
         }
     }
     println!("{widest:?}");

@@ -3,6 +3,7 @@
 use super::block::{Pass, Spring};
 use super::halves::Part;
 use super::island::Island;
+use super::joints::Contacts;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
@@ -148,9 +149,14 @@ impl<L: F32xN> Island<L> {
         self.grab_places.begin(problem, h, &mut self.grabs);
         self.refresh(problem, spring, &passes[0], f32::INFINITY);
         let missing = self.warm_start();
-        let velocities = cells(&mut self.velocities);
+        let contacts = Contacts {
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            velocities: cells(&mut self.velocities),
+            motions: cells(&mut self.motions),
+        };
         self.joints
-            .begin(problem, spring, substeps, self.lanes, velocities);
+            .begin(problem, spring, substeps, self.lanes, contacts);
         missing.sqrt()
     }
 
@@ -169,6 +175,6 @@ impl<L: F32xN> Island<L> {
             [body.linear, body.angular] = velocity.map(Vec4::truncate);
             body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
         }
-        self.joints.store(problem, &self.motions);
+        self.joints.store(problem, &self.motions, rate);
     }
 }

@@ -20,10 +20,13 @@ use std::cell::Cell;
 /// See `visit.rs`: the held load of a point is at most its load at rest times this times the share that the patch carries.
 const UNLOADED: f32 = 3.0;
 
+/// Compliance of a contact in a cold start, times its effective mass. That of a spring (0.06) would let a table on light legs begin to sink.
+const RIGID: f32 = 1e-6;
+
 /// A patch between a jointed body and one without joints.
 #[derive(Clone, Debug)]
 pub struct LeafPatch {
-    patch: usize,
+    pub patch: usize,
     block: usize,
     lane: usize,
     /// The jointed body among the members, and its side in the patch.
@@ -87,7 +90,7 @@ pub struct Held {
 
 /// The blocks and bodies of an island.
 pub struct Contacts<'a, L: F32xN> {
-    pub blocks: &'a [Block<L>],
+    pub blocks: &'a mut [Block<L>],
     pub points: &'a mut [Points<L>],
     pub velocities: &'a [Cell<State>],
     pub motions: &'a [Cell<State>],
@@ -189,11 +192,8 @@ impl LeafPatch {
             if impulse <= 0.0 || mass <= 0.0 {
                 continue;
             }
-            let arms = self.arms.map(|arm| arm + offsets[own.start + i]);
-            let along = |[a, b]: [[Vec3; 2]; 2]| {
-                let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
-                self.normal.dot(at(a, arms[0]) - at(b, arms[1]))
-            };
+            let arms = self.arms_of(i, offsets);
+            let along = |motions| self.along(arms, motions);
             let rate = along(velocities);
             // The rigid and the soft row of `visit.rs`, with 1/W and the share of an impulse that it gives back as a compliance.
             let compliance = give / mass;
@@ -211,29 +211,87 @@ impl LeafPatch {
             } else {
                 -(rate + point.gap[lane] * pass.rate)
             };
-            let sign = if self.side == 0 { 1.0 } else { -1.0 };
-            let push = sign * self.normal;
-            let turn = arms[self.side].cross(push);
-            let [push, turn] = [push, turn].map(Vec3::as_dvec3);
-            let other = self.other.map_or(0.0, |other| {
-                let turn = arms[1 - self.side].cross(self.normal);
-                let along = self.normal * other.free_axes;
-                other.inverse_mass * along.length_squared() + turn.dot(other.inverse_inertia * turn)
-            });
             leaves.push(Leaf {
-                key: (number as u64) << 32 | i as u64,
-                patch: number,
-                point: block.range().start + i,
-                member: self.member,
-                numbers: [push.x, push.y, push.z, turn.x, turn.y, turn.z],
                 own_compliance: compliance as f64,
-                compliance: other as f64,
                 lack: lack as f64,
                 impulse: impulse as f64,
-                change: 0.0,
-                is_active: true,
-                held: None,
+                ..self.leaf(number, i, block.range().start + i, arms)
             });
+        }
+    }
+
+    /// Adds its points to the leaves if they carry nothing yet, touch a body that does not move, and are not farther apart than `closed` m. They
+    /// are almost rigid.
+    pub fn collect_new<L: F32xN>(
+        &self,
+        number: usize,
+        contacts: &Contacts<L>,
+        offsets: &[Vec3],
+        closed: f32,
+        leaves: &mut Vec<Leaf>,
+    ) {
+        let block = &contacts.blocks[self.block];
+        let points = &contacts.points[block.range()];
+        let lane = self.lane;
+        let used = || points.iter().take(self.offsets.len());
+        let carries =
+            |point: &Points<L>| point.impulse[lane] > 0.0 || point.rest_impulse[lane] > 0.0;
+        if self.other.is_some() || used().any(carries) {
+            return;
+        }
+        let velocities = self.bodies.map(|body| read(contacts.velocities, body));
+        for (i, point) in used().enumerate() {
+            let mass = point.mass[lane];
+            if mass <= 0.0 || point.separation[lane] > closed {
+                continue;
+            }
+            let arms = self.arms_of(i, offsets);
+            let compliance = (RIGID / mass) as f64;
+            leaves.push(Leaf {
+                own_compliance: compliance,
+                compliance,
+                lack: -self.along(arms, velocities) as f64,
+                ..self.leaf(number, i, block.range().start + i, arms)
+            });
+        }
+    }
+
+    /// From the centres of mass to one of its points, m.
+    fn arms_of(&self, i: usize, offsets: &[Vec3]) -> [Vec3; 2] {
+        self.arms.map(|arm| arm + offsets[self.offsets.start + i])
+    }
+
+    /// The motion along its normal of A relative to B, at a point.
+    fn along(&self, arms: [Vec3; 2], [a, b]: [[Vec3; 2]; 2]) -> f32 {
+        let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
+        self.normal.dot(at(a, arms[0]) - at(b, arms[1]))
+    }
+
+    /// The leaf of a point without impulse, with the response of the other body as its compliance. `number` is that of the patch; `point` is
+    /// its index among the island's points.
+    fn leaf(&self, number: usize, i: usize, point: usize, arms: [Vec3; 2]) -> Leaf {
+        let sign = if self.side == 0 { 1.0 } else { -1.0 };
+        let push = sign * self.normal;
+        let turn = arms[self.side].cross(push);
+        let [push, turn] = [push, turn].map(Vec3::as_dvec3);
+        let other = self.other.map_or(0.0, |other| {
+            let turn = arms[1 - self.side].cross(self.normal);
+            let along = self.normal * other.free_axes;
+            other.inverse_mass * along.length_squared() + turn.dot(other.inverse_inertia * turn)
+        });
+        Leaf {
+            key: (number as u64) << 32 | i as u64,
+            patch: number,
+            point,
+            member: self.member,
+            numbers: [push.x, push.y, push.z, turn.x, turn.y, turn.z],
+            own_compliance: 0.0,
+            compliance: other as f64,
+            lack: 0.0,
+            impulse: 0.0,
+            change: 0.0,
+            is_active: true,
+            held: None,
         }
     }
 }
@@ -287,6 +345,20 @@ impl Leaf {
                 [other.inverse_mass * push * other.free_axes, spin],
             );
         }
+    }
+
+    /// Makes the impulse of its point the load at rest.
+    pub fn rest<L: F32xN>(&self, patches: &[LeafPatch], to: &mut Contacts<L>) {
+        let LeafPatch { block, lane, .. } = patches[self.patch];
+        let block = &mut to.blocks[block];
+        let points = &mut to.points[block.range()];
+        let point = &mut points[self.point - block.range().start];
+        point.rest_impulse[lane] = point.impulse[lane];
+        let load: f32 = points.iter().map(|point| point.rest_impulse[lane]).sum();
+        block.inverse_load[lane] = match load > 0.0 {
+            true => 1.0 / (block.share[lane] * load),
+            false => 0.0,
+        };
     }
 
     /// The rate of its point for velocity changes of the jointed body.

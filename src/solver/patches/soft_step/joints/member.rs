@@ -14,6 +14,13 @@ const LOCKED: f64 = 1e7;
 /// The share of its inertia up to which the geometric stiffness of a body is left to the solve.
 const STIFF: f64 = 0.1;
 
+/// A rotation by more than this makes arms, directions and inertias stale, rad.
+const TURNED: f32 = 1e-4;
+
+/// So does one by which a body under a large pull would turn faster than this, rad/s, as it swings back. Forces along stale directions follow the motion
+/// late, which drives the swing: the planks of a bridge under ten tons moved by 20 mm/s.
+const SWUNG: f32 = 1e-3;
+
 /// A body that joints refer to.
 #[derive(Clone, Debug)]
 pub struct Member {
@@ -36,6 +43,8 @@ pub struct Member {
     /// Geometric stiffness beyond what the solve bears, as an inertia, kg·m²; and the inverse of both together.
     pub excess: DMat3,
     pub answer: Mat3,
+    /// A rotation by which directions become stale, rad.
+    pub bears_turn: f32,
     /// Some axis is locked: the body turns about others only.
     is_singular: bool,
     /// Principal axes and inertias at the beginning of the step; found when first needed.
@@ -65,6 +74,7 @@ impl Member {
             start_inertia: DMat3::ZERO,
             excess: DMat3::ZERO,
             answer: Mat3::ZERO,
+            bears_turn: TURNED,
             is_singular: false,
             principal: None,
             seen: [Vec3::ZERO; 2],
@@ -155,6 +165,9 @@ impl Member {
         let largest = 0.5 * (inertia[0] + inertia[4] + inertia[8]);
         let bound =
             stiffness.x_axis.length() + stiffness.y_axis.length() + stiffness.z_axis.length();
+        // No swing is faster than this, 1/s.
+        let frequency = (bound * trace(&self.start)).sqrt();
+        self.bears_turn = TURNED.min(SWUNG / frequency.max(f32::MIN_POSITIVE));
         let had_excess = self.excess != DMat3::ZERO;
         self.excess = DMat3::ZERO;
         if self.is_singular || square * bound as f64 <= STIFF * 0.01 * largest {
@@ -212,6 +225,11 @@ impl Member {
     /// Whether it turned faster than `slack` (rad/s) after the last solve.
     pub fn turns(&self, slack: f32) -> bool {
         self.seen[1].abs().max_element() > slack
+    }
+
+    /// Whether none of its translations is locked.
+    pub fn moves_along_all_axes(&self) -> bool {
+        self.free_axes == Vec3::ONE
     }
 
     /// Whether it has geometric stiffness beyond what the solve bears.

@@ -20,6 +20,7 @@ mod borders;
 mod breaking;
 mod factor;
 mod leaf;
+mod loads;
 mod member;
 mod piece;
 mod row;
@@ -35,7 +36,8 @@ use crate::solver::joint::{
 use crate::solver::lanes::{F32xN, State, cells, has_fused};
 use crate::solver::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
-use leaf::{Contacts, LeafPatch, read};
+pub use leaf::Contacts;
+use leaf::{LeafPatch, read};
 use member::Member;
 use piece::{Lists, Piece};
 use row::{Link, Row};
@@ -110,6 +112,8 @@ struct Log {
     /// Sums of force and torque, N and N·m.
     sum: [Vec3; 2],
     filtered: [Vec3; 2],
+    /// Of the last rigid sweep.
+    late: [Vec3; 2],
     peak: [f32; 2],
     /// How near its section is to breaking, and how it broke.
     used: Utilization,
@@ -126,6 +130,21 @@ impl Joints {
         self.member_of
             .get(body)
             .is_some_and(|&member| member != u32::MAX)
+    }
+
+    /// The bodies of each piece, and its inverse mass as a whole, 1/kg; 0 if something holds it that does not move.
+    pub fn wholes(&self) -> impl Iterator<Item = (impl Iterator<Item = usize> + '_, f32)> + '_ {
+        self.pieces.iter().map(|piece| {
+            let members = &self.members[piece.members.clone()];
+            let links = self.links[piece.links.clone()].iter();
+            let is_free = links
+                .flat_map(|link| link.ends)
+                .all(|end| piece.members.contains(&end))
+                && members.iter().all(Member::moves_along_all_axes);
+            let mass: f32 = members.iter().map(|member| 1.0 / member.inverse_mass).sum();
+            let bodies = members.iter().map(|member| member.body as usize);
+            (bodies, if is_free { 1.0 / mass } else { 0.0 })
+        })
     }
 
     /// Finds the pieces, if the joints are not those of the last step.
@@ -242,14 +261,14 @@ impl Joints {
         }
     }
 
-    /// Begins a step with substeps of `h` s, and applies the impulses to begin with to `velocities`.
-    pub fn begin(
+    /// Begins a step with substeps of `h` s, and applies the impulses to begin with to velocities.
+    pub fn begin<L: F32xN>(
         &mut self,
         problem: &PatchProblem,
         spring: &Spring,
         substeps: usize,
         lanes: Lanes,
-        velocities: &[Cell<State>],
+        mut contacts: Contacts<L>,
     ) {
         if self.is_empty() {
             return;
@@ -272,6 +291,7 @@ impl Joints {
         let joints = &self.joints;
         let logs = self.links.iter().map(|link| Log {
             filtered: joints[link.joint].filtered,
+            late: joints[link.joint].late,
             ..Log::default()
         });
         self.logs.extend(logs);
@@ -300,17 +320,17 @@ impl Joints {
             let mut links = self.links[piece.links.clone()].iter();
             piece.is_bonded = links.any(|link| self.joints[link.joint].section.is_some());
         }
-        self.restart(velocities, |member, velocities| {
+        self.restart(contacts.velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
             let was = problem.bodies[member.body as usize].start[1];
             (linear, was, angular - was)
         });
-        self.cold_start(problem, velocities);
+        self.cold_start(problem, &mut contacts);
     }
 
-    /// Finds the impulses of pieces that were just built: whose joints have none yet, and whose bodies rest where joints want them. Then finds
-    /// their geometric stiffness.
-    fn cold_start(&mut self, problem: &PatchProblem, velocities: &[Cell<State>]) {
+    /// Finds the impulses of pieces that were just built, and of the contacts on which they stand: whose joints have none yet, and whose bodies
+    /// rest where joints want them. Then finds their geometric stiffness.
+    fn cold_start<L: F32xN>(&mut self, problem: &PatchProblem, contacts: &mut Contacts<L>) {
         let mut lists = Lists {
             members: &mut self.members,
             links: &self.links,
@@ -318,6 +338,9 @@ impl Joints {
             patches: &self.patches,
             offsets: &self.offsets,
         };
+        // The distance that a body falls from rest in a step.
+        let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
+        let closed = fallen.max(PLACED);
         let joints = &self.joints;
         let mut is_any_cold = false;
         for piece in &mut self.pieces {
@@ -326,7 +349,7 @@ impl Joints {
             if forces.all(|force| force == 0.0)
                 && piece.is_built(&lists, PUT, self.bias_rate * PLACED)
             {
-                piece.cold_start(self.h, &mut lists, velocities);
+                piece.cold_start(self.h, closed, &mut lists, contacts);
                 piece.is_refreshed = true;
                 is_any_cold = true;
             }
@@ -334,7 +357,7 @@ impl Joints {
         if !is_any_cold {
             return;
         }
-        self.restart(velocities, |member, velocities| {
+        self.restart(contacts.velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
             let was = problem.bodies[member.body as usize].start[1];
             let [moves, turns] = member.given;
@@ -368,7 +391,7 @@ impl Joints {
             }
             record(
                 piece,
-                (lists.links, lists.rows),
+                (lists.links, &mut *lists.rows),
                 &mut self.logs,
                 (&self.joints, self.h),
             );
@@ -427,7 +450,7 @@ impl Joints {
             if is_last || !piece.is_calm || piece.is_bonded {
                 record(
                     piece,
-                    (&self.links, &self.rows),
+                    (&self.links, &mut self.rows),
                     &mut self.logs,
                     (&self.joints, self.h),
                 );
@@ -506,11 +529,12 @@ impl Joints {
         }
     }
 
-    /// Stores the results.
-    pub fn store(&self, problem: &mut PatchProblem, motions: &[State]) {
+    /// Stores the results. Loads at rest of contacts have followed by the share `rate`.
+    pub fn store(&self, problem: &mut PatchProblem, motions: &[State], rate: f32) {
         if self.is_empty() {
             return;
         }
+        loads::follow(&self.patches, problem, rate);
         for (link, log) in self.links.iter().zip(&self.logs) {
             let joint = &mut problem.joints[link.joint];
             joint.forces = [0.0; COORDINATES];
@@ -518,7 +542,7 @@ impl Joints {
                 joint.forces[row.coordinate] += row.impulse / self.h;
             }
             joint.mean = log.sum.map(|sum| sum / self.substeps as f32);
-            (joint.filtered, joint.peak) = (log.filtered, log.peak);
+            (joint.filtered, joint.late, joint.peak) = (log.filtered, log.late, log.peak);
             joint.broke = log.broke;
         }
         for member in self.members.iter().filter(|member| member.moves) {
@@ -531,9 +555,12 @@ impl Joints {
 }
 
 /// Records the forces of the substeps of a piece that were not recorded yet. They were the same in all of them.
+///
+/// Where arms turn, a rigid sweep stops the motion to which the next substep would have given its impulse. In filtered forces, that impulse counts as
+/// one of the next substep: a pendulum would seem to pull with 1, 3 and 5 times its weight in turns, and not with 3.
 fn record(
     piece: &mut Piece,
-    (links, rows): (&[Link], &[Row]),
+    (links, rows): (&[Link], &mut [Row]),
     logs: &mut [Log],
     (joints, h): (&[JointConstraint], f32),
 ) {
@@ -543,27 +570,36 @@ fn record(
     }
     let links = links[piece.links.clone()].iter();
     // Nearly all joints of a piece have the same filter.
-    let (mut filter, mut share) = (f32::NAN, 0.0);
+    let (mut filter, mut shares) = (f32::NAN, [0.0; 2]);
     for (link, log) in links.zip(&mut logs[piece.links.clone()]) {
         let joint = &joints[link.joint];
-        let mut forces = [Vec3::ZERO; 2];
-        for row in &rows[link.rows.clone()] {
-            let [push, moment] = [row.linear, row.angular[1]].map(|v| row.impulse / h * v);
-            forces[0] += push;
-            if row.is_angular() {
-                forces[1] += moment;
+        let (mut forces, mut late) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
+        for row in &mut rows[link.rows.clone()] {
+            let after = std::mem::take(&mut row.late);
+            for (sums, impulse) in [(&mut forces, row.impulse), (&mut late, after)] {
+                sums[0] += impulse / h * row.linear;
+                if row.is_angular() {
+                    sums[1] += impulse / h * row.angular[1];
+                }
             }
         }
         if filter != joint.filter {
-            (filter, share) = (
-                joint.filter,
-                filter_share(substeps as f32 * h, joint.filter),
-            );
+            filter = joint.filter;
+            shares = [1, substeps - 1].map(|count| filter_share(count as f32 * h, filter));
         }
-        for (i, force) in forces.into_iter().enumerate() {
-            log.sum[i] += substeps as f32 * force;
-            log.filtered[i] += share * (link.geometry.local(force) - log.filtered[i]);
-            log.peak[i] = log.peak[i].max(log.filtered[i].length());
+        let late = late.map(|force| link.geometry.local(force));
+        let carried = std::mem::replace(&mut log.late, late);
+        // The first substep has what the one before left over.
+        let parts = shares.into_iter().zip([carried, [Vec3::ZERO; 2]]);
+        for (share, carried) in parts.take(substeps as usize) {
+            for i in 0..2 {
+                let force = link.geometry.local(forces[i]) - late[i] + carried[i];
+                log.filtered[i] += share * (force - log.filtered[i]);
+                log.peak[i] = log.peak[i].max(log.filtered[i].length());
+            }
+        }
+        for (sum, force) in log.sum.iter_mut().zip(forces) {
+            *sum += substeps as f32 * force;
         }
         if let Some(section) = &joint.section
             && log.broke.is_none()
@@ -581,7 +617,7 @@ impl<L: F32xN> Island<L> {
             return 0.0;
         }
         let contacts = Contacts {
-            blocks: &self.blocks,
+            blocks: &mut self.blocks,
             points: &mut self.points,
             velocities: cells(&mut self.velocities),
             motions: cells(&mut self.motions),

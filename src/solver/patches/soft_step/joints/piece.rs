@@ -219,19 +219,34 @@ impl Piece {
             return 0.0;
         }
         self.solve_within_bounds(lists);
-        let sum = self.apply(lists, velocities);
+        let sum = self.apply(pass.soft, lists, velocities);
         sum + self.apply_to_contacts(lists, contacts)
     }
 
-    /// Finds the impulses that hold still what is not held by contacts, before the first sweep: joints that were just added have none to begin
-    /// with, and a first sweep of contacts would find nothing that bears them.
-    pub fn cold_start(&mut self, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
+    /// Finds the impulses that hold everything still, before the first sweep: joints that were just added have none to begin with, and a first
+    /// sweep of contacts would find nothing that bears them. Contacts with fixed bodies that carry nothing yet get impulses and loads at rest
+    /// too, if their points are not farther apart than `closed` m.
+    pub fn cold_start<L: F32xN>(
+        &mut self,
+        h: f32,
+        closed: f32,
+        lists: &mut Lists,
+        contacts: &mut Contacts<L>,
+    ) {
         self.leaves.clear();
-        self.find_lacks(false, h, lists, velocities);
-        self.calm_down(false, lists, velocities);
+        for number in self.patches.clone() {
+            let patch = &lists.patches[number];
+            patch.collect_new(number, contacts, lists.offsets, closed, &mut self.leaves);
+        }
+        self.find_lacks(false, h, lists, contacts.velocities);
+        self.calm_down(false, lists, contacts.velocities);
         if !self.is_calm {
             self.solve_within_bounds(lists);
-            self.apply(lists, velocities);
+            self.apply(true, lists, contacts.velocities);
+            self.apply_to_contacts(lists, contacts);
+            for leaf in &self.leaves {
+                leaf.rest(lists.patches, contacts);
+            }
         }
         self.is_calm = false;
     }
@@ -606,7 +621,7 @@ impl Piece {
     }
 
     /// Applies the solution.
-    fn apply(&mut self, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
+    fn apply(&mut self, soft: bool, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
         let mut sum = 0.0;
         let solution = self.solution.as_flattened();
         for number in self.members.clone() {
@@ -632,6 +647,9 @@ impl Piece {
                 };
                 let impulse = (row.impulse + found).clamp(low, high);
                 sum += (impulse - row.impulse) * row.lack;
+                if !soft {
+                    row.count_late(impulse - row.impulse);
+                }
                 row.impulse = impulse;
             }
         }

@@ -2,7 +2,7 @@
 
 use super::member::Member;
 use crate::solver::JointConstraint;
-use crate::solver::joint::{Bend, Geometry, Law, Part, Times, take_share};
+use crate::solver::joint::{Bend, Geometry, Law, Part, Times, is_angular, take_share};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -16,9 +16,6 @@ const DRIVEN: f32 = 1e3;
 /// return by errors of position; those of a section have none within the rounding of poses, and would creep. At this share, creep is below what
 /// a pose can show, and what rounding puts into bonds that hold each other is gone after two seconds.
 const CREEP: f32 = 5e-4;
-
-/// A rotation by more than this makes arms, directions and inertias stale, rad.
-const TURNED: f32 = 1e-4;
 
 /// Directions are refreshed where anchors have moved against each other by more than this share of the arms.
 const MOVED: f32 = 1e-4;
@@ -71,6 +68,10 @@ pub struct Row {
     /// Its compliance in the scale of `response`, if it is a row of a section; else 0, and it is in proportion to `response`.
     pub softness: f32,
     pub impulse: f32,
+    /// The part of it that the rigid sweep of this substep has added because arms have turned.
+    pub late: f32,
+    /// The rate that a substep of turning makes it lack, m/s.
+    turned: f32,
     pub bound: Bound,
     /// Its place among the unknowns of its pair, if it has one in the factorized system.
     pub place: Option<usize>,
@@ -102,6 +103,8 @@ impl Row {
             response: 0.0,
             softness: 0.0,
             impulse: 0.0,
+            late: 0.0,
+            turned: 0.0,
             bound: Bound::Free,
             place: None,
             border: None,
@@ -117,7 +120,7 @@ impl Row {
     }
 
     pub fn is_angular(&self) -> bool {
-        (3..6).contains(&self.coordinate)
+        is_angular(self.coordinate)
     }
 
     /// Its row over the velocities of a side.
@@ -237,6 +240,13 @@ impl Row {
         }
     }
 
+    /// Takes over a change of its impulse in a rigid sweep: how much of it is due to the turning of arms.
+    pub fn count_late(&mut self, change: f32) {
+        if self.lack != 0.0 {
+            self.late += (self.turned / self.lack).abs().min(1.0) * change;
+        }
+    }
+
     /// Finds the rate that it lacks, from the velocities of A and B now and the bend of their way.
     pub fn find_lack(&mut self, soft: bool, h: f32, bend: &Bend, velocities: [[Vec3; 2]; 2]) {
         let mut wanted = self.law.rigid;
@@ -244,6 +254,7 @@ impl Row {
             wanted += self.correction();
         }
         if self.law.is_held {
+            self.turned = h * bend.curvature(self.coordinate, self.direction);
             wanted -= bend.inward_rate(self.coordinate, self.direction, h);
         }
         if self.part != Part::Hold {
@@ -296,10 +307,12 @@ impl Link {
     pub fn is_stale(&self, members: &[Member]) -> bool {
         let [a, b] = self.motions(members);
         let turned = a[1].length_squared().max(b[1].length_squared());
+        let [one, other] = self.ends.map(|end| members[end].bears_turn);
+        let most = one.min(other);
         let Geometry { arms, gap, .. } = self.geometry;
         let moved = (b[0] + b[1].cross(arms[1])) - (a[0] + a[1].cross(arms[0]));
         let size = arms[0].length() + arms[1].length() + gap.length();
-        turned > TURNED * TURNED || moved.length_squared() > (MOVED * size).powi(2)
+        turned > most * most || moved.length_squared() > (MOVED * size).powi(2)
     }
 
     /// The motions of A and B since the last refresh, m and rad.

@@ -6,6 +6,7 @@
 //! that its solver keeps, make the same edits. The result always equals that of a rebuild.
 
 use super::order::{IslandOrder, NOWHERE, Order, OrderSlot, Source, number_edges};
+use super::splice::{Edit, Splice};
 use crate::body::BodyState;
 use crate::revision::Revision;
 use smallvec::SmallVec;
@@ -15,25 +16,6 @@ const MAX_CHANGED: usize = 8;
 
 /// An island with fewer bodies is ordered anew, which costs less than the list of edits.
 const MIN_BODIES: usize = 64;
-
-/// Contacts of an order that are replaced by others. Splices are applied one after the other; each counts from the result of the one before.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Splice {
-    /// Index of the first contact.
-    pub at: usize,
-    /// Number of contacts that are removed there.
-    pub removed: usize,
-    /// Number of contacts that are inserted there.
-    pub added: usize,
-}
-
-/// How the order of an island was made from an earlier one.
-#[derive(Default)]
-pub(crate) struct Edit {
-    /// [Revision](crate::revision) of the earlier order; `None` if the order was computed anew.
-    pub from: Option<Revision>,
-    pub splices: SmallVec<[Splice; 2]>,
-}
 
 impl Order {
     /// Lists the changed bodies of the islands, sorted by island, if all changes since the order was computed are known.

@@ -22,6 +22,7 @@ mod order;
 mod patches;
 mod points;
 mod problems;
+mod splice;
 
 use crate::body::{BodyIndex, BodyTable, Inactive, Simulated};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold, MovingSurfaces};
@@ -35,7 +36,6 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_platform::time::Instant;
 pub(crate) use contact::SolverContact;
-pub(crate) use edits::Splice;
 pub(crate) use island::{GatherContext, Island, Rows};
 pub(crate) use joints::{JointOrder, Joints};
 pub(crate) use order::{IslandOrder, Member, Order, Stored};
@@ -44,6 +44,7 @@ pub(crate) use points::PointRows;
 pub(crate) use problems::{GrabbedBody, ProblemSet};
 pub use problems::{IslandProblem, IslandProblems};
 use rayon::prelude::*;
+pub(crate) use splice::Splice;
 
 /// The settings and the time with which islands are gathered and solved.
 #[derive(SystemParam, Debug)]

@@ -8,7 +8,7 @@
 
 use super::Pairs;
 use super::contact::SolverContact;
-use super::edits::Edit;
+use super::splice::Edit;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};

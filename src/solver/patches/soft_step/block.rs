@@ -354,8 +354,10 @@ impl<L: F32xN> Block<L> {
         let (force, torque) = (frame.world(wrench.linear), frame.world(wrench.angular));
         if let Some(locks) = &self.locks {
             return L::run_rarely(PushLocked {
-                block: self,
                 locks,
+                inverse_inertia: &self.inverse_inertia,
+                arms: &self.arms,
+                targets: &self.targets,
                 force,
                 torque,
                 motions: [a, b],

@@ -1,6 +1,7 @@
 //! Loads patches into a block as a step begins, and stores them as it ends. Data is copied lane by lane, and computed in all lanes at once.
 
 use super::block::{Block, Points};
+use super::locks::Locks;
 use crate::solver::lanes::{F32xN, Frame, Vec3xN};
 use crate::solver::{PatchConstraint, PatchProblem, Slip};
 use glam::Mat3;
@@ -55,7 +56,13 @@ impl<L: F32xN> Block<L> {
             L::set_body(&mut self.bodies[side], lane, patch.bodies[side]);
             self.arms[side].set(lane, patch.arms[side]);
             self.inverse_mass[side][lane] = body.inverse_mass;
-            self.load_locks(lane, side, body);
+            // After its inverse mass.
+            if (body.is_locked() || body.is_upright()) && self.locks.is_none() {
+                self.locks = Some(Box::new(Locks::free(&self.inverse_mass)));
+            }
+            if let Some(locks) = &mut self.locks {
+                locks.load(lane, side, body);
+            }
             self.turn(lane, side, &body.inverse_inertia);
         }
         self.friction[lane] = patch.friction;

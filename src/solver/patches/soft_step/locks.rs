@@ -3,7 +3,6 @@
 //! A block has one inverse mass for each body, and keeps one for each axis beside it only if one of its bodies is locked. So a visit to any
 //! other block costs one comparison more, and no memory.
 
-use super::block::Block;
 use crate::solver::Body;
 use crate::solver::lanes::{F32xN, Kernel, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
@@ -15,6 +14,21 @@ pub struct Locks<L> {
 }
 
 impl<L: F32xN> Locks<L> {
+    /// No locked axes, for bodies with these inverse masses, 1/kg.
+    pub fn free(inverse_mass: &[L; 2]) -> Self {
+        let inverse_masses = inverse_mass.map(|mass| Vec3xN {
+            x: mass,
+            y: mass,
+            z: mass,
+        });
+        Self { inverse_masses }
+    }
+
+    /// Loads the locked axes of a body.
+    pub fn load(&mut self, lane: usize, side: usize, body: &Body) {
+        self.inverse_masses[side].set(lane, body.inverse_mass * body.free_axes);
+    }
+
     /// Changes a relative velocity by a force on both bodies.
     #[inline(always)]
     pub fn respond(&self, force: Vec3xN<L>, velocity: Vec3xN<L>) -> Vec3xN<L> {
@@ -37,27 +51,13 @@ fn along_axes<L: F32xN>(
     }
 }
 
-impl<L: F32xN> Block<L> {
-    /// Loads the locked axes of a body, after its inverse mass.
-    pub fn load_locks(&mut self, lane: usize, side: usize, body: &Body) {
-        if (body.is_locked() || body.is_upright()) && self.locks.is_none() {
-            let inverse_masses = self.inverse_mass.map(|mass| Vec3xN {
-                x: mass,
-                y: mass,
-                z: mass,
-            });
-            self.locks = Some(Box::new(Locks { inverse_masses }));
-        }
-        if let Some(locks) = &mut self.locks {
-            locks.inverse_masses[side].set(lane, body.inverse_mass * body.free_axes);
-        }
-    }
-}
-
 /// Changes the velocities of a block's bodies by a force and a torque at its centre, in world axes.
 pub struct PushLocked<'a, L: F32xN> {
-    pub block: &'a Block<L>,
     pub locks: &'a Locks<L>,
+    pub inverse_inertia: &'a [Symmetric<L>; 2],
+    /// From the centre of each body to that of the block, m.
+    pub arms: &'a [Vec3xN<L>; 2],
+    pub targets: &'a [L::Bodies; 2],
     pub force: Vec3xN<L>,
     pub torque: Vec3xN<L>,
     pub motions: [SpatialVec<L>; 2],
@@ -71,10 +71,10 @@ impl<L: F32xN> Kernel for PushLocked<'_, L> {
     fn run(self) {
         let (force, torque) = (self.force, self.torque);
         let [mass_a, mass_b] = self.locks.inverse_masses;
-        let [inertia_a, inertia_b] = &self.block.inverse_inertia;
+        let [inertia_a, inertia_b] = self.inverse_inertia;
         let [a, b] = self.motions;
-        let at_a = self.block.arms[0].cross_add(force, torque);
-        let at_b = self.block.arms[1].cross_add(force, torque);
+        let at_a = self.arms[0].cross_add(force, torque);
+        let at_b = self.arms[1].cross_add(force, torque);
         let opposite = Vec3xN {
             x: -force.x,
             y: -force.y,
@@ -88,8 +88,8 @@ impl<L: F32xN> Kernel for PushLocked<'_, L> {
             linear: along_axes(mass_b, opposite, b.linear),
             angular: inertia_b.apply_neg_add(at_b, b.angular),
         };
-        L::scatter(self.velocities, &self.block.targets[0], &a);
-        L::scatter(self.velocities, &self.block.targets[1], &b);
+        L::scatter(self.velocities, &self.targets[0], &a);
+        L::scatter(self.velocities, &self.targets[1], &b);
     }
 }
 

@@ -44,6 +44,7 @@ mod gaps;
 mod grabs;
 mod halves;
 mod island;
+mod jointed;
 mod joints;
 mod kept;
 mod kinds;

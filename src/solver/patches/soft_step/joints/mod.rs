@@ -27,13 +27,12 @@ mod row;
 mod sharing;
 
 use super::block::{Pass, Spring};
-use super::island::Island;
 use crate::solver::batches::Batches;
 use crate::solver::groups::Groups;
 use crate::solver::joint::{
     COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
 };
-use crate::solver::lanes::{F32xN, State, cells, has_fused};
+use crate::solver::lanes::{F32xN, State, has_fused};
 use crate::solver::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
 pub use leaf::Contacts;
@@ -606,44 +605,6 @@ fn record(
         {
             let now = forces.map(|force| link.geometry.local(force));
             log.used = breaking::lesser(section, log.filtered, now);
-        }
-    }
-}
-
-impl<L: F32xN> Island<L> {
-    /// Solves the joints in a sweep, after its contacts. Returns Σ Δλ times what each row lacked, J.
-    pub fn visit_joints(&mut self, pass: &Pass) -> f32 {
-        if self.joints.is_empty() {
-            return 0.0;
-        }
-        let contacts = Contacts {
-            blocks: &mut self.blocks,
-            points: &mut self.points,
-            velocities: cells(&mut self.velocities),
-            motions: cells(&mut self.motions),
-        };
-        self.joints.visit(pass, contacts)
-    }
-
-    /// Lets the joints follow the drift of bodies.
-    pub fn drift_joints(&mut self, pass: &Pass, velocities_are_extrapolated: bool) {
-        if self.joints.is_empty() || pass.drift.is_none() {
-            return;
-        }
-        let drifted = match velocities_are_extrapolated {
-            true => &mut self.before,
-            false => &mut self.velocities,
-        };
-        self.joints.drift(cells(drifted), cells(&mut self.motions));
-    }
-
-    /// Ends a substep for the joints, after velocities were extrapolated, if it ends with this pass.
-    pub fn end_joints(&mut self, pass: &Pass) {
-        if !self.joints.is_empty() && (pass.extrapolates || !pass.soft) {
-            let ended = cells(&mut self.before);
-            let velocities = cells(&mut self.velocities);
-            self.joints
-                .end_substep(!pass.extrapolates, ended, velocities);
         }
     }
 }

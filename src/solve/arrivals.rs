@@ -3,32 +3,27 @@
 //! Sleeping islands are not solved. Without further care, the contacts of a body that is added asleep would have no impulses until its island
 //! wakes: queries of forces and supports would not include it, and the structure would take up its load only then. So in the step in which
 //! bodies are added, the contacts of their island get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever
-//! the solver. Islands with joints get none: their contacts and joints are loaded when they wake. Nor do islands of a [saved scene](crate::saving), whose contacts
-//! have the forces that they had.
+//! the solver. Statics knows no joints: islands with joints [are solved](super::patches::settle_joined) without being moved, and their joints get
+//! their forces too. Islands of a [saved scene](crate::saving) get none, because they have the forces that they had.
 
-use super::patches::settle;
+use super::patches::{settle, settle_joined};
 use super::{Solve, SolveRows};
-use crate::graph::EdgeKind;
-use crate::warm_start::{GatherContext, Island, IslandOrder, Order, Pairs, PatchRows, Stored};
+use crate::joint::JointForces;
+use crate::solver::JointConstraint;
+use crate::warm_start::{GatherContext, Island, Joints, Pairs, PatchRows, ProblemSet, Stored};
 
 impl Solve<'_> {
     /// Loads the sleeping islands that bodies were added to in this step.
-    pub(super) fn load_arrivals(&self, pairs: &mut Pairs) {
+    pub(super) fn load_arrivals(&self, pairs: &mut Pairs, joints: &mut Joints) {
         if !self.islands.any_arrives() {
             return;
         }
-        let mut order = Order::default();
+        let mut problems = ProblemSet::<PatchRows>::default();
+        let order = &mut problems.order;
         order.find(self.table, self.graph, self.islands, |island, _| {
             self.islands.arrives(island)
         });
-        let mut islands: Vec<Island<PatchRows>> = Vec::new();
         let (gravity, dt) = (self.context.gravity.0, self.context.time.dt);
-        let is_jointed = |order: &IslandOrder| {
-            order.bodies.iter().any(|member| {
-                let mut joints = self.graph.edges_of_kind(member.slot, EdgeKind::Joint);
-                joints.next().is_some()
-            })
-        };
         let (contacts, _) = order.contacts(pairs, self.table);
         for (number, &id) in order.numbered().iter().enumerate() {
             let mut island = Island::default();
@@ -50,31 +45,46 @@ impl Solve<'_> {
                 locks.stop(&mut pushed);
                 island.add(body, &pushed, level);
             }
-            islands.push(island);
+            problems.islands.push(island);
         }
+        problems.gather_joints((self.table, self.graph, self.islands), joints);
+        let ProblemSet {
+            order,
+            islands,
+            joints: gathered,
+            ..
+        } = &mut problems;
         let from = GatherContext {
             table: self.table,
             local: &order.local,
             context: self.context,
         };
         let mut rest = &*contacts;
-        for (number, island) in islands.iter_mut().enumerate() {
+        for island in &mut *islands {
             let (contacts, others) = rest.split_at(island.in_order);
             rest = others;
-            // Statics knows no joints.
-            if is_jointed(order.of(number)) {
-                island.diverged = true;
-                continue;
-            }
             // Those of a saved scene have their loads.
-            if contacts.iter().all(|contact| contact.pair.restored()) {
+            let has_loads = match contacts {
+                [] => island.joints.iter().any(JointConstraint::has_forces),
+                _ => contacts.iter().all(|contact| contact.pair.restored()),
+            };
+            if has_loads {
                 island.diverged = true;
                 continue;
             }
             island.gather(contacts, &from);
             island.warm_start(contacts, self.context);
-            let Island { rows, bodies, .. } = island;
-            island.diverged = !settle(rows, bodies, self.context);
+            let Island {
+                rows,
+                bodies,
+                joints,
+                ..
+            } = island;
+            let is_settled = match joints.is_empty() {
+                true => settle(rows, bodies, self.context),
+                false => settle_joined(rows, bodies, joints, self.context),
+            };
+            island.diverged = !is_settled;
         }
         drop(contacts);
         order.store_each(pairs, None, |stored: Stored| {
@@ -88,5 +98,13 @@ impl Solve<'_> {
                 );
             }
         });
+        for found in &gathered.gathered {
+            let island = &islands[found.island as usize];
+            if let Ok((_, mut forces, _)) = joints.get_mut(found.joint)
+                && !island.diverged
+            {
+                *forces = JointForces::of(&island.joints[found.index as usize]);
+            }
+        }
     }
 }

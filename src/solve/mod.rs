@@ -101,19 +101,19 @@ pub fn solve(
     (mut grabs, mut joints): (Grabs, Joints),
     (mut broken, mut broken_mortar): (ResMut<BrokenJoints>, ResMut<BrokenMortar>),
 ) {
-    let acting = &mut Acting {
-        grabs: &mut grabs,
-        joints: &mut joints,
-        broken: &mut broken,
-        broken_mortar: &mut broken_mortar,
-    };
     let stage = Solve {
         table: &table,
         graph: &graph,
         islands: &islands,
         context: &context,
     };
-    stage.load_arrivals(&mut pairs);
+    stage.load_arrivals(&mut pairs, &mut joints);
+    let acting = &mut Acting {
+        grabs: &mut grabs,
+        joints: &mut joints,
+        broken: &mut broken,
+        broken_mortar: &mut broken_mortar,
+    };
     let problems = &mut *problems;
     // The solver that they were prepared for, even if the settings have changed since.
     let Some(solver) = problems.prepared.take() else {

@@ -4,7 +4,7 @@ use super::SolveRows;
 use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::solver::{
     Body, FEW, GrabConstraint, JointConstraint, PatchConstraint, PatchPoint, PatchProblem,
-    PatchSolver, SolveReport, patches,
+    PatchSolver, SoftStep, SolveReport, patches,
 };
 use crate::warm_start::{LARGE, PatchRows, SolveContext};
 
@@ -69,7 +69,31 @@ impl SolveRows for PatchRows {
 /// false if a result is not finite.
 pub(super) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveContext) -> bool {
     patches::settle(&mut problem(rows, bodies, &mut [], &mut [], context));
-    // The impulses of all substeps, because later substeps leave these contacts as they are.
+    keep_for_step(rows, context)
+}
+
+/// Number of solves in which the loads of an island with joints settle. A table has them after the first.
+const SOLVES: usize = 60;
+
+/// Solves an island with joints again and again without moving it, until contacts and joints bear it, whatever the solver of awake islands.
+/// Returns false if a result is not finite.
+pub(super) fn settle_joined(
+    rows: &mut PatchRows,
+    bodies: &mut [Body],
+    joints: &mut [JointConstraint],
+    context: &SolveContext,
+) -> bool {
+    let start = bodies.to_vec();
+    for _ in 0..SOLVES {
+        bodies.copy_from_slice(&start);
+        SoftStep::default().solve(&mut problem(rows, bodies, &mut [], joints, context));
+    }
+    let finite = |joint: &JointConstraint| joint.forces.iter().all(|force| force.is_finite());
+    joints.iter().all(finite) && keep_for_step(rows, context)
+}
+
+/// Sets the impulses of all substeps, because later substeps leave these contacts as they are. Returns false if one is not finite.
+fn keep_for_step(rows: &mut PatchRows, context: &SolveContext) -> bool {
     let whole = context.time.substeps as f32;
     for patch in &mut rows.patches {
         patch.tangential = whole * patch.friction_impulse;

@@ -98,7 +98,7 @@ impl JointOrder {
 
 impl<R: Rows> ProblemSet<R> {
     /// Gathers the joints of awake islands.
-    pub(super) fn gather_joints(
+    pub(crate) fn gather_joints(
         &mut self,
         context: (&BodyTable, &ConstraintGraph, &Islands),
         joints: &Joints,

@@ -165,6 +165,11 @@ impl JointConstraint {
         self.axes.get(coordinate).unwrap_or_else(apart)
     }
 
+    /// Whether it has forces to begin with.
+    pub(crate) fn has_forces(&self) -> bool {
+        self.forces.iter().any(|&force| force != 0.0)
+    }
+
     /// Whether it acts between two bodies of which at least one moves.
     pub(super) fn acts(&self, bodies: &[Body]) -> bool {
         let [a, b] = self.bodies;

@@ -91,3 +91,77 @@ fn a_table_falls_asleep() {
         }
     }
 }
+
+/// What is added asleep bears its weight at once, and stays where it is when it wakes.
+#[test]
+fn a_table_that_is_added_asleep_has_its_loads() {
+    for dt in STEPS {
+        let mut lab = Lab::new();
+        lab.dt = dt;
+        lab.ground();
+        let bodies = table(&mut lab, 0.0);
+        for &body in &bodies {
+            lab.world.get_mut::<Sleeping>(body).unwrap().asleep = true;
+            lab.world.entity_mut(body).insert(Load::default());
+        }
+        lab.step();
+        let loads = |lab: &mut Lab| {
+            let forces = |&leg: &Entity| lab.world.get::<Load>(leg).unwrap().force;
+            bodies.iter().map(forces).collect::<Vec<_>>()
+        };
+        let pulls = |lab: &mut Lab| {
+            let mut joints = lab.world.query::<&JointForces>();
+            joints
+                .iter(&lab.world)
+                .map(|joint| joint.force)
+                .collect::<Vec<_>>()
+        };
+        let (asleep, pulled) = (loads(&mut lab), pulls(&mut lab));
+        for pull in &pulled {
+            let weight = 9.81 * 250.0;
+            assert!((pull.length() / weight - 1.0).abs() < 1e-3, "{dt}: {pull}");
+        }
+        let is_asleep = |lab: &Lab| {
+            bodies
+                .iter()
+                .all(|&b| lab.world.get::<Sleeping>(b).unwrap().asleep)
+        };
+        lab.run(1.0);
+        assert!(is_asleep(&lab));
+        assert_eq!(loads(&mut lab), asleep);
+        lab.world.get_mut::<Sleeping>(bodies[1]).unwrap().wake();
+        for _ in 0..3 {
+            lab.step();
+            assert!(!is_asleep(&lab));
+            assert!(fastest(&lab, &bodies) < 1e-5);
+            for (now, was) in loads(&mut lab).iter().zip(&asleep) {
+                assert!(now.distance(*was) < 0.01 * 251.0, "{dt}: {now}, {was}");
+            }
+        }
+    }
+}
+
+/// A chain that hangs asleep pulls at its links.
+#[test]
+fn a_chain_that_is_added_asleep_has_its_loads() {
+    let mut lab = Lab::new();
+    let mut above = None;
+    let mut joints = Vec::new();
+    for i in 0..5 {
+        let link = body(&mut lab, Collider::ball(0.1), 2.0, Vec3::NEG_Y * i as f32);
+        lab.world.get_mut::<Sleeping>(link).unwrap().asleep = true;
+        let anchor = Vec3::NEG_Y * (i as f32 - 0.5);
+        let joint = match above {
+            Some(above) => SphericalJoint::new(above, link),
+            None => SphericalJoint::new(None, link),
+        };
+        joints.push(lab.spawn(joint.with_anchor(anchor)));
+        above = Some(link);
+    }
+    lab.step();
+    for (i, &joint) in joints.iter().enumerate() {
+        let force = lab.world.get::<JointForces>(joint).unwrap().force.length();
+        let carried = 9.81 * 2.0 * (5 - i) as f32;
+        assert!((force / carried - 1.0).abs() < 1e-3, "{force}, {carried}");
+    }
+}

@@ -7,7 +7,7 @@
 //!
 //! At a scene that is not a wall (`heap:300`), balls are thrown while it falls together. `--wreck` throws a ball of 524 kg at 20 m/s into the
 //! middle of a wall. Prints the mean, the 99th percentile and the longest of the steps, and the mean number of bodies awake. `peers/` does the
-//! same in other engines.
+//! same in Rapier.
 
 use clap::Parser;
 use drystone::settings::{PhysicsThreads, Preset};

@@ -82,7 +82,7 @@ impl<G: Game> Session<G> {
         }
     }
 
-    /// Plays so many steps.
+    /// Takes so many steps, and does before each what the script says.
     pub fn steps(&mut self, count: usize) {
         for _ in 0..count {
             self.act();
@@ -134,7 +134,7 @@ impl<G: Game> Session<G> {
     }
 }
 
-/// What a session cost.
+/// The statistics of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
     /// Mean time of a step.

@@ -1,4 +1,4 @@
-//! The player, and the interface through which it plays, so that any engine can be played.
+//! The player, and [`Game`]: the interface through which it plays in any engine.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -13,7 +13,7 @@ pub const BRICK: Vec3 = Vec3::new(1.0, 0.5, 0.5);
 /// Coefficient of friction of bricks and balls.
 pub const FRICTION: f32 = 0.5;
 
-/// A world that can be played.
+/// A world of some engine in which a player lays, throws and takes.
 pub trait Game {
     /// Identifies a body.
     type Body: Copy;

@@ -1,6 +1,6 @@
 //! A player at a wall: every half second a brick is laid on it or taken off again, or a ball is thrown at it.
 //!
-//! [`Play`] measures whether the wall sways, and a [`Session`] what playing costs, in drystone or in another engine that is a [`Game`].
+//! [`Play`] measures whether the wall sways, and a [`Session`] what playing costs, in drystone or in any other engine that implements [`Game`].
 
 mod cost;
 mod game;

@@ -127,7 +127,7 @@ fn simplex(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
 }
 
 /// Assigns each point to the first facet from `first` on that it is outside of. A point that is outside of no facet is inside the hull. Returns the
-/// facets that got points find_visible_facet the tolerance.
+/// facets that got points beyond the tolerance.
 fn assign_points(
     points: &[I64Vec3],
     facets: &mut [Facet],

@@ -318,7 +318,7 @@ pub(crate) fn collapses(
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
-        let island = islands.id(index.0);
+        let island = islands.structure_id(index.0);
         let Some((place, structure)) = stands.at else {
             // A body that is held by a `Grab` does not count as standing, even if it is still.
             let still = grab.is_none()
@@ -440,7 +440,7 @@ pub(crate) fn collapses(
     for (island, entity, slot, pose) in settled {
         let structure = known.get(&island).copied().unwrap_or_else(|| {
             let all = watched.p1();
-            let others = islands.members(slot).iter();
+            let others = islands.structure(slot).iter();
             let stands = others.filter_map(|&slot| all.get(table.get(slot)?.entity).ok()?.3.at);
             stands
                 .map(|(_, structure)| structure)

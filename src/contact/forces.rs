@@ -37,7 +37,7 @@
 
 use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch};
 use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
-use crate::graph::{ConstraintGraph, EdgeKind};
+use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{JointEdge, JointForces};
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
@@ -371,18 +371,25 @@ pub struct Load {
     pub friction_use: f32,
 }
 
+/// The loads of bodies that are active, and all loads.
+type Loads<'w, 's> = (
+    Query<'w, 's, (Entity, &'static mut Load), Or<(Without<Inactive>, Added<Load>)>>,
+    Query<'w, 's, &'static mut Load>,
+);
+
 /// Updates every [`Load`]; a part of the stage *contact events*.
 pub fn loads(
     contacts: Contacts,
+    islands: Res<Islands>,
     gravity: Res<Gravity>,
     time: Res<StepTime>,
-    mut bodies: Query<(Entity, &mut Load), Or<(Without<Inactive>, Added<Load>)>>,
+    mut bodies: ParamSet<Loads>,
 ) {
     if !time.is_last() {
         return;
     }
     let down = gravity.0.normalize_or_zero();
-    for (body, mut load) in &mut bodies {
+    let update = |body: Entity, mut load: Mut<Load>| {
         let mut sum = Load::default();
         // Entities that are not bodies carry no load.
         for face in contacts.on(body).unwrap_or_default() {
@@ -392,5 +399,17 @@ pub fn loads(
             sum.friction_use = sum.friction_use.max(face.friction_use);
         }
         load.set_if_neq(sum);
+    };
+    for (body, load) in &mut bodies.p0() {
+        update(body, load);
+    }
+    // Awake bodies press on these.
+    let mut loads = bodies.p1();
+    for &slot in islands.boundary() {
+        if let Some(body) = contacts.table.get(slot)
+            && let Ok(load) = loads.get_mut(body.entity)
+        {
+            update(body.entity, load);
+        }
     }
 }

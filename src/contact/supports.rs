@@ -259,8 +259,8 @@ impl Supports<'_, '_> {
         Ok(self.in_spawn_order(search.hangs.into_iter()))
     }
 
-    /// The structure that a body belongs to: all dynamic bodies of its [island](crate::graph), which are connected with it by contacts, in
-    /// spawn order. Empty for static and kinematic bodies, which are in no island.
+    /// The structure that a body belongs to: all dynamic bodies that are connected with it by contacts and joints between
+    /// dynamic bodies, in spawn order. Empty for static and kinematic bodies, which are in no structure.
     ///
     /// # Errors
     /// [`NotABody`] if it is not a body.
@@ -270,7 +270,7 @@ impl Supports<'_, '_> {
         if !table.get(slot).is_some_and(BodyState::is_dynamic) {
             return Ok(Vec::new());
         }
-        let members = self.islands.members(slot).iter();
+        let members = self.islands.structure(slot).iter();
         let members = members.filter_map(|&slot| table.get(slot));
         let members = members.filter(|body| self.contacts.slot(body.entity).is_ok());
         let mut members: Vec<_> = members

@@ -60,6 +60,14 @@ pub(crate) struct Link {
     pub edge: u32,
 }
 
+impl Link {
+    /// The slot of the body at the other end.
+    pub fn other(&self, slot: u32) -> u32 {
+        let [a, b] = self.slots;
+        if a == slot { b } else { a }
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     kind: EdgeKind,

@@ -1,5 +1,5 @@
-//! The stage **islands**: updates islands and levels of support, and wakes islands that must not stay asleep. It runs before the forces, so
-//! that woken bodies have their full weight in their first solve.
+//! The stage **islands**: updates islands and levels of support, and [wakes](super::waking) bodies that must not stay asleep. It runs before
+//! the forces, so that woken bodies have their full weight in their first solve.
 //!
 //! Cost: one comparison for each active body, and otherwise work proportional to the number of changes. The narrowphase reports the edges
 //! whose contact has begun or ended. Change ticks find contacts that a user has edited. A comparison of the active bodies with those of the
@@ -8,11 +8,12 @@
 use super::ConstraintGraph;
 use super::activation::{Deactivation, activate, deactivate};
 use super::levels::{Kind, Levels};
+use super::need::{Accounts, Forces};
 use super::partition::Partition;
 use crate::body::{BodyState, BodyTable, Inactive, Sleeping, SpawnOrder};
 use crate::contact::{ContactPair, LostPairs, Manifold};
 use crate::revision::Revision;
-use crate::settings::StepTime;
+use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -20,12 +21,17 @@ use bevy_ecs::system::SystemState;
 use bevy_reflect::Reflect;
 use fixedbitset::FixedBitSet;
 
-/// The island and the level of support of each body: views of the [`ConstraintGraph`].
-#[derive(Resource, Clone, Debug, Default, Reflect)]
+/// The island, the structure and the level of support of each body: views of the [`ConstraintGraph`].
+///
+/// A *structure* is a set of dynamic bodies that are connected by links, whether they sleep or not. An *island* is a set of awake bodies that
+/// are connected by links between awake bodies: they are solved together. Static, kinematic and sleeping bodies separate islands.
+#[derive(Resource, Clone, Debug, Reflect)]
 #[reflect(opaque)]
 #[component(map_entities)]
 pub struct Islands {
+    /// Islands. In the step in which sleeping bodies are added, they and the sleeping bodies that they touch are islands too.
     pub(super) partition: Partition,
+    pub(super) structures: Partition,
     levels: Levels,
     /// Indexed by slot; includes inactive bodies.
     known: Vec<Option<Known>>,
@@ -37,11 +43,38 @@ pub struct Islands {
     pub(super) deactivation: Deactivation,
     /// Pairs of slots of bodies that touched in the last step and no longer do.
     pub(super) parted: Vec<[u32; 2]>,
-    /// By island: it sleeps, and some of its bodies were added in this step. Empty if there is no such island.
-    pub(super) arriving: Vec<bool>,
-    /// Scratch: islands that are awake, by their id, and those of which not all may go to rest.
-    pub(super) awake: FixedBitSet,
-    pub(super) restless: FixedBitSet,
+    /// Sleeping bodies that get static loads in this step, by slot: those that were added, and those connected with them.
+    pub(super) loading: FixedBitSet,
+    /// By island: its bodies are among those. Empty if there is no such island.
+    arriving: Vec<bool>,
+    /// Sleeping bodies that awake bodies touch.
+    pub(super) boundary: Vec<u32>,
+    /// Number of sleeping bodies.
+    pub(super) sleepers: usize,
+    /// The forces on sleeping bodies that touch awake ones.
+    pub(super) accounts: Accounts,
+}
+
+impl Default for Islands {
+    fn default() -> Self {
+        Self {
+            partition: Partition::with_numbers(),
+            structures: Partition::default(),
+            levels: Levels::default(),
+            known: Vec::new(),
+            active: Vec::new(),
+            revision: Revision::default(),
+            recent: Recent::default(),
+            woke: false,
+            deactivation: Deactivation::default(),
+            parted: Vec::new(),
+            loading: FixedBitSet::new(),
+            arriving: Vec::new(),
+            boundary: Vec::new(),
+            sleepers: 0,
+            accounts: Accounts::default(),
+        }
+    }
 }
 
 impl MapEntities for Islands {
@@ -78,6 +111,8 @@ struct Known {
     entity: Entity,
     spawn_order: SpawnOrder,
     dynamic: bool,
+    /// Whether it is in an island.
+    solved: bool,
 }
 
 /// An active body.
@@ -85,28 +120,17 @@ struct Known {
 struct Member {
     slot: u32,
     body: Known,
-    asleep: bool,
 }
 
 impl Known {
-    #[inline]
-    fn of(body: &BodyState) -> Self {
-        Self {
-            entity: body.entity,
-            spawn_order: body.spawn_order,
-            dynamic: body.is_dynamic(),
-        }
+    /// Returns true if this is the same body, and contacts can move it as before.
+    fn is_same(&self, other: &Self) -> bool {
+        (self.entity, self.spawn_order, self.dynamic)
+            == (other.entity, other.spawn_order, other.dynamic)
     }
-}
 
-impl Member {
-    #[inline]
-    fn of((slot, body): (u32, &BodyState)) -> Self {
-        Self {
-            slot,
-            body: Known::of(body),
-            asleep: body.asleep,
-        }
+    fn sleeps(&self) -> bool {
+        self.dynamic && !self.solved
     }
 }
 
@@ -119,6 +143,9 @@ struct Update {
     renewed: Vec<u32>,
     /// Bodies that have lost a link.
     ends: Vec<u32>,
+    /// Links of bodies that were added to islands, and bodies whose neighbour was removed from them.
+    joined: Vec<[u32; 2]>,
+    left: Vec<u32>,
     /// Bodies that fell asleep, woke, became inactive, or became active.
     activity_changed: Vec<u32>,
 }
@@ -128,13 +155,13 @@ pub(super) type Pairs<'w, 's> =
     Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>), Without<Inactive>>;
 
 impl Islands {
-    /// The island of a dynamic body, by its slot: a number below [`Self::count`]. `None` if the body is not dynamic or its island is inactive.
+    /// The island of an awake body, by its slot: a number below [`Self::count`]. `None` if the body is not dynamic or sleeps.
     #[inline]
     pub fn of(&self, slot: u32) -> Option<usize> {
         self.partition.number(self.partition.id(slot)?)
     }
 
-    /// Number of islands that have active bodies; [inactive](Inactive) islands are not counted.
+    /// Number of islands.
     pub fn count(&self) -> usize {
         self.partition.count()
     }
@@ -146,7 +173,7 @@ impl Islands {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
     }
 
-    /// The [revision](crate::revision) of an island. It changes with its members, its links, and which of its bodies sleep.
+    /// The [revision](crate::revision) of an island. It changes with its members and their links.
     pub fn revision_of(&self, island: usize) -> Revision {
         self.partition.revision(self.partition.numbered()[island])
     }
@@ -173,7 +200,7 @@ impl Islands {
         self.recent.slots.clear();
     }
 
-    /// Returns true if the island sleeps and some of its bodies were added in this step.
+    /// Returns true if the bodies of the island sleep, and some of them were added in this step.
     pub(crate) fn arrives(&self, island: usize) -> bool {
         self.arriving.get(island).copied().unwrap_or(false)
     }
@@ -188,7 +215,18 @@ impl Islands {
         self.woke
     }
 
-    /// Identity of a dynamic body's island, whether awake, asleep or inactive. It is unique until the next step.
+    /// Identity of the structure of a dynamic body. It is unique until the next step.
+    pub(crate) fn structure_id(&self, slot: u32) -> Option<u32> {
+        self.structures.id(slot)
+    }
+
+    /// Slots of all bodies in the structure of a dynamic body.
+    pub(crate) fn structure(&self, slot: u32) -> &[u32] {
+        let structure = self.structures.id(slot);
+        structure.map_or(&[], |structure| self.structures.members(structure))
+    }
+
+    /// Identity of an awake body's island. It is unique until the next step.
     pub(crate) fn id(&self, slot: u32) -> Option<u32> {
         self.partition.id(slot)
     }
@@ -203,15 +241,9 @@ impl Islands {
         self.partition.numbered()
     }
 
-    /// Slots of all bodies in an island by its identity, whether awake, asleep or inactive.
+    /// Slots of all bodies in an island by its identity.
     pub(crate) fn members_of_id(&self, id: u32) -> &[u32] {
         self.partition.members(id)
-    }
-
-    /// Slots of all bodies in the island of a dynamic body, whether awake, asleep or inactive.
-    pub(crate) fn members(&self, slot: u32) -> &[u32] {
-        let island = self.partition.id(slot);
-        island.map_or(&[], |island| self.partition.members(island))
     }
 
     /// Sort key of the order in which bodies and contacts are solved.
@@ -220,13 +252,13 @@ impl Islands {
     }
 }
 
-/// First part of the stage: updates links and islands, wakes islands, and finds the bodies and pairs that become inactive.
+/// First part of the stage: updates links and islands, wakes bodies, and finds the bodies and pairs that become inactive.
 pub fn islands(
     mut table: ResMut<BodyTable>,
     (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
     lost: Res<LostPairs>,
-    pairs: Pairs,
-    time: Res<StepTime>,
+    (pairs, forces): (Pairs, Forces),
+    (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
     mut sleepers: Query<&mut Sleeping>,
 ) {
     let (graph, islands) = (&mut *graph, &mut *islands);
@@ -234,22 +266,22 @@ pub fn islands(
     graph.forget(&lost);
     graph.report(edited(&pairs));
     islands.parted.clear();
+    islands.loading.clear();
+    islands.boundary.clear();
     islands.look(graph, &pairs);
     islands.update(graph, &table);
     islands.revise(&std::mem::take(&mut table.solved_anew));
     islands.deactivation.pairs = graph.take_idle(&table, &pairs, &time);
     islands.woke = false;
-    islands.arriving.clear();
     let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
     if table.inactive_count() > 0 || table.active().any(rests) {
-        let awake = islands.find_awake(graph, &table);
-        islands.wake(&mut table, &awake, &mut sleepers);
-        islands.find_arriving(&table);
-        islands.activate_arriving(&mut table);
-        islands.find_deactivation(&table, &awake);
-        islands.awake = awake;
+        let rising = islands.find_rising(graph, &table, (&settings, &gravity), &forces, time.dt);
+        islands.wake(&mut table, rising, &mut sleepers);
+        islands.find_loading(graph, &mut table, &mut sleepers);
+        islands.find_deactivation(&table);
         islands.update(graph, &table);
     }
+    islands.find_arriving();
 }
 
 /// Second part of the stage *islands*: makes bodies and pairs inactive or active, and updates the islands accordingly.
@@ -266,7 +298,7 @@ pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
             let table = world.resource::<BodyTable>();
             islands.look(&mut graph, &pairs);
             islands.update(&mut graph, table);
-            islands.find_arriving(table);
+            islands.find_arriving();
         });
     });
 }
@@ -320,7 +352,7 @@ impl Islands {
 
     /// Takes over the changes in the graph and among the active bodies.
     pub(super) fn update(&mut self, graph: &mut ConstraintGraph, table: &BodyTable) {
-        let now = table.active().map(Member::of);
+        let now = table.active().map(|body| member(body, &self.loading));
         let same = now.eq(self.active.iter().copied());
         if same && graph.changes.is_empty() {
             return;
@@ -343,6 +375,8 @@ impl Islands {
             unlinked,
             renewed,
             mut ends,
+            joined,
+            left,
             activity_changed,
         } = update;
         let known = &self.known;
@@ -353,34 +387,38 @@ impl Islands {
         };
         self.levels
             .update(graph, kind, [&linked, &unlinked], &renewed);
+        ends.extend(unlinked.as_flattened());
         for &slots in &linked {
+            self.structures.link(slots);
+        }
+        self.structures.split(graph, &ends);
+        for &slots in linked.iter().chain(&joined) {
             self.partition.link(slots);
         }
-        ends.extend(unlinked.as_flattened());
+        ends.extend(left);
         self.partition.split(graph, &ends);
         self.partition.renumber();
-        let slots = linked.as_flattened().iter().chain(&ends);
-        for &slot in slots.chain(&renewed).chain(&activity_changed) {
+        // Levels also change by links of sleeping bodies, which are in no island.
+        let slots = linked.iter().chain(&joined).flatten().chain(&ends);
+        let slots = slots.chain(&renewed).chain(&activity_changed);
+        for &slot in slots.chain(self.levels.changed()) {
             self.partition.mark(slot, self.revision);
             self.recent.slots.push(slot);
         }
-        self.recent.slots.extend_from_slice(self.levels.changed());
     }
 
     /// Takes over which bodies are active, and their kind.
     fn follow_bodies(&mut self, graph: &ConstraintGraph, table: &BodyTable, update: &mut Update) {
         let before = std::mem::take(&mut self.active);
-        self.active.extend(table.active().map(Member::of));
-        for member in before
-            .iter()
-            .filter(|member| table.is_inactive(member.slot))
-        {
-            match table.get(member.slot).map(Known::of) {
-                Some(body) if body == member.body => {
-                    self.partition.set_active(member.slot, false);
-                    update.activity_changed.push(member.slot);
+        let now = table.active().map(|body| member(body, &self.loading));
+        self.active.extend(now);
+        for was in before.iter().filter(|was| table.is_inactive(was.slot)) {
+            match table.get(was.slot).map(|body| known(body, false)) {
+                Some(body) if body.is_same(&was.body) => {
+                    self.set_solved(graph, was.slot, false, update);
+                    update.activity_changed.push(was.slot);
                 }
-                _ => self.leave(graph, member.slot, update),
+                _ => self.leave(graph, was.slot, update),
             }
         }
         // Both lists are in the order of slots.
@@ -392,8 +430,8 @@ impl Islands {
                 continue;
             }
             match self.known.get(now.slot as usize).copied().flatten() {
-                Some(body) if body == now.body => {
-                    self.partition.set_active(now.slot, true);
+                Some(body) if body.is_same(&now.body) => {
+                    self.set_solved(graph, now.slot, now.body.solved, update);
                     update.activity_changed.push(now.slot);
                 }
                 Some(_) => {
@@ -407,29 +445,100 @@ impl Islands {
 
     /// Adds a body.
     fn enter(&mut self, graph: &ConstraintGraph, now: Member, update: &mut Update) {
-        let Member { slot, body, .. } = now;
+        let Member { slot, body } = now;
         if self.known.len() <= slot as usize {
             self.known.resize(slot as usize + 1, None);
         }
-        self.known[slot as usize] = Some(body);
+        self.known[slot as usize] = Some(Known {
+            solved: false,
+            ..body
+        });
         update.renewed.push(slot);
         if body.dynamic {
-            self.partition.insert(slot);
+            self.sleepers += 1;
+            self.structures.insert(slot);
             let links = graph.neighbours(slot).map(|other| [slot, other]);
             update.linked.extend(links);
         }
+        self.set_solved(graph, slot, body.solved, update);
     }
 
     /// Removes a body, or a body whose kind has changed.
     fn leave(&mut self, graph: &ConstraintGraph, slot: u32, update: &mut Update) {
+        self.set_solved(graph, slot, false, update);
         let known = self.known.get_mut(slot as usize);
         if let Some(body) = known.and_then(Option::take) {
+            self.sleepers -= usize::from(body.sleeps());
+            self.accounts.close(slot);
             update.renewed.push(slot);
             if body.dynamic {
                 update.ends.extend(graph.neighbours(slot));
+                self.structures.remove(slot);
+            }
+        }
+    }
+
+    /// Adds a dynamic body to the islands, or removes it.
+    fn set_solved(
+        &mut self,
+        graph: &ConstraintGraph,
+        slot: u32,
+        solved: bool,
+        update: &mut Update,
+    ) {
+        let known = self.known.get_mut(slot as usize);
+        let known = known.and_then(Option::as_mut);
+        let Some(body) = known.filter(|body| body.solved != solved) else {
+            return;
+        };
+        body.solved = solved;
+        match solved {
+            true => {
+                self.sleepers -= 1;
+                self.accounts.close(slot);
+                self.partition.insert(slot);
+                let links = graph.neighbours(slot).map(|other| [slot, other]);
+                update.joined.extend(links);
+            }
+            false => {
+                self.sleepers += 1;
+                update.left.extend(graph.neighbours(slot));
                 self.partition.remove(slot);
             }
         }
+    }
+
+    /// Finds the islands of sleeping bodies that get static loads.
+    fn find_arriving(&mut self) {
+        self.arriving.clear();
+        if self.loading.is_clear() {
+            return;
+        }
+        let islands = self.partition.numbered().iter();
+        let first = islands.map(|&island| self.partition.members(island)[0]);
+        self.arriving
+            .extend(first.map(|slot| self.loading.contains(slot as usize)));
+    }
+}
+
+/// A body as islands see it. `solved` says whether it is in an island.
+#[inline]
+fn known(body: &BodyState, solved: bool) -> Known {
+    Known {
+        entity: body.entity,
+        spawn_order: body.spawn_order,
+        dynamic: body.is_dynamic(),
+        solved,
+    }
+}
+
+/// An active body as islands see it, where these sleeping bodies get static loads.
+#[inline]
+fn member((slot, body): (u32, &BodyState), loading: &FixedBitSet) -> Member {
+    let solved = body.is_awake() || body.is_dynamic() && loading.contains(slot as usize);
+    Member {
+        slot,
+        body: known(body, solved),
     }
 }
 

@@ -10,13 +10,13 @@
 //! - [`Islands`] and levels of support are views of the links. They are updated change by change, and after every update they equal the result
 //!   of a search through the whole graph. The cost is proportional to the number of changes: a contact that begins in a wall of 10 000 bricks
 //!   costs as much as one that begins in a small wall.
-//! - Inactive bodies and pairs stay in the graph, with their links and in their islands. Only the stages skip their components.
+//! - Inactive bodies and pairs stay in the graph, with their links and in their structures. Only the stages skip their components.
 //! - Lists in this module have no defined order, and nothing is solved in their order. Solvers sort by level of support and spawn order.
 //!
 //! # In a step
 //! 1. *Joints* ([`joints`](crate::joint::joints())): edges of joints begin and end, and link at once. Then *broadphase*, second half ([`pair_changes`]): edges begin and end.
 //! 2. *Narrowphase* reports the edges whose contact gained its first point or lost its last.
-//! 3. *Islands* ([`islands`](islands())): links begin and end, islands merge and split, levels are updated, islands wake. Then
+//! 3. *Islands* ([`islands`](islands())): links begin and end, islands merge and split, levels are updated, bodies wake. Then
 //!    ([`activation`](activation())) bodies and pairs become inactive or active.
 //! 4. *Sleeping* ([`sleeping`](sleeping())): islands fall asleep.
 //!
@@ -26,6 +26,7 @@ mod activation;
 mod edges;
 mod islands;
 mod levels;
+mod need;
 mod pairs;
 mod partition;
 mod sleeping;

@@ -1,10 +1,11 @@
-//! The partition of the dynamic bodies into islands: sets of bodies that are connected by links.
+//! A partition of bodies into islands: sets of bodies that are connected by links.
+//!
+//! There are two of them ([`Islands`](super::Islands)). One contains all dynamic bodies: its islands are the structures of the world. The other
+//! contains the bodies that are solved: those that are awake, so that sleeping bodies separate its islands as the ground does.
 //!
 //! Invariants, after every update:
-//! - Every dynamic body is a member of one island, and two linked bodies are members of the same island. Static and kinematic bodies are in no
-//!   island, so they connect no islands.
-//! - An island whose members are all inactive has no number. The others are numbered from 0 in the order of their first active member (by
-//!   slot).
+//! - Two linked members are in the same island. Other bodies are in no island, so they connect no islands.
+//! - If islands are counted, they are numbered from 0 in the order of their first member (by slot).
 //!
 //! This is the result of a search through the whole graph (the oracle of the tests). The method follows Erin Catto, *Simulation Islands*
 //! (box2d.org, 2023): a link that begins merges the smaller island into the larger at once; a link that ends makes its island a candidate for
@@ -22,7 +23,6 @@ struct Place {
     island: u32,
     /// Index in the list of the island's members.
     place: u32,
-    active: bool,
 }
 
 const NONE: u32 = u32::MAX;
@@ -30,30 +30,30 @@ const NONE: u32 = u32::MAX;
 const NOWHERE: Place = Place {
     island: NONE,
     place: 0,
-    active: false,
 };
 
 #[derive(Clone, Debug, Default)]
 struct Island {
     members: Vec<u32>,
-    active: u32,
-    /// The first active member; [`NONE`] if there is none.
+    /// The first member; [`NONE`] if there is none, or if islands are not numbered.
     first: u32,
     number: u32,
-    /// Changes with the members, links and activity of the island.
+    /// Changes with the members and links of the island.
     revision: Revision,
 }
 
 /// The islands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Partition {
+    /// Whether its islands are numbered.
+    has_numbers: bool,
     /// Indexed by slot.
     places: Vec<Place>,
     islands: Vec<Island>,
     free: Vec<u32>,
-    /// Islands with active members, in the order of their numbers.
+    /// The islands, in the order of their numbers.
     numbered: Vec<u32>,
-    /// Islands that became active since the last numbering.
+    /// Islands that were made since the last numbering.
     unnumbered: Vec<u32>,
     /// Islands whose first member has to be found.
     headless: Vec<u32>,
@@ -63,7 +63,15 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// Number of islands with active members.
+    /// A partition whose islands are numbered.
+    pub fn with_numbers() -> Self {
+        Self {
+            has_numbers: true,
+            ..Self::default()
+        }
+    }
+
+    /// Number of islands, if they are numbered.
     pub fn count(&self) -> usize {
         self.numbered.len()
     }
@@ -73,21 +81,21 @@ impl Partition {
         self.islands.len()
     }
 
-    /// Identity of the island of a dynamic body. It is constant until the island is merged or split.
+    /// Identity of the island of a member. It is constant until the island is merged or split.
     #[inline]
     pub fn id(&self, slot: u32) -> Option<u32> {
         let island = self.places.get(slot as usize)?.island;
         (island != NONE).then_some(island)
     }
 
-    /// The number of an island, or `None` if it has no active members.
+    /// The number of an island, or `None` if it has none.
     #[inline]
     pub fn number(&self, island: u32) -> Option<usize> {
         let number = self.islands[island as usize].number;
         (number != NONE).then_some(number as usize)
     }
 
-    /// The islands with active members, by number.
+    /// The islands, by number.
     pub fn numbered(&self) -> &[u32] {
         &self.numbered
     }
@@ -98,18 +106,12 @@ impl Partition {
         island.map_or(&[], |island| &island.members)
     }
 
-    /// Returns true if some members of the island are inactive.
-    pub fn has_resting(&self, island: u32) -> bool {
-        let island = &self.islands[island as usize];
-        (island.active as usize) < island.members.len()
-    }
-
     /// The revision of an island.
     pub fn revision(&self, island: u32) -> Revision {
         self.islands[island as usize].revision
     }
 
-    /// Gives the island of a body a new revision, after a change that may be only one of activity.
+    /// Gives the island of a body a new revision.
     pub fn mark(&mut self, slot: u32, revision: Revision) {
         if let Some(island) = self.id(slot) {
             self.islands[island as usize].revision = revision;
@@ -123,41 +125,20 @@ impl Partition {
         }
     }
 
-    /// Adds an active dynamic body as an island of its own.
+    /// Adds a body as an island of its own.
     pub fn insert(&mut self, slot: u32) {
         if self.places.len() <= slot as usize {
             self.places.resize(slot as usize + 1, NOWHERE);
         }
         let island = self.new_island();
-        self.places[slot as usize].active = true;
         self.add(slot, island);
     }
 
-    /// Removes a body that is gone or is no longer dynamic.
+    /// Removes a body.
     pub fn remove(&mut self, slot: u32) {
         if self.id(slot).is_some() {
             self.take(slot);
             self.places[slot as usize] = NOWHERE;
-        }
-    }
-
-    /// Sets whether a body is active.
-    pub fn set_active(&mut self, slot: u32, active: bool) {
-        let Some(id) = self.id(slot) else {
-            return;
-        };
-        let place = &mut self.places[slot as usize];
-        if place.active == active {
-            return;
-        }
-        place.active = active;
-        let island = &mut self.islands[id as usize];
-        if active {
-            island.active += 1;
-            self.lead(id, slot);
-        } else {
-            island.active -= 1;
-            self.leave_lead(id, slot);
         }
     }
 
@@ -177,18 +158,15 @@ impl Partition {
         let merged = std::mem::take(&mut self.islands[small as usize]);
         self.free(small);
         let into = &mut self.islands[large as usize];
-        into.active += merged.active;
         for slot in merged.members {
             self.places[slot as usize].island = large;
             self.places[slot as usize].place = into.members.len() as u32;
             into.members.push(slot);
         }
-        if merged.active > 0 {
-            // If the first member of the small island is not known, it is searched for in the large one.
-            match self.headless.contains(&small) {
-                true => self.headless.push(large),
-                false => self.lead(large, merged.first),
-            }
+        // If the first member of the small island is not known, it is searched for in the large one.
+        match self.headless.contains(&small) {
+            true => self.headless.push(large),
+            false => self.lead(large, merged.first),
         }
     }
 
@@ -224,14 +202,9 @@ impl Partition {
     pub fn renumber(&mut self) -> bool {
         for id in std::mem::take(&mut self.headless) {
             let island = &mut self.islands[id as usize];
-            let active = island.members.iter().copied();
-            let active = active.filter(|&slot| self.places[slot as usize].active);
-            let first = match island.active {
-                0 => NONE,
-                _ => active.min().unwrap_or(NONE),
-            };
+            let first = island.members.iter().copied().min().unwrap_or(NONE);
             if island.first != first {
-                // An inactive island that was merged with an active one has no number yet.
+                // The identity may be that of an island that was made since.
                 if island.first == NONE {
                     self.unnumbered.push(id);
                 }
@@ -284,35 +257,28 @@ impl Partition {
         let place = &mut self.places[slot as usize];
         (place.island, place.place) = (id, island.members.len() as u32);
         island.members.push(slot);
-        if place.active {
-            island.active += 1;
-            self.lead(id, slot);
-        }
+        self.lead(id, slot);
     }
 
     /// Removes a body from its island.
     fn take(&mut self, slot: u32) {
-        let Place {
-            island: id,
-            place,
-            active,
-        } = self.places[slot as usize];
+        let Place { island: id, place } = self.places[slot as usize];
         let island = &mut self.islands[id as usize];
         island.members.swap_remove(place as usize);
         if let Some(&moved) = island.members.get(place as usize) {
             self.places[moved as usize].place = place;
         }
-        if active {
-            island.active -= 1;
-            self.leave_lead(id, slot);
-        }
+        self.leave_lead(id, slot);
         if self.islands[id as usize].members.is_empty() {
             self.free(id);
         }
     }
 
-    /// Makes an active body the first of its island if its slot is lower than that of the current first.
+    /// Makes a body the first of its island if its slot is lower than that of the current first.
     fn lead(&mut self, id: u32, slot: u32) {
+        if !self.has_numbers {
+            return;
+        }
         let island = &mut self.islands[id as usize];
         if slot < island.first {
             if island.first == NONE {

@@ -158,8 +158,14 @@ impl Site {
         self.table.get(slot).is_some_and(BodyState::is_dynamic)
     }
 
-    /// The islands, found by a flood fill.
-    fn wanted_islands(&self) -> BTreeSet<Vec<u32>> {
+    /// Whether a body is in an island: it is active and awake.
+    fn is_solved(&self, slot: u32) -> bool {
+        let body = self.table.get(slot);
+        body.is_some_and(BodyState::is_awake) && !self.table.is_inactive(slot)
+    }
+
+    /// The parts that links connect bodies to, of those bodies that may be in one; found by a flood fill.
+    fn connected(&self, is_member: impl Fn(u32) -> bool) -> BTreeSet<Vec<u32>> {
         let links = self.edges.iter().filter(|(_, known)| known.2);
         let joints = self.joints.iter().map(|joint| joint.0);
         let links: Vec<[u32; 2]> = links.map(|(&slots, _)| slots).chain(joints).collect();
@@ -167,7 +173,7 @@ impl Site {
         loop {
             let mut changed = false;
             for slots in &links {
-                if slots.iter().all(|&slot| self.is_dynamic(slot)) {
+                if slots.iter().all(|&slot| is_member(slot)) {
                     let least = slots.map(|slot| label[&slot]).into_iter().min().unwrap();
                     for slot in slots {
                         changed |= label.insert(*slot, least) != Some(least);
@@ -180,7 +186,7 @@ impl Site {
         }
         let mut islands: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for (slot, label) in label {
-            if self.is_dynamic(slot) {
+            if is_member(slot) {
                 islands.entry(label).or_default().push(slot);
             }
         }
@@ -188,35 +194,32 @@ impl Site {
     }
 
     fn check(&self) {
-        let wanted = self.wanted_islands();
-        let sorted = |slot: u32| {
-            let mut members = self.islands.members(slot).to_vec();
+        let sorted = |members: &[u32]| {
+            let mut members = members.to_vec();
             members.sort_unstable();
             members
         };
+        let wanted = self.connected(|slot| self.is_dynamic(slot));
         let dynamic = self.bodies.keys().copied();
         let dynamic = dynamic.filter(|&slot| self.is_dynamic(slot));
-        let found: BTreeSet<Vec<u32>> = dynamic.map(sorted).collect();
-        assert_eq!(found, wanted);
-        // Islands are numbered by their first active member.
-        let active = |members: &Vec<u32>| {
-            let mut active = members.iter().copied();
-            active.find(|&slot| !self.table.is_inactive(slot))
-        };
-        let mut firsts: Vec<(u32, &Vec<u32>)> = wanted
-            .iter()
-            .filter_map(|members| Some((active(members)?, members)))
-            .collect();
-        firsts.sort_unstable();
-        assert_eq!(self.islands.count(), firsts.len());
-        for (number, (_, members)) in firsts.iter().enumerate() {
-            for &slot in *members {
+        let found = dynamic.map(|slot| sorted(self.islands.structure(slot)));
+        assert_eq!(found.collect::<BTreeSet<_>>(), wanted);
+        // Islands are numbered by their first member, and so is the set.
+        let wanted = self.connected(|slot| self.is_solved(slot));
+        assert_eq!(self.islands.count(), wanted.len());
+        for (number, members) in wanted.iter().enumerate() {
+            let id = self.islands.numbered()[number];
+            assert_eq!(sorted(self.islands.members_of_id(id)), *members);
+            for &slot in members {
                 assert_eq!(self.islands.of(slot), Some(number));
             }
         }
-        for members in wanted.iter().filter(|members| active(members).is_none()) {
-            assert_eq!(self.islands.of(members[0]), None);
+        let sleepers = self.bodies.keys().filter(|&&slot| !self.is_solved(slot));
+        for &slot in sleepers.clone() {
+            assert_eq!(self.islands.of(slot), None);
         }
+        let sleepers = sleepers.filter(|&&slot| self.is_dynamic(slot)).count();
+        assert_eq!(self.islands.sleepers, sleepers);
         let slots = self.table.slots() as u32;
         let kind = |slot: u32| match self.table.get(slot) {
             None => Kind::Empty,
@@ -322,9 +325,11 @@ fn an_island_is_marked_when_it_changes_and_only_then() {
     let now = revisions(&site);
     assert_eq!(now[0], before[0]);
     assert!(now[1] != before[1] && now[1] == now[2]);
-    // A body that falls asleep changes its island.
+    // A body that falls asleep leaves its island.
     site.table.get_mut(1).unwrap().asleep = true;
     site.update();
-    assert_ne!(revisions(&site)[0], before[0]);
-    assert_eq!(revisions(&site)[1], now[1]);
+    assert_eq!(site.islands.of(1), None);
+    let of = |slot| site.islands.revision_of(site.islands.of(slot).unwrap());
+    assert_ne!(of(2), before[0]);
+    assert_eq!(of(a), now[1]);
 }

@@ -1,69 +1,166 @@
 //! Waking, and the choice of bodies that become inactive: parts of the stage *islands*.
+//!
+//! These sleeping bodies wake:
+//! - A body that the user has moved, pushed or changed, and the two bodies of a contact that ended or was removed.
+//! - All bodies that are connected with a static or kinematic body that moves or was changed.
+//! - Bodies that are joined to an awake body, and bodies that are joined to those.
+//! - Bodies that awake bodies touch: under [`Waking::Islands`] all that are connected with them, under [`Waking::ByNeed`] those that
+//!   [need](super::need) it.
 
 use super::ConstraintGraph;
+use super::edges::EdgeKind;
 use super::islands::Islands;
+use super::need::{Forces, Need};
 use crate::body::{BodyState, BodyTable, Sleeping, Velocity};
+use crate::settings::{Gravity, SleepSettings, Waking};
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
+/// Sleeping bodies that are to wake.
+#[derive(Default)]
+pub(super) struct Rising {
+    marked: FixedBitSet,
+    pub slots: Vec<u32>,
+}
+
+impl Rising {
+    /// Adds a body if it sleeps and has not been added yet.
+    pub fn add(&mut self, table: &BodyTable, slot: u32) {
+        let sleeps = |body: &BodyState| body.is_dynamic() && body.asleep;
+        if table.get(slot).is_some_and(sleeps) {
+            self.marked.grow(slot as usize + 1);
+            if !self.marked.put(slot as usize) {
+                self.slots.push(slot);
+            }
+        }
+    }
+
+    /// Returns true if the body was added.
+    pub fn contains(&self, slot: u32) -> bool {
+        self.marked.contains(slot as usize)
+    }
+
+    /// Adds all sleeping bodies that are connected by links of some kinds with those from an index on, over sleeping bodies.
+    fn flood(
+        &mut self,
+        (graph, table): (&ConstraintGraph, &BodyTable),
+        mut from: usize,
+        spreads: impl Fn(EdgeKind) -> bool,
+    ) {
+        while let Some(&slot) = self.slots.get(from) {
+            let links = graph.links_of(slot).filter(|link| spreads(link.kind));
+            links.for_each(|link| self.add(table, link.other(slot)));
+            from += 1;
+        }
+    }
+}
+
 impl Islands {
-    /// Finds the islands that are awake. An island sleeps and wakes as a whole: it is awake if any of its bodies is awake, was disturbed by
-    /// the user, touches a static or kinematic body that moves, or has parted from a body that supported it or held it down.
-    pub(super) fn find_awake(&mut self, graph: &ConstraintGraph, table: &BodyTable) -> FixedBitSet {
-        let mut awake = std::mem::take(&mut self.awake);
-        awake.clear();
-        awake.grow(self.partition.ids());
-        let mut wake = |slot: u32| {
-            if let Some(island) = self.partition.id(slot) {
-                awake.insert(island as usize);
-            }
-        };
+    /// Finds the sleeping bodies that wake in this step, and keeps the accounts of those that go on sleeping beside awake bodies.
+    pub(super) fn find_rising(
+        &mut self,
+        graph: &ConstraintGraph,
+        table: &BodyTable,
+        (settings, gravity): (&SleepSettings, &Gravity),
+        forces: &Forces,
+        dt: f32,
+    ) -> Vec<u32> {
+        let mut rising = Rising::default();
+        if self.sleepers == 0 {
+            return rising.slots;
+        }
+        let world = (graph, table);
         for (slot, body) in table.active() {
-            if body.is_dynamic() {
-                if !body.asleep || body.disturbed {
-                    wake(slot);
-                }
-                continue;
+            if body.is_dynamic() && body.disturbed {
+                rising.add(table, slot);
             }
+        }
+        for &slot in self.parted.as_flattened() {
+            rising.add(table, slot);
+        }
+        self.find_carried(world, &mut rising);
+        self.find_boundary(world);
+        match settings.waking {
+            Waking::Islands => {
+                let boundary = self.boundary.iter();
+                boundary.for_each(|&slot| rising.add(table, slot));
+                rising.flood(world, 0, |_| true);
+            }
+            Waking::ByNeed { share } => {
+                let need = Need {
+                    graph,
+                    table,
+                    forces,
+                    share,
+                    speed: settings.linear_speed,
+                    gravity: gravity.0.length(),
+                    dt,
+                };
+                need.find(&self.boundary, &mut self.accounts, &mut rising);
+                rising.flood(world, 0, |kind| kind == EdgeKind::Joint);
+                need.open(&rising, &mut self.accounts);
+            }
+        }
+        rising.slots
+    }
+
+    /// Finds the sleeping bodies that are connected with a static or kinematic body that moves or was changed.
+    fn find_carried(&self, world: (&ConstraintGraph, &BodyTable), rising: &mut Rising) {
+        let (graph, table) = world;
+        let first = rising.slots.len();
+        let mut carried = FixedBitSet::new();
+        for (slot, body) in table.active().filter(|(_, body)| !body.is_dynamic()) {
             let is_new = body.moved || body.renewed;
             let moves = body.velocity != Velocity::default();
             if !is_new && !moves {
                 continue;
             }
-            for carried in graph.neighbours(slot) {
+            for above in graph.neighbours(slot) {
                 // A body that is added together with its ground may stay asleep on it.
                 let together = |above: &BodyState| body.arrived && above.arrived;
-                if moves || !table.get(carried).is_some_and(together) {
-                    wake(carried);
+                if moves || !table.get(above).is_some_and(together) {
+                    rising.add(table, above);
+                    if let Some(island) = self.partition.id(above) {
+                        carried.grow(self.partition.ids());
+                        carried.insert(island as usize);
+                    }
                 }
             }
         }
-        self.parted.as_flattened().iter().copied().for_each(wake);
-        awake
+        let islands = carried.ones();
+        let members = islands.flat_map(|island| self.partition.members(island as u32));
+        let beside = members.flat_map(|&slot| graph.neighbours(slot));
+        beside.for_each(|slot| rising.add(table, slot));
+        rising.flood(world, first, |_| true);
     }
 
-    /// Wakes all bodies of awake islands. Inactive ones are marked, and become active next.
+    /// The sleeping bodies that awake ones touched at the beginning of the step, by slot, in no defined order.
+    pub(crate) fn boundary(&self) -> &[u32] {
+        &self.boundary
+    }
+
+    /// Finds the sleeping bodies that are linked to awake ones.
+    fn find_boundary(&mut self, (graph, table): (&ConstraintGraph, &BodyTable)) {
+        let mut boundary = Rising::default();
+        for &island in self.partition.numbered() {
+            for &slot in self.partition.members(island) {
+                let beside = graph.neighbours(slot);
+                beside.for_each(|other| boundary.add(table, other));
+            }
+        }
+        self.boundary = boundary.slots;
+    }
+
+    /// Wakes bodies. Inactive ones are marked, and become active next.
     pub(super) fn wake(
         &mut self,
         table: &mut BodyTable,
-        awake: &FixedBitSet,
+        rising: Vec<u32>,
         sleepers: &mut Query<&mut Sleeping>,
     ) {
-        let is_awake = |slot: u32| {
-            let island = self.partition.id(slot);
-            island.is_some_and(|island| awake.contains(island as usize))
-        };
-        let asleep = table.active().filter(|(_, body)| body.asleep);
-        let asleep = asleep.map(|(slot, _)| slot);
-        let mut rising: Vec<u32> = asleep.filter(|&slot| is_awake(slot)).collect();
-        for island in awake.ones() {
-            for slot in self.resting_members(table, island as u32) {
-                table.mark_dirty(slot);
-                rising.push(slot);
-            }
-        }
-        self.woke = !rising.is_empty();
+        self.woke |= !rising.is_empty();
         for slot in rising {
+            table.mark_dirty(slot);
             let body = table.get_mut(slot).expect("it was just seen");
             body.asleep = false;
             if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
@@ -72,67 +169,47 @@ impl Islands {
         }
     }
 
-    /// The inactive members of an island.
-    fn resting_members(&self, table: &BodyTable, island: u32) -> Vec<u32> {
-        if !self.partition.has_resting(island) {
-            return Vec::new();
+    /// Finds the bodies that were added asleep, with the sleeping bodies that are connected with them: these share the new load, and get static
+    /// loads in this step without waking. If they touch awake bodies, those that were added wake instead.
+    pub(super) fn find_loading(
+        &mut self,
+        graph: &ConstraintGraph,
+        table: &mut BodyTable,
+        sleepers: &mut Query<&mut Sleeping>,
+    ) {
+        let arrives = |body: &BodyState| body.arrived && body.asleep;
+        let mut wakes = Vec::new();
+        let arriving = table.active().filter(|(_, body)| arrives(body));
+        let arriving: Vec<u32> = arriving.map(|(slot, _)| slot).collect();
+        let mut found = Rising::default();
+        for slot in arriving {
+            let first = found.slots.len();
+            found.add(table, slot);
+            found.flood((graph, table), first, |_| true);
+            let connected = &found.slots[first..];
+            let awake = |slot: u32| table.get(slot).is_some_and(BodyState::is_awake);
+            let touches_awake = |&slot: &u32| graph.neighbours(slot).any(awake);
+            let slots = connected.iter().copied();
+            if connected.iter().any(touches_awake) {
+                wakes.extend(slots.filter(|&slot| table.get(slot).is_some_and(arrives)));
+            } else {
+                self.loading.grow(table.slots());
+                slots.for_each(|slot| self.loading.insert(slot as usize));
+            }
         }
-        let members = self.partition.members(island).iter().copied();
-        members.filter(|&slot| table.is_inactive(slot)).collect()
+        for slot in self.loading.ones() {
+            table.mark_dirty(slot as u32);
+        }
+        self.wake(table, wakes, sleepers);
     }
 
-    /// Finds sleeping islands that bodies were added to in this step.
-    pub(super) fn find_arriving(&mut self, table: &BodyTable) {
-        self.arriving.clear();
-        let comes = |body: &BodyState| body.arrived && body.asleep;
-        if !table.active().any(|(_, body)| comes(body)) {
-            return;
-        }
-        self.arriving.resize(self.count(), false);
-        let mut awake = vec![false; self.count()];
-        for (slot, body) in table.active() {
-            if let Some(island) = self.of(slot) {
-                self.arriving[island] |= comes(body);
-                awake[island] |= body.is_awake();
-            }
-        }
-        for (arriving, awake) in self.arriving.iter_mut().zip(awake) {
-            *arriving &= !awake;
-        }
-    }
-
-    /// Activates the inactive members of islands that bodies were added to, because the whole island shares the new load and is solved in this
-    /// step. The island stays asleep.
-    pub(super) fn activate_arriving(&mut self, table: &mut BodyTable) {
-        for (number, &island) in self.partition.numbered().iter().enumerate() {
-            if self.arrives(number) {
-                for slot in self.resting_members(table, island) {
-                    table.mark_dirty(slot);
-                }
-            }
-        }
-    }
-
-    /// Finds the bodies that may become inactive: those of sleeping islands, and static and kinematic bodies that do not move.
-    pub(super) fn find_deactivation(&mut self, table: &BodyTable, awake: &FixedBitSet) {
-        let mut restless = std::mem::take(&mut self.restless);
-        restless.clear();
-        restless.union_with(awake);
-        for (slot, body) in table.active() {
-            let may_rest = body.may_rest();
-            match self.partition.id(slot) {
-                Some(island) if !may_rest => restless.insert(island as usize),
-                None if may_rest => self.deactivation.bodies.push((slot, body.entity)),
-                _ => (),
-            }
-        }
-        for (slot, body) in table.active() {
-            let island = self.partition.id(slot);
-            if island.is_some_and(|island| !restless.contains(island as usize)) {
-                self.deactivation.bodies.push((slot, body.entity));
-            }
-        }
-        self.restless = restless;
+    /// Finds the bodies that may become inactive: sleeping bodies, and static and kinematic bodies that do not move.
+    pub(super) fn find_deactivation(&mut self, table: &BodyTable) {
+        let is_loaded = |slot: u32| self.loading.contains(slot as usize);
+        let rest = table.active();
+        let rest = rest.filter(|&(slot, body)| body.may_rest() && !is_loaded(slot));
+        let rest = rest.map(|(slot, body)| (slot, body.entity));
+        self.deactivation.bodies.extend(rest);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     Gravity, NarrowphaseSettings, NormalStabilization, SleepSettings, SolverSettings, SpeedLimits,
-    StabilizationSettings,
+    StabilizationSettings, Waking,
 };
 use crate::body::limits;
 use crate::diagnosis::StepError;
@@ -207,10 +207,15 @@ impl Checked for SleepSettings {
     const NAME: &'static str = "SleepSettings";
 
     fn problem(&self) -> Option<String> {
+        let share = match self.waking {
+            Waking::Islands => 0.0,
+            Waking::ByNeed { share } => share,
+        };
         out_of_bounds(&[
             ("linear_speed", self.linear_speed, 0.0..=limits::SPEED),
             ("angular_speed", self.angular_speed, 0.0..=limits::SPIN),
             ("delay", self.delay, 0.0..=f32::INFINITY),
+            ("waking.share", share, 0.0..=f32::INFINITY),
         ])
     }
 

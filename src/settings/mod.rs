@@ -104,6 +104,28 @@ pub struct SleepSettings {
     pub angular_speed: f32,
     /// An island falls asleep when all its bodies have been still for this time, s. Default: 0.5.
     pub delay: f32,
+    /// Which sleeping bodies wake when awake ones touch them. Default: by need.
+    pub waking: Waking,
+}
+
+/// Which sleeping bodies wake when awake ones touch them.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
+pub enum Waking {
+    /// All bodies that are connected with them by contacts and joints. What is touched costs as much as all that it is connected with.
+    Islands,
+    /// Those that the awake bodies hit, and those on which the forces change. What is touched costs as much as what has to move: a brick that
+    /// is laid on a wall wakes a few bricks below it.
+    ByNeed {
+        /// A body wakes when the force on it, or the moment divided by its radius, changes by more than this share of the sum of the normal
+        /// forces on it. Without unit. Default: 0.02.
+        share: f32,
+    },
 }
 
 impl Default for SleepSettings {

@@ -2,7 +2,7 @@
 
 use super::{
     AnchorRule, Classifier, FrictionStabilization, NarrowphaseSettings, NormalStabilization,
-    SleepSettings, SolverSettings, StabilizationSettings,
+    SleepSettings, SolverSettings, StabilizationSettings, Waking,
 };
 use crate::solver::{Nncg, SoftStep};
 
@@ -96,6 +96,10 @@ impl Preset {
             linear_speed: 0.01,
             angular_speed: 0.02,
             delay: 0.5,
+            waking: match self {
+                Preset::Default => Waking::ByNeed { share: 0.02 },
+                Preset::Paper => Waking::Islands,
+            },
         }
     }
 }

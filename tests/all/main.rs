@@ -31,6 +31,7 @@ mod masonry;
 mod meters;
 mod mortar;
 mod moving;
+mod need;
 mod order;
 mod piles;
 mod plays;

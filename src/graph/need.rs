@@ -1,0 +1,209 @@
+//! Waking by need: a sleeping body that an awake body touches wakes only if the awake body changes what the sleeping one bears, or hits it.
+//!
+//! The contacts of an awake body with a sleeping one are solved as with something that cannot be moved. The sleeping body is in equilibrium
+//! with the forces at which it fell asleep, so what counts is how much the forces of its contacts have changed since then. They are summed in
+//! an *account*, which is opened before the first change and kept until the body wakes: a hundred small changes add up.
+//!
+//! A sleeping body wakes when
+//! - the change of the total force, and of the total moment divided by its radius, exceeds a share of what presses on it,
+//! - an awake body hits it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the speed v. So as much mass
+//!   wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count as still. Otherwise
+//!   the body would bounce off something infinitely heavy.
+//!
+//! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and Kry,
+//! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
+
+use super::ConstraintGraph;
+use super::edges::{EdgeKind, Link};
+use super::waking::Rising;
+use crate::body::{BodyState, BodyTable};
+use crate::contact::{ContactImpulses, ContactPair, Manifold};
+use bevy_ecs::prelude::*;
+use bevy_platform::collections::HashMap;
+use glam::Vec3;
+use smallvec::SmallVec;
+
+/// The contacts of sleeping bodies, inactive ones included.
+pub(super) type Forces<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static ContactPair,
+        &'static Manifold,
+        &'static ContactImpulses,
+    ),
+>;
+
+/// The forces with which sleeping bodies fell asleep, for those that awake bodies touch or have touched; by slot.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Accounts(HashMap<u32, Wrench>);
+
+impl Accounts {
+    /// Closes the account of a body that wakes or is removed.
+    pub fn close(&mut self, slot: u32) {
+        if !self.0.is_empty() {
+            self.0.remove(&slot);
+        }
+    }
+}
+
+/// The forces of all contacts on a body.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wrench {
+    /// N.
+    force: Vec3,
+    /// About the centre of mass, N·m.
+    moment: Vec3,
+    /// The sum of all normal forces, N.
+    pressure: f32,
+}
+
+/// The search for sleeping bodies that need to wake.
+pub(super) struct Need<'a, 'w, 's> {
+    pub graph: &'a ConstraintGraph,
+    pub table: &'a BodyTable,
+    pub forces: &'a Forces<'w, 's>,
+    /// Share of what presses on a body.
+    pub share: f32,
+    /// A body counts as still below this speed, m/s.
+    pub speed: f32,
+    /// m/s².
+    pub gravity: f32,
+    /// Length of the step, s.
+    pub dt: f32,
+}
+
+impl Need<'_, '_, '_> {
+    /// Finds those of these sleeping bodies that need to wake, and opens the accounts of the others.
+    pub fn find(&self, boundary: &[u32], accounts: &mut Accounts, rising: &mut Rising) {
+        for &slot in boundary {
+            let Some(body) = self.table.get(slot) else {
+                continue;
+            };
+            let mut hit = 0.0_f32;
+            for link in self.graph.links_of(slot) {
+                let other = self.table.get(link.other(slot));
+                let Some(other) = other.filter(|other| other.is_awake()) else {
+                    continue;
+                };
+                match link.kind {
+                    EdgeKind::Joint => rising.add(self.table, slot),
+                    EdgeKind::Contact => hit = hit.max(self.momentum(&link, slot, other)),
+                }
+            }
+            if hit > 0.0 {
+                self.wake_around(slot, hit / self.speed, rising);
+            }
+            let now = self.wrench(slot);
+            let then = *accounts.0.entry(slot).or_insert(now);
+            let moment = (now.moment - then.moment).length() / body.radius;
+            let change = (now.force - then.force).length() + moment;
+            let weight = body.mass.mass() * self.gravity * body.gravity_scale.abs();
+            if change > self.share * then.pressure.max(weight) {
+                rising.add(self.table, slot);
+            }
+        }
+    }
+
+    /// Opens the accounts of the sleeping bodies beside those that wake.
+    pub fn open(&self, rising: &Rising, accounts: &mut Accounts) {
+        for &slot in &rising.slots {
+            for link in self.graph.links_of(slot) {
+                let other = link.other(slot);
+                let sleeps = |body: &BodyState| body.is_dynamic() && body.asleep;
+                if !rising.contains(other) && self.table.get(other).is_some_and(sleeps) {
+                    let account = accounts.0.entry(other);
+                    account.or_insert_with(|| self.wrench(other));
+                }
+            }
+        }
+    }
+
+    /// The momentum with which an awake body hits a sleeping one in this step, kg·m/s; 0 if it does not.
+    fn momentum(&self, link: &Link, sleeper: u32, awake: &BodyState) -> f32 {
+        let Ok((_, manifold, _)) = self.forces.get(link.pair) else {
+            return 0.0;
+        };
+        let Some(a) = self.table.get(link.slots[0]) else {
+            return 0.0;
+        };
+        // Normals point from B to A.
+        let towards = if link.slots[0] == sleeper { 1.0 } else { -1.0 };
+        let mut fastest = 0.0_f32;
+        for (_, patch, range) in manifold.patches_with_points() {
+            for point in &manifold.points[range] {
+                let velocity = awake.velocity_at(a.center + point.arm);
+                let speed = towards * velocity.dot(patch.normal);
+                // A point that is farther away is not reached in this step.
+                if point.distance < 2.0 * speed * self.dt {
+                    fastest = fastest.max(speed);
+                }
+            }
+        }
+        match fastest > self.speed {
+            true => awake.mass.mass() * fastest,
+            false => 0.0,
+        }
+    }
+
+    /// Wakes sleeping bodies of this total mass, kg, around one of them, by contact distance.
+    fn wake_around(&self, slot: u32, mass: f32, rising: &mut Rising) {
+        let mut found = Rising::default();
+        found.add(self.table, slot);
+        let (mut sum, mut first) = (0.0, 0);
+        while first < found.slots.len() {
+            // The order of links depends on their history; which bodies wake must not.
+            let order = |&slot: &u32| self.table.get(slot).map(|body| body.spawn_order);
+            found.slots[first..].sort_unstable_by_key(order);
+            let end = found.slots.len();
+            for i in first..end {
+                if sum > mass {
+                    return;
+                }
+                let slot = found.slots[i];
+                rising.add(self.table, slot);
+                let body = self.table.get(slot);
+                sum += body.map_or(0.0, |body| body.mass.mass());
+                let links = self.graph.links_of(slot);
+                links.for_each(|link| found.add(self.table, link.other(slot)));
+            }
+            first = end;
+        }
+    }
+
+    /// The forces of all contacts on a body, as they were at the end of the last step in which each was solved.
+    fn wrench(&self, slot: u32) -> Wrench {
+        let links = self.graph.edges_of_kind(slot, EdgeKind::Contact);
+        let pairs = links.filter_map(|pair| self.forces.get(pair).ok());
+        let mut pairs: SmallVec<[_; 16]> = pairs.collect();
+        // The order of links depends on their history; the sum must not.
+        pairs.sort_unstable_by_key(|(pair, ..)| pair.spawn_orders);
+        let mut sum = Wrench::default();
+        for (pair, manifold, impulses) in pairs {
+            let is_a = pair.slots[0] == slot;
+            let sign = if is_a { 1.0 } else { -1.0 };
+            let arm = |arm: Vec3| if is_a { arm } else { arm + manifold.between };
+            for (i, patch, range) in manifold.patches_with_points() {
+                for i in range {
+                    let (Some(solved), point) = (impulses.points.get(i), &manifold.points[i])
+                    else {
+                        continue;
+                    };
+                    let friction = impulses.friction.get(i);
+                    let friction = friction.map_or(Vec3::ZERO, |point| point.friction_force);
+                    let force = sign * (patch.normal * solved.normal_force + friction);
+                    sum.pressure += solved.normal_force;
+                    sum.force += force;
+                    sum.moment += arm(point.arm).cross(force);
+                }
+                if let Some(solved) = impulses.patches.get(i) {
+                    let force = sign * solved.friction_force;
+                    sum.force += force;
+                    sum.moment += arm(patch.center).cross(force);
+                    sum.moment += sign * solved.twist_moment * patch.normal;
+                }
+            }
+        }
+        sum
+    }
+}

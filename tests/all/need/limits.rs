@@ -1,0 +1,96 @@
+//! Structures fail by need where they fail awake.
+
+use super::*;
+use drystone::body::ExternalForce;
+
+/// The number of the brick of the lowest course with whose removal a tenth of the wall falls. The bricks are taken one after the other, from the
+/// middle outwards.
+fn foot(scene: &str, columns: usize, mode: Mode) -> usize {
+    let mut site = Site::of(scene, mode, 1.0 / 60.0);
+    let before = site.places();
+    for i in 0..columns {
+        let aside = i.div_ceil(2);
+        let column = columns / 2;
+        let column = if i % 2 == 0 {
+            column + aside
+        } else {
+            column - aside
+        };
+        site.lab.world.despawn(site.bricks[column]);
+        site.lab.run(0.5);
+        let pairs = before.iter().zip(site.places());
+        let fell = pairs.filter(|(from, now)| {
+            let fallen = from.zip(*now).map(|(from, now)| from.y - now.y);
+            fallen.is_some_and(|fallen| fallen > 0.25)
+        });
+        if fell.count() * 10 > site.bricks.len() {
+            return i + 1;
+        }
+    }
+    usize::MAX
+}
+
+#[test]
+fn a_wall_whose_foot_is_taken_falls_at_the_same_brick() {
+    for (scene, columns) in [("wall:20x20", 20), ("wall:12x10", 12)] {
+        let [awake, need] = [Mode::Awake, Mode::Need].map(|mode| foot(scene, columns, mode));
+        println!("{scene} falls at brick {awake} awake, {need} by need");
+        assert!(awake.abs_diff(need) <= 1);
+    }
+}
+
+/// The number of bricks of a tower that leans by `lean` m a brick, at which it falls; one is laid every half second.
+fn tower(lean: f32, mode: Mode) -> usize {
+    let mut lab = Site::empty(mode, 1.0 / 60.0);
+    lab.ground();
+    let mut site = Site {
+        lab,
+        bricks: Vec::new(),
+    };
+    for i in 0..60 {
+        let at = Vec3::new(lean * i as f32, 0.5 * i as f32 + 0.25, 0.0);
+        let brick = site.lay(at);
+        site.bricks.push(brick);
+        site.lab.run(0.5);
+        let top = site.lab.position(brick);
+        if top.distance(at) > 0.1 {
+            return i + 1;
+        }
+    }
+    usize::MAX
+}
+
+#[test]
+fn a_leaning_tower_falls_at_the_same_brick() {
+    for lean in [0.04, 0.05, 0.06, 0.08] {
+        let [awake, need] = [Mode::Awake, Mode::Need].map(|mode| tower(lean, mode));
+        println!("leaning by {lean} m it falls at {awake} awake, {need} by need");
+        assert!(awake.abs_diff(need) <= 1);
+    }
+}
+
+/// The force that has pushed a brick out of a wall by 2 cm, N, where it grows by `rate` N/s.
+fn pushed(rate: f32, mode: Mode) -> f32 {
+    let mut site = Site::of("wall:12x10", mode, 1.0 / 60.0);
+    let middle = site.bricks[5 * 12 + 8];
+    let start = site.lab.position(middle);
+    let mut force = 0.0;
+    while site.lab.position(middle).distance(start) < 0.02 && force < 1e6 {
+        force += rate * site.lab.dt;
+        site.lab.world.entity_mut(middle).insert(ExternalForce {
+            force: Vec3::Z * force,
+            ..Default::default()
+        });
+        site.lab.step();
+    }
+    force
+}
+
+#[test]
+fn a_growing_force_pushes_a_brick_out_where_it_does_awake() {
+    for rate in [500.0, 1000.0, 2000.0] {
+        let [awake, need] = [Mode::Awake, Mode::Need].map(|mode| pushed(rate, mode));
+        println!("{rate} N/s: {awake} N awake, {need} N by need");
+        assert!((need - awake).abs() < 0.03 * awake);
+    }
+}

@@ -182,7 +182,7 @@ pub mod prelude {
     pub use crate::sensor::{Sensor, SensorEntered, SensorExited, SensorOverlap, SensorOverlaps};
     pub use crate::settings::{
         ContactSolver, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
-        SpeedLimits, StabilizationSettings,
+        SpeedLimits, StabilizationSettings, Waking,
     };
     pub use crate::{DrystonePlugins, step};
     pub use glam::{BVec3, Quat, Vec3};

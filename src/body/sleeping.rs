@@ -1,4 +1,4 @@
-//! The component that says whether a body sleeps. The stage *sleeping* puts islands to sleep, and the stage *islands* wakes them.
+//! The component that says whether a body sleeps. The stage *sleeping* puts islands to sleep, and the stage *islands* wakes bodies.
 
 use bevy_ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy_ecs::prelude::*;

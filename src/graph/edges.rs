@@ -123,6 +123,8 @@ pub struct ConstraintGraph {
     /// By slot.
     nodes: Vec<Node>,
     pub(super) changes: Changes,
+    /// Slots of bodies of which a touching pair was removed, since the last update of the islands.
+    pub(super) parted: Vec<u32>,
     /// Edges whose contact may have gained its first point or lost its last, and whether their bodies have parted.
     reported: Vec<(u32, bool)>,
     /// Edges whose bodies are both inactive, so that the edge may become inactive too.
@@ -329,6 +331,11 @@ impl ConstraintGraph {
             true => self.changes.linked.push(slots),
             false => self.changes.unlinked.push(slots),
         }
+    }
+
+    /// Notes that a contact of a body has ended because another body was removed.
+    pub(crate) fn part(&mut self, slot: u32) {
+        self.parted.push(slot);
     }
 
     /// Reports edges whose contact gained its first point or lost its last. The flag is true if the bodies have parted: they touched in the

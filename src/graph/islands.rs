@@ -8,7 +8,7 @@
 use super::ConstraintGraph;
 use super::activation::{Deactivation, activate, deactivate};
 use super::levels::{Kind, Levels};
-use super::need::{Accounts, Forces};
+use super::need::{Accounts, Forces, Impulses, Need};
 use super::partition::Partition;
 use crate::body::{BodyState, BodyTable, Inactive, Sleeping, SpawnOrder};
 use crate::contact::{ContactPair, LostPairs, Manifold};
@@ -41,8 +41,10 @@ pub struct Islands {
     recent: Recent,
     pub(super) woke: bool,
     pub(super) deactivation: Deactivation,
-    /// Pairs of slots of bodies that touched in the last step and no longer do.
-    pub(super) parted: Vec<[u32; 2]>,
+    /// Slots of bodies of which a contact has ended, or was removed.
+    pub(super) parted: Vec<u32>,
+    /// Slots of bodies whose kind has changed, so that others may rest on them no longer.
+    pub(super) changed_kind: Vec<u32>,
     /// Sleeping bodies that get static loads in this step, by slot: those that were added, and those connected with them.
     pub(super) loading: FixedBitSet,
     /// By island: its bodies are among those. Empty if there is no such island.
@@ -68,6 +70,7 @@ impl Default for Islands {
             woke: false,
             deactivation: Deactivation::default(),
             parted: Vec::new(),
+            changed_kind: Vec::new(),
             loading: FixedBitSet::new(),
             arriving: Vec::new(),
             boundary: Vec::new(),
@@ -120,6 +123,7 @@ struct Known {
 struct Member {
     slot: u32,
     body: Known,
+    asleep: bool,
 }
 
 impl Known {
@@ -257,7 +261,7 @@ pub fn islands(
     mut table: ResMut<BodyTable>,
     (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
     lost: Res<LostPairs>,
-    (pairs, forces): (Pairs, Forces),
+    (pairs, forces, impulses): (Pairs, Forces, Impulses),
     (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
     mut sleepers: Query<&mut Sleeping>,
 ) {
@@ -265,7 +269,9 @@ pub fn islands(
     islands.begin();
     graph.forget(&lost);
     graph.report(edited(&pairs));
-    islands.parted.clear();
+    std::mem::swap(&mut islands.parted, &mut graph.parted);
+    graph.parted.clear();
+    islands.changed_kind.clear();
     islands.loading.clear();
     islands.boundary.clear();
     islands.look(graph, &pairs);
@@ -275,7 +281,16 @@ pub fn islands(
     islands.woke = false;
     let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
     if table.inactive_count() > 0 || table.active().any(rests) {
-        let rising = islands.find_rising(graph, &table, (&settings, &gravity), &forces, time.dt);
+        let need = Need {
+            graph,
+            table: &table,
+            forces: &forces,
+            impulses: &impulses,
+            speed: settings.linear_speed,
+            gravity: gravity.0,
+            dt: time.dt,
+        };
+        let rising = islands.find_rising(&need, settings.waking);
         islands.wake(&mut table, rising, &mut sleepers);
         islands.find_loading(graph, &mut table, &mut sleepers);
         islands.find_deactivation(&table);
@@ -331,7 +346,7 @@ impl Islands {
                 && let Ok((_, pair, manifold)) = pairs.get(entity)
             {
                 if parted {
-                    self.parted.push(pair.slots);
+                    self.parted.extend(pair.slots);
                 }
                 graph.set_links(edge, !manifold.points.is_empty());
             }
@@ -435,6 +450,7 @@ impl Islands {
                     update.activity_changed.push(now.slot);
                 }
                 Some(_) => {
+                    self.changed_kind.push(now.slot);
                     self.leave(graph, now.slot, update);
                     self.enter(graph, now, update);
                 }
@@ -445,7 +461,7 @@ impl Islands {
 
     /// Adds a body.
     fn enter(&mut self, graph: &ConstraintGraph, now: Member, update: &mut Update) {
-        let Member { slot, body } = now;
+        let Member { slot, body, .. } = now;
         if self.known.len() <= slot as usize {
             self.known.resize(slot as usize + 1, None);
         }
@@ -539,6 +555,7 @@ fn member((slot, body): (u32, &BodyState), loading: &FixedBitSet) -> Member {
     Member {
         slot,
         body: known(body, solved),
+        asleep: body.asleep,
     }
 }
 

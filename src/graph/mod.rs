@@ -38,6 +38,7 @@ pub use activation::activate;
 pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};
+pub(crate) use need::Wrench;
 pub(crate) use pairs::end_pairs;
 pub use pairs::pair_changes;
 pub use sleeping::sleeping;

@@ -6,9 +6,11 @@
 //!
 //! A sleeping body wakes when
 //! - the change of the total force, and of the total moment divided by its radius, exceeds a share of what presses on it,
-//! - an awake body hits it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the speed v. So as much mass
-//!   wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count as still. Otherwise
-//!   the body would bounce off something infinitely heavy.
+//! - an awake body hits it, or the user pushes it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the speed
+//!   v. So as much mass wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count
+//!   as still. Otherwise the body would bounce off something infinitely heavy.
+//! - a body that supports it has lost a contact on which it rested. All that rests on these bodies wakes in the same step, so that it
+//!   falls together.
 //!
 //! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and Kry,
 //! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
@@ -16,7 +18,7 @@
 use super::ConstraintGraph;
 use super::edges::{EdgeKind, Link};
 use super::waking::Rising;
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable, ExternalImpulse};
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
@@ -34,11 +36,24 @@ pub(super) type Forces<'w, 's> = Query<
     ),
 >;
 
+/// The impulses that users give.
+pub(super) type Impulses<'w, 's> = Query<'w, 's, &'static ExternalImpulse>;
+
 /// The forces with which sleeping bodies fell asleep, for those that awake bodies touch or have touched; by slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accounts(HashMap<u32, Wrench>);
 
 impl Accounts {
+    /// The forces with which a body fell asleep, if its account is open.
+    pub fn get(&self, slot: u32) -> Option<Wrench> {
+        self.0.get(&slot).copied()
+    }
+
+    /// Opens an account.
+    pub fn open(&mut self, slot: u32, forces: Wrench) {
+        self.0.insert(slot, forces);
+    }
+
     /// Closes the account of a body that wakes or is removed.
     pub fn close(&mut self, slot: u32) {
         if !self.0.is_empty() {
@@ -49,7 +64,7 @@ impl Accounts {
 
 /// The forces of all contacts on a body.
 #[derive(Clone, Copy, Debug, Default)]
-struct Wrench {
+pub(crate) struct Wrench {
     /// N.
     force: Vec3,
     /// About the centre of mass, N·m.
@@ -58,24 +73,92 @@ struct Wrench {
     pressure: f32,
 }
 
+/// A sleeping body wakes if the user puts another one so that they overlap by more than this, m: both must give way.
+const OVERLAP: f32 = 1e-3;
+
 /// The search for sleeping bodies that need to wake.
 pub(super) struct Need<'a, 'w, 's> {
     pub graph: &'a ConstraintGraph,
     pub table: &'a BodyTable,
     pub forces: &'a Forces<'w, 's>,
-    /// Share of what presses on a body.
-    pub share: f32,
+    pub impulses: &'a Impulses<'w, 's>,
     /// A body counts as still below this speed, m/s.
     pub speed: f32,
     /// m/s².
-    pub gravity: f32,
+    pub gravity: Vec3,
     /// Length of the step, s.
     pub dt: f32,
 }
 
 impl Need<'_, '_, '_> {
-    /// Finds those of these sleeping bodies that need to wake, and opens the accounts of the others.
-    pub fn find(&self, boundary: &[u32], accounts: &mut Accounts, rising: &mut Rising) {
+    /// Wakes as much around a body as the velocity or impulse that the user has given it can move.
+    pub fn wake_pushed(&self, slot: u32, rising: &mut Rising) {
+        let Some(body) = self.table.get(slot) else {
+            return;
+        };
+        let impulse = self.impulses.get(body.entity).copied().unwrap_or_default();
+        let [linear, angular] = [body.velocity.linear, body.velocity.angular].map(Vec3::length);
+        let given = impulse.linear.length() + impulse.angular.length() / body.radius;
+        let momentum = body.mass.mass() * (linear + angular * body.radius) + given;
+        if momentum > 0.0 {
+            self.wake_around(slot, momentum / self.speed, rising);
+        }
+    }
+
+    /// Wakes all that rests on a body of which a contact has ended, if it rested on that contact.
+    pub fn wake_supported(
+        &self,
+        slot: u32,
+        share: f32,
+        accounts: &Accounts,
+        rising: &mut Rising,
+    ) {
+        let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
+            return;
+        };
+        let now = self.wrench(slot);
+        let then = accounts.get(slot);
+        let then = then.unwrap_or_else(|| self.equilibrium(body, &now));
+        if body.is_awake()
+            || self.change(body, &now, &then) <= share * self.pressure(body, &then)
+        {
+            return;
+        }
+        let up = -self.gravity.normalize_or_zero();
+        let mut found = Rising::default();
+        let mut next = SmallVec::<[u32; 32]>::from_slice(&[slot]);
+        while let Some(below) = next.pop() {
+            let links = self.graph.links_of(below);
+            for link in links.filter(|link| link.kind == EdgeKind::Contact) {
+                let above = link.other(below);
+                let Some(body) = self.table.get(above) else {
+                    continue;
+                };
+                let Ok(pair) = self.forces.get(link.pair) else {
+                    continue;
+                };
+                let mut borne = Wrench::default();
+                borne.add(above, pair);
+                let weight = body.mass.mass() * self.gravity.length();
+                if borne.force.dot(up) > share * weight && !found.contains(above) {
+                    found.add(self.table, above);
+                    if found.contains(above) {
+                        rising.add(self.table, above);
+                        next.push(above);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Wakes those of these sleeping bodies that awake bodies hit, or on which the forces have changed. Opens the accounts of the others.
+    pub fn wake_touched(
+        &self,
+        boundary: &[u32],
+        share: f32,
+        accounts: &mut Accounts,
+        rising: &mut Rising,
+    ) {
         for &slot in boundary {
             let Some(body) = self.table.get(slot) else {
                 continue;
@@ -90,18 +173,41 @@ impl Need<'_, '_, '_> {
                     EdgeKind::Joint => rising.add(self.table, slot),
                     EdgeKind::Contact => hit = hit.max(self.momentum(&link, slot, other)),
                 }
+                let is_put = other.arrived || other.put_from.is_some();
+                if is_put && self.overlaps(&link) {
+                    rising.add(self.table, slot);
+                }
             }
             if hit > 0.0 {
                 self.wake_around(slot, hit / self.speed, rising);
             }
             let now = self.wrench(slot);
             let then = *accounts.0.entry(slot).or_insert(now);
-            let moment = (now.moment - then.moment).length() / body.radius;
-            let change = (now.force - then.force).length() + moment;
-            let weight = body.mass.mass() * self.gravity * body.gravity_scale.abs();
-            if change > self.share * then.pressure.max(weight) {
+            if self.change(body, &now, &then) > share * self.pressure(body, &then) {
                 rising.add(self.table, slot);
             }
+        }
+    }
+
+    /// How much the forces on a body have changed, N.
+    fn change(&self, body: &BodyState, now: &Wrench, then: &Wrench) -> f32 {
+        let moment = (now.moment - then.moment).length() / body.radius;
+        (now.force - then.force).length() + moment
+    }
+
+    /// What presses on a body, N: at least its weight.
+    fn pressure(&self, body: &BodyState, then: &Wrench) -> f32 {
+        let weight = body.mass.mass() * self.gravity.length() * body.gravity_scale.abs();
+        then.pressure.max(weight)
+    }
+
+    /// The forces that keep a body in equilibrium, under this pressure.
+    fn equilibrium(&self, body: &BodyState, now: &Wrench) -> Wrench {
+        let weight = body.mass.mass() * body.gravity_scale * self.gravity;
+        Wrench {
+            force: -weight - body.force.force,
+            moment: -body.force.torque,
+            pressure: now.pressure,
         }
     }
 
@@ -146,6 +252,15 @@ impl Need<'_, '_, '_> {
         }
     }
 
+    /// Returns true if the two bodies of a contact overlap.
+    fn overlaps(&self, link: &Link) -> bool {
+        let contact = self.forces.get(link.pair);
+        contact.is_ok_and(|(_, manifold, _)| {
+            let mut points = manifold.points.iter();
+            points.any(|point| point.distance < -OVERLAP)
+        })
+    }
+
     /// Wakes sleeping bodies of this total mass, kg, around one of them, by contact distance.
     fn wake_around(&self, slot: u32, mass: f32, rising: &mut Rising) {
         let mut found = Rising::default();
@@ -179,31 +294,39 @@ impl Need<'_, '_, '_> {
         // The order of links depends on their history; the sum must not.
         pairs.sort_unstable_by_key(|(pair, ..)| pair.spawn_orders);
         let mut sum = Wrench::default();
-        for (pair, manifold, impulses) in pairs {
-            let is_a = pair.slots[0] == slot;
-            let sign = if is_a { 1.0 } else { -1.0 };
-            let arm = |arm: Vec3| if is_a { arm } else { arm + manifold.between };
-            for (i, patch, range) in manifold.patches_with_points() {
-                for i in range {
-                    let (Some(solved), point) = (impulses.points.get(i), &manifold.points[i])
-                    else {
-                        continue;
-                    };
-                    let friction = impulses.friction.get(i);
-                    let friction = friction.map_or(Vec3::ZERO, |point| point.friction_force);
-                    let force = sign * (patch.normal * solved.normal_force + friction);
-                    sum.pressure += solved.normal_force;
-                    sum.force += force;
-                    sum.moment += arm(point.arm).cross(force);
-                }
-                if let Some(solved) = impulses.patches.get(i) {
-                    let force = sign * solved.friction_force;
-                    sum.force += force;
-                    sum.moment += arm(patch.center).cross(force);
-                    sum.moment += sign * solved.twist_moment * patch.normal;
-                }
+        pairs.into_iter().for_each(|pair| sum.add(slot, pair));
+        sum
+    }
+}
+
+impl Wrench {
+    /// Adds the forces of a pair on one of its bodies.
+    fn add(
+        &mut self,
+        slot: u32,
+        (pair, manifold, impulses): (&ContactPair, &Manifold, &ContactImpulses),
+    ) {
+        let is_a = pair.slots[0] == slot;
+        let sign = if is_a { 1.0 } else { -1.0 };
+        let arm = |arm: Vec3| if is_a { arm } else { arm + manifold.between };
+        for (i, patch, range) in manifold.patches_with_points() {
+            for i in range {
+                let (Some(solved), point) = (impulses.points.get(i), &manifold.points[i]) else {
+                    continue;
+                };
+                let friction = impulses.friction.get(i);
+                let friction = friction.map_or(Vec3::ZERO, |point| point.friction_force);
+                let force = sign * (patch.normal * solved.normal_force + friction);
+                self.pressure += solved.normal_force;
+                self.force += force;
+                self.moment += arm(point.arm).cross(force);
+            }
+            if let Some(solved) = impulses.patches.get(i) {
+                let force = sign * solved.friction_force;
+                self.force += force;
+                self.moment += arm(patch.center).cross(force);
+                self.moment += sign * solved.twist_moment * patch.normal;
             }
         }
-        sum
     }
 }

@@ -81,7 +81,8 @@ pub fn pair_changes(
     world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
         graph.forget(&lost);
         let again = world.resource_scope(|world, broadphase: Mut<Broadphase>| {
-            give_up(&mut world.resource_mut::<BodyTable>(), &broadphase, &lost)
+            let mut table = world.resource_mut::<BodyTable>();
+            give_up(&mut table, &broadphase, &lost, &mut graph.parted)
         });
         for &slot in &found.removed {
             // A slot can be reused only from here on: no pair refers to it any more.
@@ -117,8 +118,13 @@ fn tell(world: &mut World, lost: &LostPairs) {
     world.resource_mut::<EndedPairs>().0.extend(told);
 }
 
-/// Activates the bodies that touched in lost pairs. Returns the slots of the pairs that must be made anew.
-fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> Vec<[u32; 2]> {
+/// Activates the bodies that touched in lost pairs, and notes that they have parted. Returns the slots of the pairs that must be made anew.
+fn give_up(
+    table: &mut BodyTable,
+    broadphase: &Broadphase,
+    lost: &LostPairs,
+    parted: &mut Vec<u32>,
+) -> Vec<[u32; 2]> {
     let mut again = Vec::new();
     for (_, pair) in &lost.0 {
         let alive = [0, 1].map(|i| {
@@ -130,6 +136,7 @@ fn give_up(table: &mut BodyTable, broadphase: &Broadphase, lost: &LostPairs) -> 
             });
             if pair.touching && dynamic == Some(true) {
                 table.mark_dirty(slot);
+                parted.push(slot);
             }
             dynamic.is_some()
         });

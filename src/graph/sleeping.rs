@@ -2,7 +2,7 @@
 //!
 //! A sleeping body keeps its contacts, impulses and anchors, so that it continues from the same state when it wakes. It becomes
 //! [inactive](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change, when
-//! an awake body joins its island, and when a body that it touched is removed; see [`islands`](super::islands()).
+//! an awake body hits it or changes what it bears, and when a body that it touched is removed; see [`islands`](super::islands()).
 
 use super::Islands;
 use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Simulated, Sleeping, Velocity};

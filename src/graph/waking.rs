@@ -2,7 +2,7 @@
 //!
 //! These sleeping bodies wake:
 //! - A body that the user has moved, pushed or changed, and the two bodies of a contact that ended or was removed.
-//! - All bodies that are connected with a static or kinematic body that moves or was changed.
+//! - All bodies that are connected with a static or kinematic body that moves or was changed, or with a body that was one.
 //! - Bodies that are joined to an awake body, and bodies that are joined to those.
 //! - Bodies that awake bodies touch: under [`Waking::Islands`] all that are connected with them, under [`Waking::ByNeed`] those that
 //!   [need](super::need) it.
@@ -10,9 +10,9 @@
 use super::ConstraintGraph;
 use super::edges::EdgeKind;
 use super::islands::Islands;
-use super::need::{Forces, Need};
+use super::need::{Need, Wrench};
 use crate::body::{BodyState, BodyTable, Sleeping, Velocity};
-use crate::settings::{Gravity, SleepSettings, Waking};
+use crate::settings::Waking;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
@@ -57,46 +57,36 @@ impl Rising {
 
 impl Islands {
     /// Finds the sleeping bodies that wake in this step, and keeps the accounts of those that go on sleeping beside awake bodies.
-    pub(super) fn find_rising(
-        &mut self,
-        graph: &ConstraintGraph,
-        table: &BodyTable,
-        (settings, gravity): (&SleepSettings, &Gravity),
-        forces: &Forces,
-        dt: f32,
-    ) -> Vec<u32> {
+    pub(super) fn find_rising(&mut self, need: &Need, waking: Waking) -> Vec<u32> {
         let mut rising = Rising::default();
         if self.sleepers == 0 {
             return rising.slots;
         }
+        let &Need { graph, table, .. } = need;
         let world = (graph, table);
-        for (slot, body) in table.active() {
-            if body.is_dynamic() && body.disturbed {
-                rising.add(table, slot);
-            }
-        }
-        for &slot in self.parted.as_flattened() {
+        for (slot, _) in table.active().filter(|(_, body)| body.disturbed) {
             rising.add(table, slot);
         }
+        for &slot in &self.parted {
+            rising.add(table, slot);
+        }
+        let own = rising.slots.len();
         self.find_carried(world, &mut rising);
         self.find_boundary(world);
-        match settings.waking {
+        match waking {
             Waking::Islands => {
                 let boundary = self.boundary.iter();
                 boundary.for_each(|&slot| rising.add(table, slot));
                 rising.flood(world, 0, |_| true);
             }
             Waking::ByNeed { share } => {
-                let need = Need {
-                    graph,
-                    table,
-                    forces,
-                    share,
-                    speed: settings.linear_speed,
-                    gravity: gravity.0.length(),
-                    dt,
-                };
-                need.find(&self.boundary, &mut self.accounts, &mut rising);
+                for i in 0..own {
+                    need.wake_pushed(rising.slots[i], &mut rising);
+                }
+                for &slot in &self.parted {
+                    need.wake_supported(slot, share, &self.accounts, &mut rising);
+                }
+                need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
                 rising.flood(world, 0, |kind| kind == EdgeKind::Joint);
                 need.open(&rising, &mut self.accounts);
             }
@@ -104,7 +94,8 @@ impl Islands {
         rising.slots
     }
 
-    /// Finds the sleeping bodies that are connected with a static or kinematic body that moves or was changed.
+    /// Finds the sleeping bodies that are connected with a static or kinematic body that moves or was changed, or with a body whose kind has
+    /// changed.
     fn find_carried(&self, world: (&ConstraintGraph, &BodyTable), rising: &mut Rising) {
         let (graph, table) = world;
         let first = rising.slots.len();
@@ -127,6 +118,9 @@ impl Islands {
                 }
             }
         }
+        let changed = self.changed_kind.iter();
+        let beside = changed.flat_map(|&slot| graph.neighbours(slot));
+        beside.for_each(|slot| rising.add(table, slot));
         let islands = carried.ones();
         let members = islands.flat_map(|island| self.partition.members(island as u32));
         let beside = members.flat_map(|&slot| graph.neighbours(slot));
@@ -137,6 +131,16 @@ impl Islands {
     /// The sleeping bodies that awake ones touched at the beginning of the step, by slot, in no defined order.
     pub(crate) fn boundary(&self) -> &[u32] {
         &self.boundary
+    }
+
+    /// The forces with which a sleeping body fell asleep, if an awake body has touched it since.
+    pub(crate) fn account(&self, slot: u32) -> Option<Wrench> {
+        self.accounts.get(slot)
+    }
+
+    /// Opens the account of a sleeping body that is the copy of another.
+    pub(crate) fn open_account(&mut self, slot: u32, forces: Wrench) {
+        self.accounts.open(slot, forces);
     }
 
     /// Finds the sleeping bodies that are linked to awake ones.

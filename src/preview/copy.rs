@@ -10,6 +10,7 @@ use crate::contact::{
     ContactAnchors, ContactHooks, ContactImpulses, ContactPair, ContactTargets, Manifold,
     NarrowphaseCache,
 };
+use crate::graph::{ConstraintGraph, Islands, Wrench};
 use crate::joint::{self, BreakForce, JointForces};
 use crate::mortar::Mortar;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -29,6 +30,10 @@ pub(super) struct OriginalState {
     pub contacts: HashMap<[Entity; 2], Contact>,
     /// By body: its pose, and whether it moved in the last step.
     pub poses: HashMap<Entity, (Pose, bool)>,
+    /// The forces with which sleeping bodies fell asleep, where they are on record.
+    pub accounts: HashMap<Entity, Wrench>,
+    /// Bodies that lost a contact because a body was removed since the last step.
+    pub bereft: Vec<Entity>,
 }
 
 /// The components of a pair.
@@ -66,6 +71,7 @@ fn take_over(
     mut commands: Commands,
     mut original: ResMut<OriginalState>,
     mut table: ResMut<BodyTable>,
+    (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
     mut pairs: Query<(
         &mut ContactPair,
         &mut Manifold,
@@ -75,11 +81,19 @@ fn take_over(
         &mut NarrowphaseCache,
     )>,
 ) {
-    let OriginalState { contacts, poses } = &mut *original;
+    let OriginalState {
+        contacts,
+        poses,
+        accounts,
+        bereft,
+    } = &mut *original;
     for slot in 0..table.slots() as u32 {
         let Some(body) = table.get_mut(slot) else {
             continue;
         };
+        if let Some(&forces) = accounts.get(&body.entity) {
+            islands.open_account(slot, forces);
+        }
         match poses.get(&body.entity) {
             Some((pose, moved)) if *pose == body.pose => {
                 (body.arrived, body.renewed, body.moved) = (false, false, *moved);
@@ -99,10 +113,14 @@ fn take_over(
     }
     // These contacts ended because the edit has separated their bodies. Their sleeping bodies wake, as in the original world.
     let parted = contacts.iter().filter(|(_, contact)| contact.0.touching);
-    let parted: EntityHashSet = parted.flat_map(|(ends, _)| *ends).collect();
+    let parted = parted.flat_map(|(ends, _)| *ends);
+    let parted: EntityHashSet = parted.chain(bereft.drain(..)).collect();
     for slot in 0..table.slots() as u32 {
-        if let Some(body) = table.get_mut(slot) {
-            body.disturbed |= parted.contains(&body.entity);
+        if let Some(body) = table.get_mut(slot)
+            && parted.contains(&body.entity)
+        {
+            body.disturbed = true;
+            graph.part(slot);
         }
     }
     commands.remove_resource::<OriginalState>();
@@ -151,8 +169,6 @@ pub(super) enum Activity {
     AsOriginal,
     /// Asleep if the body does not move, for bodies near the structures that are not part of them.
     Asleep,
-    /// Awake, for bodies that have lost a contact.
-    Awake,
 }
 
 /// A copy of a body.
@@ -170,7 +186,6 @@ pub(super) fn copy(
     match activity {
         Activity::AsOriginal => (),
         Activity::Asleep => sleeping.asleep |= still,
-        Activity::Awake => sleeping = Sleeping::default(),
     }
     // Insert most components at once: each further insertion moves the entity to another table.
     let parts = (

@@ -6,6 +6,7 @@ use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
 use crate::body::{BodyState, Pose, RigidBody, Sleeping};
 use crate::children::shape_of;
 use crate::collider::{Collider, CollisionExceptions};
+use crate::graph::Islands;
 use crate::schedule::step;
 use crate::settings::STEP_LENGTHS;
 use crate::settings::{Preset, SleepSettings, StepTime};
@@ -43,12 +44,23 @@ pub struct Shadow {
     dt: f32,
 }
 
-/// The poses of a body after the first step in which it was awake and after the last one, and how far it moved (m) and turned (rad) in the
+/// The poses of a body when it slept, or after the first step, and after the last one, and how far it moved (m) and turned (rad) in the
 /// last one.
 struct Seen {
     first: Pose,
     last: Pose,
     way: Option<[f32; 2]>,
+}
+
+impl Seen {
+    /// A body that is seen for the first time, or that sleeps.
+    fn at(pose: Pose) -> Self {
+        Self {
+            first: pose,
+            last: pose,
+            way: None,
+        }
+    }
 }
 
 /// The distance (m) and the angle (rad) between two poses.
@@ -163,7 +175,11 @@ impl Shadow {
             let share_now = SPEED_SHARE * (passed / STILL).min(1.0);
             rests = true;
             for (body, kind, sleeping, pose) in bodies.iter(&self.world) {
-                if *kind != RigidBody::Dynamic || sleeping.asleep {
+                if *kind != RigidBody::Dynamic {
+                    continue;
+                }
+                if sleeping.asleep {
+                    seen.insert(body, Seen::at(*pose));
                     continue;
                 }
                 // Bodies that were awake before the edit may have been still for a long time already.
@@ -182,11 +198,7 @@ impl Shadow {
                             && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
                     }
                     Entry::Vacant(entry) => {
-                        entry.insert(Seen {
-                            first: *pose,
-                            last: *pose,
-                            way: None,
-                        });
+                        entry.insert(Seen::at(*pose));
                         false
                     }
                 };
@@ -224,20 +236,20 @@ impl Shadow {
             dt: length_of_a_step(world),
         };
         let (mut copies, mut poses) = (HashMap::default(), HashMap::default());
+        let (mut accounts, mut bereft) = (HashMap::default(), Vec::new());
+        let islands = world.resource::<Islands>();
         for &slot in &region.slots {
             let body = region.table.get(slot).expect("it is in the region");
-            let activity = match (
-                region.bereft.contains(&slot),
-                region.structure.contains(&slot),
-            ) {
-                (true, _) => Activity::Awake,
-                (false, true) => Activity::AsOriginal,
-                (false, false) => Activity::Asleep,
+            let activity = match region.structure.contains(&slot) {
+                true => Activity::AsOriginal,
+                false => Activity::Asleep,
             };
             let from = world.get::<Pose>(body.entity).copied().unwrap_or(body.pose);
             let copy = shadow.add(world, body, from, activity);
             copies.insert(body.entity, copy);
             poses.insert(copy, (from, from != body.pose));
+            accounts.extend(islands.account(slot).map(|forces| (copy, forces)));
+            bereft.extend(region.bereft.contains(&slot).then_some(copy));
         }
         let contacts = region.contacts(world, &copies);
         for (joint, bodies) in region.joints(world) {
@@ -255,7 +267,12 @@ impl Shadow {
         shadow.copy_exceptions(world);
         shadow
             .world
-            .insert_resource(OriginalState { contacts, poses });
+            .insert_resource(OriginalState {
+                contacts,
+                poses,
+                accounts,
+                bereft,
+            });
         Ok(shadow)
     }
 

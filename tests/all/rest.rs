@@ -12,6 +12,7 @@ use drystone::body::{
 use drystone::collider::{Collider, CollisionLayers, Friction};
 use drystone::contact::ContactPair;
 use drystone::grab::Grab;
+use drystone::settings::{SleepSettings, Waking};
 use glam::{Quat, Vec3};
 use support::*;
 
@@ -25,8 +26,14 @@ struct Yard {
 }
 
 impl Yard {
+    /// With the default settings.
     fn new() -> Self {
+        Self::waking(SleepSettings::default().waking)
+    }
+
+    fn waking(waking: Waking) -> Self {
         let mut lab = Lab::new();
+        lab.world.resource_mut::<SleepSettings>().waking = waking;
         // Another's observers of a removal must not hide it from drystone.
         lab.world.add_observer(|_: On<Remove<Friction>>| ());
         lab.world.add_observer(|_: On<Remove<ChildOf>>| ());
@@ -253,8 +260,10 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
             }
         }),
     ];
-    for (what, wakes, deed) in deeds {
-        let mut yards = [Yard::new(), Yard::new()];
+    let need = SleepSettings::default().waking;
+    let cases = deeds.iter().flat_map(|deed| [(need, deed), (Waking::Islands, deed)]);
+    for (waking, &(what, wakes, deed)) in cases {
+        let mut yards = [Yard::waking(waking), Yard::waking(waking)];
         for yard in &mut yards {
             deed(yard);
         }
@@ -268,7 +277,8 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
             assert_eq!(one, other, "{what}, step {step}");
             woke |= !yards[0].sleeps(yards[0].stacks[0][2]);
         }
-        assert_eq!(woke, wakes, "{what}");
+        // By need, a cube below or above need not wake the others.
+        assert!(woke == wakes || waking == need && !woke, "{what}, {waking:?}");
         assert!(
             yards[0].sleeps(yards[0].stacks[1][0]) || what.contains("pairs"),
             "{what}"

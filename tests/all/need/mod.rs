@@ -2,6 +2,7 @@
 //! does awake.
 
 mod limits;
+mod plays;
 mod reach;
 
 use bevy_ecs::prelude::*;

@@ -106,22 +106,14 @@ impl Need<'_, '_, '_> {
     }
 
     /// Wakes all that rests on a body of which a contact has ended, if it rested on that contact.
-    pub fn wake_supported(
-        &self,
-        slot: u32,
-        share: f32,
-        accounts: &Accounts,
-        rising: &mut Rising,
-    ) {
+    pub fn wake_supported(&self, slot: u32, share: f32, accounts: &Accounts, rising: &mut Rising) {
         let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
             return;
         };
         let now = self.wrench(slot);
         let then = accounts.get(slot);
         let then = then.unwrap_or_else(|| self.equilibrium(body, &now));
-        if body.is_awake()
-            || self.change(body, &now, &then) <= share * self.pressure(body, &then)
-        {
+        if body.is_awake() || self.change(body, &now, &then) <= share * self.pressure(body, &then) {
             return;
         }
         let up = -self.gravity.normalize_or_zero();

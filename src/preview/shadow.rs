@@ -50,15 +50,18 @@ struct Seen {
     first: Pose,
     last: Pose,
     way: Option<[f32; 2]>,
+    /// Whether it has slept. Bodies that were awake before the edit may have been still for a long time already.
+    slept: bool,
 }
 
 impl Seen {
     /// A body that is seen for the first time, or that sleeps.
-    fn at(pose: Pose) -> Self {
+    fn at(pose: Pose, slept: bool) -> Self {
         Self {
             first: pose,
             last: pose,
             way: None,
+            slept,
         }
     }
 }
@@ -167,7 +170,10 @@ impl Shadow {
         let mut time = 0.0_f64;
         let mut rests = false;
         let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
-        let mut seen: EntityHashMap<Seen> = EntityHashMap::default();
+        let sleepers = bodies.iter(&self.world);
+        let sleepers = sleepers.filter(|(_, _, sleeping, _)| sleeping.asleep);
+        let sleepers = sleepers.map(|(body, .., pose)| (body, Seen::at(*pose, true)));
+        let mut seen: EntityHashMap<Seen> = sleepers.collect();
         while time < f64::from(settings.max_time) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
@@ -179,11 +185,9 @@ impl Shadow {
                     continue;
                 }
                 if sleeping.asleep {
-                    seen.insert(body, Seen::at(*pose));
+                    seen.insert(body, Seen::at(*pose, true));
                     continue;
                 }
-                // Bodies that were awake before the edit may have been still for a long time already.
-                let was_still = passed >= STILL && sleeping.still_for >= STILL;
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {
                         let seen = entry.get_mut();
@@ -194,15 +198,18 @@ impl Shadow {
                             true => SPEED_SHARE,
                             false => share_now,
                         };
-                        is_slower(&slow, dt, [now[0] / share(0), now[1] / share(1)])
-                            && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
+                        let was_still =
+                            !seen.slept && passed >= STILL && sleeping.still_for >= STILL;
+                        was_still
+                            || is_slower(&slow, dt, [now[0] / share(0), now[1] / share(1)])
+                                && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
                     }
                     Entry::Vacant(entry) => {
-                        entry.insert(Seen::at(*pose));
+                        entry.insert(Seen::at(*pose, false));
                         false
                     }
                 };
-                rests &= was_still || stays;
+                rests &= stays;
             }
         }
         let others = self.bodies.iter();
@@ -265,14 +272,12 @@ impl Shadow {
             }
         }
         shadow.copy_exceptions(world);
-        shadow
-            .world
-            .insert_resource(OriginalState {
-                contacts,
-                poses,
-                accounts,
-                bereft,
-            });
+        shadow.world.insert_resource(OriginalState {
+            contacts,
+            poses,
+            accounts,
+            bereft,
+        });
         Ok(shadow)
     }
 

@@ -261,7 +261,9 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
         }),
     ];
     let need = SleepSettings::default().waking;
-    let cases = deeds.iter().flat_map(|deed| [(need, deed), (Waking::Islands, deed)]);
+    let cases = deeds
+        .iter()
+        .flat_map(|deed| [(need, deed), (Waking::Islands, deed)]);
     for (waking, &(what, wakes, deed)) in cases {
         let mut yards = [Yard::waking(waking), Yard::waking(waking)];
         for yard in &mut yards {
@@ -278,7 +280,10 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
             woke |= !yards[0].sleeps(yards[0].stacks[0][2]);
         }
         // By need, a cube below or above need not wake the others.
-        assert!(woke == wakes || waking == need && !woke, "{what}, {waking:?}");
+        assert!(
+            woke == wakes || waking == need && !woke,
+            "{what}, {waking:?}"
+        );
         assert!(
             yards[0].sleeps(yards[0].stacks[1][0]) || what.contains("pairs"),
             "{what}"

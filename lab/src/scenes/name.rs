@@ -21,7 +21,7 @@ const GRAINS: [(Grain, &str); 4] = [
 ];
 
 /// A scene by name has at most so many bodies: more would not fit into memory, or not end in a day.
-pub const MAX_BODIES: u64 = 100_000;
+pub const MAX_BODIES: u64 = 200_000;
 
 /// How many cubes carry the weight of `massratio:R`.
 const CARRIERS: u32 = 5;

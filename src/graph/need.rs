@@ -9,8 +9,8 @@
 //! - an awake body hits it, or the user pushes it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the speed
 //!   v. So as much mass wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count
 //!   as still. Otherwise the body would bounce off something infinitely heavy.
-//! - a body that supports it has lost a contact on which it rested. All that rests on these bodies wakes in the same step, so that it
-//!   falls together.
+//! - a body near it has lost a contact whose force mattered. All that rests on that body wakes in the same step, so that it falls together;
+//!   and so do the bodies around it that will feel the change: a force that is lost spreads, and k contacts away it is about 1/(k + 1) of it.
 //!
 //! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and Kry,
 //! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
@@ -105,17 +105,20 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// Wakes all that rests on a body of which a contact has ended, if it rested on that contact.
-    pub fn wake_supported(&self, slot: u32, share: f32, accounts: &Accounts, rising: &mut Rising) {
+    /// Wakes what feels that a contact of a body has ended, if the force of that contact mattered: all that rests on the body, and the bodies
+    /// around it.
+    pub fn wake_bereft(&self, slot: u32, share: f32, accounts: &Accounts, rising: &mut Rising) {
         let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
             return;
         };
         let now = self.wrench(slot);
         let then = accounts.get(slot);
         let then = then.unwrap_or_else(|| self.equilibrium(body, &now));
-        if body.is_awake() || self.change(body, &now, &then) <= share * self.pressure(body, &then) {
+        let change = self.change(body, &now, &then);
+        if body.is_awake() || change <= share * self.pressure(body, &then) {
             return;
         }
+        self.wake_rings(slot, change, share, rising);
         let up = -self.gravity.normalize_or_zero();
         let mut found = Rising::default();
         let mut next = SmallVec::<[u32; 32]>::from_slice(&[slot]);
@@ -140,6 +143,29 @@ impl Need<'_, '_, '_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Wakes the sleeping bodies around one on which the forces change by so much, N, as far as the change exceeds the share of what presses on
+    /// them.
+    fn wake_rings(&self, slot: u32, change: f32, share: f32, rising: &mut Rising) {
+        let mut found = Rising::default();
+        found.add(self.table, slot);
+        let (mut first, mut ring) = (0, 1.0);
+        while first < found.slots.len() {
+            let end = found.slots.len();
+            for i in first..end {
+                let slot = found.slots[i];
+                let Some(body) = self.table.get(slot) else {
+                    continue;
+                };
+                if change / ring > share * self.pressure(body, &self.wrench(slot)) {
+                    rising.add(self.table, slot);
+                    let links = self.graph.links_of(slot);
+                    links.for_each(|link| found.add(self.table, link.other(slot)));
+                }
+            }
+            (first, ring) = (end, ring + 1.0);
         }
     }
 

@@ -84,7 +84,7 @@ impl Islands {
                     need.wake_pushed(rising.slots[i], &mut rising);
                 }
                 for &slot in &self.parted {
-                    need.wake_supported(slot, share, &self.accounts, &mut rising);
+                    need.wake_bereft(slot, share, &self.accounts, &mut rising);
                 }
                 need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
                 rising.flood(world, 0, |kind| kind == EdgeKind::Joint);

@@ -170,9 +170,12 @@ impl Shadow {
         let mut time = 0.0_f64;
         let mut rests = false;
         let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
-        let sleepers = bodies.iter(&self.world);
-        let sleepers = sleepers.filter(|(_, _, sleeping, _)| sleeping.asleep);
-        let sleepers = sleepers.map(|(body, .., pose)| (body, Seen::at(*pose, true)));
+        let sleeps = |copied: &&Copied| {
+            let sleeping = self.world.get::<Sleeping>(copied.copy);
+            copied.dynamic && sleeping.is_some_and(|sleeping| sleeping.asleep)
+        };
+        let sleepers = self.bodies.iter().filter(sleeps);
+        let sleepers = sleepers.map(|copied| (copied.copy, Seen::at(copied.from, true)));
         let mut seen: EntityHashMap<Seen> = sleepers.collect();
         while time < f64::from(settings.max_time) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");

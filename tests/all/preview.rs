@@ -8,7 +8,7 @@ use drystone::collider::Collider;
 use drystone::preview::{
     Edit, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
 };
-use drystone::settings::{Preset, SleepSettings};
+use drystone::settings::{Preset, SleepSettings, Waking};
 use drystone_lab::experiment::{Experiment, Run};
 use glam::{Quat, Vec3};
 use std::cell::RefCell;
@@ -22,7 +22,13 @@ fn copies(shadow: &Shadow, bodies: &[Entity]) -> Vec<Entity> {
 
 /// The scene after a second.
 fn settled(scene: &str) -> Run {
+    settled_with(scene, SleepSettings::default().waking)
+}
+
+/// The same with this kind of waking.
+fn settled_with(scene: &str, waking: Waking) -> Run {
     let mut run = Experiment::new(scene.parse().unwrap(), Preset::Default).start();
+    run.world.resource_mut::<SleepSettings>().waking = waking;
     for _ in 0..60 {
         run.step();
     }
@@ -39,8 +45,8 @@ fn radius(world: &World, body: Entity) -> f32 {
 }
 
 /// The bodies that move within ten seconds at 60 Hz when one is removed, by their indices in the list, with their final positions.
-fn truth(scene: &str, taken: usize) -> Vec<(usize, Vec3)> {
-    let mut run = settled(scene);
+fn truth(scene: &str, taken: usize, waking: Waking) -> Vec<(usize, Vec3)> {
+    let mut run = settled_with(scene, waking);
     let before: Vec<Pose> = run
         .bodies
         .iter()
@@ -61,14 +67,33 @@ fn truth(scene: &str, taken: usize) -> Vec<(usize, Vec3)> {
     moved.collect()
 }
 
-/// Every body of a scene is taken once.
+/// Bricks of a pyramid of 8 that may not be taken where bodies wake by need. Both carry the topmost brick, which is balanced on the edge of the other
+/// one then: rounding decides whether it falls.
+const CARRY_THE_TOP: [usize; 2] = [33, 34];
+
+/// Every body of a scene is taken once, by both kinds of waking.
 fn take_each(
     scene: &str,
     dt: Option<f32>,
     check: impl Fn(&Preview, &[(usize, Vec3)], &[(usize, Vec3)]),
 ) {
-    let run = settled(scene);
+    for waking in [Waking::Islands, SleepSettings::default().waking] {
+        take_each_with(scene, dt, waking, &check);
+    }
+}
+
+fn take_each_with(
+    scene: &str,
+    dt: Option<f32>,
+    waking: Waking,
+    check: impl Fn(&Preview, &[(usize, Vec3)], &[(usize, Vec3)]),
+) {
+    let run = settled_with(scene, waking);
     for (i, &body) in run.bodies.iter().enumerate() {
+        let is_balanced = scene == "pyramid:8" && CARRY_THE_TOP.contains(&i);
+        if is_balanced && waking != Waking::Islands {
+            continue;
+        }
         let shadow = Shadow::of(&run.world, &Edit::Remove(vec![body])).unwrap();
         let settings = PreviewSettings {
             dt,
@@ -82,11 +107,11 @@ fn take_each(
             .map(|moved| (place(moved.body), moved.to.position))
             .collect();
         println!(
-            "{scene}, {i} taken: {} move in {} s",
+            "{scene}, {waking:?}, {i} taken: {} move in {} s",
             moved.len(),
             preview.time
         );
-        check(&preview, &moved, &truth(scene, i));
+        check(&preview, &moved, &truth(scene, i, waking));
     }
 }
 
@@ -136,7 +161,7 @@ fn with_long_steps_as_much_begins_to_fall() {
     });
     let wrong = wrong.into_inner();
     println!("{wrong:?}");
-    assert!(wrong.len() <= WRONG_IN_A_WALL, "{wrong:?}");
+    assert!(wrong.len() <= 2 * WRONG_IN_A_WALL, "{wrong:?}");
     // Which body falls on which is not tested here.
     for scene in ["arch:15", "cardhouse:3"] {
         take_each(scene, Some(0.1), |_, moved, truth| {

@@ -115,7 +115,7 @@ fn compare(seeds: std::ops::Range<u64>) -> [usize; 3] {
         let off = off.fold(0.0, f32::max);
         let same = awake.fallen == need.fallen;
         let is_off = same && awake.fallen.is_empty() && off > 1e-3;
-        let is_loose = need.woken > 1e-3 && need.woken > 2.0 * awake.woken;
+        let is_loose = need.woken > 1e-3 && awake.woken < 1e-3;
         println!(
             "{scene}, seed {seed}, Δt {dt:.3}: fallen {} and {}{}, off by {:.2} mm, woken {:.2} and {:.2} mm",
             awake.fallen.len(),

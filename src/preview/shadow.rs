@@ -50,18 +50,15 @@ struct Seen {
     first: Pose,
     last: Pose,
     way: Option<[f32; 2]>,
-    /// Whether it has slept. Bodies that were awake before the edit may have been still for a long time already.
-    slept: bool,
 }
 
 impl Seen {
     /// A body that is seen for the first time, or that sleeps.
-    fn at(pose: Pose, slept: bool) -> Self {
+    fn at(pose: Pose) -> Self {
         Self {
             first: pose,
             last: pose,
             way: None,
-            slept,
         }
     }
 }
@@ -170,13 +167,7 @@ impl Shadow {
         let mut time = 0.0_f64;
         let mut rests = false;
         let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
-        let sleeps = |copied: &&Copied| {
-            let sleeping = self.world.get::<Sleeping>(copied.copy);
-            copied.dynamic && sleeping.is_some_and(|sleeping| sleeping.asleep)
-        };
-        let sleepers = self.bodies.iter().filter(sleeps);
-        let sleepers = sleepers.map(|copied| (copied.copy, Seen::at(copied.from, true)));
-        let mut seen: EntityHashMap<Seen> = sleepers.collect();
+        let mut seen: EntityHashMap<Seen> = EntityHashMap::default();
         while time < f64::from(settings.max_time) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
@@ -188,9 +179,11 @@ impl Shadow {
                     continue;
                 }
                 if sleeping.asleep {
-                    seen.insert(body, Seen::at(*pose, true));
+                    seen.insert(body, Seen::at(*pose));
                     continue;
                 }
+                // Bodies that were awake before the edit may have been still for a long time already.
+                let was_still = passed >= STILL && sleeping.still_for >= STILL;
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {
                         let seen = entry.get_mut();
@@ -201,18 +194,15 @@ impl Shadow {
                             true => SPEED_SHARE,
                             false => share_now,
                         };
-                        let was_still =
-                            !seen.slept && passed >= STILL && sleeping.still_for >= STILL;
-                        was_still
-                            || is_slower(&slow, dt, [now[0] / share(0), now[1] / share(1)])
-                                && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
+                        is_slower(&slow, dt, [now[0] / share(0), now[1] / share(1)])
+                            && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
                     }
                     Entry::Vacant(entry) => {
-                        entry.insert(Seen::at(*pose, false));
+                        entry.insert(Seen::at(*pose));
                         false
                     }
                 };
-                rests &= stays;
+                rests &= was_still || stays;
             }
         }
         let others = self.bodies.iter();

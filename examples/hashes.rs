@@ -7,10 +7,10 @@
 //! cargo run --release --example hashes | diff before.txt -
 //! ```
 //!
-//! A hash covers the bits of the pose and velocity of every body after every step.
+//! A hash covers the bits of the pose and velocity of every body after every step. With `--islands` sleeping bodies wake by whole islands.
 
 use drystone::body::Velocity;
-use drystone::settings::{ContactSolver, Preset};
+use drystone::settings::{ContactSolver, Preset, SleepSettings, Waking};
 use drystone::solver::{Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
 use drystone_lab::scenes::Scene;
@@ -55,8 +55,11 @@ impl Fnv {
     }
 }
 
-fn hash(experiment: &Experiment, steps: usize) -> u64 {
+fn hash(experiment: &Experiment, steps: usize, islands: bool) -> u64 {
     let mut run = experiment.start();
+    if islands {
+        run.world.resource_mut::<SleepSettings>().waking = Waking::Islands;
+    }
     let mut fnv = Fnv::new();
     for _ in 0..steps {
         run.step();
@@ -78,6 +81,7 @@ fn hash(experiment: &Experiment, steps: usize) -> u64 {
 }
 
 fn main() {
+    let islands = std::env::args().any(|argument| argument == "--islands");
     for (i, (name, steps)) in SCENES.into_iter().enumerate() {
         let scene: Scene = name.parse().expect("the name of a scene");
         for (j, (solver_name, solver)) in solvers().into_iter().enumerate() {
@@ -90,7 +94,7 @@ fn main() {
             let mut experiment = Experiment::new(scene, preset);
             experiment.dt = dt;
             experiment.solver.solver = solver;
-            let hash = hash(&experiment, steps);
+            let hash = hash(&experiment, steps, islands);
             let rate = 1.0 / dt;
             println!("{name:14} {solver_name:9} {preset_name:8} {rate:2.0} Hz {hash:016x}");
         }

@@ -2,7 +2,7 @@
 //! is taken. Everything is at its defaults, on one thread.
 //!
 //! ```text
-//! cargo run --release --example play -- [--scene wall:40x25] [--seconds 15] [--wreck]
+//! cargo run --release --example play -- [--scene wall:40x25] [--seconds 15] [--wreck | --touch]
 //! ```
 //!
 //! At a scene that is not a wall (`heap:300`), balls are thrown while it falls together. `--wreck` throws a ball of 524 kg at 20 m/s into the
@@ -12,7 +12,7 @@
 use clap::Parser;
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone_lab::experiment::Experiment;
-use drystone_lab::play::{Cost, Script, Session};
+use drystone_lab::play::{Cost, Script, Session, Touch, touches};
 use drystone_lab::scenes::Scene;
 
 /// Measures what playing costs.
@@ -27,6 +27,9 @@ struct Arguments {
     /// A heavy ball flies into the wall.
     #[arg(long)]
     wreck: bool,
+    /// Measures single deeds instead: the step in which a brick of a wall is pushed by 1 mN·s, laid or taken, and the next.
+    #[arg(long)]
+    touch: bool,
     /// Seed of where the player lays and throws.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -42,7 +45,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let script = Script::of(arguments.scene, arguments.wreck)?;
     let mut experiment = Experiment::new(arguments.scene, Preset::Default);
     experiment.threads = PhysicsThreads::new(arguments.threads)?;
-    let world = experiment.start().world;
+    let mut run = experiment.start();
+    if arguments.touch {
+        let Script::Build([_, courses]) = script else {
+            return Err("bricks are laid on walls only".into());
+        };
+        for _ in 0..300 {
+            run.step();
+        }
+        println!("{}", Touch::HEAD);
+        for touch in touches(&mut run.world, &run.bodies, 0.5 * courses as f32, DT) {
+            println!("{touch}");
+        }
+        return Ok(());
+    }
+    let world = run.world;
     let mut session = Session::new(world, script, arguments.seed, DT);
     session.settle();
     session.steps((arguments.seconds / DT).round() as usize);

@@ -10,7 +10,7 @@
 //!   v. So as much mass wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count
 //!   as still. Otherwise the body would bounce off something infinitely heavy.
 //! - a body near it has lost a contact whose force mattered. All that rests on that body wakes in the same step, so that it falls together;
-//!   and so do the bodies around it that will feel the change: a force that is lost spreads, and k contacts away it is about 1/(k + 1) of it.
+//!   and so do the bodies below that will feel the change. It is handed down as the load is: to each support in proportion to its force.
 //!
 //! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and Kry,
 //! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
@@ -105,8 +105,7 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// Wakes what feels that a contact of a body has ended, if the force of that contact mattered: all that rests on the body, and the bodies
-    /// around it.
+    /// Wakes what feels that a contact of a body has ended, if the force of that contact mattered: all that rests on the body, and what bears it.
     pub fn wake_bereft(&self, slot: u32, share: f32, accounts: &Accounts, rising: &mut Rising) {
         let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
             return;
@@ -118,7 +117,7 @@ impl Need<'_, '_, '_> {
         if body.is_awake() || change <= share * self.pressure(body, &then) {
             return;
         }
-        self.wake_rings(slot, change, share, rising);
+        self.wake_supports(slot, change, share, rising);
         let up = -self.gravity.normalize_or_zero();
         let mut found = Rising::default();
         let mut next = SmallVec::<[u32; 32]>::from_slice(&[slot]);
@@ -146,27 +145,51 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// Wakes the sleeping bodies around one on which the forces change by so much, N, as far as the change exceeds the share of what presses on
-    /// them.
-    fn wake_rings(&self, slot: u32, change: f32, share: f32, rising: &mut Rising) {
-        let mut found = Rising::default();
-        found.add(self.table, slot);
-        let (mut first, mut ring) = (0, 1.0);
-        while first < found.slots.len() {
-            let end = found.slots.len();
-            for i in first..end {
-                let slot = found.slots[i];
-                let Some(body) = self.table.get(slot) else {
+    /// Wakes the bodies below one on which the forces change by so much, N, as far as the change exceeds the share of what presses on them.
+    fn wake_supports(&self, slot: u32, change: f32, share: f32, rising: &mut Rising) {
+        let up = -self.gravity.normalize_or_zero();
+        // Supports of supports, level by level; two bodies may have a support in common.
+        let mut level = SmallVec::<[(u32, f32); 16]>::from_slice(&[(slot, change)]);
+        let mut depth = self.table.count();
+        while !level.is_empty() && depth > 0 {
+            depth -= 1;
+            let mut below = SmallVec::<[(u32, f32); 16]>::new();
+            for &(slot, change) in &level {
+                let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
                     continue;
                 };
-                if change / ring > share * self.pressure(body, &self.wrench(slot)) {
-                    rising.add(self.table, slot);
-                    let links = self.graph.links_of(slot);
-                    links.for_each(|link| found.add(self.table, link.other(slot)));
+                if change <= share * self.pressure(body, &self.wrench(slot)) {
+                    continue;
                 }
+                rising.add(self.table, slot);
+                let supports: SmallVec<[(u32, f32); 8]> = self.supports(slot, up).collect();
+                let sum: f32 = supports.iter().map(|(_, force)| force).sum();
+                below.extend(
+                    supports
+                        .iter()
+                        .map(|&(at, force)| (at, change * force / sum)),
+                );
             }
-            (first, ring) = (end, ring + 1.0);
+            below.sort_unstable_by_key(|&(slot, change)| (slot, change.to_bits()));
+            below.dedup_by(|one, before| {
+                let same = one.0 == before.0;
+                before.1 += if same { one.1 } else { 0.0 };
+                same
+            });
+            level = below;
         }
+    }
+
+    /// The bodies that push a body up, with their forces, N.
+    fn supports(&self, slot: u32, up: Vec3) -> impl Iterator<Item = (u32, f32)> {
+        let links = self.graph.links_of(slot);
+        let links = links.filter(|link| link.kind == EdgeKind::Contact);
+        links.filter_map(move |link| {
+            let mut borne = Wrench::default();
+            borne.add(slot, self.forces.get(link.pair).ok()?);
+            let force = borne.force.dot(up);
+            (force > 0.0).then_some((link.other(slot), force))
+        })
     }
 
     /// Wakes those of these sleeping bodies that awake bodies hit, or on which the forces have changed. Opens the accounts of the others.

@@ -41,7 +41,7 @@ impl Script {
 }
 
 /// Time in which a scene comes to rest, s.
-const SETTLES: f32 = 3.0;
+pub(super) const SETTLES: f32 = 3.0;
 
 /// A game under way, and the times of its steps.
 pub struct Session<G: Game> {

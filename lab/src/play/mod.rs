@@ -4,9 +4,11 @@
 
 mod cost;
 mod game;
+mod touch;
 
 pub use cost::{Cost, Script, Session};
 pub use game::{BRICK, Ball, FRICTION, Game, Player};
+pub use touch::{Touch, touches};
 
 use crate::experiment::empty_world;
 use crate::metrics::watch;

@@ -6,7 +6,7 @@ use crate::shape::Shape;
 use drystone::body::RigidBody;
 use drystone::settings::{
     AnchorRule, Classifier, ContactSolver, FrictionStabilization, NarrowphaseSettings,
-    NormalStabilization, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+    NormalStabilization, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings, Waking,
 };
 use drystone::solver::{FrictionCone, Lanes, Nncg, Pgs, SoftStep};
 use glam::{Quat, Vec3};
@@ -160,6 +160,12 @@ impl Operation {
                     linear_speed: dice.number(0.0, 0.02),
                     angular_speed: dice.number(0.0, 0.04),
                     delay: dice.number(0.0, 1.0),
+                    waking: match dice.chance(0.3) {
+                        true => Waking::Islands,
+                        false => Waking::ByNeed {
+                            share: dice.number(0.0, 0.1),
+                        },
+                    },
                 }),
             },
             18 => Self::Forget(i),

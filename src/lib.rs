@@ -116,6 +116,7 @@ pub mod joint;
 pub mod masonry;
 pub mod mortar;
 pub mod narrowphase;
+mod parallel;
 #[cfg(feature = "picking")]
 pub mod picking;
 mod plugin;

@@ -25,6 +25,7 @@
 //! | [`explosion`] | An explosion |
 //! | [`save`] | Save and load |
 //! | [`smooth`] | Smooth motion between steps |
+//! | [`threads`] | Physics on Bevy's threads, or beside them |
 //! | [`server`] | A server without a window |
 //! | [`bad_input`] | Bad input |
 //! | [`settings`] | Which settings for which game |
@@ -99,6 +100,9 @@ pub mod save {}
 
 #[doc = include_str!("smooth.md")]
 pub mod smooth {}
+
+#[doc = include_str!("threads.md")]
+pub mod threads {}
 
 #[doc = include_str!("server.md")]
 pub mod server {}

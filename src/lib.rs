@@ -116,7 +116,6 @@ pub mod joint;
 pub mod masonry;
 pub mod mortar;
 pub mod narrowphase;
-mod parallel;
 #[cfg(feature = "picking")]
 pub mod picking;
 mod plugin;

@@ -25,7 +25,6 @@
 //! | [`explosion`] | An explosion |
 //! | [`save`] | Save and load |
 //! | [`smooth`] | Smooth motion between steps |
-//! | [`threads`] | Physics on Bevy's threads, or beside them |
 //! | [`server`] | A server without a window |
 //! | [`bad_input`] | Bad input |
 //! | [`settings`] | Which settings for which game |
@@ -100,9 +99,6 @@ pub mod save {}
 
 #[doc = include_str!("smooth.md")]
 pub mod smooth {}
-
-#[doc = include_str!("threads.md")]
-pub mod threads {}
 
 #[doc = include_str!("server.md")]
 pub mod server {}

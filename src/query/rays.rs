@@ -2,12 +2,12 @@
 
 use super::pieces::Piece;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
-use crate::settings::Columns;
 use bevy_ecs::prelude::*;
 use bevy_shape::Ray3d;
 use glam::Vec3;
 use parry3d::partitioning::Bvh;
 use parry3d::query::Ray;
+use rayon::prelude::*;
 
 /// A point where a ray hits a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,9 +26,6 @@ pub struct RayHit {
 
 /// Cost of a ray relative to the items that [`PhysicsThreads`](crate::settings::PhysicsThreads) counts.
 const WEIGHT: usize = 64;
-
-/// Minimum number of rays for a thread.
-const GRAIN: usize = 8;
 
 impl Target<'_> {
     fn distance_along(&self, ray: &Ray, max_distance: f32, filter: &QueryFilter) -> Option<f32> {
@@ -150,13 +147,7 @@ impl SpatialQuery<'_, '_> {
         let cast = |&ray: &Ray3d| self.cast_ray(ray, max_distance, filter);
         let weight = WEIGHT * rays.len();
         match self.threads.runs_in_parallel(weight) {
-            true => {
-                let mut hits: Vec<_> = rays.iter().map(|_| Ok(None)).collect();
-                self.threads.run(weight, || {
-                    (rays, &mut *hits).share(GRAIN, &|(ray, hit)| *hit = cast(ray));
-                });
-                hits.into_iter().collect()
-            }
+            true => (self.threads).run(weight, || rays.par_iter().map(cast).collect()),
             false => rays.iter().map(cast).collect(),
         }
     }

@@ -1,7 +1,5 @@
 //! Parallel iteration over several slices of equal length, row by row.
 
-use crate::parallel::join;
-
 /// A tuple of slices of equal length.
 pub trait Columns: Sized + Send {
     /// One element of each slice.
@@ -23,7 +21,7 @@ pub trait Columns: Sized + Send {
             return self.for_each(work);
         }
         let [one, other] = self.split_at(rows / 2);
-        join(|| one.share(grain, work), || other.share(grain, work));
+        rayon::join(|| one.share(grain, work), || other.share(grain, work));
     }
 }
 

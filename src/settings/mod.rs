@@ -18,7 +18,6 @@ mod time;
 
 pub use check::ActiveSettings;
 pub(crate) use check::check;
-pub(crate) use columns::Columns;
 pub use narrowphase::NarrowphaseSettings;
 pub use physics_time::PhysicsTime;
 pub use preset::Preset;

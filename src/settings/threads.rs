@@ -1,36 +1,26 @@
 //! The threads that physics runs on.
 
 use super::columns::Columns;
-use crate::parallel::{self, bevy_pool};
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::sync::Arc;
 
-/// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads, and in any pool.
+/// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads.
 ///
-/// Bevy has threads of its own, in three pools. A step keeps them waiting while rayon's work, so that the two seldom compete. In a game that
-/// computes much beside physics, in tasks or in a pipelined renderer, [`bevy`](Self::bevy) lets physics share the threads of Bevy's
-/// [`ComputeTaskPool`](bevy_tasks::ComputeTaskPool), and [`new`](Self::new) limits those of rayon. The page `threads` of the cookbook compares them.
+/// Bevy has threads of its own, in three pools. Both wait asleep, and a step waits for its work, so that the two compete only for what runs beside the
+/// step: tasks, a pipelined renderer, systems of other schedules. In a game that fills all cores with those, divide the cores:
+/// [`new`](Self::new) limits the threads of physics, and `TaskPoolOptions` of Bevy's `TaskPoolPlugin` limits Bevy's.
 #[derive(Resource, Clone, Debug, Reflect)]
 #[reflect(opaque)]
 pub struct PhysicsThreads {
-    pool: Pool,
+    pool: Option<Arc<rayon::ThreadPool>>,
     min_items: usize,
-}
-
-#[derive(Clone, Debug)]
-enum Pool {
-    /// Rayon's global pool.
-    Global,
-    /// A pool of rayon's.
-    Own(Arc<rayon::ThreadPool>),
-    Bevy,
 }
 
 impl Default for PhysicsThreads {
     fn default() -> Self {
         Self {
-            pool: Pool::Global,
+            pool: None,
             min_items: Self::DEFAULT_MIN_ITEMS,
         }
     }
@@ -43,18 +33,9 @@ impl PhysicsThreads {
     pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build()?;
         Ok(Self {
-            pool: Pool::Own(Arc::new(pool)),
+            pool: Some(Arc::new(pool)),
             ..Default::default()
         })
-    }
-
-    /// The threads of Bevy's [`ComputeTaskPool`](bevy_tasks::ComputeTaskPool), on which an app's systems run. Physics starts none then. Their
-    /// number is that of the app's `TaskPoolPlugin`; without an app, that of the cores.
-    pub fn bevy() -> Self {
-        Self {
-            pool: Pool::Bevy,
-            ..Default::default()
-        }
     }
 
     /// Sets the minimum number of items (pairs or contact points) for which work is divided among threads. Default: [`Self::DEFAULT_MIN_ITEMS`].
@@ -68,9 +49,8 @@ impl PhysicsThreads {
     /// The number of threads.
     pub fn count(&self) -> usize {
         match &self.pool {
-            Pool::Global => rayon::current_num_threads(),
-            Pool::Own(pool) => pool.current_num_threads(),
-            Pool::Bevy => bevy_pool().thread_num().max(1),
+            Some(pool) => pool.current_num_threads(),
+            None => rayon::current_num_threads(),
         }
     }
 
@@ -80,15 +60,11 @@ impl PhysicsThreads {
     }
 
     /// Runs work in the thread pool, or on the calling thread if there are too few items to divide. In the latter case `work` must not
-    /// use [`parallel`], which would run it in another pool.
+    /// use parallel iterators of rayon, which would run in the global pool.
     pub(crate) fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
-        if !self.runs_in_parallel(items) {
-            return work();
-        }
         match &self.pool {
-            Pool::Global => parallel::on(parallel::Pool::Rayon, work),
-            Pool::Own(pool) => pool.install(work),
-            Pool::Bevy => parallel::on(parallel::Pool::Bevy, work),
+            Some(pool) if self.runs_in_parallel(items) => pool.install(work),
+            _ => work(),
         }
     }
 

@@ -25,7 +25,6 @@ use crate::grab::GrabForce;
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
-use crate::parallel::{for_each, join};
 use crate::profile::SolvePart;
 use crate::settings::Method;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
@@ -35,6 +34,7 @@ use crate::warm_start::{
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
 use glam::Vec3;
+use rayon::prelude::*;
 pub use reports::{IslandReport, ReportWriter, SolveReports};
 
 /// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
@@ -231,28 +231,25 @@ impl Solve<'_> {
         };
         let threads = &context.threads;
         if many {
-            let (mut small, mut large): (Vec<_>, Vec<_>) = work.partition(|island| {
+            let (mut small, large): (Vec<_>, Vec<_>) = work.partition(|island| {
                 let only_touches = island.grabs.is_empty() && island.joints.is_empty();
                 let is_usual = only_touches && island.effort == 1.0;
                 is_usual && island.rows.is_small(island.contacts())
             });
-            let solve_small = |some: &mut &mut [&mut Island<R>]| match some {
+            let solve_small = |some: &mut [&mut Island<R>]| match some {
                 [island] => solve(island),
                 _ => solve_together(solver, some, context),
             };
             if threads.runs_in_parallel(points) {
-                let mut small: Vec<_> = small.chunks_mut(TOGETHER).collect();
                 threads.run(points, || {
-                    join(
-                        || for_each(&mut large, &|island| solve(island)),
-                        || for_each(&mut small, &solve_small),
+                    rayon::join(
+                        || large.into_par_iter().with_max_len(1).for_each(solve),
+                        || small.par_chunks_mut(TOGETHER).for_each(solve_small),
                     );
                 });
             } else {
                 large.into_iter().for_each(solve);
-                small
-                    .chunks_mut(TOGETHER)
-                    .for_each(|mut some| solve_small(&mut some));
+                small.chunks_mut(TOGETHER).for_each(solve_small);
             }
         } else if threads.runs_in_parallel(points / LARGE) {
             threads.run(points, || work.for_each(solve));

@@ -28,7 +28,6 @@ use crate::body::{BodyIndex, BodyTable, Inactive, Simulated};
 use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold, MovingSurfaces};
 use crate::grab::{Grab, GrabForce};
 use crate::graph::{ConstraintGraph, Islands};
-use crate::parallel;
 use crate::profile::{Profile, SolvePart};
 use crate::settings::{
     Gravity, Method, PhysicsThreads, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
@@ -44,6 +43,7 @@ pub(crate) use patches::PatchRows;
 pub(crate) use points::PointRows;
 pub(crate) use problems::{GrabbedBody, ProblemSet};
 pub use problems::{IslandProblem, IslandProblems};
+use rayon::prelude::*;
 pub(crate) use splice::Splice;
 
 /// The settings and the time with which islands are gathered and solved.
@@ -229,9 +229,10 @@ impl WarmStart<'_> {
         });
         let threads = &self.context.threads;
         if threads.runs_in_parallel(points) {
-            let mut parts: Vec<_> = parts.collect();
+            let parts: Vec<_> = parts.collect();
+            let parts = parts.into_par_iter();
             threads.run(points, || {
-                parallel::for_each(&mut parts, &|(island, contacts)| work(island, contacts));
+                parts.for_each(|(island, contacts)| work(island, contacts));
             });
         } else {
             parts.for_each(|(island, contacts)| work(island, contacts));

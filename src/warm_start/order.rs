@@ -12,7 +12,6 @@ use super::splice::Edit;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
-use crate::parallel::join;
 use crate::revision::Revision;
 use crate::settings::PhysicsThreads;
 use bevy_ecs::change_detection::ContiguousMut;
@@ -505,7 +504,7 @@ impl Columns<'_> {
             manifolds: other_manifolds,
             impulses: other_impulses,
         };
-        let (one, other) = join(|| one.share(store), || other.share(store));
+        let (one, other) = rayon::join(|| one.share(store), || other.share(store));
         one + other
     }
 }

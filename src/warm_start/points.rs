@@ -1,9 +1,9 @@
 //! The contacts of an island for point solvers, from manifolds, targets and the impulses of the last step.
 
 use super::{Rows, SolveContext, SolverContact, Splice};
-use crate::parallel::for_each;
 use crate::solver::{Body, PatchFrame, PointConstraint, PointInput};
 use glam::Vec3;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Number of contacts that one thread gathers at a time.
@@ -53,16 +53,13 @@ impl Rows for PointRows {
             };
         let threads = &*context.threads;
         if threads.runs_in_parallel(contacts.len()) {
-            let shares = contacts.chunks(SHARE).zip(ends.chunks(SHARE));
-            let mut shares: Vec<_> = shares.map(|share| (share, Vec::new())).collect();
-            threads.run(ends.len(), || {
-                for_each(&mut shares, &|((contacts, ends), constraints)| {
-                    gather(contacts, ends, constraints);
-                });
+            let shares = contacts.par_chunks(SHARE).zip(ends.par_chunks(SHARE));
+            let constraints = shares.flat_map_iter(|(contacts, ends)| {
+                let mut constraints = Vec::new();
+                gather(contacts, ends, &mut constraints);
+                constraints
             });
-            for (_, mut constraints) in shares {
-                self.constraints.append(&mut constraints);
-            }
+            threads.run(ends.len(), || self.constraints.par_extend(constraints));
         } else {
             gather(contacts, ends, &mut self.constraints);
         }

@@ -1,7 +1,6 @@
 //! The same bits, whatever the threads and wherever the ECS keeps things.
 
 use bevy_ecs::prelude::*;
-use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
 use drystone::body::{BodyState, BodyTable, RigidBody};
 use drystone::contact::{ActiveContactHooks, ContactHook, ContactHooks, ContactModification};
 use drystone::masonry::{Bond, Wall};
@@ -45,10 +44,6 @@ fn same_for_all_threads(seconds: f32, build: impl Fn(&mut Lab)) {
     for threads in [2, 4, 8] {
         assert_eq!(alone, play(rayon(threads)), "{threads} threads");
     }
-    // Whoever asks first decides how many there are.
-    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
-    assert!(PhysicsThreads::bevy().count() > 1);
-    assert_eq!(alone, play(PhysicsThreads::bevy()), "Bevy's threads");
 }
 
 /// Stacks that slide about on a plate that is far heavier than each of them.

@@ -1,7 +1,6 @@
 //! Work on blocks that does not depend on their order, on several threads; for the phases before and after the sweeps.
 
 use super::block::{Block, Points};
-use crate::parallel::join;
 use crate::solver::lanes::F32xN;
 
 /// A part of at most this many blocks is not halved.
@@ -23,7 +22,7 @@ impl<L: F32xN, T: Send> Part<'_, L, T> {
             work(self);
         } else {
             let (one, other) = self.halve();
-            join(|| one.each(threads, work), || other.each(threads, work));
+            rayon::join(|| one.each(threads, work), || other.each(threads, work));
         }
     }
 

@@ -22,7 +22,6 @@
 use super::block::{Block, Pass, Points};
 use super::edges::EdgePlaces;
 use super::kinds::{Rigid, Soft};
-use crate::parallel::together;
 use crate::solver::grab::ActiveGrab;
 use crate::solver::lanes::{F32xN, Kernel, State};
 use crate::solver::rounds::RoundEnds;
@@ -181,7 +180,12 @@ impl Pipeline {
                 });
             }
         };
-        together(shares.threads.min(groups.len()).max(1), &work);
+        rayon::scope(|scope| {
+            for _ in 1..shares.threads.min(groups.len()) {
+                scope.spawn(|_| work());
+            }
+            work();
+        });
         drop(groups);
         changes
     }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Decides about contacts. It is called for pairs in which a body has [`ActiveContactHooks`], in every step in which the pair is active.
 ///
 /// Two worlds agree bit by bit only if a hook's answer depends on its arguments and on its own data alone. It must not rely on the order of
-/// calls. To give it data of the game, replace the resource [`ContactHooks`] when the data change, or share it through an `Arc`. Previews
+/// calls, and several [threads](crate::settings::PhysicsThreads) may call it at the same time, for different pairs. To give it data of the game, replace the resource [`ContactHooks`] when the data change, or share it through an `Arc`. Previews
 /// call it too, for copies that have the numbers of their originals ([`ActiveContactHooks::user_data`]) and other entities.
 pub trait ContactHook: Send + Sync + 'static {
     /// Returns false for a pair that has no contact now. It is called whenever the boxes of the two bodies overlap.

@@ -5,6 +5,7 @@ use super::candidates::{Candidate, Candidates, max_points, push};
 use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{
     Axis, Contact, FeatureId, Placement, Search, Solid, across, meet, meet_plane, touch_along,
+    touch_lengthwise,
 };
 use super::round::{self, Part};
 use super::{parry, passing, rolling};
@@ -166,6 +167,13 @@ impl WithTwo for Two<'_> {
         }
         if matches!(contact.points.len(), 1 | 2) && (body_a.is_slender() || body_b.is_slender()) {
             find_beside(a, b, &place, search.reach, contact);
+        }
+        let flight = passing::flight(body_a, body_b, dt);
+        let long = [body_a, body_b].map(|body| body.is_slender() && flight > body.radius);
+        if long != [false; 2] && !contact.points.is_empty() {
+            // The point at its far end.
+            let reach = search.reach + 2.0 * flight as f64;
+            touch_lengthwise(a, b, &place, (*axis, long), reach, contact);
         }
         if distance > search.reach || !contact.points.is_empty() {
             return;

@@ -1,6 +1,6 @@
 //! Part of the stage *narrowphase*: calls [`ContactHooks`], and finds the pairs whose surfaces move ([`SurfaceVelocity`]).
 //!
-//! It visits only pairs of bodies that have one of these components. A pair that loses points is detected anew in the next step, so that a hook
+//! It visits only pairs of bodies that have one of these components, on several threads if they are many. A pair that loses points is detected anew in the next step, so that a hook
 //! always sees all points.
 
 use super::PairColumns;
@@ -12,7 +12,7 @@ use crate::contact::{
 };
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
-use crate::settings::{StabilizationSettings, StepTime};
+use crate::settings::{PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -31,10 +31,11 @@ pub fn modify_contacts(
         ResMut<ConstraintGraph>,
         ResMut<MovingSurfaces>,
     ),
-    (hooks, time, settings): (
+    (hooks, time, settings, threads): (
         Option<Res<ContactHooks>>,
         Res<StepTime>,
         Res<StabilizationSettings>,
+        Res<PhysicsThreads>,
     ),
     modifying: Query<&BodyIndex, Modifying>,
     mut pairs: Query<PairColumns, Without<Inactive>>,
@@ -44,7 +45,7 @@ pub fn modify_contacts(
         return;
     }
     let edges = modifying.iter().flat_map(|index| graph.edges_of(index.0));
-    // The pairs do not depend on each other, so their order does not matter.
+    // The pairs do not depend on each other, so neither their order nor the number of threads matters.
     let found: EntityHashSet = edges.collect();
     let context = Context {
         hook: hooks.as_deref().map(ContactHooks::hook),
@@ -52,14 +53,21 @@ pub fn modify_contacts(
         outer: settings.outer_distance(),
         first: time.substep == 0,
     };
+    let rows = pairs.iter_many_unique_mut(found).filter_map(|columns| {
+        let columns = columns.ok()?;
+        let bodies = table.both(columns.0.slots)?;
+        (!columns.0.is_idle()).then(|| (columns, bodies, Modified::default()))
+    });
+    let mut rows: Vec<_> = rows.collect();
+    threads.each((&mut *rows,), |((columns, bodies, modified),)| {
+        *modified = context.modify(columns, *bodies, &before);
+    });
     let mut reports = Vec::new();
-    for pair in found {
-        if let Ok(columns) = pairs.get_mut(pair)
-            && let Some([a, b]) = table.both(columns.0.slots)
-            && !columns.0.is_idle()
-        {
-            reports.extend(context.modify(columns, [a, b], &before, &mut surfaces));
+    for (columns, _, modified) in rows {
+        if let Some(velocity) = modified.velocity {
+            surfaces.insert(columns.0.edge, velocity);
         }
+        reports.extend(modified.report);
     }
     graph.report(reports);
 }
@@ -73,15 +81,23 @@ struct Context<'a> {
     first: bool,
 }
 
+/// What others learn of a pair.
+#[derive(Default)]
+struct Modified {
+    /// The velocity that friction demands, m/s, if it is not zero.
+    velocity: Option<Vec3>,
+    /// For the graph, if the pair has lost all its points or ceased to touch.
+    report: Option<(u32, bool)>,
+}
+
 impl Context<'_> {
-    /// Changes the contacts of a pair. Returns a report for the graph if it has lost all its points, or ceased to touch.
+    /// Changes the contacts of a pair.
     fn modify(
         &self,
-        (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets): <PairColumns<'static> as QueryData>::Item<'_, '_>,
+        (pair, cache, manifold, impulses, anchors, targets): &mut <PairColumns<'static> as QueryData>::Item<'_, '_>,
         bodies: [&BodyState; 2],
         before: &MovingSurfaces,
-        surfaces: &mut MovingSurfaces,
-    ) -> Option<(u32, bool)> {
+    ) -> Modified {
         let pair = pair.bypass_change_detection();
         let manifold = manifold.bypass_change_detection();
         let impulses = impulses.bypass_change_detection();
@@ -110,10 +126,9 @@ impl Context<'_> {
         pair.set_hooked((pair.friction, pair.restitution) != combined);
         let mut changed = (pair.friction, pair.restitution, pair.hooked()) != before_hooks;
         let velocity = contacts.surface_velocity;
-        if velocity != Vec3::ZERO && limits::within(velocity, limits::SPEED) {
-            surfaces.insert(pair.edge, velocity);
-        }
-        if surfaces.get(pair.edge) != before.get(pair.edge) {
+        let moves = velocity != Vec3::ZERO && limits::within(velocity, limits::SPEED);
+        let velocity = moves.then_some(velocity);
+        if velocity != before.get(pair.edge) {
             // What was anchored slides from now on, or the other way round.
             anchors.bypass_change_detection().measured = None;
             changed = true;
@@ -130,7 +145,10 @@ impl Context<'_> {
             pair.revision = Revision::next();
         }
         if !drops {
-            return None;
+            return Modified {
+                velocity,
+                report: None,
+            };
         }
         pair.touching = manifold
             .points
@@ -141,7 +159,10 @@ impl Context<'_> {
             false => PairState::Live,
         };
         let ends = manifold.points.is_empty() || pair.announced() && !pair.touching;
-        ends.then_some((pair.edge, pair.announced() && !pair.touching))
+        Modified {
+            velocity,
+            report: ends.then_some((pair.edge, pair.announced() && !pair.touching)),
+        }
     }
 }
 

@@ -38,8 +38,12 @@ pub(super) fn motion_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Opt
 }
 
 fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
-    let flight = (a.velocity.linear - b.velocity.linear).length() * dt;
-    flight >= FAST * a.size.min(b.size)
+    flight(a, b, dt) >= FAST * a.size.min(b.size)
+}
+
+/// How far the two move relative to each other in a step, m, from their velocities at its beginning.
+pub(super) fn flight(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
+    (a.velocity.linear - b.velocity.linear).length() * dt
 }
 
 /// Returns the first time at which the distance is at most `near` (m), or an error if the shapes cannot be cast.

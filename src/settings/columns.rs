@@ -55,35 +55,36 @@ impl<T: Send> Column for &mut [T] {
 }
 
 macro_rules! columns {
-    ($first:ident $($other:ident)+) => {
+    ($first:ident $($other:ident)*) => {
         #[expect(non_snake_case, reason = "a column is named as its type is")]
-        impl<$first: Column, $($other: Column),+> Columns for ($first, $($other),+) {
-            type Row = ($first::Item, $($other::Item),+);
+        impl<$first: Column, $($other: Column),*> Columns for ($first, $($other,)*) {
+            type Row = ($first::Item, $($other::Item,)*);
 
             fn rows(&self) -> usize {
                 self.0.rows()
             }
 
             fn split_at(self, row: usize) -> [Self; 2] {
-                let ($first, $($other),+) = self;
+                let ($first, $($other,)*) = self;
                 let $first = $first.split_at_row(row);
-                $(let $other = $other.split_at_row(row);)+
-                [($first.0, $($other.0),+), ($first.1, $($other.1),+)]
+                $(let $other = $other.split_at_row(row);)*
+                [($first.0, $($other.0,)*), ($first.1, $($other.1,)*)]
             }
 
             #[inline]
             fn for_each(self, work: &impl Fn(Self::Row)) {
-                let ($first, $($other),+) = self;
-                $(let mut $other = $other.into_iter();)+
+                let ($first, $($other,)*) = self;
+                $(let mut $other = $other.into_iter();)*
                 for $first in $first {
-                    $(let Some($other) = $other.next() else { return };)+
-                    work(($first, $($other),+));
+                    $(let Some($other) = $other.next() else { return };)*
+                    work(($first, $($other,)*));
                 }
             }
         }
     };
 }
 
+columns!(A);
 columns!(A B);
 columns!(A B C);
 columns!(A B C D);

@@ -6,6 +6,10 @@ use bevy_reflect::Reflect;
 use std::sync::Arc;
 
 /// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads.
+///
+/// Bevy has threads of its own, in three pools. Both wait asleep, and a step waits for its work, so that the two compete only for what runs beside the
+/// step: tasks, a pipelined renderer, systems of other schedules. In a game that fills all cores with those, divide the cores:
+/// [`new`](Self::new) limits the threads of physics, and `TaskPoolOptions` of Bevy's `TaskPoolPlugin` limits Bevy's.
 #[derive(Resource, Clone, Debug, Reflect)]
 #[reflect(opaque)]
 pub struct PhysicsThreads {

@@ -1,18 +1,21 @@
 //! The same bits, whatever the threads and wherever the ECS keeps things.
 
 use bevy_ecs::prelude::*;
-use drystone::body::BodyTable;
+use drystone::body::{BodyState, BodyTable, RigidBody};
+use drystone::contact::{ActiveContactHooks, ContactHook, ContactHooks, ContactModification};
 use drystone::masonry::{Bond, Wall};
 use drystone::mortar::Mortar;
 use drystone::settings::{PhysicsThreads, SleepSettings};
 use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
+use std::time::{Duration, Instant};
 use support::*;
 
 /// Poses and velocities after some seconds, while there is still motion.
-fn play(threads: usize, seconds: f32, build: impl Fn(&mut Lab)) -> Vec<[u32; 13]> {
+fn play(threads: PhysicsThreads, seconds: f32, build: impl Fn(&mut Lab)) -> Vec<[u32; 13]> {
     let mut lab = Lab::new();
-    let threads = PhysicsThreads::new(threads).expect("threads are to be had");
     // All that can be shared is, however little it is.
     let threads = threads.with_min_items(1);
     lab.world.insert_resource(threads);
@@ -28,12 +31,18 @@ fn play(threads: usize, seconds: f32, build: impl Fn(&mut Lab)) -> Vec<[u32; 13]
     bits
 }
 
+/// So many threads of rayon's.
+fn rayon(count: usize) -> PhysicsThreads {
+    PhysicsThreads::new(count).expect("threads are to be had")
+}
+
 fn same_for_all_threads(seconds: f32, build: impl Fn(&mut Lab)) {
-    let alone = play(1, seconds, &build);
+    let play = |threads| play(threads, seconds, &build);
+    let alone = play(rayon(1));
     assert!(alone.len() > 10);
-    assert_eq!(alone, play(1, seconds, &build), "a second run");
+    assert_eq!(alone, play(rayon(1)), "a second run");
     for threads in [2, 4, 8] {
-        assert_eq!(alone, play(threads, seconds, &build), "{threads} threads");
+        assert_eq!(alone, play(rayon(threads)), "{threads} threads");
     }
 }
 
@@ -157,8 +166,8 @@ struct Green(#[allow(dead_code)] u64);
 /// Other components put a body into another table, and so in another place of every query.
 #[test]
 fn a_users_own_components_change_nothing() {
-    let plain = play(2, 1.5, |lab| scene(lab, "heap:80"));
-    let painted = play(2, 1.5, |lab| {
+    let plain = play(rayon(2), 1.5, |lab| scene(lab, "heap:80"));
+    let painted = play(rayon(2), 1.5, |lab| {
         scene(lab, "heap:80");
         let mut bodies = lab
             .world
@@ -209,4 +218,73 @@ fn what_is_kept_gives_the_bits_of_what_is_made_anew() {
             .for_each(|(_, mut impulses)| impulses.set_changed());
     });
     assert_eq!(kept, written);
+}
+
+/// Lets some balls through, and makes others slide.
+struct Picky;
+
+impl ContactHook for Picky {
+    fn filter_pair(&self, bodies: [&BodyState; 2]) -> bool {
+        let number = bodies.iter().map(|body| body.properties.hooks.user_data);
+        number.sum::<u64>() % 11 != 3
+    }
+
+    fn modify_contacts(&self, contacts: &mut ContactModification) {
+        contacts.friction *= 0.5;
+        contacts.surface_velocity = Vec3::X * 0.3;
+        contacts.retain(|point| point.distance < 0.002);
+    }
+}
+
+#[test]
+fn hooks_give_the_same_on_any_number_of_threads() {
+    same_for_all_threads(0.7, |lab| {
+        lab.world.insert_resource(ContactHooks::new(Picky));
+        many_islands(lab);
+        let mut bodies = lab.world.query_filtered::<Entity, With<RigidBody>>();
+        let bodies: Vec<Entity> = bodies.iter(&lab.world).collect();
+        for (number, body) in bodies.into_iter().enumerate() {
+            let hooks = ActiveContactHooks::ALL.with_user_data(number as u64);
+            lab.world.entity_mut(body).insert(hooks);
+        }
+    });
+}
+
+/// Waits in a call until another thread calls too.
+#[derive(Clone, Default)]
+struct Meeting {
+    inside: Arc<AtomicUsize>,
+    met: Arc<AtomicBool>,
+}
+
+impl ContactHook for Meeting {
+    fn filter_pair(&self, _: [&BodyState; 2]) -> bool {
+        if self.inside.fetch_add(1, SeqCst) > 0 {
+            self.met.store(true, SeqCst);
+        }
+        let began = Instant::now();
+        while !self.met.load(SeqCst) && began.elapsed() < Duration::from_secs(1) {
+            std::thread::yield_now();
+        }
+        self.inside.fetch_sub(1, SeqCst);
+        true
+    }
+}
+
+#[test]
+fn hooks_are_called_in_parallel() {
+    let mut lab = Lab::new();
+    let threads = PhysicsThreads::new(2).expect("threads are to be had");
+    lab.world.insert_resource(threads.with_min_items(1));
+    let hook = Meeting::default();
+    lab.world.insert_resource(ContactHooks::new(hook.clone()));
+    lab.ground();
+    for i in 0..16 {
+        let cube = lab.cube(Vec3::new(2.0 * i as f32, 0.5, 0.0));
+        lab.world
+            .entity_mut(cube)
+            .insert(ActiveContactHooks::FILTER_PAIRS);
+    }
+    lab.step();
+    assert!(hook.met.load(SeqCst));
 }

@@ -73,22 +73,20 @@ fn boxes_do_not_pass_a_thin_wall() {
     });
 }
 
-/// Some rods of 1 m pass, 13 at 60 Hz and 2 at 0.1 s: a known limit. Spin alone is not the cause: without any spin, 9 and 1 pass.
+/// The first end that hits stops, and the contact of the other one keeps the middle of the rod from going on.
 #[test]
-fn few_spinning_rods_pass_a_thin_wall() {
-    for dt in [1.0 / 60.0, 0.1] {
-        let passed = through(
+fn spinning_rods_do_not_pass_a_thin_wall() {
+    for most in [0.0, 60.0] {
+        check(
+            &format!("rods with spins up to {most} rad/s"),
             |lab, rng| {
                 plate(lab);
                 let rod = lab.body(Collider::cuboid(0.05, 1.0, 0.05), Vec3::ZERO);
-                let spin = Vec3::new(rng.f32(), rng.f32(), rng.f32()) * 60.0 - 30.0;
-                lab.set_velocity(rod, Vec3::ZERO, spin);
+                let spin = Vec3::new(rng.f32(), rng.f32(), rng.f32()) - 0.5;
+                lab.set_velocity(rod, Vec3::ZERO, most * spin);
                 rod
             },
-            dt,
         );
-        println!("rods at Δt {dt:.3} s: {passed} of {SHOTS} through");
-        assert!(passed <= SHOTS / 10, "{passed}");
     }
 }
 

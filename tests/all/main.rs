@@ -20,6 +20,7 @@ mod drops;
 mod ecs;
 mod edits;
 mod fast;
+mod features;
 mod hands;
 mod headless;
 mod hits;

@@ -100,6 +100,24 @@ pub fn outline<S: Solid>(solid: &S, face: u16) -> impl ExactSizeIterator<Item = 
 /// A solid stands on all corners of a face if the cosine between the face's normal and the direction is above this.
 const FLAT: f64 = 0.9999;
 
+/// The cosine to a direction above which a face faces it at all.
+const FACES: f64 = 0.02;
+
+/// Returns the longest of the faces around the farthest corner in a direction (in the solid's own frame) that face it, if there is one.
+pub fn longest_facing<S: Solid>(solid: &S, direction: DVec3) -> Option<u16> {
+    let farthest = solid.farthest(direction);
+    let corner = solid.point(farthest);
+    let cosine = |face: u16| solid.plane(face).0.dot(direction);
+    // Of faces of one length, that which faces it most.
+    let merit = |face: u16| {
+        let corners = solid.outline(face).map(|side| solid.point(side.point));
+        let lengths = corners.map(|at| at.distance_squared(corner));
+        cosine(face) * lengths.fold(0.0, f64::max)
+    };
+    let facing = solid.around(farthest).filter(|&face| cosine(face) > FACES);
+    facing.max_by(|&a, &b| merit(a).total_cmp(&merit(b)))
+}
+
 /// Returns the face with which a solid touches another in a direction (in its own frame). It is the face around the farthest corner whose normal is
 /// nearest to the direction. If the solid stands on an edge, it is one of the two faces at that edge; otherwise the contact would be at one end only.
 pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {

@@ -20,7 +20,7 @@ mod triangle;
 pub use crate::contact::FeatureId;
 pub use crate::contact::cache::Axis;
 pub use axis::{Separation, Separations, separate};
-pub use clip::{Clipped, Origin, Outline, Space, clip, facing, outline};
+pub use clip::{Clipped, Origin, Outline, Space, clip, facing, longest_facing, outline};
 pub use cuboid::Cuboid;
 pub use placement::Placement;
 pub use plane::meet_plane;
@@ -173,6 +173,56 @@ pub fn touch_along<A: Solid, B: Solid>(
     faces_along(a, b, place, normal, reach, contact);
 }
 
+/// Replaces the contact of a face with a solid above it by that with a long face of the solid, from its nearest corner on, so that points at both of
+/// its ends count. `axis` is that of the contact, and `long` says which of the two is such a solid. There may be none, and then the contact stays.
+pub fn touch_lengthwise<A: Solid, B: Solid>(
+    a: &A,
+    b: &B,
+    place: &Placement,
+    (axis, long): (Axis, [bool; 2]),
+    reach: f64,
+    contact: &mut Contact,
+) {
+    let slack = slack(a, b);
+    let before = contact.points.clone();
+    let normal = -contact.normal;
+    contact.points.clear();
+    match axis {
+        Axis::FaceOfA(face) if long[1] => {
+            let above = Above {
+                face,
+                normal,
+                slack,
+                reach,
+            };
+            if let Some(below) = longest_facing(b, place.back(-normal)) {
+                above.points_on(a, (b, below), place, contact, |origin| origin.feature(true));
+            }
+        }
+        Axis::FaceOfB(face) if long[0] => {
+            let above = Above {
+                face,
+                normal: place.back(-normal),
+                slack,
+                reach,
+            };
+            let back = place.inverse();
+            if let Some(below) = longest_facing(a, normal) {
+                above.points_on(b, (a, below), &back, contact, |origin| {
+                    origin.feature(false)
+                });
+            }
+            for point in &mut contact.points {
+                point.position = place.point(point.position);
+            }
+        }
+        _ => {}
+    }
+    if contact.points.is_empty() {
+        contact.points = before;
+    }
+}
+
 /// Computes the intersection of the faces that face each other along a normal, from A to B.
 fn faces_along<A: Solid, B: Solid>(
     a: &A,
@@ -280,6 +330,18 @@ impl Above {
         feature: impl Fn(Origin) -> FeatureId,
     ) {
         let below = facing(incident, place.back(-self.normal));
+        self.points_on(reference, (incident, below), place, contact, feature);
+    }
+
+    /// As [`points`](Self::points), with this face of the incident solid.
+    fn points_on<R: Solid, I: Solid>(
+        &self,
+        reference: &R,
+        (incident, below): (&I, u16),
+        place: &Placement,
+        contact: &mut Contact,
+        feature: impl Fn(Origin) -> FeatureId,
+    ) {
         let below =
             outline(incident, below).map(|(at, point, edge)| (place.point(at), point, edge));
         let sides = outline(reference, self.face);

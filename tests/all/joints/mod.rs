@@ -4,6 +4,7 @@ mod breaking;
 mod cone;
 mod edits;
 mod input;
+mod loose;
 mod scenes;
 mod sleep;
 mod table;

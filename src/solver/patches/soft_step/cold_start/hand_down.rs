@@ -210,15 +210,25 @@ pub fn is_balanced(problem: &PatchProblem) -> bool {
 /// Hands down the unbalanced loads of bodies that are new or from which load was removed. The bodies below keep their impulses where those
 /// are sufficient. Returns the number of bodies on the longest path.
 pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize {
-    let down = -up(problem);
-    let mut supports = Supports::new(problem);
     // The imbalance of other bodies is motion and no new load, so they pass on only the load that comes to them. Handed down as well, it
     // would push a trembling wall out of its plane.
     let mut motions = unbalanced(problem);
     for (motion, _) in motions.iter_mut().zip(new).filter(|(_, new)| !**new) {
         *motion = [Vec3::ZERO; 2];
     }
-    let mut gained = new.to_vec();
+    pass_on(problem, closed, new.to_vec(), motions)
+}
+
+/// Passes loads down to the ground. `gained` are the bodies that have any, and `motions` those that it would give them in this step. Returns
+/// the number of bodies on the longest path.
+pub fn pass_on(
+    problem: &mut PatchProblem,
+    closed: f32,
+    mut gained: Vec<bool>,
+    mut motions: Vec<[Vec3; 2]>,
+) -> usize {
+    let down = -up(problem);
+    let mut supports = Supports::new(problem);
     let mut courses = vec![1; problem.bodies.len()];
     let mut ready: Vec<usize> = (0..problem.bodies.len())
         .filter(|&body| supports.above[body] == 0)

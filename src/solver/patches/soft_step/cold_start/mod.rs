@@ -6,10 +6,11 @@
 //! that was built as a whole, and is not in balance with these loads, gets those under a [growing weight](grow) instead: statics alone
 //! would let it lean on a squeeze that does not exist. If these forces hold the structure, it is [brought to rest](statics): impulses that
 //! keep it still become its loads at rest, and so they are held. The removal of a body from the top is handed down like a new load;
-//! otherwise its supports would be thrown.
+//! otherwise its supports would be thrown. [Structures with joints](jointed) press on loose bodies with the loads that their joints give them.
 
 mod grow;
 mod hand_down;
+mod jointed;
 mod statics;
 
 use super::load_statistics::BodyLoad;
@@ -42,11 +43,15 @@ struct New {
 
 impl New {
     /// Finds new bodies. In most steps there are none, which one pass over the points finds.
-    fn find(problem: &PatchProblem, closed: f32, body_loads: &[BodyLoad]) -> Option<Self> {
+    fn find(
+        problem: &PatchProblem,
+        closed: f32,
+        body_loads: &[BodyLoad],
+        jointed: &[bool],
+    ) -> Option<Self> {
         let fall = problem.gravity.length() * problem.dt;
         let slower = |body: &Body, most: f32| body.start[0].length_squared() <= most * most;
         let moves = |body: &&Body| body.inverse_mass > 0.0;
-        let jointed = jointed(problem);
         let is_jointed = |body: usize| !jointed.is_empty() && jointed[body];
         let pairs = || {
             let pairs = problem.bodies.iter().zip(body_loads).enumerate();
@@ -60,7 +65,7 @@ impl New {
         {
             return None;
         }
-        let stands = hand_down::standing(problem, closed, &jointed);
+        let stands = hand_down::standing(problem, closed, jointed);
         let bodies = problem.bodies.iter().zip(body_loads).zip(stands);
         let bodies: Vec<[bool; 2]> = bodies
             .enumerate()
@@ -103,9 +108,17 @@ pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, body_loads: &[BodyLoad])
     // The distance that a body falls from rest in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     let closed = fallen.max(PLACED);
-    let Some(new) = New::find(problem, closed, body_loads) else {
-        return false;
-    };
+    let jointed = jointed(problem);
+    let new = New::find(problem, closed, body_loads, &jointed);
+    if let Some(new) = &new {
+        load::<L>(problem, closed, new);
+    }
+    let is_borne = jointed::bear::<L>(problem, closed, &jointed);
+    new.is_some() || is_borne
+}
+
+/// Hands down the loads of new bodies, and brings them to rest if all are new.
+fn load<L: F32xN>(problem: &mut PatchProblem, closed: f32, new: &New) {
     let courses = hand_down::hand_down(problem, closed, &new.bodies);
     if !problem.joints.is_empty() {
         hold(problem, &new.bodies);
@@ -120,7 +133,6 @@ pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, body_loads: &[BodyLoad])
             statics::settle::<L>(problem, closed, most.min(SWEEPS_PER_COURSE * courses));
         }
     }
-    true
 }
 
 /// Makes the friction of new bodies a load at rest, where no statics does. Springs that begin without it slip: ten tons on a plank of a bridge, which is

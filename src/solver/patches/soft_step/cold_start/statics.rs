@@ -170,7 +170,7 @@ impl<L: F32xN> Kernel for SweepBack<'_, L> {
 
 impl Pass {
     /// A rigid pass over a whole step.
-    fn whole(dt: f32) -> Self {
+    pub(super) fn whole(dt: f32) -> Self {
         Self {
             soft: false,
             down: false,
@@ -185,7 +185,7 @@ impl Pass {
 
 impl<L: F32xN> Island<L> {
     /// An island at rest whose points touch unless they are open; and the merit of the free motion, J.
-    fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
+    pub(super) fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
         let mut island = Self::new(problem, batches(L::LANES, problem));
         island.begin(problem, 1);
         island.velocities.fill(State::default());

@@ -220,14 +220,14 @@ impl LeafPatch {
         }
     }
 
-    /// Adds its points to the leaves if they carry nothing yet, touch a body that does not move, and are not farther apart than `closed` m. They
-    /// are almost rigid.
+    /// Adds its points to the leaves if they carry nothing yet, touch a body that bears them, and are not farther apart than `closed` m. They
+    /// are almost rigid. A body that moves bears them as if it did not if it is one of `supports`.
     pub fn collect_new<L: F32xN>(
         &self,
         number: usize,
         contacts: &Contacts<L>,
         offsets: &[Vec3],
-        closed: f32,
+        (closed, supports): (f32, &[bool]),
         leaves: &mut Vec<Leaf>,
     ) {
         let block = &contacts.blocks[self.block];
@@ -236,10 +236,14 @@ impl LeafPatch {
         let used = || points.iter().take(self.offsets.len());
         let carries =
             |point: &Points<L>| point.impulse[lane] > 0.0 || point.rest_impulse[lane] > 0.0;
-        if self.other.is_some() || used().any(carries) {
+        let bears = |other: Other| supports.get(other.body).is_some_and(|&bears| bears);
+        if !self.other.is_none_or(bears) || used().any(carries) {
             return;
         }
-        let velocities = self.bodies.map(|body| read(contacts.velocities, body));
+        let mut velocities = self.bodies.map(|body| read(contacts.velocities, body));
+        if self.other.is_some() {
+            velocities[1 - self.side] = [Vec3::ZERO; 2];
+        }
         for (i, point) in used().enumerate() {
             let mass = point.mass[lane];
             if mass <= 0.0 || point.separation[lane] > closed {

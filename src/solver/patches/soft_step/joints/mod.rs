@@ -267,6 +267,20 @@ impl Joints {
         spring: &Spring,
         substeps: usize,
         lanes: Lanes,
+        contacts: Contacts<L>,
+    ) {
+        self.begin_on(&[], problem, spring, substeps, lanes, contacts);
+    }
+
+    /// Like [`begin`](Self::begin), but pieces that were just built may also stand on these bodies (by number) that move, as if they did
+    /// not.
+    pub fn begin_on<L: F32xN>(
+        &mut self,
+        supports: &[bool],
+        problem: &PatchProblem,
+        spring: &Spring,
+        substeps: usize,
+        lanes: Lanes,
         mut contacts: Contacts<L>,
     ) {
         if self.is_empty() {
@@ -324,12 +338,17 @@ impl Joints {
             let was = problem.bodies[member.body as usize].start[1];
             (linear, was, angular - was)
         });
-        self.cold_start(problem, &mut contacts);
+        self.cold_start(supports, problem, &mut contacts);
     }
 
     /// Finds the impulses of pieces that were just built, and of the contacts on which they stand: whose joints have none yet, and whose bodies
     /// rest where joints want them. Then finds their geometric stiffness.
-    fn cold_start<L: F32xN>(&mut self, problem: &PatchProblem, contacts: &mut Contacts<L>) {
+    fn cold_start<L: F32xN>(
+        &mut self,
+        supports: &[bool],
+        problem: &PatchProblem,
+        contacts: &mut Contacts<L>,
+    ) {
         let mut lists = Lists {
             members: &mut self.members,
             links: &self.links,
@@ -348,7 +367,7 @@ impl Joints {
             if forces.all(|force| force == 0.0)
                 && piece.is_built(&lists, PUT, self.bias_rate * PLACED)
             {
-                piece.cold_start(self.h, closed, &mut lists, contacts);
+                piece.cold_start(self.h, (closed, supports), &mut lists, contacts);
                 piece.is_refreshed = true;
                 is_any_cold = true;
             }

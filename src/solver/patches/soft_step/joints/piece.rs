@@ -224,19 +224,20 @@ impl Piece {
     }
 
     /// Finds the impulses that hold everything still, before the first sweep: joints that were just added have none to begin with, and a first
-    /// sweep of contacts would find nothing that bears them. Contacts with fixed bodies that carry nothing yet get impulses and loads at rest
-    /// too, if their points are not farther apart than `closed` m.
+    /// sweep of contacts would find nothing that bears them. Contacts that carry nothing yet get impulses and loads at rest too, with fixed
+    /// bodies and with those of `supports`, if their points are not farther apart than `closed` m.
     pub fn cold_start<L: F32xN>(
         &mut self,
         h: f32,
-        closed: f32,
+        (closed, supports): (f32, &[bool]),
         lists: &mut Lists,
         contacts: &mut Contacts<L>,
     ) {
         self.leaves.clear();
         for number in self.patches.clone() {
             let patch = &lists.patches[number];
-            patch.collect_new(number, contacts, lists.offsets, closed, &mut self.leaves);
+            let reach = (closed, supports);
+            patch.collect_new(number, contacts, lists.offsets, reach, &mut self.leaves);
         }
         self.find_lacks(false, h, lists, contacts.velocities);
         self.calm_down(false, lists, contacts.velocities);

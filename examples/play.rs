@@ -2,7 +2,7 @@
 //! is taken. Everything is at its defaults, on one thread.
 //!
 //! ```text
-//! cargo run --release --example play -- [--scene wall:40x25] [--seconds 15] [--wreck | --touch]
+//! cargo run --release --example play -- [--scene wall:40x25] [--seconds 15] [--wreck | --touch] [--islands]
 //! ```
 //!
 //! At a scene that is not a wall (`heap:300`), balls are thrown while it falls together. `--wreck` throws a ball of 524 kg at 20 m/s into the
@@ -10,7 +10,7 @@
 //! same in Rapier.
 
 use clap::Parser;
-use drystone::settings::{PhysicsThreads, Preset};
+use drystone::settings::{PhysicsThreads, Preset, SleepSettings, Waking};
 use drystone_lab::experiment::Experiment;
 use drystone_lab::play::{Cost, Script, Session, Touch, touches};
 use drystone_lab::scenes::Scene;
@@ -30,6 +30,9 @@ struct Arguments {
     /// Measures single deeds instead: the step in which a brick of a wall is pushed by 1 mN·s, laid or taken, and the next.
     #[arg(long)]
     touch: bool,
+    /// Sleeping bodies wake by whole islands.
+    #[arg(long)]
+    islands: bool,
     /// Seed of where the player lays and throws.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -46,6 +49,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut experiment = Experiment::new(arguments.scene, Preset::Default);
     experiment.threads = PhysicsThreads::new(arguments.threads)?;
     let mut run = experiment.start();
+    if arguments.islands {
+        run.world.resource_mut::<SleepSettings>().waking = Waking::Islands;
+    }
     if arguments.touch {
         let Script::Build([_, courses]) = script else {
             return Err("bricks are laid on walls only".into());

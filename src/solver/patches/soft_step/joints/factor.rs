@@ -289,9 +289,8 @@ fn decompose<const FUSED: bool>(pivot: &mut Block, inverses: &mut Numbers) {
         for (c, other) in (j + 1..).zip(after) {
             add_scaled::<FUSED>(other, -inverse * at(column, c), column);
         }
-        for q in 0..2 {
-            for i in 0..3 {
-                let number = &mut column[q][i];
+        for (q, numbers) in column.iter_mut().enumerate() {
+            for (i, number) in numbers.iter_mut().enumerate().take(3) {
                 *number = if 3 * q + i > j {
                     inverse * *number
                 } else {

@@ -67,8 +67,8 @@
 //! a pair with several patches, those that broke do not bear pressure until all have broken.
 //!
 //! All bonds of a structure are solved together, directly, which does not yield however long a cantilever is. It costs more than contacts while the
-//! structure is awake: a wall of 39 bricks 4 ms a step, one of 410 bricks 160 ms. At rest it sleeps and costs nothing. Under
-//! [the point solvers](crate::solver::points) bonds are weak.
+//! structure is awake: a wall of 39 bricks 0.2 ms a step at rest and 1.6 ms while it tumbles, one of 410 bricks 5 to 8 ms and 54 ms. At rest it
+//! sleeps and costs nothing. Under [the point solvers](crate::solver::points) bonds are weak.
 
 mod events;
 mod joint;

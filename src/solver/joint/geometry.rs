@@ -97,6 +97,7 @@ pub struct Bend {
 impl Bend {
     /// The acceleration of a coordinate at constant velocities of the bodies, m/s²: a straight motion over a short time h changes a
     /// translation or a distance by h times its rate and ½h² times this. That of rotations is left out.
+    #[inline]
     pub fn curvature(&self, coordinate: usize, direction: Vec3) -> f32 {
         match coordinate {
             0..3 => direction.dot(self.along_axes),
@@ -111,12 +112,14 @@ impl Bend {
 
     /// The rate, m/s, that a held coordinate must have besides the wanted one in a straight motion over a time of `h` s, because its way is
     /// curved.
-    pub fn inward_rate(&self, coordinate: usize, direction: Vec3, h: f32) -> f32 {
-        CURVED * 0.5 * h * self.curvature(coordinate, direction)
+    #[inline]
+    pub fn inward_rate(curvature: f32, h: f32) -> f32 {
+        CURVED * 0.5 * h * curvature
     }
 }
 
 /// ω × (ω × r).
+#[inline]
 fn twice(spin: Vec3, arm: Vec3) -> Vec3 {
     spin.cross(spin.cross(arm))
 }
@@ -129,6 +132,7 @@ const CURVED: f32 = 0.9;
 const NONE: f32 = 1e-6;
 
 impl Geometry {
+    #[inline]
     pub fn new(joint: &JointConstraint, placements: [Placement; 2]) -> Self {
         let turned = [0, 1].map(|side| placements[side].turned * joint.arms[side]);
         let way = [0, 1].map(|side| placements[side].moved + (turned[side] - joint.arms[side]));
@@ -160,6 +164,7 @@ impl Geometry {
     }
 
     /// Three translations, three rotations, the distance and the swing.
+    #[inline]
     pub fn coordinate(&self, number: usize) -> Coordinate {
         match number {
             0..3 => Coordinate {
@@ -186,8 +191,9 @@ impl Geometry {
     }
 
     /// A vector of the world in A's frame.
+    #[inline]
     pub fn local(&self, vector: Vec3) -> Vec3 {
-        self.frame.inverse() * vector
+        Vec3::from_array(self.axes.map(|axis| axis.dot(vector)))
     }
 
     /// The angle of a hinge, −π to π.
@@ -252,6 +258,7 @@ impl Geometry {
     }
 
     /// The bend of the way of B's anchor at constant velocities of the bodies; `velocities` are linear and angular ones of A and B.
+    #[inline]
     pub fn bend(&self, velocities: [[Vec3; 2]; 2]) -> Bend {
         let [[_, turns], [_, spins]] = velocities;
         let rate = self.rate(velocities);
@@ -266,6 +273,7 @@ impl Geometry {
 
     /// The rate of a coordinate with this direction is that of B's centre less that of A's along the first vector, and of the rotations of B
     /// and A along the others.
+    #[inline]
     pub fn jacobian(&self, coordinate: usize, direction: Vec3) -> (Vec3, [Vec3; 2]) {
         match coordinate {
             _ if is_angular(coordinate) => (Vec3::ZERO, [direction; 2]),
@@ -274,6 +282,7 @@ impl Geometry {
     }
 
     /// The velocity of B's anchor relative to the point of A there, m/s.
+    #[inline]
     fn rate(&self, [[a, turns], [b, spins]]: [[Vec3; 2]; 2]) -> Vec3 {
         (b + spins.cross(self.arms[1])) - (a + turns.cross(self.arms[0]))
     }

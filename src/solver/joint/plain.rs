@@ -2,7 +2,7 @@
 //! so the more bodies hang on each other; Soft Step solves joints directly.
 
 use super::rows::{Times, is_angular, take_share};
-use super::{COORDINATES, Geometry, JointConstraint, Law, Part, Placement, rows_of};
+use super::{Bend, COORDINATES, Geometry, JointConstraint, Law, Part, Placement, rows_of};
 use crate::solver::Body;
 use crate::solver::lanes::State;
 use glam::{Mat3, Vec3, Vec4};
@@ -57,7 +57,8 @@ impl PlainJoint {
             let found = geometry.coordinate(coordinate);
             let mut law = Law::of(joint.axis(coordinate), part, found.value, &times);
             if law.is_held {
-                law.rate -= bend.inward_rate(coordinate, found.direction, h);
+                let curvature = bend.curvature(coordinate, found.direction);
+                law.rate -= Bend::inward_rate(curvature, h);
             }
             let (linear, angular) = geometry.jacobian(coordinate, found.direction);
             let response = |side: usize| {

@@ -12,6 +12,7 @@ pub const COORDINATES: usize = 8;
 pub const SWING: usize = 7;
 
 /// Whether a coordinate is a rotation.
+#[inline]
 pub fn is_angular(coordinate: usize) -> bool {
     (3..6).contains(&coordinate) || coordinate == SWING
 }
@@ -71,12 +72,14 @@ pub struct Times {
 
 impl Times {
     /// The rate that corrects an error of position.
+    #[inline]
     pub fn back(&self, error: f32) -> f32 {
         -(self.bias_rate * error).clamp(-self.fastest, self.fastest)
     }
 }
 
 impl Law {
+    #[inline]
     pub fn of(axis: &JointAxis, part: Part, value: f32, times: &Times) -> Self {
         match part {
             Part::Hold => Self::hold(axis, value, times),
@@ -89,6 +92,7 @@ impl Law {
     }
 
     /// A limit acts once the coordinate would pass it within the substep, and only pushes back.
+    #[inline]
     fn hold(axis: &JointAxis, value: f32, times: &Times) -> Self {
         let [least, most] = axis.limits;
         let (error, bounds, open) = if least == most {
@@ -145,6 +149,7 @@ impl Law {
         }
     }
 
+    #[inline]
     fn rub(friction: f32, times: &Times) -> Self {
         let reach = times.h * friction;
         Self {

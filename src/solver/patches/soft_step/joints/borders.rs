@@ -8,27 +8,22 @@
 //! | Vᵀ  C | |s| = |d|
 //! ```
 //!
-//! - A row that is held by a bound has the direction of its own unknown, the corner 0, and d is the value of that unknown.
-//! - A row that is solved for and has no place in K has the direction of its Jacobian, the corner −γ, and d is the rate that it lacks.
-//! - A contact that does not carry and is part of K has the direction of its Jacobian and the corner γ; one that carries and is not, −γ.
+//! v is the Jacobian of a row or a contact, and γ its compliance.
 //!
-//! A border costs a solve once, which is a third of a factorization, and later visits use it again. Their amounts follow from a small dense
+//! - One that is part of K and is not solved for has the corner γ; d is the rate that it lacks less what its own impulse makes up for.
+//! - One that is solved for and is not part of K has the corner −γ, and d is the rate that it lacks.
+//!
+//! A border costs a solve once, which is less work than a factorization, and later visits use it again. Their amounts follow from a small dense
 //! system.
 
-use super::factor::{Factor, Quad};
+use super::factor::{Factor, Numbers};
 use crate::solver::lanes::run_plain;
 
 /// Upper bound of the number of borders.
 pub const MOST_BORDERS: usize = 12;
 
-/// The direction of a border.
-#[derive(Clone, Debug)]
-pub enum Direction {
-    /// A single unknown.
-    Unknown(usize),
-    /// Where the unknowns of bodies begin, and its Jacobian over them.
-    Bodies([Option<(usize, [f64; 6])>; 2]),
-}
+/// The direction of a border: the places of bodies, and a Jacobian over their unknowns.
+pub type Direction = [Option<(usize, Numbers)>; 2];
 
 /// What a visit asks of a border.
 #[derive(Clone, Copy, Debug)]
@@ -54,35 +49,30 @@ struct Border {
 pub struct Borders {
     list: Vec<Border>,
     /// K⁻¹v of each border, one after another.
-    answers: Vec<Quad>,
+    answers: Vec<Numbers>,
     /// V K⁻¹ Vᵀ.
     products: [[f64; MOST_BORDERS]; MOST_BORDERS],
 }
 
-impl Direction {
-    fn dot(&self, x: &[f64]) -> f64 {
-        match self {
-            Self::Unknown(unknown) => x[*unknown],
-            Self::Bodies(bodies) => {
-                let dots = bodies.iter().flatten().map(|(first, numbers)| {
-                    let x = x[*first..][..6].iter();
-                    numbers.iter().zip(x).map(|(a, b)| a * b).sum::<f64>()
-                });
-                dots.sum()
-            }
+impl Wanted {
+    /// For a row or a contact that lacks a rate and has a compliance, if it is a part of the factorized system or not, and is solved for or
+    /// changes by a given impulse.
+    pub fn of(is_factorized: bool, lack: f64, compliance: f64, given: Option<f64>) -> Self {
+        match (is_factorized, given) {
+            (true, None) => Self::Nothing,
+            (true, Some(change)) => Self::Value(lack - compliance * change),
+            (false, None) => Self::Value(lack),
+            (false, Some(change)) => Self::Amount(-change),
         }
     }
+}
 
-    fn write(&self, to: &mut [f64]) {
-        match self {
-            Self::Unknown(unknown) => to[*unknown] = 1.0,
-            Self::Bodies(bodies) => {
-                for (first, numbers) in bodies.iter().flatten() {
-                    to[*first..][..6].copy_from_slice(numbers);
-                }
-            }
-        }
-    }
+fn along(direction: &Direction, x: &[Numbers]) -> f64 {
+    let dots = direction.iter().flatten().map(|(place, numbers)| {
+        let both = numbers.as_flattened().iter().zip(x[*place].as_flattened());
+        both.map(|(a, b)| a * b).sum::<f64>()
+    });
+    dots.sum()
 }
 
 impl Borders {
@@ -104,13 +94,15 @@ impl Borders {
         is_fused: bool,
     ) -> usize {
         let number = self.list.len();
-        let size = factor.unknowns();
-        self.answers.resize((number + 1) * size, Quad::default());
+        let size = factor.bodies();
+        self.answers.resize((number + 1) * size, Numbers::default());
         let answer = &mut self.answers[number * size..];
-        direction.write(answer.as_flattened_mut());
+        for (place, numbers) in direction.iter().flatten() {
+            answer[*place] = *numbers;
+        }
         run_plain(is_fused, factor.solve(answer));
         for (other, answer) in self.answers.chunks_exact(size).enumerate() {
-            let product = direction.dot(answer.as_flattened());
+            let product = along(&direction, answer);
             (self.products[number][other], self.products[other][number]) = (product, product);
         }
         self.list.push(Border {
@@ -133,14 +125,9 @@ impl Borders {
         self.list[border].wanted = wanted;
     }
 
-    /// The amount of a border in the last solution.
-    pub fn amount(&self, border: usize) -> f64 {
-        self.list[border].amount
-    }
-
     /// Finds the solution with borders from that without.
-    pub fn apply(&mut self, without: &[Quad], solution: &mut Vec<Quad>) {
-        self.find_amounts(without.as_flattened());
+    pub fn apply(&mut self, without: &[Numbers], solution: &mut Vec<Numbers>) {
+        self.find_amounts(without);
         solution.clear();
         solution.extend_from_slice(without);
         let answers = self.answers.chunks_exact(without.len().max(1));
@@ -149,15 +136,14 @@ impl Borders {
                 continue;
             }
             for (to, from) in solution.iter_mut().zip(answer) {
-                for i in 0..4 {
-                    to[i] -= border.amount * from[i];
+                for (to, from) in to.as_flattened_mut().iter_mut().zip(from.as_flattened()) {
+                    *to -= border.amount * from;
                 }
             }
         }
     }
 
-    fn find_amounts(&mut self, without: &[f64]) {
-        let mut system = [[0.0; MOST_BORDERS + 1]; MOST_BORDERS];
+    fn find_amounts(&mut self, without: &[Numbers]) {
         let mut unknown = [0; MOST_BORDERS];
         let mut count = 0;
         for (number, border) in self.list.iter_mut().enumerate() {
@@ -170,7 +156,11 @@ impl Borders {
                 count += 1;
             }
         }
+        if count == 0 {
+            return;
+        }
         let unknown = &unknown[..count];
+        let mut system = [[0.0; MOST_BORDERS + 1]; MOST_BORDERS];
         for (&i, row) in unknown.iter().zip(&mut system) {
             let border = &self.list[i];
             let Wanted::Value(value) = border.wanted else {
@@ -181,7 +171,7 @@ impl Borders {
             for (&j, to) in unknown.iter().zip(&mut *row) {
                 *to = -self.products[i][j] + if i == j { border.corner } else { 0.0 };
             }
-            row[count] = value - border.direction.dot(without) + given;
+            row[count] = value - along(&border.direction, without) + given;
         }
         eliminate(&mut system[..count]);
         for (&i, row) in unknown.iter().zip(&system) {
@@ -219,66 +209,53 @@ fn eliminate<const N: usize>(rows: &mut [[f64; N]]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::factor::Node;
     use super::*;
 
-    /// A body held by a joint of two rows. Taking out one row, and adding another, gives what a factorization without and with it gives.
+    /// A body held by two rows. Taking out one, and adding another, gives what a factorization without and with it gives.
     #[test]
     fn borders_are_as_another_factorization() {
         let rows = [
-            [0.3, -0.5, 0.8, 0.1, 0.2, -0.4],
-            [0.7, 0.2, -0.1, 0.5, -0.3, 0.6],
-            [-0.2, 0.9, 0.4, -0.6, 0.1, 0.3],
+            [[0.3, -0.5, 0.8, 0.0], [0.1, 0.2, -0.4, 0.0]],
+            [[0.7, 0.2, -0.1, 0.0], [0.5, -0.3, 0.6, 0.0]],
+            [[-0.2, 0.9, 0.4, 0.0], [-0.6, 0.1, 0.3, 0.0]],
         ];
         let right = [0.4, -0.2, 0.9];
+        let compliance = 1e-6;
         let factorized = |used: &[usize]| {
-            let body = Node {
-                size: 6,
-                is_body: true,
-            };
-            let joint = Node {
-                size: used.len(),
-                is_body: false,
-            };
-            let mut factor = Factor::new(&[body, joint], &[[1, 0]]);
+            let mut factor = Factor::new(1, &[]);
+            let mut x = vec![Numbers::default()];
             factor.clear();
-            for (i, column) in factor.pivot(0).chunks_exact_mut(2).enumerate() {
-                column[i / 4][i % 4] = 2.0;
+            let pivot = factor.pivot(0);
+            for i in 0..6 {
+                let [q, l] = [i / 3, i % 3];
+                pivot[i][q][l] = 2.0;
+                for row in used.iter().map(|&row: &usize| (rows[row], right[row])) {
+                    for (j, column) in pivot.iter_mut().enumerate() {
+                        column[q][l] += row.0[q][l] * row.0[j / 3][j % 3] / compliance;
+                    }
+                    x[0][q][l] += row.0[q][l] * row.1 / compliance;
+                }
             }
-            for i in 0..used.len() {
-                factor.pivot(1)[i][i] = -1e-3;
-            }
-            let coupling = factor.coupling(1, 0);
-            for (place, &row) in used.iter().enumerate() {
-                factor.set(&coupling, place, &rows[row]);
-            }
-            run_plain(false, factor.factorize());
-            let mut x = vec![Quad::default(); factor.unknowns()];
-            let first = factor.first_of(1);
-            for (place, &row) in used.iter().enumerate() {
-                x.as_flattened_mut()[first + place] = right[row];
-            }
+            factor.factorize::<false>(false);
             run_plain(false, factor.solve(&mut x));
             (factor, x)
         };
         let (factor, without) = factorized(&[0, 1]);
-        let (wanted_factor, wanted) = factorized(&[1, 2]);
+        let (_, wanted) = factorized(&[1, 2]);
         let mut borders = Borders::default();
-        let taken = factor.first_of(1);
-        let body = factor.first_of(0);
-        let taken = borders.add(Direction::Unknown(taken), 0.0, &factor, false);
-        let added = Direction::Bodies([Some((body, rows[2])), None]);
-        let added = borders.add(added, -1e-3, &factor, false);
-        borders.ask(taken, Wanted::Value(0.0));
-        borders.ask(added, Wanted::Value(right[2]));
+        let direction = |row: usize| [Some((0, rows[row])), None];
+        let taken = borders.add(direction(0), compliance, &factor, false);
+        let added = borders.add(direction(2), -compliance, &factor, false);
+        let ask = |is_factorized, row: usize, given| {
+            Wanted::of(is_factorized, right[row], compliance, given)
+        };
+        borders.ask(taken, ask(true, 0, Some(0.0)));
+        borders.ask(added, ask(false, 2, None));
         let mut found = Vec::new();
         borders.apply(&without, &mut found);
-        let (found, wanted) = (found.as_flattened(), wanted.as_flattened());
-        let first = wanted_factor.first_of(0);
-        for i in 0..6 {
-            assert!((found[body + i] - wanted[first + i]).abs() < 1e-9);
+        let [found, wanted] = [&found, &wanted].map(|list| list.as_flattened().as_flattened());
+        for (found, wanted) in found.iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
         }
-        let pushed = wanted[wanted_factor.first_of(1) + 1];
-        assert!((borders.amount(added) - pushed).abs() < 1e-9);
     }
 }

@@ -9,8 +9,8 @@
 //! The filtered stress outlasts the relief, and the stress of a single substep may be that of a blow. Only if both exceed the strength, the
 //! patch breaks.
 
-use super::Joints;
 use super::row::Row;
+use super::{Joints, Log};
 use crate::solver::joint::{MortarFailure, Section, Utilization};
 use glam::Vec3;
 
@@ -18,13 +18,21 @@ use glam::Vec3;
 /// a thousandth of that at most.
 const MISFIT: f32 = 0.02;
 
-/// The lesser utilization of a section by the filtered forces and by those of a substep.
-pub fn lesser(section: &Section, filtered: [Vec3; 2], now: [Vec3; 2]) -> Utilization {
-    let [lasting, now] = [filtered, now].map(|forces| section.utilization(forces));
-    Utilization {
-        share: lasting.share.min(now.share),
-        ..lasting
-    }
+/// The lesser utilization of a section by the filtered forces and by those of a substep; none if the latter do not exceed its strength.
+pub fn lesser(section: &Section, filtered: [Vec3; 2], now: [Vec3; 2]) -> Option<Utilization> {
+    let now = section.utilization(now).share;
+    (now > 1.0).then(|| {
+        let lasting = section.utilization(filtered);
+        Utilization {
+            share: lasting.share.min(now),
+            ..lasting
+        }
+    })
+}
+
+/// What is nearer to breaking than it may be.
+fn exceeded(log: &Log) -> Option<Utilization> {
+    log.used.filter(|used| used.share > 1.0)
 }
 
 impl Joints {
@@ -52,28 +60,32 @@ impl Joints {
 
     /// Breaks the sections whose strength has been exceeded in a substep.
     pub(super) fn break_sections(&mut self) {
-        let exceeds = |used: &Utilization| used.share > 1.0;
-        if !self.logs.iter().any(|log| exceeds(&log.used)) {
+        if !self.logs.iter().any(|log| exceeded(log).is_some()) {
             return;
         }
         let mut most = vec![0.0_f32; self.members.len()];
-        let exceeded = self.links.iter().zip(&self.logs);
-        for (link, log) in exceeded.filter(|(_, log)| exceeds(&log.used)) {
+        for (link, log) in self.links.iter().zip(&self.logs) {
+            let Some(used) = exceeded(log) else {
+                continue;
+            };
             for end in link.ends {
                 // Fixed bodies pass nothing on.
                 if self.members[end].moves {
-                    most[end] = most[end].max(log.used.share);
+                    most[end] = most[end].max(used.share);
                 }
             }
         }
         for piece in &mut self.pieces {
             for number in piece.links.clone() {
                 let (link, log) = (&self.links[number], &mut self.logs[number]);
-                let share = log.used.share;
-                if !exceeds(&log.used) || link.ends.into_iter().any(|end| share < most[end]) {
+                let Some(used) = exceeded(log) else {
+                    continue;
+                };
+                if link.ends.into_iter().any(|end| used.share < most[end]) {
                     continue;
                 }
-                log.broke = Some(std::mem::take(&mut log.used));
+                log.broke = Some(used);
+                log.used = None;
                 self.rows[link.rows.clone()]
                     .iter_mut()
                     .for_each(Row::release);

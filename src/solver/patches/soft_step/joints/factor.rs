@@ -1,286 +1,238 @@
 //! A direct solve of joints: a sparse factorization by blocks.
 //!
-//! The unknowns are the velocity changes Δv of bodies and the impulses μ = −Δλ of joints, the blocks of the symmetric system
+//! The rows of joints and of contacts are springs, stiff ones: a row with Jacobian J and compliance γ that lacks a rate r gives the impulse
+//! (r − J Δv)/γ. Eliminating these impulses leaves a system of the velocity changes Δv of bodies alone,
 //!
 //! ```text
-//! | M   Jᵀ | |Δv|   | pushes on bodies     |
-//! | J  −Γ  | | μ| = | rates that rows lack |
+//! (M + Σ Jᵀ J/γ) Δv = Σ Jᵀ r/γ
 //! ```
 //!
-//! with M the masses and inertias and Γ the compliances of rows. It is quasi-definite: any order of elimination has a factorization L D Lᵀ
-//! with a diagonal D, positive for bodies and negative for joints (Vanderbei 1995, "Symmetric quasidefinite matrices"). A body that hangs on one
-//! joint, and a joint with one body left, leave no fill, so a tree costs a fixed amount for each of its joints (Baraff 1996, "Linear-time
-//! dynamics using Lagrange multipliers"). Loops leave some, and are as exact. A joint is eliminated after one of its bodies; its own
-//! compliance alone would be a poor pivot.
+//! with M the masses and inertias. It is positive definite, so any order of elimination has a factorization L D Lᵀ. A row adds to the blocks of
+//! its two bodies, whether it is one of two or of ten between them; rows that are not solved for add nothing. So the blocks depend only on
+//! which bodies are connected. A body that hangs on one other leaves no fill, so a tree costs a fixed amount for each of its bodies (Baraff
+//! 1996, "Linear-time dynamics using Lagrange multipliers"). Loops leave some, and are as exact; bodies with few neighbours left are eliminated
+//! first (minimum degree: Tinney and Walker 1967).
 //!
-//! The number of unknowns of a joint may change: rows that are not solved for take no place. The order of elimination stays.
-//!
-//! Numbers are f64: joints that hold each other redundantly, and loads of a thousand times a link's mass, leave six digits of them. Blocks
-//! are stored column by column, and a column in groups of four numbers, so that most operations are of whole registers.
+//! Numbers are f64. Rows are at most 10⁹ times as stiff as masses are heavy in a substep, so seven digits of sixteen are left for momentum, as
+//! many as velocities have. Blocks have six columns of two groups of four numbers each, of which the fourth
+//! is zero, so that most operations are of whole registers.
 
 use crate::solver::lanes::PlainKernel;
 
 /// Four numbers below each other in a column.
 pub type Quad = [f64; 4];
 
-/// Number of groups of four that hold `size` numbers.
-pub fn quads(size: usize) -> usize {
-    size.div_ceil(4)
-}
+/// Number of unknowns of a body: three of its velocity and three of its angular velocity.
+const SIZE: usize = 6;
 
-/// A node in the order of elimination: a body has six unknowns, a joint one for each row.
-#[derive(Clone, Copy, Debug, Default)]
-struct Column {
-    size: usize,
-    /// Where its unknowns begin, in groups of four.
-    first: usize,
-    /// Where its pivot begins in `values`.
-    pivot: usize,
-    /// The sign of its pivot.
-    sign: f64,
-    /// Where its blocks below the pivot end in `below`.
-    below: usize,
-    /// Where its targets end in `targets`.
-    targets: usize,
-}
+/// The unknowns of a body: those of its velocity and a zero, those of its angular velocity and a zero.
+pub type Numbers = [Quad; 2];
 
-/// A block below a pivot.
-#[derive(Clone, Copy, Debug)]
-struct Below {
-    /// Its row of blocks, in the order of elimination.
-    column: usize,
-    /// Where it begins in `values`.
-    at: usize,
-}
+/// A block of the system, column by column.
+pub type Block = [Numbers; SIZE];
 
-/// A block of the system or its factorization.
-#[derive(Clone, Copy, Debug)]
-enum Block {
-    /// The pivot of a column.
-    Pivot(usize),
-    /// An index in `below`.
-    Below(usize),
-}
-
-/// A block of the system that lies in both of a body's and a joint's unknowns.
-#[derive(Clone, Copy, Debug)]
-pub struct Coupling {
-    /// Its index in `below`.
-    block: usize,
-    /// The column of the joint.
-    joint: usize,
-    /// The stored block has a row for each number of the body.
-    is_transposed: bool,
-}
+const ZERO: Block = [[[0.0; 4]; 2]; SIZE];
 
 /// The system of one connected piece of the joint graph.
 #[derive(Clone, Debug, Default)]
 pub struct Factor {
-    columns: Vec<Column>,
-    below: Vec<Below>,
-    /// For each pair of blocks below a pivot: the block that they change.
-    targets: Vec<Block>,
-    /// All blocks, column by column: the system, and then its factorization.
-    values: Vec<Quad>,
-    /// The inverse of D.
-    inverses: Vec<Quad>,
-    /// Blocks of one column, times the inverse of its D.
-    scaled: Vec<Quad>,
-    /// Number of groups of four unknowns.
-    unknowns: usize,
-    /// By node: its column.
+    /// By body: its place in the order of elimination, which is that of columns of blocks.
     column_of: Vec<usize>,
-    /// Sizes have changed since the blocks were laid out.
-    is_resized: bool,
+    /// By column: where its blocks below the pivot end in `below`, and where its targets end in `targets`.
+    ends: Vec<[usize; 2]>,
+    /// For each block below a pivot: its row of blocks.
+    below: Vec<usize>,
+    /// For each pair of blocks below a pivot: the block that they change, an index of `values`.
+    targets: Vec<usize>,
+    /// All blocks of the system, first the pivots.
+    system: Vec<Block>,
+    /// Its factorization.
+    values: Vec<Block>,
+    /// The system of that factorization, if it is to stay.
+    kept: Vec<Block>,
+    has_kept: bool,
+    /// The inverse of D.
+    inverses: Vec<Numbers>,
+    /// Blocks of one column, times the inverse of its D.
+    scaled: Vec<Block>,
 }
 
-/// Upper bound of the number of rows of a node.
-pub const MOST_ROWS: usize = 12;
-
-/// A node of the graph: a body, or rows of the joints between two bodies.
+/// A block of the system between two bodies.
 #[derive(Clone, Copy, Debug)]
-pub struct Node {
-    /// Number of unknowns, at most [`MOST_ROWS`].
-    pub size: usize,
-    pub is_body: bool,
+pub struct Coupling {
+    /// Its index in `values`.
+    block: usize,
+    /// Its columns are of the second body.
+    is_transposed: bool,
 }
 
 impl Factor {
-    /// Finds the order of elimination and the places of all blocks. `edges` connect joints with their bodies.
-    pub fn new(nodes: &[Node], edges: &[[usize; 2]]) -> Self {
-        let mut neighbours = vec![Vec::<usize>::new(); nodes.len()];
+    /// Finds the order of elimination and the places of all blocks for a number of bodies. `edges` connect them.
+    pub fn new(bodies: usize, edges: &[[usize; 2]]) -> Self {
+        let mut neighbours = vec![Vec::<usize>::new(); bodies];
         for &[a, b] in edges {
-            neighbours[a].push(b);
-            neighbours[b].push(a);
+            if !neighbours[a].contains(&b) {
+                neighbours[a].push(b);
+                neighbours[b].push(a);
+            }
         }
-        let mut order = Vec::with_capacity(nodes.len());
-        let mut is_gone = vec![false; nodes.len()];
-        let mut may_go: Vec<bool> = nodes.iter().map(|node| node.is_body).collect();
-        let cost = |list: &[usize]| list.iter().map(|&n| nodes[n].size).sum::<usize>();
-        while order.len() < nodes.len() {
-            let open = (0..nodes.len()).filter(|&node| !is_gone[node] && may_go[node]);
-            let next = open.min_by_key(|&node| cost(&neighbours[node]));
-            // Every joint has a body, so one of both is left.
-            let Some(next) = next else { break };
-            is_gone[next] = true;
-            let around = neighbours[next].clone();
-            for &node in &around {
-                may_go[node] = true;
-                neighbours[node].retain(|&other| other != next);
+        let mut order = Vec::with_capacity(bodies);
+        let mut open: Vec<usize> = (0..bodies).collect();
+        while let Some(place) = (0..open.len()).min_by_key(|&i| neighbours[open[i]].len()) {
+            let next = open.remove(place);
+            let around = std::mem::take(&mut neighbours[next]);
+            for &body in &around {
+                neighbours[body].retain(|&other| other != next);
                 for &other in &around {
-                    if other != node && !neighbours[node].contains(&other) {
-                        neighbours[node].push(other);
+                    if other != body && !neighbours[body].contains(&other) {
+                        neighbours[body].push(other);
                     }
                 }
             }
             order.push((next, around));
         }
-        Self::in_order(nodes, order)
+        Self::in_order(&order)
     }
 
-    /// `order` lists nodes with those that are still there when they are eliminated.
-    fn in_order(nodes: &[Node], order: Vec<(usize, Vec<usize>)>) -> Self {
+    /// `order` lists bodies with the neighbours that are still there when they are eliminated.
+    fn in_order(order: &[(usize, Vec<usize>)]) -> Self {
         let mut factor = Self {
-            column_of: vec![0; nodes.len()],
+            column_of: vec![0; order.len()],
             ..Self::default()
         };
-        for (column, (node, _)) in order.iter().enumerate() {
-            factor.column_of[*node] = column;
+        for (column, &(body, _)) in order.iter().enumerate() {
+            factor.column_of[body] = column;
         }
-        for (node, around) in &order {
-            let Node { size, is_body } = nodes[*node];
-            let mut rows: Vec<_> = around.iter().map(|&node| factor.column_of[node]).collect();
-            rows.sort_unstable();
-            let rows = rows.into_iter().map(|column| Below { column, at: 0 });
+        for (_, around) in order {
+            let first = factor.below.len();
+            let rows = around.iter().map(|&body| factor.column_of[body]);
             factor.below.extend(rows);
-            factor.columns.push(Column {
-                size,
-                sign: if is_body { 1.0 } else { -1.0 },
-                below: factor.below.len(),
-                ..Column::default()
-            });
+            factor.below[first..].sort_unstable();
+            factor.ends.push([factor.below.len(), 0]);
         }
-        for number in 0..factor.columns.len() {
-            let blocks = factor.blocks(number);
+        let mut most = 0;
+        for column in 0..order.len() {
+            let blocks = factor.blocks(column);
+            most = most.max(blocks.len());
             for i in blocks.clone() {
                 for j in blocks.start..=i {
-                    let [row, column] = [i, j].map(|block| factor.below[block].column);
-                    let target = factor.block(row, column);
+                    let target = factor.block(factor.below[i], factor.below[j]);
                     factor.targets.push(target);
                 }
             }
-            factor.columns[number].targets = factor.targets.len();
+            factor.ends[column][1] = factor.targets.len();
         }
-        factor.lay_out();
+        factor.system = vec![ZERO; order.len() + factor.below.len()];
+        factor.values = factor.system.clone();
+        factor.kept = factor.system.clone();
+        factor.inverses = vec![Numbers::default(); order.len()];
+        factor.scaled = vec![ZERO; most];
         factor
-    }
-
-    /// Finds the places of all blocks.
-    fn lay_out(&mut self) {
-        let (mut at, mut first, mut block, mut most) = (0, 0, 0, 0);
-        for number in 0..self.columns.len() {
-            let Column { size, below, .. } = self.columns[number];
-            let column = &mut self.columns[number];
-            (column.first, column.pivot) = (first, at);
-            first += quads(size);
-            at += size * quads(size);
-            let begin = at;
-            for block in &mut self.below[block..below] {
-                block.at = at;
-                at += size * quads(self.columns[block.column].size);
-            }
-            block = below;
-            most = most.max(at - begin);
-        }
-        self.values.resize(at, Quad::default());
-        self.inverses.resize(first, Quad::default());
-        self.scaled.resize(most, Quad::default());
-        self.unknowns = first;
-        self.is_resized = false;
     }
 
     /// The blocks below the pivot of a column.
     fn blocks(&self, column: usize) -> std::ops::Range<usize> {
         let first = match column {
             0 => 0,
-            _ => self.columns[column - 1].below,
+            _ => self.ends[column - 1][0],
         };
-        first..self.columns[column].below
+        first..self.ends[column][0]
     }
 
-    /// The block of a row and a column; `row` is not eliminated before `column`.
-    fn block(&self, row: usize, column: usize) -> Block {
-        let mut blocks = self.blocks(column);
-        let block = blocks.find(|&block| self.below[block].column == row);
-        block.map_or(Block::Pivot(column), Block::Below)
-    }
-
-    /// The coupling of a joint with a body.
-    pub fn coupling(&self, joint: usize, body: usize) -> Coupling {
-        let [joint, body] = [joint, body].map(|node| self.column_of[node]);
-        let mut blocks = self.blocks(joint.min(body));
-        let block = blocks.find(|&block| self.below[block].column == joint.max(body));
-        Coupling {
-            block: block.unwrap_or_default(),
-            joint,
-            is_transposed: body > joint,
+    /// The block of a row and a column, an index of `values`; `row` is not eliminated before `column`.
+    fn block(&self, row: usize, column: usize) -> usize {
+        let blocks = self.blocks(column);
+        let rows = &self.below[blocks.clone()];
+        match rows.binary_search(&row) {
+            Ok(found) => self.ends.len() + blocks.start + found,
+            Err(_) => column,
         }
     }
 
-    /// Where the unknowns of a node begin.
-    pub fn first_of(&self, node: usize) -> usize {
-        4 * self.columns[self.column_of[node]].first
+    /// The coupling of two bodies that an edge connects.
+    pub fn coupling(&self, bodies: [usize; 2]) -> Coupling {
+        let [a, b] = bodies.map(|body| self.column_of[body]);
+        Coupling {
+            block: self.block(a.max(b), a.min(b)),
+            is_transposed: b < a,
+        }
     }
 
-    /// Number of groups of four unknowns. Those of a node fill whole groups.
-    pub fn unknowns(&self) -> usize {
-        self.unknowns
+    /// The place of the unknowns of a body.
+    pub fn place_of(&self, body: usize) -> usize {
+        self.column_of[body]
     }
 
-    /// Sets the number of unknowns of a node in the next system.
-    pub fn resize(&mut self, node: usize, size: usize) {
-        let column = &mut self.columns[self.column_of[node]];
-        self.is_resized |= column.size != size;
-        column.size = size;
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.ends.len()
     }
 
     /// Begins a new system.
     pub fn clear(&mut self) {
-        if self.is_resized {
-            self.lay_out();
+        self.system.fill(ZERO);
+    }
+
+    /// The pivot of the body at a place, column by column. Both triangles must be filled.
+    pub fn pivot(&mut self, place: usize) -> &mut Block {
+        &mut self.system[place]
+    }
+
+    /// The block of a coupling: its columns are of the first body, unless it returns that it is transposed.
+    pub fn coupled(&mut self, coupling: Coupling) -> (&mut Block, bool) {
+        (&mut self.system[coupling.block], coupling.is_transposed)
+    }
+
+    /// Factorizes the system. If it `stays` for the next step, and is the one that stayed in this, the factorization is there already.
+    #[inline(always)]
+    pub fn factorize<const FUSED: bool>(&mut self, stays: bool) {
+        if stays && self.has_kept && self.system == self.kept {
+            return;
         }
-        self.values.as_flattened_mut().fill(0.0);
+        self.values.copy_from_slice(&self.system);
+        self.has_kept = stays;
+        if stays {
+            std::mem::swap(&mut self.system, &mut self.kept);
+        }
+        self.decompose::<FUSED>();
     }
 
-    /// The pivot of a node, column by column. Both triangles must be filled.
-    pub fn pivot(&mut self, node: usize) -> &mut [Quad] {
-        let Column { size, pivot, .. } = self.columns[self.column_of[node]];
-        &mut self.values[pivot..pivot + size * quads(size)]
-    }
-
-    /// Sets a row of a joint in its coupling with a body.
-    pub fn set(&mut self, coupling: &Coupling, row: usize, numbers: &[f64; 6]) {
-        let values = &mut self.values[self.below[coupling.block].at..];
-        let size = self.columns[coupling.joint].size;
-        if coupling.is_transposed {
-            let [a, b, c, d, e, f] = *numbers;
-            let to = &mut values[2 * row..][..2];
-            (to[0], to[1]) = ([a, b, c, d], [e, f, 0.0, 0.0]);
-        } else {
-            let (place, lane) = (row / 4, row % 4);
-            for (column, &number) in values.chunks_exact_mut(quads(size)).zip(numbers) {
-                column[place][lane] = number;
+    #[inline(always)]
+    fn decompose<const FUSED: bool>(&mut self) {
+        let Self {
+            ends,
+            targets,
+            values,
+            inverses,
+            scaled,
+            ..
+        } = self;
+        let (pivots, blocks) = values.split_at_mut(ends.len());
+        let [mut first, mut target] = [0; 2];
+        for (column, &[end, last]) in ends.iter().enumerate() {
+            decompose::<FUSED>(&mut pivots[column], &mut inverses[column]);
+            // The blocks of this column lie before all blocks that they change.
+            let (own, others) = blocks[first..].split_at_mut(end - first);
+            let scaled = &mut scaled[..own.len()];
+            for (block, scaled) in own.iter_mut().zip(&mut *scaled) {
+                forward::<FUSED>(&pivots[column], &inverses[column], block, scaled);
             }
+            let mut targets = targets[target..last].iter();
+            for (i, a) in own.iter().enumerate() {
+                for (b, &target) in scaled[..=i].iter().zip(&mut targets) {
+                    let to = match target.checked_sub(pivots.len() + end) {
+                        Some(block) => &mut others[block],
+                        None => &mut pivots[target],
+                    };
+                    subtract::<FUSED>(to, a, b);
+                }
+            }
+            (first, target) = (end, last);
         }
-    }
-
-    /// Returns the factorization of the system as a kernel.
-    pub fn factorize(&mut self) -> impl PlainKernel<Output = ()> {
-        Factorize(self)
     }
 
     /// Returns the solution of the system as a kernel: `x` holds the right side, and then the unknowns.
-    pub fn solve<'a>(&'a self, x: &'a mut [Quad]) -> impl PlainKernel<Output = ()> {
+    pub fn solve<'a>(&'a self, x: &'a mut [Numbers]) -> impl PlainKernel<Output = ()> {
         Solve { factor: self, x }
     }
 }
@@ -288,133 +240,10 @@ impl Factor {
 /// The smallest pivot, as a share of its diagonal before elimination.
 const SMALLEST: f64 = 1e-14;
 
-/// Calls a method for a column of so many unknowns, with this number and that of the groups of four that hold them. Loops of constant length
-/// are several times as fast, so the sizes of bodies and of most joints are constants.
-macro_rules! for_size {
-    ($size:expr, $of:ident.$method:ident($($argument:expr),*)) => {
-        match $size {
-            0 => {}
-            3 => $of.$method::<FUSED, 1>(3, $($argument),*),
-            6 => $of.$method::<FUSED, 2>(6, $($argument),*),
-            n @ 1..=4 => $of.$method::<FUSED, 1>(n, $($argument),*),
-            n @ 5..=8 => $of.$method::<FUSED, 2>(n, $($argument),*),
-            n => $of.$method::<FUSED, 3>(n, $($argument),*),
-        }
-    };
-}
-
-struct Factorize<'a>(&'a mut Factor);
-
-impl PlainKernel for Factorize<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let Factor {
-            columns,
-            below,
-            targets,
-            values,
-            inverses,
-            scaled,
-            ..
-        } = self.0;
-        let (mut first, mut target) = (0, 0);
-        for column in &*columns {
-            let step = Elimination {
-                column,
-                below: &below[first..column.below],
-                targets: &targets[target..column.targets],
-                columns,
-                all_below: below,
-            };
-            (first, target) = (column.below, column.targets);
-            let inverses = &mut inverses[column.first..];
-            for_size!(column.size, step.run(values, inverses, scaled));
-        }
-    }
-}
-
-/// The elimination of a column.
-struct Elimination<'a> {
-    column: &'a Column,
-    below: &'a [Below],
-    targets: &'a [Block],
-    columns: &'a [Column],
-    all_below: &'a [Below],
-}
-
-impl Elimination<'_> {
-    /// Eliminates a column of n unknowns: decomposes its pivot, and subtracts what the blocks below it take from later ones.
-    #[inline(always)]
-    fn run<const FUSED: bool, const Q: usize>(
-        &self,
-        n: usize,
-        values: &mut [Quad],
-        inverses: &mut [Quad],
-        scaled: &mut [Quad],
-    ) {
-        let shift = self.column.pivot + n * Q;
-        let (before, rest) = values.split_at_mut(shift);
-        let pivot = &mut columns_mut::<Q>(&mut before[self.column.pivot..])[..n];
-        let Some(inverses) = inverses.first_chunk_mut::<Q>() else {
-            return;
-        };
-        decompose::<FUSED, Q>(pivot, self.column.sign, inverses);
-        let size_of = |block: &Below| self.columns[block.column].size;
-        // The blocks of this column lie before all blocks that they change.
-        let own: usize = self.below.iter().map(|b| n * quads(size_of(b))).sum();
-        let (blocks, others) = rest.split_at_mut(own);
-        let scaled = &mut scaled[..own];
-        for block in self.below {
-            let size = quads(size_of(block));
-            let range = block.at - shift..block.at - shift + n * size;
-            let (block, scaled) = (&mut blocks[range.clone()], &mut scaled[range]);
-            match size {
-                1 => forward::<FUSED, Q, 1>(pivot, inverses, block, scaled),
-                2 => forward::<FUSED, Q, 2>(pivot, inverses, block, scaled),
-                3 => forward::<FUSED, Q, 3>(pivot, inverses, block, scaled),
-                _ => {}
-            }
-        }
-        let mut targets = self.targets.iter();
-        for (i, a) in self.below.iter().enumerate() {
-            let rows = quads(size_of(a));
-            let a = &blocks[a.at - shift..][..rows * n];
-            for (b, &target) in self.below[..=i].iter().zip(&mut targets) {
-                let width = size_of(b);
-                let b = &scaled[b.at - shift..][..quads(width) * n];
-                let target = match target {
-                    Block::Pivot(column) => self.columns[column].pivot,
-                    Block::Below(block) => self.all_below[block].at,
-                };
-                let to = &mut others[target - shift - own..][..rows * width];
-                match rows {
-                    1 => subtract::<FUSED, 1>(to, a, b, n),
-                    2 => subtract::<FUSED, 2>(to, a, b, n),
-                    3 => subtract::<FUSED, 3>(to, a, b, n),
-                    _ => {}
-                }
-            }
-        }
-    }
-}
-
-/// Columns of Q groups of four each.
-#[inline(always)]
-fn columns_of<const Q: usize>(block: &[Quad]) -> &[[Quad; Q]] {
-    block.as_chunks().0
-}
-
-#[inline(always)]
-fn columns_mut<const Q: usize>(block: &mut [Quad]) -> &mut [[Quad; Q]] {
-    block.as_chunks_mut().0
-}
-
 /// to + factor · of.
 #[inline(always)]
-fn add_scaled<const FUSED: bool, const Q: usize>(to: &mut [Quad; Q], factor: f64, of: &[Quad; Q]) {
-    for q in 0..Q {
+fn add_scaled<const FUSED: bool>(to: &mut Numbers, factor: f64, of: &Numbers) {
+    for q in 0..2 {
         for i in 0..4 {
             to[q][i] = fused::<FUSED>(factor, of[q][i], to[q][i]);
         }
@@ -423,14 +252,14 @@ fn add_scaled<const FUSED: bool, const Q: usize>(to: &mut [Quad; Q], factor: f64
 
 /// a · b + c.
 #[inline(always)]
-fn fused<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
+pub fn fused<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
 #[inline(always)]
-fn dot<const FUSED: bool, const Q: usize>(a: &[Quad; Q], b: &[Quad; Q]) -> f64 {
+fn dot<const FUSED: bool>(a: &Numbers, b: &Numbers) -> f64 {
     let mut sums = Quad::default();
-    for q in 0..Q {
+    for q in 0..2 {
         for i in 0..4 {
             sums[i] = fused::<FUSED>(a[q][i], b[q][i], sums[i]);
         }
@@ -438,53 +267,57 @@ fn dot<const FUSED: bool, const Q: usize>(a: &[Quad; Q], b: &[Quad; Q]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
+/// The number of a row.
+#[inline(always)]
+fn at(numbers: &Numbers, row: usize) -> f64 {
+    numbers[row / 3][row % 3]
+}
+
 /// Decomposes a matrix into L D Lᵀ, in place: L below the diagonal and zeros elsewhere; `inverses` gets 1/D.
 #[inline(always)]
-fn decompose<const FUSED: bool, const Q: usize>(
-    pivot: &mut [[Quad; Q]],
-    sign: f64,
-    inverses: &mut [Quad; Q],
-) {
-    *inverses = [Quad::default(); Q];
+fn decompose<const FUSED: bool>(pivot: &mut Block, inverses: &mut Numbers) {
+    *inverses = Numbers::default();
     for (j, column) in pivot.iter().enumerate() {
-        inverses.as_flattened_mut()[j] = column.as_flattened()[j];
+        inverses[j / 3][j % 3] = at(column, j);
     }
-    for j in 0..pivot.len() {
+    for j in 0..SIZE {
         let (before, after) = pivot.split_at_mut(j + 1);
         let column = &mut before[j];
-        let own = &mut inverses.as_flattened_mut()[j];
-        let least = SMALLEST * own.abs() + f64::MIN_POSITIVE;
-        let inverse = sign / (sign * column.as_flattened()[j]).max(least);
+        let own = &mut inverses[j / 3][j % 3];
+        let inverse = 1.0 / at(column, j).max(SMALLEST * own.abs() + f64::MIN_POSITIVE);
         *own = inverse;
         for (c, other) in (j + 1..).zip(after) {
-            let factor = -inverse * column.as_flattened()[c];
-            add_scaled::<FUSED, Q>(other, factor, column);
+            add_scaled::<FUSED>(other, -inverse * at(column, c), column);
         }
-        for (i, number) in column.as_flattened_mut().iter_mut().enumerate() {
-            *number = if i > j { inverse * *number } else { 0.0 };
+        for q in 0..2 {
+            for i in 0..3 {
+                let number = &mut column[q][i];
+                *number = if 3 * q + i > j {
+                    inverse * *number
+                } else {
+                    0.0
+                };
+            }
         }
     }
 }
 
-/// B ← B L⁻ᵀ for a block with columns of U groups of four; `scaled` gets B D⁻¹.
+/// B ← B L⁻ᵀ; `scaled` gets B D⁻¹.
 #[inline(always)]
-fn forward<const FUSED: bool, const Q: usize, const U: usize>(
-    pivot: &[[Quad; Q]],
-    inverses: &[Quad; Q],
-    block: &mut [Quad],
-    scaled: &mut [Quad],
+fn forward<const FUSED: bool>(
+    pivot: &Block,
+    inverses: &Numbers,
+    block: &mut Block,
+    scaled: &mut Block,
 ) {
-    let n = pivot.len();
-    let block = &mut columns_mut::<U>(block)[..n];
-    let scaled = &mut columns_mut::<U>(scaled)[..n];
-    for j in 0..n {
+    for j in 0..SIZE {
         let (before, after) = block.split_at_mut(j + 1);
         let column = &before[j];
         for (c, other) in (j + 1..).zip(after) {
-            add_scaled::<FUSED, U>(other, -pivot[j].as_flattened()[c], column);
+            add_scaled::<FUSED>(other, -at(&pivot[j], c), column);
         }
-        let inverse = inverses.as_flattened()[j];
-        for q in 0..U {
+        let inverse = at(inverses, j);
+        for q in 0..2 {
             for i in 0..4 {
                 scaled[j][q][i] = inverse * column[q][i];
             }
@@ -492,16 +325,13 @@ fn forward<const FUSED: bool, const Q: usize, const U: usize>(
     }
 }
 
-/// to ← to − A Bᵀ, for blocks of n columns; those of A and of `to` have U groups of four.
+/// to ← to − A Bᵀ.
 #[inline(always)]
-fn subtract<const FUSED: bool, const U: usize>(to: &mut [Quad], a: &[Quad], b: &[Quad], n: usize) {
-    let a = &columns_of::<U>(a)[..n];
-    let b = b.as_flattened();
-    let width = b.len() / n;
-    for (c, to) in columns_mut::<U>(to).iter_mut().enumerate() {
+fn subtract<const FUSED: bool>(to: &mut Block, a: &Block, b: &Block) {
+    for (c, to) in to.iter_mut().enumerate() {
         let mut sum = *to;
-        for (a, b) in a.iter().zip(b.chunks_exact(width)) {
-            add_scaled::<FUSED, U>(&mut sum, -b[c], a);
+        for (a, b) in a.iter().zip(b) {
+            add_scaled::<FUSED>(&mut sum, -at(b, c), a);
         }
         *to = sum;
     }
@@ -509,7 +339,7 @@ fn subtract<const FUSED: bool, const U: usize>(to: &mut [Quad], a: &[Quad], b: &
 
 struct Solve<'a> {
     factor: &'a Factor,
-    x: &'a mut [Quad],
+    x: &'a mut [Numbers],
 }
 
 impl PlainKernel for Solve<'_> {
@@ -518,128 +348,50 @@ impl PlainKernel for Solve<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { factor, x } = self;
+        let (pivots, blocks) = factor.values.split_at(factor.ends.len());
+        let columns = || pivots.iter().zip(&factor.inverses);
         let mut first = 0;
-        for column in &factor.columns {
-            let below = &factor.below[first..column.below];
-            first = column.below;
-            for_size!(column.size, factor.descend(column, below, x));
-        }
-        for (number, column) in factor.columns.iter().enumerate().rev() {
-            let below = &factor.below[factor.blocks(number)];
-            for_size!(column.size, factor.ascend(column, below, x));
-        }
-    }
-}
-
-impl Factor {
-    /// The factorized pivot of a column of n unknowns: L, and the inverse of D.
-    #[inline(always)]
-    fn pivot_of<const Q: usize>(
-        &self,
-        n: usize,
-        column: &Column,
-    ) -> Option<(&[[Quad; Q]], &[Quad; Q])> {
-        let pivot = &columns_of::<Q>(&self.values[column.pivot..])[..n];
-        Some((pivot, self.inverses[column.first..].first_chunk()?))
-    }
-
-    /// Eliminates the n unknowns of a column from the right side.
-    #[inline(always)]
-    fn descend<const FUSED: bool, const Q: usize>(
-        &self,
-        n: usize,
-        column: &Column,
-        below: &[Below],
-        x: &mut [Quad],
-    ) {
-        let (own, rest) = x[column.first..].split_at_mut(Q);
-        let (Some(to), Some((pivot, inverses))) = (own.first_chunk_mut(), self.pivot_of(n, column))
-        else {
-            return;
-        };
-        let mut own = *to;
-        for (j, column) in pivot.iter().enumerate() {
-            let factor = -own.as_flattened()[j];
-            add_scaled::<FUSED, Q>(&mut own, factor, column);
-        }
-        for q in 0..Q {
-            for i in 0..4 {
-                own[q][i] *= inverses[q][i];
+        for (column, ((pivot, inverses), &[end, _])) in columns().zip(&factor.ends).enumerate() {
+            let mut own = x[column];
+            for (j, column) in pivot.iter().enumerate() {
+                let factor = -at(&own, j);
+                add_scaled::<FUSED>(&mut own, factor, column);
             }
-        }
-        *to = own;
-        for block in below {
-            let other = &self.columns[block.column];
-            let to = &mut rest[other.first - column.first - Q..];
-            let block = &self.values[block.at..];
-            match quads(other.size) {
-                1 => take::<FUSED, 1>(to, block, &own.as_flattened()[..n]),
-                2 => take::<FUSED, 2>(to, block, &own.as_flattened()[..n]),
-                3 => take::<FUSED, 3>(to, block, &own.as_flattened()[..n]),
-                _ => {}
+            for q in 0..2 {
+                for i in 0..4 {
+                    own[q][i] *= inverses[q][i];
+                }
             }
-        }
-    }
-
-    /// Finds the n unknowns of a column from those after it.
-    #[inline(always)]
-    fn ascend<const FUSED: bool, const Q: usize>(
-        &self,
-        n: usize,
-        column: &Column,
-        below: &[Below],
-        x: &mut [Quad],
-    ) {
-        let (own, rest) = x[column.first..].split_at_mut(Q);
-        let (Some(to), Some((pivot, inverses))) = (own.first_chunk_mut(), self.pivot_of(n, column))
-        else {
-            return;
-        };
-        let mut own = *to;
-        let mut sums = [Quad::default(); Q];
-        for block in below {
-            let other = &self.columns[block.column];
-            let from = &rest[other.first - column.first - Q..];
-            let block = &self.values[block.at..];
-            let sums = &mut sums.as_flattened_mut()[..n];
-            match quads(other.size) {
-                1 => give::<FUSED, 1>(sums, block, from),
-                2 => give::<FUSED, 2>(sums, block, from),
-                3 => give::<FUSED, 3>(sums, block, from),
-                _ => {}
+            for (block, &row) in blocks[first..end].iter().zip(&factor.below[first..end]) {
+                let mut to = x[row];
+                for (j, column) in block.iter().enumerate() {
+                    add_scaled::<FUSED>(&mut to, -at(&own, j), column);
+                }
+                x[row] = to;
             }
+            x[column] = own;
+            first = end;
         }
-        for q in 0..Q {
-            for i in 0..4 {
-                own[q][i] -= inverses[q][i] * sums[q][i];
+        for (column, (pivot, inverses)) in columns().enumerate().rev() {
+            let around = factor.blocks(column);
+            let mut sums = Numbers::default();
+            for (block, &row) in blocks[around.clone()].iter().zip(&factor.below[around]) {
+                let from = &x[row];
+                for (j, column) in block.iter().enumerate() {
+                    sums[j / 3][j % 3] += dot::<FUSED>(column, from);
+                }
             }
-        }
-        for (j, column) in pivot.iter().enumerate().rev() {
-            let sum = dot::<FUSED, Q>(column, &own);
-            own.as_flattened_mut()[j] -= sum;
-        }
-        *to = own;
-    }
-}
-
-/// to ← to − B x.
-#[inline(always)]
-fn take<const FUSED: bool, const U: usize>(to: &mut [Quad], block: &[Quad], x: &[f64]) {
-    if let Some(to) = to.first_chunk_mut::<U>() {
-        let mut sum = *to;
-        for (column, &x) in columns_of::<U>(block).iter().zip(x) {
-            add_scaled::<FUSED, U>(&mut sum, -x, column);
-        }
-        *to = sum;
-    }
-}
-
-/// to ← to + Bᵀ x.
-#[inline(always)]
-fn give<const FUSED: bool, const U: usize>(to: &mut [f64], block: &[Quad], x: &[Quad]) {
-    if let Some(x) = x.first_chunk::<U>() {
-        for (column, to) in columns_of::<U>(block).iter().zip(to) {
-            *to += dot::<FUSED, U>(column, x);
+            let mut own = x[column];
+            for q in 0..2 {
+                for i in 0..4 {
+                    own[q][i] -= inverses[q][i] * sums[q][i];
+                }
+            }
+            for (j, column) in pivot.iter().enumerate().rev() {
+                let sum = dot::<FUSED>(column, &own);
+                own[j / 3][j % 3] -= sum;
+            }
+            x[column] = own;
         }
     }
 }
@@ -649,100 +401,97 @@ mod tests {
     use super::*;
     use crate::solver::lanes::{has_fused, run_plain};
 
-    /// Random systems of chains, stars and loops are solved to rounding, also after joints have lost or gained rows.
+    struct Factorize<'a>(&'a mut Factor);
+
+    impl PlainKernel for Factorize<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<const FUSED: bool>(self) {
+            self.0.factorize::<FUSED>(true);
+            // The second time it is there already.
+            std::mem::swap(&mut self.0.system, &mut self.0.kept);
+            self.0.kept.clone_from(&self.0.system);
+            self.0.factorize::<FUSED>(true);
+        }
+    }
+
+    /// Random systems of chains, stars and loops are solved to rounding.
     #[test]
     fn solves_any_graph() {
-        let graphs: [(usize, Vec<Vec<usize>>); 4] = [
-            (1, vec![vec![0]]),
-            (
-                5,
-                vec![vec![0], vec![0, 1], vec![1, 2], vec![2, 3], vec![3, 4]],
-            ),
-            (
-                5,
-                vec![vec![0, 1], vec![0, 2], vec![0, 3], vec![0, 4], vec![4]],
-            ),
-            (
-                4,
-                vec![
-                    vec![0, 1],
-                    vec![1, 2],
-                    vec![2, 3],
-                    vec![3, 0],
-                    vec![0, 2],
-                    vec![2],
-                ],
-            ),
+        let star: Vec<_> = (1..5).map(|i| [0, i]).collect();
+        let wall = (0..4).flat_map(|i| {
+            let along = (0..3).map(move |j| [4 * i + j, 4 * i + j + 1]);
+            let up = (0..4).map(move |j| [4 * i + j, 4 * i + j + 4]);
+            along.chain(up.filter(move |_| i < 3))
+        });
+        let graphs: [(usize, Vec<[usize; 2]>); 5] = [
+            (1, vec![]),
+            (5, vec![[0, 1], [1, 2], [3, 2], [4, 3]]),
+            (5, star),
+            (4, vec![[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [2, 0]]),
+            (16, wall.collect()),
         ];
         let mut rng = fastrand::Rng::with_seed(3);
-        for (bodies, joints) in graphs {
-            let mut nodes = vec![
-                Node {
-                    size: 6,
-                    is_body: true
-                };
-                bodies
-            ];
-            let mut edges = Vec::new();
-            for (joint, ends) in joints.iter().enumerate() {
-                nodes.push(Node {
-                    size: 1 + joint % 5,
-                    is_body: false,
-                });
-                edges.extend(ends.iter().map(|&body| [bodies + joint, body]));
-            }
-            let mut factor = Factor::new(&nodes, &edges);
-            for most in [9, 1, 3, 4, 10, MOST_ROWS] {
-                for (number, node) in nodes.iter_mut().enumerate().skip(bodies) {
-                    node.size = (number * 7 + 3) % (most + 1);
-                    factor.resize(number, node.size);
-                }
-                check(&mut factor, &nodes, &edges, &mut rng);
+        for (bodies, edges) in graphs {
+            let mut factor = Factor::new(bodies, &edges);
+            for _ in 0..3 {
+                check(&mut factor, bodies, &edges, &mut rng);
             }
         }
     }
 
-    fn check(factor: &mut Factor, nodes: &[Node], edges: &[[usize; 2]], rng: &mut fastrand::Rng) {
+    fn check(factor: &mut Factor, bodies: usize, edges: &[[usize; 2]], rng: &mut fastrand::Rng) {
         factor.clear();
-        let n = 4 * factor.unknowns();
+        let n = SIZE * bodies;
         let mut dense = vec![vec![0.0; n]; n];
-        let mut is_used = vec![false; n];
-        for (number, node) in nodes.iter().enumerate() {
-            let first = factor.first_of(number);
-            let pivot = factor.pivot(number);
-            for i in 0..node.size {
-                let own = if node.is_body { 1.0 + rng.f64() } else { -1e-4 };
-                pivot[i * quads(node.size) + i / 4][i % 4] = own;
-                dense[first + i][first + i] = own;
-                is_used[first + i] = true;
-            }
-        }
-        for &[joint, body] in edges {
-            let coupling = factor.coupling(joint, body);
-            for row in 0..nodes[joint].size {
-                let numbers: [f64; 6] = std::array::from_fn(|_| rng.f64() - 0.5);
-                factor.set(&coupling, row, &numbers);
-                let (y, x) = (factor.first_of(joint) + row, factor.first_of(body));
-                for (i, &number) in numbers.iter().enumerate() {
-                    (dense[y][x + i], dense[x + i][y]) = (number, number);
+        let random: [[f64; SIZE]; SIZE] =
+            std::array::from_fn(|_| std::array::from_fn(|_| rng.f64() - 0.5));
+        for body in 0..bodies {
+            let place = factor.place_of(body);
+            for j in 0..SIZE {
+                for i in 0..SIZE {
+                    let number = match i == j {
+                        true => 20.0 + random[i][i],
+                        false => random[i.max(j)][i.min(j)],
+                    };
+                    factor.pivot(place)[j][i / 3][i % 3] = number;
+                    dense[SIZE * body + i][SIZE * body + j] = number;
                 }
             }
         }
-        let wanted = |i: usize| if is_used[i] { (i as f64).sin() } else { 0.0 };
-        let times = |row: &Vec<f64>| row.iter().enumerate().map(|(i, a)| a * wanted(i)).sum();
-        let right: Vec<f64> = dense.iter().map(times).collect();
+        for &[a, b] in edges {
+            let coupling = factor.coupling([a, b]);
+            let (block, is_transposed) = factor.coupled(coupling);
+            for j in 0..SIZE {
+                for i in 0..SIZE {
+                    let number = rng.f64() - 0.5;
+                    block[j][i / 3][i % 3] += number;
+                    let [row, column] = if is_transposed { [a, b] } else { [b, a] };
+                    let [row, column] = [SIZE * row + i, SIZE * column + j];
+                    dense[row][column] += number;
+                    dense[column][row] += number;
+                }
+            }
+        }
+        let wanted = |i: usize| (i as f64).sin();
+        let mut right = vec![Numbers::default(); bodies];
+        for (i, row) in dense.iter().enumerate() {
+            let sum = row.iter().enumerate().map(|(i, a)| a * wanted(i)).sum();
+            right[factor.place_of(i / SIZE)][i % SIZE / 3][i % 3] = sum;
+        }
         let system = factor.clone();
         for is_fused in [false, true] {
             if is_fused && !has_fused() {
                 continue;
             }
             let mut factor = system.clone();
-            let mut x: Vec<Quad> = right.as_chunks::<4>().0.to_vec();
-            run_plain(is_fused, factor.factorize());
+            let mut x = right.clone();
+            run_plain(is_fused, Factorize(&mut factor));
             run_plain(is_fused, factor.solve(&mut x));
-            for (i, found) in x.as_flattened().iter().enumerate() {
-                let wanted = wanted(i);
-                assert!((found - wanted).abs() < 1e-8, "{found} {wanted}");
+            for i in 0..n {
+                let found = at(&x[factor.place_of(i / SIZE)], i % SIZE);
+                assert!((found - wanted(i)).abs() < 1e-9, "{found} {}", wanted(i));
             }
         }
     }

@@ -8,6 +8,7 @@
 //! The other body of a contact may move. It is taken into account as if each contact had an equal part of its mass, which is never stiffer
 //! than the truth.
 
+use super::factor::{Numbers, Quad};
 use super::member::Member;
 use crate::solver::Body;
 use crate::solver::PatchProblem;
@@ -60,7 +61,7 @@ pub struct Leaf {
     point: usize,
     pub member: usize,
     /// Its row over the velocities of the jointed body.
-    pub numbers: [f64; 6],
+    pub numbers: Numbers,
     /// Its own compliance and the response of the other body.
     pub compliance: f64,
     own_compliance: f64,
@@ -77,9 +78,9 @@ pub struct Leaf {
 #[derive(Clone, Debug)]
 pub struct Held {
     pub key: u64,
-    /// Where the unknowns of its jointed body begin, and its row over them.
-    pub first: usize,
-    pub numbers: [f64; 6],
+    /// The place of its jointed body, and its row over the unknowns of that.
+    pub place: usize,
+    pub numbers: Numbers,
     pub compliance: f64,
     /// The factorized system has it.
     pub is_factorized: bool,
@@ -97,11 +98,13 @@ pub struct Contacts<'a, L: F32xN> {
 }
 
 /// The velocities of a body.
+#[inline]
 pub fn read(list: &[Cell<State>], body: usize) -> [Vec3; 2] {
     list[body].get().map(Vec4::truncate)
 }
 
 /// Adds to the velocities of a body.
+#[inline]
 pub fn add(list: &[Cell<State>], body: usize, [linear, angular]: [Vec3; 2]) {
     let [moves, turns] = list[body].get();
     list[body].set([moves + linear.extend(0.0), turns + angular.extend(0.0)]);
@@ -284,7 +287,7 @@ impl LeafPatch {
             patch: number,
             point,
             member: self.member,
-            numbers: [push.x, push.y, push.z, turn.x, turn.y, turn.z],
+            numbers: [push, turn].map(|v| [v.x, v.y, v.z, 0.0]),
             own_compliance: 0.0,
             compliance: other as f64,
             lack: 0.0,
@@ -297,11 +300,11 @@ impl LeafPatch {
 }
 
 impl Leaf {
-    /// As a contact of the solve. `first` is where the unknowns of its jointed body begin.
-    pub fn hold(&self, first: usize, is_factorized: bool, leaf: usize) -> Held {
+    /// As a contact of the solve. `place` is that of its jointed body.
+    pub fn hold(&self, place: usize, is_factorized: bool, leaf: usize) -> Held {
         Held {
             key: self.key,
-            first,
+            place,
             numbers: self.numbers,
             compliance: self.compliance,
             is_factorized,
@@ -362,13 +365,18 @@ impl Leaf {
     }
 
     /// The rate of its point for velocity changes of the jointed body.
-    pub fn rate(&self, change: &[f64]) -> f64 {
-        self.numbers.iter().zip(change).map(|(a, b)| a * b).sum()
+    pub fn rate(&self, change: &Numbers) -> f64 {
+        let both = self.numbers.as_flattened().iter();
+        both.zip(change.as_flattened()).map(|(a, b)| a * b).sum()
     }
 
     /// The changes of the jointed body's velocities by its change alone.
     pub fn effect(&self, member: &Member) -> [Vec3; 2] {
-        let [a, b, c, d, e, f] = self.numbers.map(|number| (number * self.change) as f32);
-        member.respond(Vec3::new(a, b, c), Vec3::new(d, e, f))
+        let part = |numbers: Quad| {
+            let [x, y, z, _] = numbers.map(|number| (number * self.change) as f32);
+            Vec3::new(x, y, z)
+        };
+        let [push, turn] = self.numbers.map(part);
+        member.respond(push, turn)
     }
 }

@@ -112,6 +112,7 @@ impl Member {
     }
 
     /// Follows a drift of `h` s with a velocity. `motion` is its motion in the lists of the island.
+    #[inline]
     pub fn drift(&mut self, [_, angular]: [Vec3; 2], motion: [Vec3; 2], h: f32) {
         self.drifted = motion;
         self.placement.moved = motion[0];
@@ -122,17 +123,20 @@ impl Member {
     }
 
     /// All rows of its piece are content with these velocities, and with where it is.
+    #[inline]
     pub fn calm_down(&mut self, velocities: [Vec3; 2]) {
         self.seen = velocities;
         self.calm = [velocities, self.drifted];
     }
 
     /// Whether its velocities differ by less than `slack` (m/s and rad/s) from those with which all rows were content.
+    #[inline]
     pub fn is_as_calm(&self, velocities: [Vec3; 2], slack: f32) -> bool {
         is_near(velocities, self.calm[0], slack)
     }
 
     /// Whether it is within `slack` (m and rad) of where all rows were content.
+    #[inline]
     pub fn is_still(&self, slack: f32) -> bool {
         is_near(self.drifted, self.calm[1], slack)
     }
@@ -245,6 +249,7 @@ impl Member {
     }
 
     /// The changes of its velocities for those that the solve has found: none along locked axes.
+    #[inline]
     pub fn allowed(&self, change: DVec3, spin: DVec3) -> [Vec3; 2] {
         let spin = match self.is_singular {
             false => spin.as_vec3(),
@@ -254,6 +259,7 @@ impl Member {
     }
 
     /// The changes of its velocities by a push and a moment, N·s and N·m·s.
+    #[inline]
     pub fn respond(&self, push: Vec3, moment: Vec3) -> [Vec3; 2] {
         [
             self.inverse_mass * push * self.free_axes,
@@ -277,6 +283,7 @@ impl Member {
     }
 }
 
+#[inline]
 fn is_near(a: [Vec3; 2], b: [Vec3; 2], slack: f32) -> bool {
     let far = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     far.max_element() < slack

@@ -25,6 +25,7 @@ mod member;
 mod piece;
 mod row;
 mod sharing;
+mod springs;
 
 use super::block::{Pass, Spring};
 use crate::solver::batches::Batches;
@@ -114,8 +115,8 @@ struct Log {
     /// Of the last rigid sweep.
     late: [Vec3; 2],
     peak: [f32; 2],
-    /// How near its section is to breaking, and how it broke.
-    used: Utilization,
+    /// How near its section is to breaking, if forces of a substep exceed its strength; and how it broke.
+    used: Option<Utilization>,
     broke: Option<Utilization>,
 }
 
@@ -226,23 +227,16 @@ impl Joints {
         let mut member = 0;
         for piece in sorted.chunk_by(|a, b| a.0 == b.0) {
             let first_link = self.links.len();
-            let mut pairs = Vec::new();
-            for pair in piece.chunk_by(|a, b| a.1 == b.1) {
-                let first_row = self.rows.len();
-                let ends = pair[0].1.map(|body| place[body as usize]);
-                for &(_, bodies, number) in pair {
-                    let joint = &joints[number];
-                    let is_reversed = joint.bodies != bodies;
-                    let rows = rows_of(joint);
-                    let rows = rows.map(|(number, part)| Row::new(number, part, is_reversed));
-                    let first = self.rows.len();
-                    self.rows.extend(rows);
-                    let ends = joint.bodies.map(|body| place[body as usize]);
-                    let geometry = Geometry::new(joint, [Placement::START; 2]);
-                    let rows = first..self.rows.len();
-                    self.links.push(Link::new(number, ends, rows, geometry));
-                }
-                pairs.push((ends, first_row..self.rows.len()));
+            for &(_, _, number) in piece {
+                let joint = &joints[number];
+                let first = self.rows.len();
+                let rows = rows_of(joint);
+                self.rows
+                    .extend(rows.map(|(number, part)| Row::new(number, part)));
+                let ends = joint.bodies.map(|body| place[body as usize]);
+                let geometry = Geometry::new(joint, [Placement::START; 2]);
+                let rows = first..self.rows.len();
+                self.links.push(Link::new(number, ends, rows, geometry));
             }
             let first = member;
             while member < ends.len()
@@ -255,7 +249,7 @@ impl Joints {
             let is_driven = self.rows[self.links[first_link].rows.start..]
                 .iter()
                 .any(|row| row.part == Part::Motor);
-            let piece = Piece::new(first..member, links, pairs, is_driven);
+            let piece = Piece::new(first..member, links, &self.links, is_driven);
             self.pieces.push(piece);
         }
     }
@@ -298,9 +292,10 @@ impl Joints {
         for link in &mut self.links {
             let joint = &self.joints[link.joint];
             for row in &mut self.rows[link.rows.clone()] {
-                *row = Row::new(row.coordinate, row.part, row.is_reversed);
+                *row = Row::new(row.coordinate, row.part);
             }
             link.point(joint, &mut self.rows, &self.members);
+            link.find_responses(&mut self.rows, &self.members);
             link.start(joint, &mut self.rows, &times);
         }
         self.share_stiffness();
@@ -315,6 +310,8 @@ impl Joints {
             piece.is_stale = true;
             piece.is_refreshed = true;
             piece.is_calm = false;
+            piece.is_first = true;
+            piece.is_strained = false;
             piece.is_fused = is_fused;
             let mut links = self.links[piece.links.clone()].iter();
             piece.is_bonded = links.any(|link| self.joints[link.joint].section.is_some());
@@ -421,7 +418,6 @@ impl Joints {
                 }
                 for link in links {
                     link.point(&self.joints[link.joint], &mut self.rows, &self.members);
-                    link.soften(&mut self.rows, self.stiffness);
                 }
                 (piece.is_stale, piece.is_refreshed) = (true, true);
             } else {
@@ -446,7 +442,7 @@ impl Joints {
     ) {
         for piece in &mut self.pieces {
             piece.unrecorded += 1;
-            if is_last || !piece.is_calm || piece.is_bonded {
+            if is_last || !piece.is_calm || piece.is_strained {
                 record(
                     piece,
                     (&self.links, &mut self.rows),
@@ -492,19 +488,16 @@ impl Joints {
             bends.resize(members.len(), Mat3::ZERO);
             let first = piece.members.start;
             for link in &self.links[piece.links.clone()] {
+                let impulse = link.impulse(&self.rows);
                 for (side, end) in link.ends.into_iter().enumerate() {
                     if !piece.members.contains(&end) {
                         continue;
                     }
-                    let mut force = Vec3::ZERO;
-                    for row in &self.rows[link.rows.clone()] {
-                        let wrench = row.wrench(side, row.impulse);
-                        force += wrench[0];
-                        for (push, wrench) in pushes[end - first].iter_mut().zip(wrench) {
-                            *push += wrench;
-                        }
+                    let wrench = link.wrench(side, impulse);
+                    for (push, wrench) in pushes[end - first].iter_mut().zip(wrench) {
+                        *push += wrench;
                     }
-                    let (arm, force) = (link.geometry.arms[side], force / self.h);
+                    let (arm, force) = (link.geometry.arms[side], wrench[0] / self.h);
                     let along = Mat3::from_diagonal(Vec3::splat(arm.dot(force)));
                     let across = Mat3::from_cols(force.x * arm, force.y * arm, force.z * arm);
                     bends[end - first] += along - across;
@@ -567,6 +560,7 @@ fn record(
     if substeps == 0 {
         return;
     }
+    piece.is_strained = false;
     let links = links[piece.links.clone()].iter();
     // Nearly all joints of a piece have the same filter.
     let (mut filter, mut shares) = (f32::NAN, [0.0; 2]);
@@ -575,12 +569,9 @@ fn record(
         let (mut forces, mut late) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
         for row in &mut rows[link.rows.clone()] {
             let after = std::mem::take(&mut row.late);
-            for (sums, impulse) in [(&mut forces, row.impulse), (&mut late, after)] {
-                sums[0] += impulse / h * row.linear;
-                if row.is_angular() {
-                    sums[1] += impulse / h * row.angular[1];
-                }
-            }
+            let kind = usize::from(row.is_angular());
+            forces[kind] += row.impulse / h * row.direction;
+            late[kind] += after / h * row.direction;
         }
         if filter != joint.filter {
             filter = joint.filter;
@@ -605,6 +596,7 @@ fn record(
         {
             let now = forces.map(|force| link.geometry.local(force));
             log.used = breaking::lesser(section, log.filtered, now);
+            piece.is_strained |= log.used.is_some();
         }
     }
 }

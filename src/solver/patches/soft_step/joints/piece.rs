@@ -7,12 +7,13 @@
 //! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its bodies
 //! neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
 
-use super::borders::{Borders, Direction, MOST_BORDERS, Wanted};
-use super::factor::{Coupling, Factor, MOST_ROWS, Node, Quad, quads};
+use super::borders::{Borders, MOST_BORDERS, Wanted};
+use super::factor::{Coupling, Factor, Numbers};
 use super::leaf::{Contacts, Held, Leaf, LeafPatch, add, read};
 use super::member::Member;
 use super::row::{Bound, Link, Row};
-use crate::solver::lanes::{F32xN, State, run_plain};
+use super::springs::{self, Springs};
+use crate::solver::lanes::{F32xN, PlainKernel, State, run_plain};
 use crate::solver::patches::soft_step::block::Pass;
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
@@ -34,18 +35,18 @@ const CALM: f32 = 1e-6;
 const CALM_BOND: f32 = 1e-7;
 
 /// Number of borders from which on another factorization is less work than to add them.
-const MANY: usize = 5;
+const MANY: usize = 3;
 
 /// How much softer than it is a contact may be in the solve. Its compliance changes with the number of contacts of its other body.
 const SOFTER: f64 = 2.0;
 
-/// Rows of the joints between two bodies, as many as a node of the factorization holds.
+/// Where a joint acts in the system.
 #[derive(Clone, Debug)]
-pub struct Pair {
-    /// The members; A and B of its first joint.
-    pub ends: [usize; 2],
-    pub rows: Range<usize>,
-    couplings: [Option<Coupling>; 2],
+struct Seat {
+    /// The places of those of its bodies that move.
+    places: [Option<usize>; 2],
+    /// Its block, if both move.
+    coupling: Option<Coupling>,
 }
 
 /// Bodies that are connected by joints, directly or through others that move.
@@ -54,7 +55,8 @@ pub struct Piece {
     /// Its moving bodies among the members.
     pub members: Range<usize>,
     pub links: Range<usize>,
-    pairs: Vec<Pair>,
+    /// By link.
+    seats: Vec<Seat>,
     factor: Factor,
     /// The system differs from the factorized one.
     pub is_stale: bool,
@@ -62,8 +64,12 @@ pub struct Piece {
     pub is_refreshed: bool,
     /// It has motors, whose targets come closer in every substep.
     is_driven: bool,
-    /// It has bonds, which may break in any substep.
+    /// It has bonds.
     pub is_bonded: bool,
+    /// Forces of a substep exceed the strength of a bond, which breaks if they last.
+    pub is_strained: bool,
+    /// Nothing was factorized in this step yet.
+    pub is_first: bool,
     /// All rows are content.
     pub is_calm: bool,
     /// Number of substeps that it was calm in and whose forces were not recorded.
@@ -73,14 +79,14 @@ pub struct Piece {
     leaves: Vec<Leaf>,
     /// The contacts of the factorized system and of its borders.
     held: Vec<Held>,
-    /// Rows that are solved for and have no place in the factorized system, and those that have one and are held by bounds.
+    /// Rows that are solved for and not part of the factorized system, and those that are and are held by bounds.
     borders: Borders,
     /// The solution of the factorized system in this visit, without its borders, if it `is_begun`.
-    unbordered: Vec<Quad>,
+    unbordered: Vec<Numbers>,
     is_begun: bool,
     /// It includes changes of impulses that bounds hold.
     has_fixed: bool,
-    solution: Vec<Quad>,
+    solution: Vec<Numbers>,
     /// Solves use AVX2 and FMA.
     pub is_fused: bool,
 }
@@ -95,48 +101,19 @@ pub struct Lists<'a> {
 }
 
 impl Piece {
-    /// `pairs` lists the members of each pair, and its rows.
-    pub fn new(
-        members: Range<usize>,
-        links: Range<usize>,
-        pairs: Vec<([usize; 2], Range<usize>)>,
-        is_driven: bool,
-    ) -> Self {
-        let mut nodes = vec![
-            Node {
-                size: 6,
-                is_body: true,
-            };
-            members.len()
-        ];
-        let mut edges = Vec::new();
-        let pairs = pairs.into_iter().flat_map(|(ends, rows)| {
-            let firsts = rows.clone().step_by(MOST_ROWS);
-            firsts.map(move |first| (ends, first..rows.end.min(first + MOST_ROWS)))
-        });
-        let pairs: Vec<_> = pairs.collect();
-        for (ends, rows) in &pairs {
-            let node = nodes.len();
-            nodes.push(Node {
-                size: rows.len(),
-                is_body: false,
-            });
-            let moved = ends.iter().filter(|end| members.contains(end));
-            edges.extend(moved.map(|end| [node, end - members.start]));
-        }
-        let factor = Factor::new(&nodes, &edges);
-        let count = members.len();
-        let couple = |node: usize, end: usize| {
-            let moves = members.contains(&end);
-            moves.then(|| factor.coupling(node, end - members.start))
-        };
-        let pairs = pairs.into_iter().enumerate().map(|(i, (ends, rows))| Pair {
-            couplings: ends.map(|end| couple(count + i, end)),
-            ends,
-            rows,
+    /// `all` are the links of all pieces.
+    pub fn new(members: Range<usize>, links: Range<usize>, all: &[Link], is_driven: bool) -> Self {
+        let moving = |end: usize| members.contains(&end).then(|| end - members.start);
+        let ends = all[links.clone()].iter().map(|link| link.ends.map(moving));
+        let both = |ends: [Option<usize>; 2]| Some([ends[0]?, ends[1]?]);
+        let edges: Vec<_> = ends.clone().filter_map(both).collect();
+        let factor = Factor::new(members.len(), &edges);
+        let seats = ends.map(|ends| Seat {
+            places: ends.map(|end| Some(factor.place_of(end?))),
+            coupling: both(ends).map(|ends| factor.coupling(ends)),
         });
         Self {
-            pairs: pairs.collect(),
+            seats: seats.collect(),
             members,
             links,
             held: Vec::new(),
@@ -151,6 +128,8 @@ impl Piece {
             is_refreshed: true,
             is_driven,
             is_bonded: false,
+            is_strained: false,
+            is_first: true,
             is_calm: false,
             unrecorded: 0,
             patches: 0..0,
@@ -265,11 +244,11 @@ impl Piece {
     fn find_lacks(&self, soft: bool, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
         for link in &lists.links[self.links.clone()] {
             let now = |end: usize| read(velocities, lists.members[end].body as usize);
-            let velocities = link.ends.map(now);
+            let relative = link.relative(link.ends.map(now));
             let seen = link.ends.map(|end| lists.members[end].seen);
             let bend = link.geometry.bend(seen);
             for row in &mut lists.rows[link.rows.clone()] {
-                row.find_lack(soft, h, &bend, velocities);
+                row.find_lack(soft, h, &bend, &relative);
             }
         }
     }
@@ -278,13 +257,35 @@ impl Piece {
     fn solve_within_bounds(&mut self, lists: &mut Lists) {
         self.is_begun = false;
         for round in 1..=PASSES {
-            self.solve(lists);
+            run_plain(self.is_fused, Solve { piece: self, lists });
             let last = round == PASSES;
             if !self.fix_bounds(lists, last) {
                 break;
             }
             if last {
-                self.solve(lists);
+                run_plain(self.is_fused, Solve { piece: self, lists });
+            }
+        }
+    }
+
+    /// What rows still lack with the solution.
+    #[inline(always)]
+    fn find_left(&self, lists: &mut Lists) {
+        let change = |place: Option<usize>| match place {
+            Some(place) => self.solution[place].map(|[x, y, z, _]| DVec3::new(x, y, z)),
+            None => [DVec3::ZERO; 2],
+        };
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            let [a, b] = seat.places.map(change);
+            let [one, other] = link.geometry.arms.map(Vec3::as_dvec3);
+            let along = (b[0] + b[1].cross(other)) - (a[0] + a[1].cross(one));
+            let relative = [along, b[1] - a[1]];
+            for row in &mut lists.rows[link.rows.clone()] {
+                let rate = row
+                    .direction
+                    .as_dvec3()
+                    .dot(relative[usize::from(row.is_angular())]);
+                row.left = row.lack as f64 - rate;
             }
         }
     }
@@ -299,17 +300,20 @@ impl Piece {
     }
 
     /// Solves with the present bounds.
-    fn solve(&mut self, lists: &mut Lists) {
+    #[inline(always)]
+    fn solve<const FUSED: bool>(&mut self, lists: &mut Lists) {
         if self.is_stale || !self.follow(lists) {
-            self.assemble(lists);
-            run_plain(self.is_fused, self.factor.factorize());
-            (self.is_stale, self.is_begun) = (false, false);
+            self.assemble::<FUSED>(lists);
+            self.factor.factorize::<FUSED>(self.is_first);
+            (self.is_stale, self.is_begun, self.is_first) = (false, false, false);
         }
         if !self.is_begun {
             self.begin(lists);
+            self.factor.solve(&mut self.unbordered).run::<FUSED>();
             self.is_begun = true;
         }
         self.borders.apply(&self.unbordered, &mut self.solution);
+        self.find_left(lists);
     }
 
     /// Takes over what is solved for now into the borders of the factorized system. Returns whether that is less work than another
@@ -318,8 +322,7 @@ impl Piece {
         if !self.is_begun && !self.find_held() {
             return false;
         }
-        let rows = self.pairs.iter();
-        let rows = rows.flat_map(|pair| &lists.rows[pair.rows.clone()]);
+        let rows = lists.rows[self.rows(lists)].iter();
         let new = rows
             .filter(|row| row.border.is_none() && row.is_moved())
             .count();
@@ -343,38 +346,36 @@ impl Piece {
         true
     }
 
+    /// Its rows.
+    fn rows(&self, lists: &Lists) -> Range<usize> {
+        let links = &lists.links[self.links.clone()];
+        let [first, last] = [links.first(), links.last()];
+        first.map_or(0, |link| link.rows.start)..last.map_or(0, |link| link.rows.end)
+    }
+
     fn border_rows(&mut self, lists: &mut Lists) {
-        for (i, pair) in self.pairs.iter().enumerate() {
-            let unknowns = self.factor.first_of(self.members.len() + i);
-            for row in &mut lists.rows[pair.rows.clone()] {
-                let fixed = -row.fixed_change() as f64;
-                let wanted = match (row.place, row.bound) {
-                    (Some(_), Bound::Free) => continue,
-                    (Some(_), _) => Wanted::Value(fixed),
-                    (None, Bound::Free) => Wanted::Value(row.lack as f64),
-                    (None, _) => Wanted::Amount(fixed),
-                };
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            for row in &mut lists.rows[link.rows.clone()] {
                 if row.border.is_none() && row.is_moved() {
-                    let (direction, corner) = match row.place {
-                        Some(place) => (Direction::Unknown(unknowns + place), 0.0),
-                        None => {
-                            // Its impulse may have a part in what is solved already.
-                            self.is_begun &= !self.has_fixed;
-                            let mut bodies = [None; 2];
-                            for (side, sign) in sides(row) {
-                                if pair.couplings[side].is_some() {
-                                    let end = pair.ends[side] - self.members.start;
-                                    let first = self.factor.first_of(end);
-                                    bodies[side] = Some((first, row.numbers(sign)));
-                                }
-                            }
-                            (Direction::Bodies(bodies), -row.compliance as f64)
-                        }
+                    // Its impulse may have a part in what is solved already.
+                    self.is_begun &= row.is_factorized || !self.has_fixed;
+                    let compliance = row.compliance as f64;
+                    let corner = if row.is_factorized {
+                        compliance
+                    } else {
+                        -compliance
                     };
+                    let direction = [0, 1].map(|side| {
+                        let place = seat.places[side]?;
+                        Some((place, springs::jacobian(link, row, side)))
+                    });
                     let is_fused = self.is_fused;
                     row.border = Some(self.borders.add(direction, corner, &self.factor, is_fused));
                 }
                 if let Some(border) = row.border {
+                    let [lack, compliance] = [row.lack, row.compliance].map(f64::from);
+                    let given = row.given_change();
+                    let wanted = Wanted::of(row.is_factorized, lack, compliance, given);
                     self.borders.ask(border, wanted);
                 }
             }
@@ -385,16 +386,16 @@ impl Piece {
         for (number, leaf) in self.leaves.iter_mut().enumerate() {
             if leaf.is_active && leaf.held.is_none() {
                 self.is_begun &= !self.has_fixed;
-                let first = self.factor.first_of(leaf.member - self.members.start);
+                let place = self.factor.place_of(leaf.member - self.members.start);
                 leaf.held = Some(self.held.len());
-                self.held.push(leaf.hold(first, false, number));
+                self.held.push(leaf.hold(place, false, number));
             }
         }
         for held in &mut self.held {
             let leaf = held.leaf.map(|leaf| &self.leaves[leaf]);
             let is_active = leaf.is_some_and(|leaf| leaf.is_active);
             if held.border.is_none() && held.is_factorized != is_active {
-                let direction = Direction::Bodies([Some((held.first, held.numbers)), None]);
+                let direction = [Some((held.place, held.numbers)), None];
                 let corner = match held.is_factorized {
                     true => held.compliance,
                     false => -held.compliance,
@@ -405,13 +406,13 @@ impl Piece {
             let Some(border) = held.border else {
                 continue;
             };
-            let [lack, change] = leaf.map_or([0.0; 2], |leaf| [leaf.lack, leaf.change]);
-            let wanted = match (held.is_factorized, is_active) {
-                (true, true) => Wanted::Nothing,
-                (true, false) => Wanted::Value(lack - held.compliance * change),
-                (false, true) => Wanted::Value(lack),
-                (false, false) if leaf.is_some() => Wanted::Amount(-change),
-                (false, false) => Wanted::Nothing,
+            let wanted = match leaf {
+                Some(leaf) => {
+                    let given = (!is_active).then_some(leaf.change);
+                    Wanted::of(held.is_factorized, leaf.lack, held.compliance, given)
+                }
+                None if held.is_factorized => Wanted::Value(0.0),
+                None => Wanted::Nothing,
             };
             self.borders.ask(border, wanted);
         }
@@ -437,75 +438,63 @@ impl Piece {
     }
 
     /// Solves the factorized system without its borders.
+    #[inline(always)]
     fn begin(&mut self, lists: &Lists) {
         self.has_fixed = false;
         let solution = &mut self.unbordered;
         solution.clear();
-        solution.resize(self.factor.unknowns(), Quad::default());
-        let numbers = solution.as_flattened_mut();
+        solution.resize(self.factor.bodies(), Numbers::default());
+        let mut push = |place: usize, share: f64, numbers: Numbers| {
+            let to = solution[place].as_flattened_mut();
+            for (to, number) in to.iter_mut().zip(numbers.as_flattened()) {
+                *to += share * number;
+            }
+        };
         for leaf in &self.leaves {
-            let first = self.factor.first_of(leaf.member - self.members.start);
-            let push = match leaf.held.map(|held| self.held[held].is_factorized) {
+            let place = self.factor.place_of(leaf.member - self.members.start);
+            let share = match leaf.held.map(|held| self.held[held].is_factorized) {
                 Some(true) => leaf.lack / leaf.compliance,
                 Some(false) => continue,
                 None => leaf.change,
             };
             self.has_fixed |= leaf.held.is_none();
-            for (to, number) in numbers[first..][..6].iter_mut().zip(leaf.numbers) {
-                *to += push * number;
-            }
+            push(place, share, leaf.numbers);
         }
-        for (i, pair) in self.pairs.iter().enumerate() {
-            let unknowns = self.factor.first_of(self.members.len() + i);
-            for row in &lists.rows[pair.rows.clone()] {
-                let change = row.fixed_change();
-                if let Some(place) = row.place {
-                    numbers[unknowns + place] = row.lack as f64;
-                } else if change != 0.0 && row.border.is_none() {
-                    self.has_fixed = true;
-                    for (side, sign) in sides(row) {
-                        // The other side is a body that nothing moves.
-                        if pair.couplings[side].is_none() {
-                            continue;
-                        }
-                        let end = pair.ends[side] - self.members.start;
-                        let first = self.factor.first_of(end);
-                        for (to, number) in numbers[first..][..6].iter_mut().zip(row.numbers(sign))
-                        {
-                            *to += change as f64 * number;
-                        }
-                    }
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            let mut sums = [DVec3::ZERO; 2];
+            for row in &lists.rows[link.rows.clone()] {
+                let impulse = if row.is_factorized {
+                    row.stiffness * row.lack as f64
+                } else if row.border.is_none() {
+                    row.fixed_change() as f64
+                } else {
+                    continue;
+                };
+                self.has_fixed |= !row.is_factorized && impulse != 0.0;
+                sums[usize::from(row.is_angular())] += impulse * row.direction.as_dvec3();
+            }
+            for (side, place) in seat.places.into_iter().enumerate() {
+                if let Some(place) = place {
+                    push(place, 1.0, springs::wrench(link, side, sums));
                 }
             }
         }
-        run_plain(self.is_fused, self.factor.solve(solution));
     }
 
-    /// Writes the system, without borders. Rows that a bound holds have no place in it.
-    fn assemble(&mut self, lists: &mut Lists) {
-        let count = self.members.len();
+    /// Writes the system, without borders. Rows that a bound holds are not part of it.
+    #[inline(always)]
+    fn assemble<const FUSED: bool>(&mut self, lists: &mut Lists) {
         self.borders.clear();
-        for (i, pair) in self.pairs.iter().enumerate() {
-            let mut size = 0;
-            for row in &mut lists.rows[pair.rows.clone()] {
-                row.border = None;
-                row.place = (row.bound == Bound::Free).then_some(size);
-                size += usize::from(row.place.is_some());
-            }
-            self.factor.resize(count + i, size);
-        }
         self.factor.clear();
         for number in self.members.clone() {
             let member = &lists.members[number];
-            let pivot = self.factor.pivot(number - self.members.start);
+            let place = self.factor.place_of(number - self.members.start);
+            let pivot = self.factor.pivot(place);
             let masses = member.masses();
             let inertia = member.inertia + member.excess;
             for i in 0..3 {
-                pivot[2 * i][i] = masses[i];
-                let row = i + 3;
-                for j in 0..3 {
-                    pivot[2 * (j + 3) + row / 4][row % 4] = inertia.col(j)[i];
-                }
+                pivot[i][0][i] = masses[i];
+                pivot[i + 3][1] = springs::quad(inertia.col(i));
             }
         }
         self.held.clear();
@@ -514,31 +503,32 @@ impl Piece {
             if !leaf.is_active {
                 continue;
             }
-            let member = leaf.member - self.members.start;
-            self.held
-                .push(leaf.hold(self.factor.first_of(member), true, number));
-            let pivot = self.factor.pivot(member);
-            for j in 0..6 {
-                let scaled = leaf.numbers[j] / leaf.compliance;
-                for i in 0..6 {
-                    pivot[2 * j + i / 4][i % 4] += scaled * leaf.numbers[i];
+            let place = self.factor.place_of(leaf.member - self.members.start);
+            self.held.push(leaf.hold(place, true, number));
+            for (j, column) in self.factor.pivot(place).iter_mut().enumerate() {
+                let scaled = leaf.numbers[j / 3][j % 3] / leaf.compliance;
+                let to = column.as_flattened_mut().iter_mut();
+                for (to, number) in to.zip(leaf.numbers.as_flattened()) {
+                    *to += scaled * number;
                 }
             }
         }
-        for (i, pair) in self.pairs.iter().enumerate() {
-            let rows = lists.rows[pair.rows.clone()].iter();
-            let rows = rows.filter_map(|row| Some((row, row.place?)));
-            let size = quads(rows.clone().count());
-            let pivot = self.factor.pivot(count + i);
-            for (row, place) in rows.clone() {
-                pivot[place * size + place / 4][place % 4] = -row.compliance as f64;
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            let rows = &mut lists.rows[link.rows.clone()];
+            for row in &mut *rows {
+                row.border = None;
+                row.is_factorized = row.bound == Bound::Free;
             }
-            for (row, place) in rows {
-                for (side, sign) in sides(row) {
-                    if let Some(coupling) = &pair.couplings[side] {
-                        self.factor.set(coupling, place, &row.numbers(sign));
-                    }
+            let springs = Springs::of::<FUSED>(link, rows);
+            for (side, place) in seat.places.into_iter().enumerate() {
+                if let Some(place) = place {
+                    springs.add_to::<FUSED>(self.factor.pivot(place), [side; 2]);
                 }
+            }
+            if let Some(coupling) = seat.coupling {
+                let (block, is_transposed) = self.factor.coupled(coupling);
+                let sides = if is_transposed { [1, 0] } else { [0, 1] };
+                springs.add_to::<FUSED>(block, sides);
             }
         }
     }
@@ -548,16 +538,13 @@ impl Piece {
     fn fix_bounds(&mut self, lists: &mut Lists, last: bool) -> bool {
         let mut changed = false;
         let Self {
-            pairs,
             factor,
             members,
             solution,
-            borders,
             leaves,
             ..
         } = self;
-        let solution = solution.as_flattened();
-        let of = |member: usize| &solution[factor.first_of(member - members.start)..][..6];
+        let of = |member: usize| &solution[factor.place_of(member - members.start)];
         for leaf in leaves.iter_mut() {
             let left = leaf.lack - leaf.rate(of(leaf.member));
             if leaf.is_active {
@@ -572,50 +559,40 @@ impl Piece {
                 changed = true;
             }
         }
-        for (i, pair) in pairs.iter().enumerate() {
-            let unknowns = factor.first_of(members.len() + i);
-            for number in pair.rows.clone() {
-                let row = &lists.rows[number];
-                let [low, high] = row.law.bounds;
-                let bound = match row.bound {
-                    Bound::Free => {
-                        let change = found(solution, borders, unknowns, row);
-                        let impulse = row.impulse as f64 + change;
-                        // Beyond rounding.
-                        let slack = 1e-6 * (row.impulse.abs() as f64 + change.abs());
-                        if impulse < low as f64 - slack {
-                            Bound::Low
-                        } else if impulse > high as f64 + slack {
-                            Bound::High
-                        } else {
-                            continue;
-                        }
+        let rows = self.rows(lists);
+        for row in &mut lists.rows[rows] {
+            let [low, high] = row.law.bounds;
+            let bound = match row.bound {
+                Bound::Free => {
+                    let change = row.left * row.stiffness;
+                    let impulse = row.impulse as f64 + change;
+                    // Beyond rounding.
+                    let slack = 1e-6 * (row.impulse.abs() as f64 + change.abs());
+                    if impulse < low as f64 - slack {
+                        Bound::Low
+                    } else if impulse > high as f64 + slack {
+                        Bound::High
+                    } else {
+                        continue;
                     }
-                    fixed => {
-                        if last || row.is_released() {
-                            continue;
-                        }
-                        let mut left = (row.lack - row.compliance * row.fixed_change()) as f64;
-                        for (side, sign) in sides(row) {
-                            if pair.couplings[side].is_some() {
-                                let numbers = row.numbers(sign);
-                                let change = of(pair.ends[side]).iter();
-                                left -= numbers.iter().zip(change).map(|(a, b)| a * b).sum::<f64>();
-                            }
-                        }
-                        let comes_back = match fixed {
-                            Bound::Low => left > CONTENT,
-                            _ => left < -CONTENT,
-                        };
-                        if !comes_back {
-                            continue;
-                        }
-                        Bound::Free
+                }
+                fixed => {
+                    if last || row.is_released() {
+                        continue;
                     }
-                };
-                lists.rows[number].bound = bound;
-                changed = true;
-            }
+                    let left = row.left - (row.compliance * row.fixed_change()) as f64;
+                    let comes_back = match fixed {
+                        Bound::Low => left > CONTENT,
+                        _ => left < -CONTENT,
+                    };
+                    if !comes_back {
+                        continue;
+                    }
+                    Bound::Free
+                }
+            };
+            row.bound = bound;
+            changed = true;
         }
         changed
     }
@@ -623,35 +600,26 @@ impl Piece {
     /// Applies the solution.
     fn apply(&mut self, soft: bool, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
         let mut sum = 0.0;
-        let solution = self.solution.as_flattened();
         for number in self.members.clone() {
-            let first = self.factor.first_of(number - self.members.start);
-            let Some(&[a, b, c, d, e, f]) = solution[first..].first_chunk() else {
-                continue;
-            };
+            let place = self.factor.place_of(number - self.members.start);
+            let [along, about] = self.solution[place].map(|[x, y, z, _]| DVec3::new(x, y, z));
             let member = &mut lists.members[number];
-            let change = member.allowed(DVec3::new(a, b, c), DVec3::new(d, e, f));
+            let change = member.allowed(along, about);
             add(velocities, member.body as usize, change);
             member.seen = read(velocities, member.body as usize);
             for (given, change) in member.given.iter_mut().zip(change) {
                 *given += change;
             }
         }
-        for (i, pair) in self.pairs.iter().enumerate() {
-            let unknowns = self.factor.first_of(self.members.len() + i);
-            for row in &mut lists.rows[pair.rows.clone()] {
-                let [low, high] = row.law.bounds;
-                let found = match row.bound {
-                    Bound::Free => found(solution, &self.borders, unknowns, row) as f32,
-                    _ => row.fixed_change(),
-                };
-                let impulse = (row.impulse + found).clamp(low, high);
-                sum += (impulse - row.impulse) * row.lack;
-                if !soft {
-                    row.count_late(impulse - row.impulse);
-                }
-                row.impulse = impulse;
+        let rows = self.rows(lists);
+        for row in &mut lists.rows[rows] {
+            let [low, high] = row.law.bounds;
+            let impulse = (row.impulse + row.change()).clamp(low, high);
+            sum += (impulse - row.impulse) * row.lack;
+            if !soft {
+                row.count_late(impulse - row.impulse);
             }
+            row.impulse = impulse;
         }
         sum
     }
@@ -672,19 +640,17 @@ impl Piece {
     }
 }
 
-/// The change of the impulse of a row that no bound holds. `unknowns` is where those of its pair begin in the solution.
-fn found(solution: &[f64], borders: &Borders, unknowns: usize, row: &Row) -> f64 {
-    match (row.place, row.border) {
-        (Some(place), _) => -solution[unknowns + place],
-        (None, Some(border)) => -borders.amount(border),
-        (None, None) => 0.0,
-    }
+/// A solve with the present bounds, as a kernel.
+struct Solve<'a, 'b> {
+    piece: &'a mut Piece,
+    lists: &'a mut Lists<'b>,
 }
 
-/// Each side of a pair with the side of a row's joint that is there: the joints of a pair may list its bodies in either order.
-fn sides(row: &Row) -> [(usize, usize); 2] {
-    match row.is_reversed {
-        false => [(0, 0), (1, 1)],
-        true => [(0, 1), (1, 0)],
+impl PlainKernel for Solve<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        self.piece.solve::<FUSED>(self.lists);
     }
 }

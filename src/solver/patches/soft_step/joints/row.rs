@@ -44,6 +44,8 @@ pub struct Link {
     pub geometry: Geometry,
     /// The motions of A and B at the last refresh.
     refreshed: [[Vec3; 2]; 2],
+    /// A motion of its anchors against each other by which directions become stale, m.
+    bears_move: f32,
 }
 
 /// A row of a joint.
@@ -51,18 +53,15 @@ pub struct Link {
 pub struct Row {
     pub coordinate: usize,
     pub part: Part,
-    /// Its joint lists the bodies in the order that is not that of the pair.
-    pub is_reversed: bool,
     /// The coordinate now and at the last refresh, m or rad.
     value: f32,
     refreshed: f32,
-    direction: Vec3,
-    /// The rate of its coordinate is that of B's centre less that of A's along `linear`, and of their rotations along `angular`.
-    pub linear: Vec3,
-    pub angular: [Vec3; 2],
+    /// The rate of its coordinate is the relative velocity of its bodies at the anchor of B along this, or their relative angular velocity.
+    pub direction: Vec3,
     pub law: Law,
-    /// Compliance γ: deviation from the wanted rate per impulse.
+    /// Compliance γ: deviation from the wanted rate per impulse; and its inverse, or 0 if nothing yields to the row.
     pub compliance: f32,
+    pub stiffness: f64,
     /// Inverse effective mass of its two bodies alone.
     pub response: f32,
     /// Its compliance in the scale of `response`, if it is a row of a section; else 0, and it is in proportion to `response`.
@@ -73,8 +72,8 @@ pub struct Row {
     /// The rate that a substep of turning makes it lack, m/s.
     turned: f32,
     pub bound: Bound,
-    /// Its place among the unknowns of its pair, if it has one in the factorized system.
-    pub place: Option<usize>,
+    /// It is a part of the factorized system.
+    pub is_factorized: bool,
     /// Its border of that system, if it has one.
     pub border: Option<usize>,
     /// It holds nothing for the rest of the step.
@@ -85,33 +84,34 @@ pub struct Row {
     rounding: f32,
     /// The rate that it lacks in a visit, before the solve.
     pub lack: f32,
+    /// What it still lacks after the solve, apart from its own compliance.
+    pub left: f64,
 }
 
 impl Row {
-    pub fn new(coordinate: usize, part: Part, is_reversed: bool) -> Self {
+    pub fn new(coordinate: usize, part: Part) -> Self {
         Self {
             coordinate,
             part,
-            is_reversed,
             value: 0.0,
             refreshed: 0.0,
             direction: Vec3::ZERO,
-            linear: Vec3::ZERO,
-            angular: [Vec3::ZERO; 2],
             law: Law::default(),
             compliance: 0.0,
+            stiffness: 0.0,
             response: 0.0,
             softness: 0.0,
             impulse: 0.0,
             late: 0.0,
             turned: 0.0,
             bound: Bound::Free,
-            place: None,
+            is_factorized: false,
             border: None,
             is_released: false,
             yields: 1.0,
             rounding: 0.0,
             lack: 0.0,
+            left: 0.0,
         }
     }
 
@@ -119,40 +119,50 @@ impl Row {
         self.is_released
     }
 
+    #[inline]
     pub fn is_angular(&self) -> bool {
         is_angular(self.coordinate)
     }
 
-    /// Its row over the velocities of a side.
-    pub fn numbers(&self, side: usize) -> [f64; 6] {
-        let sign = if side == 0 { -1.0 } else { 1.0 };
-        let [a, b] = [self.linear, self.angular[side]].map(|v| (sign * v).as_dvec3());
-        [a.x, a.y, a.z, b.x, b.y, b.z]
+    /// Its rate for the relative velocities of its bodies.
+    #[inline]
+    pub fn rate(&self, relative: &[Vec3; 2]) -> f32 {
+        self.direction.dot(relative[usize::from(self.is_angular())])
     }
 
-    /// Its rate for linear and angular velocities of A and B.
-    pub fn rate(&self, [a, b]: [[Vec3; 2]; 2]) -> f32 {
-        self.linear.dot(b[0] - a[0]) + (self.angular[1].dot(b[1]) - self.angular[0].dot(a[1]))
-    }
-
-    /// The push and the moment of an impulse on a side.
-    pub fn wrench(&self, side: usize, impulse: f32) -> [Vec3; 2] {
-        let impulse = if side == 0 { -impulse } else { impulse };
-        [impulse * self.linear, impulse * self.angular[side]]
-    }
-
-    /// Whether it is solved for and has no place in the factorized system, or the other way round.
+    /// Whether it is solved for and not a part of the factorized system, or the other way round.
+    #[inline]
     pub fn is_moved(&self) -> bool {
-        self.place.is_some() != (self.bound == Bound::Free)
+        self.stiffness > 0.0 && self.is_factorized != (self.bound == Bound::Free)
+    }
+
+    /// The change of its impulse, if a bound holds it.
+    #[inline]
+    pub fn given_change(&self) -> Option<f64> {
+        (self.bound != Bound::Free).then(|| self.fixed_change() as f64)
+    }
+
+    /// The change of its impulse in the solve.
+    #[inline]
+    pub fn change(&self) -> f32 {
+        match self.bound {
+            Bound::Free => (self.left * self.stiffness) as f32,
+            _ => self.fixed_change(),
+        }
     }
 
     /// Sets its direction from its coordinate.
-    fn aim(&mut self, geometry: &Geometry, ends: [&Member; 2]) {
+    #[inline]
+    fn aim(&mut self, geometry: &Geometry) {
         let found = geometry.coordinate(self.coordinate);
         (self.value, self.refreshed) = (found.value, found.value);
         self.direction = found.direction;
-        (self.linear, self.angular) = geometry.jacobian(self.coordinate, self.direction);
-        let response = |side: usize| ends[side].response(self.linear, self.angular[side]);
+    }
+
+    /// Finds the inverse effective mass of its bodies.
+    fn find_response(&mut self, geometry: &Geometry, ends: [&Member; 2]) {
+        let (linear, angular) = geometry.jacobian(self.coordinate, self.direction);
+        let response = |side: usize| ends[side].response(linear, angular[side]);
         self.response = response(0) + response(1);
     }
 
@@ -160,11 +170,10 @@ impl Row {
     fn aim_as(&mut self, other: &Self) {
         (self.value, self.refreshed) = (other.value, other.refreshed);
         self.direction = other.direction;
-        (self.linear, self.angular) = (other.linear, other.angular);
-        self.response = other.response;
     }
 
     /// Updates its law.
+    #[inline]
     fn ask(&mut self, joint: &JointConstraint, times: &Times) {
         let before = self.law.bounds;
         // Within a step, nothing of the law of friction changes, and of a locked coordinate only the rate.
@@ -207,6 +216,7 @@ impl Row {
     }
 
     /// The coordinate, beyond the rounding of poses.
+    #[inline]
     fn error(&self, joint: &JointConstraint) -> f32 {
         match joint.section {
             Some(_) => {
@@ -228,9 +238,15 @@ impl Row {
             Part::Hold => least,
             _ => self.law.compliance.max(least / DRIVEN),
         };
+        // A row between bodies that do not yield to it has no part in the solve.
+        self.stiffness = match softness > 0.0 {
+            true => 1.0 / self.compliance as f64,
+            false => 0.0,
+        };
     }
 
     /// The change that brings its impulse to the bound that holds it.
+    #[inline]
     pub fn fixed_change(&self) -> f32 {
         let [low, high] = self.law.bounds;
         match self.bound {
@@ -241,29 +257,33 @@ impl Row {
     }
 
     /// Takes over a change of its impulse in a rigid sweep: how much of it is due to the turning of arms.
+    #[inline]
     pub fn count_late(&mut self, change: f32) {
         if self.lack != 0.0 {
             self.late += (self.turned / self.lack).abs().min(1.0) * change;
         }
     }
 
-    /// Finds the rate that it lacks, from the velocities of A and B now and the bend of their way.
-    pub fn find_lack(&mut self, soft: bool, h: f32, bend: &Bend, velocities: [[Vec3; 2]; 2]) {
+    /// Finds the rate that it lacks, from the relative velocities of its bodies now and the bend of their way.
+    #[inline]
+    pub fn find_lack(&mut self, soft: bool, h: f32, bend: &Bend, relative: &[Vec3; 2]) {
         let mut wanted = self.law.rigid;
         if soft {
             wanted += self.correction();
         }
         if self.law.is_held {
-            self.turned = h * bend.curvature(self.coordinate, self.direction);
-            wanted -= bend.inward_rate(self.coordinate, self.direction, h);
+            let curvature = bend.curvature(self.coordinate, self.direction);
+            self.turned = h * curvature;
+            wanted -= Bend::inward_rate(curvature, h);
         }
         if self.part != Part::Hold {
             wanted -= self.compliance * self.impulse;
         }
-        self.lack = wanted - self.rate(velocities);
+        self.lack = wanted - self.rate(relative);
     }
 
     /// The rate that it asks for in a soft sweep and not in a rigid one: it corrects an error of position, and yields to its force.
+    #[inline]
     fn correction(&self) -> f32 {
         if self.part != Part::Hold {
             return 0.0;
@@ -276,6 +296,7 @@ impl Row {
 
 impl Row {
     /// Whether a solve would change nothing that counts, in a soft and in a rigid sweep, given what it lacks in one of them.
+    #[inline]
     pub fn is_content(&self, soft: bool, slack: f32) -> bool {
         let slack = slack + ROUNDING * self.response * self.impulse.abs();
         let between = self.correction();
@@ -300,22 +321,23 @@ impl Link {
             rows,
             geometry,
             refreshed: [[Vec3::ZERO; 2]; 2],
+            bears_move: 0.0,
         }
     }
 
     /// Whether its directions are stale.
+    #[inline]
     pub fn is_stale(&self, members: &[Member]) -> bool {
         let [a, b] = self.motions(members);
         let turned = a[1].length_squared().max(b[1].length_squared());
         let [one, other] = self.ends.map(|end| members[end].bears_turn);
         let most = one.min(other);
-        let Geometry { arms, gap, .. } = self.geometry;
-        let moved = (b[0] + b[1].cross(arms[1])) - (a[0] + a[1].cross(arms[0]));
-        let size = arms[0].length() + arms[1].length() + gap.length();
-        turned > most * most || moved.length_squared() > (MOVED * size).powi(2)
+        let [moved, _] = self.relative([a, b]);
+        turned > most * most || moved.length_squared() > self.bears_move * self.bears_move
     }
 
     /// The motions of A and B since the last refresh, m and rad.
+    #[inline]
     fn motions(&self, members: &[Member]) -> [[Vec3; 2]; 2] {
         [0, 1].map(|side| {
             let now = members[self.ends[side]].drifted;
@@ -328,6 +350,8 @@ impl Link {
         let ends = self.ends.map(|end| &members[end]);
         self.geometry = Geometry::new(joint, ends.map(|end| end.placement));
         self.refreshed = ends.map(|end| end.drifted);
+        let Geometry { arms, gap, .. } = self.geometry;
+        self.bears_move = MOVED * (arms[0].length() + arms[1].length() + gap.length());
         let rows = &mut rows[self.rows.clone()];
         for i in 0..rows.len() {
             let (before, after) = rows.split_at_mut(i);
@@ -335,16 +359,55 @@ impl Link {
                 Some(before) if before.coordinate == after[0].coordinate => {
                     after[0].aim_as(before);
                 }
-                _ => after[0].aim(&self.geometry, ends),
+                _ => after[0].aim(&self.geometry),
             }
         }
     }
 
-    /// Updates coordinates along the directions of the last refresh.
-    pub fn follow(&self, rows: &mut [Row], members: &[Member]) {
-        let motions = self.motions(members);
+    /// Finds the inverse effective masses of its rows. They give rows their compliances, which stay for a step.
+    pub fn find_responses(&self, rows: &mut [Row], members: &[Member]) {
+        let ends = self.ends.map(|end| &members[end]);
         for row in &mut rows[self.rows.clone()] {
-            row.value = row.refreshed + row.rate(motions);
+            row.find_response(&self.geometry, ends);
+        }
+    }
+
+    /// Updates coordinates along the directions of the last refresh.
+    #[inline]
+    pub fn follow(&self, rows: &mut [Row], members: &[Member]) {
+        let relative = self.relative(self.motions(members));
+        for row in &mut rows[self.rows.clone()] {
+            row.value = row.refreshed + row.rate(&relative);
+        }
+    }
+
+    /// The velocity of B relative to A at the anchor of B, and the relative angular velocity, for velocities of A and B.
+    #[inline]
+    pub fn relative(&self, [a, b]: [[Vec3; 2]; 2]) -> [Vec3; 2] {
+        let arms = self.geometry.arms;
+        [
+            (b[0] + b[1].cross(arms[1])) - (a[0] + a[1].cross(arms[0])),
+            b[1] - a[1],
+        ]
+    }
+
+    /// The impulse and the angular impulse of its rows on B, at the anchor of B.
+    #[inline]
+    pub fn impulse(&self, rows: &[Row]) -> [Vec3; 2] {
+        let mut sums = [Vec3::ZERO; 2];
+        for row in &rows[self.rows.clone()] {
+            sums[usize::from(row.is_angular())] += row.impulse * row.direction;
+        }
+        sums
+    }
+
+    /// The push and the moment on a side, of an impulse and an angular impulse on B at the anchor of B.
+    #[inline]
+    pub fn wrench(&self, side: usize, [push, turn]: [Vec3; 2]) -> [Vec3; 2] {
+        let moment = self.geometry.arms[side].cross(push) + turn;
+        match side {
+            0 => [-push, -moment],
+            _ => [push, moment],
         }
     }
 

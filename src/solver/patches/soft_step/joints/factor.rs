@@ -462,10 +462,10 @@ mod tests {
         for &[a, b] in edges {
             let coupling = factor.coupling([a, b]);
             let (block, is_transposed) = factor.coupled(coupling);
-            for j in 0..SIZE {
+            for (j, entries) in block.iter_mut().enumerate() {
                 for i in 0..SIZE {
                     let number = rng.f64() - 0.5;
-                    block[j][i / 3][i % 3] += number;
+                    entries[i / 3][i % 3] += number;
                     let [row, column] = if is_transposed { [a, b] } else { [b, a] };
                     let [row, column] = [SIZE * row + i, SIZE * column + j];
                     dense[row][column] += number;

@@ -29,6 +29,7 @@ mod levels;
 mod need;
 mod pairs;
 mod partition;
+mod rising;
 mod sleeping;
 #[cfg(test)]
 pub(crate) mod tests;

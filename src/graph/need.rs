@@ -17,7 +17,7 @@
 
 use super::ConstraintGraph;
 use super::edges::{EdgeKind, Link};
-use super::waking::Rising;
+use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse};
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
 use bevy_ecs::prelude::*;

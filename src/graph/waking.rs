@@ -11,49 +11,11 @@ use super::ConstraintGraph;
 use super::edges::EdgeKind;
 use super::islands::Islands;
 use super::need::{Need, Wrench};
+use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, Sleeping, Velocity};
 use crate::settings::Waking;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
-
-/// Sleeping bodies that are to wake.
-#[derive(Default)]
-pub(super) struct Rising {
-    marked: FixedBitSet,
-    pub slots: Vec<u32>,
-}
-
-impl Rising {
-    /// Adds a body if it sleeps and has not been added yet.
-    pub fn add(&mut self, table: &BodyTable, slot: u32) {
-        let sleeps = |body: &BodyState| body.is_dynamic() && body.asleep;
-        if table.get(slot).is_some_and(sleeps) {
-            self.marked.grow(slot as usize + 1);
-            if !self.marked.put(slot as usize) {
-                self.slots.push(slot);
-            }
-        }
-    }
-
-    /// Returns true if the body was added.
-    pub fn contains(&self, slot: u32) -> bool {
-        self.marked.contains(slot as usize)
-    }
-
-    /// Adds all sleeping bodies that are connected by links of some kinds with those from an index on, over sleeping bodies.
-    fn flood(
-        &mut self,
-        (graph, table): (&ConstraintGraph, &BodyTable),
-        mut from: usize,
-        spreads: impl Fn(EdgeKind) -> bool,
-    ) {
-        while let Some(&slot) = self.slots.get(from) {
-            let links = graph.links_of(slot).filter(|link| spreads(link.kind));
-            links.for_each(|link| self.add(table, link.other(slot)));
-            from += 1;
-        }
-    }
-}
 
 impl Islands {
     /// Finds the sleeping bodies that wake in this step, and keeps the accounts of those that go on sleeping beside awake bodies.

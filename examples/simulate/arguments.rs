@@ -318,7 +318,7 @@ mod tests {
             let text = error.to_string();
             assert_eq!(error.exit_code(), 2, "{text}");
             assert!(
-                text.contains("--scene") && text.contains(name) && text.contains("100000 bodies"),
+                text.contains("--scene") && text.contains(name) && text.contains("200000 bodies"),
                 "{text}"
             );
         }

@@ -250,8 +250,7 @@ impl Order {
         let links = links.filter(|link| link.kind == EdgeKind::Contact);
         self.lower.clear();
         self.lower.extend(links.filter_map(|link| {
-            let [a, b] = link.slots;
-            let other = if a == body.slot { b } else { a };
+            let other = link.other(body.slot);
             let rank = match self.local[other as usize] {
                 u32::MAX => from.table.get(other)?.spawn_order.0 & !MOVES,
                 other => MOVES | other as u64,

@@ -1,10 +1,11 @@
 //! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies that
 //! have [`ContactEvents`].
 
-use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold};
-use crate::body::{BodyTable, Inactive, SpawnOrder};
+use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, Part};
+use crate::body::{BodyTable, SpawnOrder};
+use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
-use bevy_ecs::entity::{EntityMapper, MapEntities};
+use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
@@ -132,8 +133,12 @@ impl MapEntities for Untriggered {
 
 /// Sends [`ContactStarted`] and [`ContactEnded`]. With several substeps it does so once, for the whole step.
 pub fn contact_events(
-    mut pairs: Query<(Entity, &mut ContactPair, &Manifold, &ContactImpulses), Without<Inactive>>,
+    mut pairs: Query<(
+        Entity,
+        (Entity, &mut ContactPair, &Manifold, &ContactImpulses),
+    )>,
     (table, time): (Res<BodyTable>, Res<StepTime>),
+    (graph, places): (Res<ConstraintGraph>, &Entities),
     mut removed: ResMut<EndedPairs>,
     mut started: MessageWriter<ContactStarted>,
     mut ended: MessageWriter<ContactEnded>,
@@ -144,20 +149,30 @@ pub fn contact_events(
     }
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
-    for (entity, mut pair, manifold, impulses) in &mut pairs {
-        let touches = pair.touching || !pair.is_apart() && impulses.normal() > 0.0;
-        if touches != pair.announced() {
-            let pair = pair.bypass_change_detection();
-            pair.set_announced(touches);
-            if touches {
-                let impulse = impulses.normal();
-                let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
-                let hit = Hit::of(center, manifold, impulses);
-                let colliders = pair.colliders(manifold.main_parts(impulses), &table);
-                let of = (pair.bodies, pair.slots, colliders, entity);
-                begins.push((pair.spawn_orders, of, impulse, hit));
-            } else {
-                ends.push((pair.spawn_orders, pair.bodies));
+    let mut look =
+        |entity, pair: &mut ContactPair, manifold: &Manifold, impulses: &ContactImpulses| {
+            let touches = pair.touching || !pair.is_apart() && impulses.normal() > 0.0;
+            if touches != pair.announced() {
+                pair.set_announced(touches);
+                if touches {
+                    let impulse = impulses.normal();
+                    let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
+                    let hit = Hit::of(center, manifold, impulses);
+                    let colliders = pair.colliders(manifold.main_parts(impulses), &table);
+                    let of = (pair.bodies, pair.slots, colliders, entity);
+                    begins.push((pair.spawn_orders, of, impulse, hit));
+                } else {
+                    ends.push((pair.spawn_orders, pair.bodies));
+                }
+            }
+        };
+    let tables = pairs.contiguous_iter_mut();
+    for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(entities, places) {
+            let (entities, mut pairs, manifolds, impulses) = columns.part(rows);
+            let rows = pairs.bypass_change_detection().iter_mut().zip(entities);
+            for (((pair, &entity), manifold), impulses) in rows.zip(manifolds).zip(impulses) {
+                look(entity, pair, manifold, impulses);
             }
         }
     }

@@ -65,7 +65,7 @@ impl Default for ContactForceEvents {
 }
 
 /// Reports that two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. The event is sent in every such
-/// step. If both bodies have the component, one event is sent for each. [Inactive](crate::body::Inactive) pairs are not reported, because their
+/// step. If both bodies have the component, one event is sent for each. Pairs of two [inactive](crate::body::Inactive) bodies are not reported, because their
 /// forces do not change.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Message, Debug)]
@@ -92,7 +92,7 @@ pub struct ContactForce {
 /// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it runs once, for the whole step.
 pub fn contact_forces(
     askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Inactive>>,
-    pairs: Query<(&ContactPair, &Manifold, &ContactImpulses), Without<Inactive>>,
+    pairs: Query<(&ContactPair, &Manifold, &ContactImpulses)>,
     (table, graph, time): (Res<BodyTable>, Res<ConstraintGraph>, Res<StepTime>),
     mut messages: MessageWriter<ContactForce>,
     mut untriggered: ResMut<Untriggered>,
@@ -109,6 +109,9 @@ pub fn contact_forces(
             let Ok((ends, manifold, impulses)) = pairs.get(pair) else {
                 continue;
             };
+            if !graph.is_active(ends.edge) {
+                continue;
+            }
             let impulse = impulses.normal();
             let normal_force = impulse / time.whole();
             if impulse <= 0.0

@@ -89,7 +89,6 @@ type Pair = (
     &'static Manifold,
     &'static ContactImpulses,
     &'static ContactAnchors,
-    Has<Inactive>,
 );
 
 /// System parameter for the contact forces between bodies. Outside of a system use [`contacts`].
@@ -178,8 +177,8 @@ impl Contacts<'_, '_> {
     pub(super) fn neighbours(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 8]> {
         let mut found = SmallVec::<[_; 8]>::new();
         for pair in self.graph.edges_of(slot) {
-            if let Ok((pair, manifold, impulses, _, rests)) = self.pairs.get(pair)
-                && let Some(force) = self.whole(manifold, impulses, rests)
+            if let Ok((pair, manifold, impulses, _)) = self.pairs.get(pair)
+                && let Some(force) = self.whole(manifold, impulses, self.rests(pair))
             {
                 let of_a = pair.slots[0] == slot;
                 let by = pair.bodies[usize::from(of_a)];
@@ -230,6 +229,11 @@ impl Contacts<'_, '_> {
         (normal_force > 0.0).then_some(force)
     }
 
+    /// Returns true if the stages do not visit a pair. Its impulses are then those of an earlier step.
+    fn rests(&self, pair: &ContactPair) -> bool {
+        !self.graph.is_active(pair.edge)
+    }
+
     /// The factor that converts the impulses of a pair into forces, 1/s. `None` for inactive pairs, which have no new impulses and keep their
     /// forces.
     fn per_second(&self, rests: bool) -> Option<f32> {
@@ -244,7 +248,7 @@ impl Contacts<'_, '_> {
 
     /// Adds the forces of a pair on one of its bodies.
     fn faces(&self, pair: Entity, on: Entity, faces: &mut Vec<FaceForce>) {
-        let Ok((pair, manifold, impulses, anchors, rests)) = self.pairs.get(pair) else {
+        let Ok((pair, manifold, impulses, anchors)) = self.pairs.get(pair) else {
             return;
         };
         let Some(a) = self.table.get(pair.slots[0]) else {
@@ -255,7 +259,7 @@ impl Contacts<'_, '_> {
         if self.slot(by).is_err() {
             return;
         }
-        let per_second = self.per_second(rests);
+        let per_second = self.per_second(self.rests(pair));
         for (number, patch) in manifold.patches.iter().enumerate() {
             let range = manifold.range(patch);
             let given = PatchForce::at(impulses, range.clone(), number, per_second);

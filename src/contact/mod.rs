@@ -19,6 +19,7 @@ mod hooks;
 mod lists;
 mod moving_surfaces;
 mod origins;
+mod part;
 mod supports;
 mod whole_step;
 
@@ -37,6 +38,7 @@ pub use hooks::{ActiveContactHooks, ContactHook, ContactHooks, ContactModificati
 pub(crate) use lists::{Lists, fit, reorder};
 pub use moving_surfaces::MovingSurfaces;
 pub(crate) use origins::{Origins, inherit};
+pub(crate) use part::Part;
 pub use supports::{Bearing, Supports, supports};
 pub(crate) use whole_step::Earlier;
 pub use whole_step::whole_step;

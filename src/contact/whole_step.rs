@@ -5,7 +5,7 @@
 
 use super::lists::fit_sums;
 use super::{ContactImpulses, ImpulseSum, Manifold, Origins};
-use crate::body::Inactive;
+use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -106,13 +106,16 @@ impl ImpulseSum {
 
 /// After the last substep, adds the impulses of the earlier ones to those of the last.
 pub fn whole_step(
-    time: Res<StepTime>,
-    mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Inactive>>,
+    (time, graph): (Res<StepTime>, Res<ConstraintGraph>),
+    mut pairs: Query<(&Manifold, &mut ContactImpulses)>,
 ) {
     if time.substeps == 1 || !time.is_last() {
         return;
     }
-    for (manifold, mut impulses) in &mut pairs {
-        impulses.bypass_change_detection().add_up(manifold);
+    let mut active = pairs.iter_many_mut(graph.active_pairs());
+    while let Some(pair) = active.fetch_next() {
+        if let Ok((manifold, mut impulses)) = pair {
+            impulses.bypass_change_detection().add_up(manifold);
+        }
     }
 }

@@ -1,10 +1,11 @@
 //! Deactivation and activation: island by island, sleeping and still bodies get the marker [`Inactive`], which removes them from the queries
-//! of the stages. Bodies that are disturbed become active again.
+//! of the stages, and their pairs leave the list of [active pairs](super::active). Bodies that are disturbed become active again.
 //!
 //! A body becomes inactive in the step after it fell asleep. A pair becomes inactive in the step after both of its bodies did, once its last
 //! events were sent. A body that is disturbed becomes active with all of its pairs, so a pair is inactive only if both of its bodies are.
 
 use super::ConstraintGraph;
+use super::active::find_active_rows;
 use crate::body::{BodyTable, Inactive};
 use bevy_ecs::prelude::*;
 
@@ -12,7 +13,8 @@ use bevy_ecs::prelude::*;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Deactivation {
     pub bodies: Vec<(u32, Entity)>,
-    pub pairs: Vec<(Entity, [u32; 2])>,
+    /// The numbers of their edges, and the slots of their bodies.
+    pub pairs: Vec<(u32, [u32; 2])>,
 }
 
 impl Deactivation {
@@ -27,19 +29,22 @@ pub(super) fn deactivate(world: &mut World, Deactivation { bodies, pairs }: Deac
     for &(slot, _) in &bodies {
         table.set_inactive(slot, true);
     }
-    // Some bodies may have become active in the meantime.
-    let rest = |slots: [u32; 2]| slots.into_iter().all(|slot| table.is_inactive(slot));
-    let pairs = pairs.into_iter().filter(|&(_, slots)| rest(slots));
-    let all = bodies.iter().map(|&(_, body)| body);
-    let all: Vec<Entity> = all.chain(pairs.map(|(pair, _)| pair)).collect();
+    let marked = bodies.iter().map(|&(_, body)| (body, Inactive::new()));
+    let marked: Vec<_> = marked.collect();
     // The stage *prepare* notices entities that do not exist any more.
-    let _ = world.try_insert_batch(all.into_iter().map(|entity| (entity, Inactive::new())));
+    let _ = world.try_insert_batch(marked);
     world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
         let table = world.resource::<BodyTable>();
+        // Some bodies may have become active in the meantime.
+        let rest = |slots: [u32; 2]| slots.into_iter().all(|slot| table.is_inactive(slot));
+        for (edge, _) in pairs.into_iter().filter(|&(_, slots)| rest(slots)) {
+            graph.set_active(edge, false);
+        }
         for (slot, _) in bodies {
             graph.settle(slot, |other| table.is_inactive(other));
         }
     });
+    find_active_rows(world);
 }
 
 /// Makes bodies that were marked as dirty active, together with their pairs. Part of the stages *prepare*, *broadphase* and *islands*.
@@ -59,16 +64,15 @@ pub fn activate(world: &mut World) {
         }
     }
     let mut graph = world.resource_mut::<ConstraintGraph>();
-    let mut marked: Vec<Entity> = Vec::new();
-    for &(slot, body) in &risen {
-        marked.push(body);
-        marked.extend(graph.edges_of(slot));
+    for &(slot, _) in &risen {
+        graph.activate_contacts_of(slot);
         // Edits of an inactive pair have not been checked yet.
         graph.report_all_of(slot);
     }
-    for entity in marked {
-        if let Ok(mut entity) = world.get_entity_mut(entity) {
-            entity.remove::<Inactive>();
+    for (_, body) in risen {
+        if let Ok(mut body) = world.get_entity_mut(body) {
+            body.remove::<Inactive>();
         }
     }
+    find_active_rows(world);
 }

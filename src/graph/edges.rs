@@ -9,6 +9,7 @@
 //!
 //! The cost of every operation depends only on the number of neighbours of the bodies involved, not on the size of the graph.
 
+use super::active::ActiveRows;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
@@ -77,7 +78,12 @@ struct Edge {
     entity: Entity,
     /// Index of the edge in the list of each body.
     places: [u32; 2],
+    /// Index in the list of active contacts; [`INACTIVE`] if it is not there.
+    active: u32,
 }
+
+/// The edge is an inactive contact, or no contact.
+const INACTIVE: u32 = u32::MAX;
 
 impl Edge {
     /// The end (0 or 1) at which the body with this slot is.
@@ -129,6 +135,11 @@ pub struct ConstraintGraph {
     reported: Vec<(u32, bool)>,
     /// Edges whose bodies are both inactive, so that the edge may become inactive too.
     pub(super) settling: Vec<(u32, Entity)>,
+    /// Numbers of the contacts that the stages visit.
+    active: Vec<u32>,
+    /// Derived from `active`, unless the flag says that it has changed.
+    pub(super) active_rows: ActiveRows,
+    pub(super) active_rows_changed: bool,
 }
 
 impl MapEntities for ConstraintGraph {
@@ -139,10 +150,62 @@ impl MapEntities for ConstraintGraph {
         for (_, entity) in &mut self.settling {
             entity.map_entities(mapper);
         }
+        self.active_rows_changed = true;
     }
 }
 
 impl ConstraintGraph {
+    /// The pairs that the stages visit: all but those of two [inactive](crate::body::Inactive) bodies. A pair becomes inactive in the step after its
+    /// bodies.
+    pub fn active_pairs(&self) -> impl ExactSizeIterator<Item = Entity> {
+        let edges = self.active.iter();
+        edges.map(|&edge| self.edges[edge as usize].entity)
+    }
+
+    /// Number of inactive pairs.
+    pub(super) fn inactive_count(&self) -> usize {
+        self.known.len() - self.active.len()
+    }
+
+    /// Returns true if the stages visit the pair with this edge.
+    pub(crate) fn is_active(&self, edge: u32) -> bool {
+        let edge = self.edges.get(edge as usize);
+        edge.is_some_and(|edge| edge.exists && edge.active != INACTIVE)
+    }
+
+    /// Makes the pair of an existing edge active or inactive.
+    pub(super) fn set_active(&mut self, edge: u32, active: bool) {
+        let at = self.edges[edge as usize].active;
+        if (at != INACTIVE) == active {
+            return;
+        }
+        self.active_rows_changed = true;
+        if active {
+            self.edges[edge as usize].active = self.active.len() as u32;
+            self.active.push(edge);
+        } else {
+            self.edges[edge as usize].active = INACTIVE;
+            self.active.swap_remove(at as usize);
+            if let Some(&moved) = self.active.get(at as usize) {
+                self.edges[moved as usize].active = at;
+            }
+        }
+    }
+
+    /// Makes the contacts of a body active.
+    pub(super) fn activate_contacts_of(&mut self, slot: u32) {
+        for at in 0..self
+            .nodes
+            .get(slot as usize)
+            .map_or(0, |node| node.edges.len())
+        {
+            let edge = self.nodes[slot as usize].edges[at];
+            if self.edges[edge as usize].kind == EdgeKind::Contact {
+                self.set_active(edge, true);
+            }
+        }
+    }
+
     /// Number of edges.
     pub fn edge_count(&self) -> usize {
         self.edges.len() - self.free.len()
@@ -242,10 +305,14 @@ impl ConstraintGraph {
             slots,
             entity: Entity::PLACEHOLDER,
             places,
+            active: INACTIVE,
         };
         match self.edges.get_mut(number as usize) {
             Some(free) => *free = edge,
             None => self.edges.push(edge),
+        }
+        if kind == EdgeKind::Contact {
+            self.set_active(number, true);
         }
         Some(number)
     }
@@ -278,6 +345,7 @@ impl ConstraintGraph {
             return;
         }
         self.set_links(edge, false);
+        self.set_active(edge, false);
         let Edge {
             kind,
             slots,

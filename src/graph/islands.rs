@@ -10,12 +10,12 @@ use super::activation::{Deactivation, activate, deactivate};
 use super::levels::{Kind, Levels};
 use super::need::{Accounts, Forces, Impulses, Need};
 use super::partition::Partition;
-use crate::body::{BodyState, BodyTable, Inactive, Sleeping, SpawnOrder};
-use crate::contact::{ContactPair, LostPairs, Manifold};
+use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder};
+use crate::contact::{ContactPair, LostPairs, Manifold, Part};
 use crate::revision::Revision;
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_ecs::change_detection::Tick;
-use bevy_ecs::entity::{EntityMapper, MapEntities};
+use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use bevy_reflect::Reflect;
@@ -90,9 +90,6 @@ impl MapEntities for Islands {
         for (_, body) in &mut self.deactivation.bodies {
             body.map_entities(mapper);
         }
-        for (pair, _) in &mut self.deactivation.pairs {
-            pair.map_entities(mapper);
-        }
         self.revision = Revision::next();
         self.recent.since = None;
         self.partition.mark_all(self.revision);
@@ -154,9 +151,8 @@ struct Update {
     activity_changed: Vec<u32>,
 }
 
-/// The active pairs.
 pub(super) type Pairs<'w, 's> =
-    Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>), Without<Inactive>>;
+    Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>)>;
 
 impl Islands {
     /// The island of an awake body, by its slot: a number below [`Self::count`]. `None` if the body is not dynamic or sleeps.
@@ -263,12 +259,13 @@ pub fn islands(
     lost: Res<LostPairs>,
     (pairs, forces, impulses): (Pairs, Forces, Impulses),
     (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
-    mut sleepers: Query<&mut Sleeping>,
+    (mut sleepers, places): (Query<&mut Sleeping>, &Entities),
 ) {
     let (graph, islands) = (&mut *graph, &mut *islands);
     islands.begin();
     graph.forget(&lost);
-    graph.report(edited(&pairs));
+    let edited = edited(graph, &pairs, places);
+    graph.report(edited);
     std::mem::swap(&mut islands.parted, &mut graph.parted);
     graph.parted.clear();
     islands.changed_kind.clear();
@@ -318,20 +315,23 @@ pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
     });
 }
 
-/// Edges of contacts whose manifold was written since the stage ran last, by change detection.
-fn edited(pairs: &Pairs) -> Vec<(u32, bool)> {
+/// Edges of active contacts whose manifold was written since the stage ran last, by change detection.
+fn edited(graph: &ConstraintGraph, pairs: &Pairs, places: &Entities) -> Vec<(u32, bool)> {
     /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
     const CHUNK: usize = 64;
     let mut found = Vec::new();
     let tables = pairs.contiguous_iter();
-    for (_, pairs, manifolds) in tables.expect("pair components are stored in tables") {
-        let (last, this) = (manifolds.last_run_tick(), manifolds.this_run_tick());
-        let is_new = |tick: &Tick| tick.is_newer_than(last, this);
-        let chunks = manifolds.changed_ticks_slice().chunks(CHUNK);
-        for (ticks, pairs) in chunks.zip(pairs.chunks(CHUNK)) {
-            if ticks.iter().fold(false, |any, tick| any | is_new(tick)) {
-                let new = ticks.iter().zip(pairs).filter(|(tick, _)| is_new(tick));
-                found.extend(new.map(|(_, pair)| (pair.edge, false)));
+    for mut table in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(table.0, places) {
+            let (_, pairs, manifolds) = table.part(rows);
+            let (last, this) = (manifolds.last_run_tick(), manifolds.this_run_tick());
+            let is_new = |tick: &Tick| tick.is_newer_than(last, this);
+            let chunks = manifolds.changed_ticks_slice().chunks(CHUNK);
+            for (ticks, pairs) in chunks.zip(pairs.chunks(CHUNK)) {
+                if ticks.iter().fold(false, |any, tick| any | is_new(tick)) {
+                    let new = ticks.iter().zip(pairs).filter(|(tick, _)| is_new(tick));
+                    found.extend(new.map(|(_, pair)| (pair.edge, false)));
+                }
             }
         }
     }
@@ -342,7 +342,8 @@ impl Islands {
     /// Checks the reported contacts: whether they link their bodies, and whether those have parted.
     pub(super) fn look(&mut self, graph: &mut ConstraintGraph, pairs: &Pairs) {
         for (edge, parted) in graph.take_reported() {
-            if let Some(entity) = graph.entity(edge)
+            if graph.is_active(edge)
+                && let Some(entity) = graph.entity(edge)
                 && let Ok((_, pair, manifold)) = pairs.get(entity)
             {
                 if parted {
@@ -566,12 +567,12 @@ impl ConstraintGraph {
         table: &BodyTable,
         pairs: &Pairs,
         time: &StepTime,
-    ) -> Vec<(Entity, [u32; 2])> {
+    ) -> Vec<(u32, [u32; 2])> {
         let mut idle = Vec::new();
         let mut settling = std::mem::take(&mut self.settling);
         settling.retain(|&(edge, entity)| {
             let pair = pairs.get(entity).ok();
-            let pair = pair.filter(|_| self.entity(edge) == Some(entity));
+            let pair = pair.filter(|_| self.entity(edge) == Some(entity) && self.is_active(edge));
             let Some((_, pair, _)) = pair else {
                 return false;
             };
@@ -581,7 +582,7 @@ impl ConstraintGraph {
             // Contact events are sent at the end of a whole step, so a pair may become inactive only in the first substep of the next.
             let settled = pair.is_idle() && time.substep == 0;
             if settled {
-                idle.push((entity, pair.slots));
+                idle.push((edge, pair.slots));
             }
             !settled
         });

@@ -23,6 +23,7 @@
 //! The graph lies above the broadphase and the components of contacts, and below all code that asks how bodies are connected.
 
 mod activation;
+mod active;
 mod edges;
 mod islands;
 mod levels;

@@ -6,6 +6,7 @@
 
 use super::ConstraintGraph;
 use super::activation::activate;
+use super::active::find_active_rows;
 use super::edges::EdgeKind;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::broadphase::Broadphase;
@@ -94,6 +95,7 @@ pub fn pair_changes(
     });
     tell(world, &lost);
     activate(world);
+    find_active_rows(world);
 }
 
 /// Ends pairs whose bodies no longer collide, after the *broadphase*.
@@ -109,6 +111,7 @@ pub(crate) fn end_pairs(world: &mut World, pairs: &EntityHashSet) {
     );
     world.resource_mut::<ConstraintGraph>().forget(&lost);
     tell(world, &lost);
+    find_active_rows(world);
 }
 
 /// Notes that [`ContactEnded`](crate::contact::ContactEnded) must be sent for lost pairs.

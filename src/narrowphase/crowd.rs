@@ -7,7 +7,7 @@
 //! Only overlaps deeper than those in any structure count, so that bodies on a large floor or in a bowl are not a crowd.
 
 use super::{PairColumns, is_idle};
-use crate::body::{BodyTable, Inactive};
+use crate::body::BodyTable;
 use crate::contact::{ContactPair, Manifold, Origins, PairState, reorder};
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
@@ -34,7 +34,7 @@ struct DeepPair {
 /// Removes the contacts of pairs that are not among the deepest of either body; a part of the stage *narrowphase*.
 pub fn crowd(
     (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
-    mut pairs: Query<(Entity, PairColumns), Without<Inactive>>,
+    mut pairs: Query<(Entity, PairColumns)>,
     (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
 ) {
     let is_crowded = |slot: u32| graph.edges_of(slot).len() > MOST;
@@ -46,7 +46,8 @@ pub fn crowd(
         return;
     }
     let mut deep: Vec<DeepPair> = pairs
-        .iter()
+        .iter_many(graph.active_pairs())
+        .flatten()
         .filter_map(|(entity, (pair, _, manifold, ..))| {
             let depth = depth(&table, pair, manifold)?;
             Some(DeepPair {

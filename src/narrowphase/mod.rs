@@ -21,7 +21,7 @@ mod reduction;
 mod rolling;
 mod round;
 
-use crate::body::{BodyState, BodyTable, Inactive, Pose};
+use crate::body::{BodyState, BodyTable, Pose};
 #[doc(hidden)]
 pub use crowd::crowd;
 #[doc(hidden)]
@@ -29,13 +29,14 @@ pub use modify::modify_contacts;
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-    PairState, reorder, revise_edited,
+    PairState, Part, reorder, revise_edited,
 };
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
 };
+use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -58,45 +59,48 @@ pub fn narrowphase(
     gravity: Res<Gravity>,
     (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
-    mut graph: ResMut<ConstraintGraph>,
-    mut pairs: Query<PairColumns, Without<Inactive>>,
+    (mut graph, places): (ResMut<ConstraintGraph>, &Entities),
+    mut pairs: Query<(Entity, PairColumns)>,
 ) {
     let table = &*table;
     // Edges whose contact has begun or ended.
     let changed = Mutex::new(Vec::new());
     let revision = Revision::next();
-    for (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) in pairs
-        .contiguous_iter_mut()
-        .expect("pair components are stored in tables")
-    {
-        let rules = Rules {
-            stabilization: &stabilization,
-            manifolds: &manifolds,
-            time: &time,
-            fall: gravity.0.length() * time.dt,
-            edited: revise_edited!(pair, manifold),
-            revision,
-        };
-        let columns = (
-            pair.bypass_change_detection(),
-            cache.bypass_change_detection(),
-            manifold.bypass_change_detection(),
-            impulses.bypass_change_detection(),
-            anchors.bypass_change_detection(),
-            targets.bypass_change_detection(),
-        );
-        threads.each(
-            columns,
-            |(pair, cache, manifold, impulses, anchors, targets)| {
-                if let Some([a, b]) = table.both(pair.slots) {
-                    let kept = (manifold, impulses, anchors, targets);
-                    if let Some(parted) = look(&rules, [a, b], pair, cache, kept) {
-                        let mut changed = changed.lock().unwrap_or_else(PoisonError::into_inner);
-                        changed.push((pair.edge, parted));
+    let tables = pairs.contiguous_iter_mut();
+    for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(entities, places) {
+            let (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) =
+                columns.part(rows);
+            let rules = Rules {
+                stabilization: &stabilization,
+                manifolds: &manifolds,
+                time: &time,
+                fall: gravity.0.length() * time.dt,
+                edited: revise_edited!(pair, manifold),
+                revision,
+            };
+            let columns = (
+                pair.bypass_change_detection(),
+                cache.bypass_change_detection(),
+                manifold.bypass_change_detection(),
+                impulses.bypass_change_detection(),
+                anchors.bypass_change_detection(),
+                targets.bypass_change_detection(),
+            );
+            threads.each(
+                columns,
+                |(pair, cache, manifold, impulses, anchors, targets)| {
+                    if let Some([a, b]) = table.both(pair.slots) {
+                        let kept = (manifold, impulses, anchors, targets);
+                        if let Some(parted) = look(&rules, [a, b], pair, cache, kept) {
+                            let mut changed =
+                                changed.lock().unwrap_or_else(PoisonError::into_inner);
+                            changed.push((pair.edge, parted));
+                        }
                     }
-                }
-            },
-        );
+                },
+            );
+        }
     }
     graph.report(changed.into_inner().unwrap_or_else(PoisonError::into_inner));
 }

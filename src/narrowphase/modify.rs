@@ -4,7 +4,7 @@
 //! always sees all points.
 
 use super::PairColumns;
-use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Simulated, limits};
+use crate::body::{BodyIndex, BodyState, BodyTable, Simulated, limits};
 use crate::collider::SurfaceVelocity;
 use crate::contact::{
     ActiveContactHooks, ContactHook, ContactHooks, ContactModification, Manifold, MovingSurfaces,
@@ -38,7 +38,7 @@ pub fn modify_contacts(
         Res<PhysicsThreads>,
     ),
     modifying: Query<&BodyIndex, Modifying>,
-    mut pairs: Query<PairColumns, Without<Inactive>>,
+    mut pairs: Query<PairColumns>,
 ) {
     let before = surfaces.take();
     if modifying.is_empty() {

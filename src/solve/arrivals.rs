@@ -24,7 +24,7 @@ impl Solve<'_> {
             self.islands.arrives(island)
         });
         let (gravity, dt) = (self.context.gravity.0, self.context.time.dt);
-        let (contacts, _) = order.contacts(pairs, self.table);
+        let (contacts, _) = order.contacts(pairs, (self.table, self.graph));
         for (number, &id) in order.numbered().iter().enumerate() {
             let mut island = Island::default();
             island.begin(id, order.of(number), false);
@@ -87,7 +87,7 @@ impl Solve<'_> {
             island.diverged = !is_settled;
         }
         drop(contacts);
-        order.store_each(pairs, None, |stored: Stored| {
+        order.store_each(pairs, self.graph, None, |stored: Stored| {
             let island = &islands[stored.island as usize];
             if !island.diverged {
                 island.rows.store(

@@ -35,7 +35,7 @@ impl Solve<'_> {
         let points: usize = islands.iter().map(Island::points).sum();
         let threads = &*self.context.threads;
         let threads = threads.runs_in_parallel(points / LARGE).then_some(threads);
-        order.store_each(pairs, threads, |stored: Stored| {
+        order.store_each(pairs, self.graph, threads, |stored: Stored| {
             let Stored {
                 island,
                 contact,

@@ -2,16 +2,17 @@
 //! equation (11), at the poses where the contact was detected.
 
 use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
-use crate::body::{BodyState, BodyTable, Inactive};
+use crate::body::{BodyState, BodyTable};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactImpulses, ContactPair, Lists, Manifold, ManifoldPatch,
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, Lists, Manifold, ManifoldPatch, Part,
     PatchAnchor, fit, revise_edited,
 };
-use crate::graph::Islands;
+use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
     AnchorRule, Classifier, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
 };
 use crate::solver::Slip;
+use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
@@ -58,61 +59,63 @@ fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by:
 /// Writes and deletes the anchors of all pairs. Does nothing if friction stabilization is disabled.
 pub fn anchors(
     (table, islands): (Res<BodyTable>, Res<Islands>),
+    (graph, places): (Res<ConstraintGraph>, &Entities),
     (settings, time): (Res<StabilizationSettings>, Res<StepTime>),
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<
+    mut pairs: Query<(
+        Entity,
         (
             &mut ContactPair,
             Ref<Manifold>,
             &mut ContactImpulses,
             &mut ContactAnchors,
         ),
-        Without<Inactive>,
-    >,
+    )>,
 ) {
     let friction = settings.friction;
     if !friction.enabled {
         return;
     }
     let (table, woke) = (&*table, islands.woke());
-    for (mut pairs, manifolds, mut impulses, mut anchors) in pairs
-        .contiguous_iter_mut()
-        .expect("pair components are stored in tables")
-    {
-        revise_edited!(pairs, manifolds);
-        let columns = (
-            &*pairs,
-            &*manifolds,
-            impulses.bypass_change_detection(),
-            anchors.bypass_change_detection(),
-        );
-        threads.each(columns, |(pair, manifold, impulses, anchors)| {
-            // A pair that is not solved keeps its state.
-            if pair.is_idle() && !woke || pair.is_apart() {
-                return;
-            }
-            let Some([a, b]) = table.both(pair.slots) else {
-                return;
-            };
-            if !a.is_awake() && !b.is_awake() {
-                return;
-            }
-            let bodies = [a, b];
-            let by_pose = friction.anchors == AnchorRule::PairPose;
-            let lists = Lists {
-                impulses: Some((&mut *impulses, false)),
-                anchors: Some((&mut *anchors, !by_pose)),
-                ..Default::default()
-            };
-            fit(manifold, lists);
-            if by_pose {
-                hold_patches(
-                    &friction, pair, manifold, impulses, bodies, anchors, time.dt,
-                );
-            } else {
-                hold_points(&friction, pair, manifold, impulses, bodies, anchors);
-            }
-        });
+    let tables = pairs.contiguous_iter_mut();
+    for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(entities, places) {
+            let (mut pairs, manifolds, mut impulses, mut anchors) = columns.part(rows);
+            revise_edited!(pairs, manifolds);
+            let columns = (
+                &*pairs,
+                &*manifolds,
+                impulses.bypass_change_detection(),
+                anchors.bypass_change_detection(),
+            );
+            threads.each(columns, |(pair, manifold, impulses, anchors)| {
+                // A pair that is not solved keeps its state.
+                if pair.is_idle() && !woke || pair.is_apart() {
+                    return;
+                }
+                let Some([a, b]) = table.both(pair.slots) else {
+                    return;
+                };
+                if !a.is_awake() && !b.is_awake() {
+                    return;
+                }
+                let bodies = [a, b];
+                let by_pose = friction.anchors == AnchorRule::PairPose;
+                let lists = Lists {
+                    impulses: Some((&mut *impulses, false)),
+                    anchors: Some((&mut *anchors, !by_pose)),
+                    ..Default::default()
+                };
+                fit(manifold, lists);
+                if by_pose {
+                    hold_patches(
+                        &friction, pair, manifold, impulses, bodies, anchors, time.dt,
+                    );
+                } else {
+                    hold_points(&friction, pair, manifold, impulses, bodies, anchors);
+                }
+            });
+        }
     }
 }
 

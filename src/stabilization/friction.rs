@@ -3,17 +3,18 @@
 //! A point that stuck in the last step should not have moved. Its error e is the distance between the positions to which the two bodies
 //! have carried its anchor. The solver is given a tangential velocity that corrects this error.
 
-use crate::body::{BodyState, BodyTable, Inactive};
+use crate::body::{BodyState, BodyTable};
 use crate::contact::{
     Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Lists, Manifold,
-    ManifoldPatch, MovingSurfaces, PatchAnchor, Target, fit, revise_edited,
+    ManifoldPatch, MovingSurfaces, Part, PatchAnchor, Target, fit, revise_edited,
 };
-use crate::graph::Islands;
+use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
     ActiveSettings, AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings,
     StepTime,
 };
 use crate::solver::Slip;
+use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
 use glam::Vec3;
@@ -230,74 +231,76 @@ fn measure(
 /// Measures the slip of all pairs and writes it to their [`ContactTargets`].
 pub fn friction_error(
     (table, islands, surfaces): (Res<BodyTable>, Res<Islands>, Res<MovingSurfaces>),
+    (graph, places): (Res<ConstraintGraph>, &Entities),
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     solver: Res<SolverSettings>,
     (threads, active_settings): (Res<PhysicsThreads>, Res<ActiveSettings>),
-    mut pairs: Query<
+    mut pairs: Query<(
+        Entity,
         (
             &mut ContactPair,
             Ref<Manifold>,
             &mut ContactAnchors,
             &mut ContactTargets,
         ),
-        Without<Inactive>,
-    >,
+    )>,
 ) {
     let (table, settings, last) = (&*table, &*settings, time.previous_dt);
     let by_points = solver.solver.is_point_solver();
     let by_pose = settings.friction.anchors == AnchorRule::PairPose;
-    for (mut pairs, manifolds, mut anchors, mut targets) in pairs
-        .contiguous_iter_mut()
-        .expect("pair components are stored in tables")
-    {
-        revise_edited!(pairs, manifolds, anchors);
-        let activate = active_settings.changed || islands.woke();
-        let always = active_settings.changed || by_points || !by_pose;
-        let columns = (
-            &*pairs,
-            &*manifolds,
-            anchors.bypass_change_detection(),
-            targets.bypass_change_detection(),
-        );
-        threads.each(columns, |(pair, manifold, anchors, targets)| {
-            if pair.is_idle() && !activate || pair.is_apart() && !always {
-                return;
-            }
-            let Some([a, b]) = table.both(pair.slots) else {
-                return;
-            };
-            if anchors.measured == Some(pair.revision) && !a.moved && !b.moved && !always {
-                return;
-            }
-            anchors.measured = Some(pair.revision);
-            let lists = Lists {
-                anchors: Some((&mut *anchors, !by_pose)),
-                targets: Some((&mut *targets, by_points)),
-                ..Default::default()
-            };
-            fit(manifold, lists);
-            if let Some(velocity) = surfaces.get(pair.edge) {
-                slide(velocity, manifold, anchors, targets);
-                return;
-            }
-            for (i, patch) in manifold.patches.iter().enumerate() {
-                let range = manifold.range(patch);
-                let points = &manifold.points[range.clone()];
-                let held = match by_pose {
-                    true => &mut [],
-                    false => &mut anchors.points[range.clone()],
-                };
-                let anchor = &mut anchors.patches[i];
-                let slip = measure(settings, patch, [a, b], points, anchor, held, last);
-                targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
-                if by_points {
-                    let targets = &mut targets.points[range];
-                    let at = (a.center, points);
-                    demand(settings, slip, at, held, targets, time.max_recent_dt);
+    let tables = pairs.contiguous_iter_mut();
+    for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(entities, places) {
+            let (mut pairs, manifolds, mut anchors, mut targets) = columns.part(rows);
+            revise_edited!(pairs, manifolds, anchors);
+            let activate = active_settings.changed || islands.woke();
+            let always = active_settings.changed || by_points || !by_pose;
+            let columns = (
+                &*pairs,
+                &*manifolds,
+                anchors.bypass_change_detection(),
+                targets.bypass_change_detection(),
+            );
+            threads.each(columns, |(pair, manifold, anchors, targets)| {
+                if pair.is_idle() && !activate || pair.is_apart() && !always {
+                    return;
                 }
-            }
-        });
+                let Some([a, b]) = table.both(pair.slots) else {
+                    return;
+                };
+                if anchors.measured == Some(pair.revision) && !a.moved && !b.moved && !always {
+                    return;
+                }
+                anchors.measured = Some(pair.revision);
+                let lists = Lists {
+                    anchors: Some((&mut *anchors, !by_pose)),
+                    targets: Some((&mut *targets, by_points)),
+                    ..Default::default()
+                };
+                fit(manifold, lists);
+                if let Some(velocity) = surfaces.get(pair.edge) {
+                    slide(velocity, manifold, anchors, targets);
+                    return;
+                }
+                for (i, patch) in manifold.patches.iter().enumerate() {
+                    let range = manifold.range(patch);
+                    let points = &manifold.points[range.clone()];
+                    let held = match by_pose {
+                        true => &mut [],
+                        false => &mut anchors.points[range.clone()],
+                    };
+                    let anchor = &mut anchors.patches[i];
+                    let slip = measure(settings, patch, [a, b], points, anchor, held, last);
+                    targets.patches[i] = slip.map(|slip| slip.about(patch.normal, slip.center));
+                    if by_points {
+                        let targets = &mut targets.points[range];
+                        let at = (a.center, points);
+                        demand(settings, slip, at, held, targets, time.max_recent_dt);
+                    }
+                }
+            });
+        }
     }
 }
 

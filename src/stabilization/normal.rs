@@ -4,9 +4,11 @@
 //! λ_n > 0 only where the bound is reached. With [`NormalStabilization::Envelope`], c_n pushes points below the ideal plane out, and
 //! *lets points come down* that are above it but inside the envelope. Every contact settles on the ideal plane, and none flickers.
 
-use crate::body::{BodyTable, Inactive};
-use crate::contact::{ContactPair, ContactTargets, Lists, Manifold, fit};
+use crate::body::BodyTable;
+use crate::contact::{ContactPair, ContactTargets, Lists, Manifold, Part, fit};
+use crate::graph::ConstraintGraph;
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
+use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 
 /// The normal velocity after a collision, equation (2b), m/s. `u_n` is the normal velocity before it, without the forces of this step, so
@@ -87,42 +89,44 @@ pub fn leaves_envelope(
 /// Writes the normal velocities that contact points must reach to the [`ContactTargets`] of all pairs.
 pub fn normal_correction(
     table: Res<BodyTable>,
+    (graph, places): (Res<ConstraintGraph>, &Entities),
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(&ContactPair, &Manifold, &mut ContactTargets), Without<Inactive>>,
+    mut pairs: Query<(Entity, (&ContactPair, &Manifold, &mut ContactTargets))>,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
     let (rest, share) = (settings.rest_distance(), dt / time.max_recent_dt);
-    for (pairs, manifolds, mut targets) in pairs
-        .contiguous_iter_mut()
-        .expect("pair components are stored in tables")
-    {
-        let columns = (pairs, manifolds, targets.bypass_change_detection());
-        threads.each(columns, |(pair, manifold, targets)| {
-            let Some([a, b]) = table.both(pair.slots) else {
-                return;
-            };
-            let lists = Lists {
-                targets: Some((&mut *targets, true)),
-                ..Default::default()
-            };
-            fit(manifold, lists);
-            for patch in &manifold.patches {
-                let range = manifold.range(patch);
-                let points = &manifold.points[range.clone()];
-                let targets = &mut targets.points[range];
-                let restitution = pair.surface(patch, table).restitution;
-                for (point, target) in points.iter().zip(targets) {
-                    let position = a.center + point.arm;
-                    let u = a.velocity_at(position) - b.velocity_at(position);
-                    let u_n = u.dot(patch.normal);
-                    // The share of the overlap that is taken back in this step.
-                    let d = point.distance.max(rest + share * (point.distance - rest));
-                    target.normal = normal_target(settings, restitution, d, u_n, dt);
+    let tables = pairs.contiguous_iter_mut();
+    for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(entities, places) {
+            let (pairs, manifolds, mut targets) = columns.part(rows);
+            let columns = (pairs, manifolds, targets.bypass_change_detection());
+            threads.each(columns, |(pair, manifold, targets)| {
+                let Some([a, b]) = table.both(pair.slots) else {
+                    return;
+                };
+                let lists = Lists {
+                    targets: Some((&mut *targets, true)),
+                    ..Default::default()
+                };
+                fit(manifold, lists);
+                for patch in &manifold.patches {
+                    let range = manifold.range(patch);
+                    let points = &manifold.points[range.clone()];
+                    let targets = &mut targets.points[range];
+                    let restitution = pair.surface(patch, table).restitution;
+                    for (point, target) in points.iter().zip(targets) {
+                        let position = a.center + point.arm;
+                        let u = a.velocity_at(position) - b.velocity_at(position);
+                        let u_n = u.dot(patch.normal);
+                        // The share of the overlap that is taken back in this step.
+                        let d = point.distance.max(rest + share * (point.distance - rest));
+                        target.normal = normal_target(settings, restitution, d, u_n, dt);
+                    }
                 }
-            }
-        });
+            });
+        }
     }
 }
 

@@ -32,6 +32,7 @@ use crate::profile::{Profile, SolvePart};
 use crate::settings::{
     Gravity, Method, PhysicsThreads, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
 };
+use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_platform::time::Instant;
@@ -63,18 +64,24 @@ pub struct SolveContext<'w> {
 /// took a twentieth longer on two threads, because its contacts are in the cache of the core that detected them.
 pub(crate) const LARGE: usize = 8;
 
-pub(crate) type Pairs<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Entity,
-        &'static mut ContactPair,
-        Ref<'static, Manifold>,
-        &'static ContactTargets,
-        &'static mut ContactImpulses,
-    ),
-    Without<Inactive>,
->;
+/// The columns of pairs that are gathered and stored.
+#[derive(SystemParam, Debug)]
+pub struct Pairs<'w, 's> {
+    columns: Query<
+        'w,
+        's,
+        (
+            Entity,
+            (
+                &'static mut ContactPair,
+                Ref<'static, Manifold>,
+                &'static ContactTargets,
+                &'static mut ContactImpulses,
+            ),
+        ),
+    >,
+    places: &'w Entities,
+}
 
 type Grabs<'w, 's> = Query<
     'w,
@@ -137,7 +144,7 @@ impl WarmStart<'_> {
     ) {
         let start = Instant::now();
         problems.order.keep(self.table, self.graph, self.islands);
-        let (contacts, complete) = problems.order.contacts(pairs, self.table);
+        let (contacts, complete) = problems.order.contacts(pairs, (self.table, self.graph));
         problems.arrange();
         self.gather_bodies(problems, complete);
         self.gather_grabs(problems, grabs);

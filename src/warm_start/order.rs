@@ -10,13 +10,14 @@ use super::Pairs;
 use super::contact::SolverContact;
 use super::splice::Edit;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
-use crate::contact::{ContactImpulses, ContactPair, Manifold, revise_edited};
+use crate::contact::{ContactImpulses, ContactPair, Manifold, Part, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::revision::Revision;
 use crate::settings::PhysicsThreads;
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
 use smallvec::SmallVec;
+use std::ops::Range;
 
 /// The bodies and contacts that are solved, in order.
 #[derive(Default)]
@@ -286,40 +287,51 @@ impl Order {
     pub fn contacts<'a>(
         &mut self,
         pairs: &'a mut Pairs,
-        table: &'a BodyTable,
+        (table, graph): (&'a BodyTable, &ConstraintGraph),
     ) -> (Vec<SolverContact<'a>>, bool) {
         let mut contacts = reuse(std::mem::take(&mut self.spare));
         self.places.clear();
-        for (entities, mut pairs, manifolds, targets, impulses) in pairs
-            .contiguous_iter_mut()
-            .expect("pair components are stored in tables")
-        {
-            revise_edited!(pairs, pairs, manifolds, impulses);
+        let tables = pairs.columns.contiguous_iter_mut();
+        for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+            let runs = graph.active_rows(entities, pairs.places);
+            for rows in &*runs {
+                let (mut pairs, manifolds, _, impulses) = columns.part(rows);
+                revise_edited!(pairs, pairs, manifolds, impulses);
+            }
+            let (pairs, manifolds, targets, impulses) = columns;
             let (pairs, _) = ContiguousMut::bypass_change_detection_split(pairs);
+            let pairs = &*pairs;
             let manifolds = manifolds.into_inner();
-            let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
-            let rows = impulses.iter_mut().zip(pairs).zip(manifolds).zip(targets);
-            for (row, (((impulses, pair), manifold), targets)) in rows.enumerate() {
-                let Some(&at) = self.by_edge.get(pair.edge as usize) else {
-                    continue;
-                };
-                let Some(island) = self.islands.get_mut(at.island as usize) else {
-                    continue;
-                };
-                let slot = &mut island.slots[at.index as usize];
-                if slot.pair != entities[row] {
-                    continue;
+            let (mut impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
+            let mut taken = 0;
+            for rows in &*runs {
+                let range = rows.start as usize..rows.end as usize;
+                let entities = &entities[range.clone()];
+                let impulses = take_rows(&mut impulses, &mut taken, rows);
+                let rows = impulses.iter_mut().zip(&pairs[range.clone()]);
+                let rows = rows.zip(&manifolds[range.clone()]).zip(&targets[range]);
+                for (row, (((impulses, pair), manifold), targets)) in rows.enumerate() {
+                    let Some(&at) = self.by_edge.get(pair.edge as usize) else {
+                        continue;
+                    };
+                    let Some(island) = self.islands.get_mut(at.island as usize) else {
+                        continue;
+                    };
+                    let slot = &mut island.slots[at.index as usize];
+                    if slot.pair != entities[row] {
+                        continue;
+                    }
+                    slot.revision = Some(pair.revision);
+                    impulses.fit(manifold);
+                    self.places.push(island.first + at.index);
+                    contacts.push(SolverContact {
+                        pair,
+                        manifold,
+                        targets,
+                        impulses,
+                        table,
+                    });
                 }
-                slot.revision = Some(pair.revision);
-                impulses.fit(manifold);
-                self.places.push(island.first + at.index);
-                contacts.push(SolverContact {
-                    pair,
-                    manifold,
-                    targets,
-                    impulses,
-                    table,
-                });
             }
         }
         let complete = contacts.len() == self.contact_count();
@@ -368,28 +380,33 @@ impl Order {
     pub fn store_each(
         &mut self,
         pairs: &mut Pairs,
+        graph: &ConstraintGraph,
         threads: Option<&PhysicsThreads>,
         store: impl Fn(Stored) + Sync,
     ) {
         let mut found = 0;
-        let tables = pairs.contiguous_iter_mut();
-        for (entities, pairs, manifolds, _, impulses) in
-            tables.expect("pair components are stored in tables")
-        {
-            let (pairs, _) = ContiguousMut::bypass_change_detection_split(pairs);
-            let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
-            let columns = Columns {
-                by_edge: &self.by_edge,
-                islands: &self.islands,
-                entities,
-                pairs,
-                manifolds: manifolds.into_inner(),
-                impulses,
-            };
-            found += match threads {
-                Some(threads) => threads.run(usize::MAX, || columns.share(&store)),
-                None => columns.each(&store),
-            };
+        let tables = pairs.columns.contiguous_iter_mut();
+        for (entities, columns) in tables.expect("pair components are stored in tables") {
+            let (pairs_in_it, manifolds, _, impulses) = columns;
+            let (pairs_in_it, _) = ContiguousMut::bypass_change_detection_split(pairs_in_it);
+            let manifolds = manifolds.into_inner();
+            let (mut impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
+            let mut taken = 0;
+            for rows in &*graph.active_rows(entities, pairs.places) {
+                let range = rows.start as usize..rows.end as usize;
+                let columns = Columns {
+                    by_edge: &self.by_edge,
+                    islands: &self.islands,
+                    entities: &entities[range.clone()],
+                    pairs: &pairs_in_it[range.clone()],
+                    manifolds: &manifolds[range],
+                    impulses: take_rows(&mut impulses, &mut taken, rows),
+                };
+                found += match threads {
+                    Some(threads) => threads.run(usize::MAX, || columns.share(&store)),
+                    None => columns.each(&store),
+                };
+            }
         }
         if found < self.contact_count() {
             self.forget();
@@ -506,6 +523,16 @@ impl Columns<'_> {
         let (one, other) = rayon::join(|| one.share(store), || other.share(store));
         one + other
     }
+}
+
+/// Takes a range of rows out of a column, of which the first `taken` rows were taken before. Ranges follow each other.
+fn take_rows<'a, T>(column: &mut &'a mut [T], taken: &mut usize, rows: &Range<u32>) -> &'a mut [T] {
+    let rest = std::mem::take(column);
+    let (_, rest) = rest.split_at_mut(rows.start as usize - *taken);
+    let (these, rest) = rest.split_at_mut(rows.len());
+    *column = rest;
+    *taken = rows.end as usize;
+    these
 }
 
 /// Empties a list and reuses its memory for items of the same layout that have another lifetime; collecting in place does that.

@@ -12,6 +12,7 @@ use drystone::body::{
 use drystone::collider::{Collider, CollisionLayers, Friction};
 use drystone::contact::ContactPair;
 use drystone::grab::Grab;
+use drystone::graph::ConstraintGraph;
 use drystone::settings::{SleepSettings, Waking};
 use glam::{Quat, Vec3};
 use support::*;
@@ -75,8 +76,8 @@ impl Yard {
         let world = &mut self.lab.world;
         let mut bodies = world.query_filtered::<Entity, (With<RigidBody>, Without<Inactive>)>();
         let bodies = bodies.iter(world).collect();
-        let mut pairs = world.query_filtered::<(), (With<ContactPair>, Without<Inactive>)>();
-        (bodies, pairs.iter(world).count())
+        let pairs = world.resource::<ConstraintGraph>().active_pairs().len();
+        (bodies, pairs)
     }
 
     /// Marks all bodies as written, so that all must be checked.

@@ -1,7 +1,8 @@
 //! Edges, and the adjacency of bodies: which pairs exist, and which of them link their bodies.
 //!
 //! Invariants:
-//! - An edge is identified by its number and its entity. Of some kinds there is at most one edge between two bodies ([`EdgeKind::is_single`]).
+//! - An edge is identified by its number and its entity. There is at most one contact between two bodies ([`ConstraintGraph::unknown`]), and
+//!   there may be several joints.
 //! - One end of an edge may be the world ([`WORLD`]), which has no slot and no node.
 //! - An edge appears once in the list of each of its two bodies. In each list the edges that *link* come first.
 //! - Every change is recorded in [`Changes`] until [`Islands`](super::Islands) takes it over. So the cost of updating islands and levels is
@@ -12,9 +13,8 @@
 use super::active::ActiveRows;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
-use bevy_platform::collections::HashMap;
-use bevy_platform::collections::hash_map::Entry;
 use bevy_reflect::Reflect;
+use smallvec::SmallVec;
 
 /// The kind of constraint of an edge. To add a kind, add a variant, document it, and insert and remove its edges where its components are
 /// added and removed.
@@ -27,14 +27,6 @@ pub(crate) enum EdgeKind {
 }
 
 impl EdgeKind {
-    /// Whether there is at most one edge of this kind between two bodies.
-    fn is_single(self) -> bool {
-        match self {
-            Self::Contact => true,
-            Self::Joint => false,
-        }
-    }
-
     /// Whether the entity of an edge becomes inactive after its two bodies.
     fn may_rest(self) -> bool {
         match self {
@@ -95,9 +87,10 @@ impl Edge {
 /// The edges of one body.
 #[derive(Clone, Debug, Default)]
 struct Node {
-    edges: Vec<u32>,
+    /// As many as a brick in a wall has are stored in the node itself.
+    edges: SmallVec<[u32; 8]>,
     /// Number of linking edges; they come first.
-    links: usize,
+    links: u32,
 }
 
 /// Changes of the graph since the last update of the islands.
@@ -122,9 +115,9 @@ impl Changes {
 #[reflect(opaque)]
 #[component(map_entities)]
 pub struct ConstraintGraph {
-    /// Edges of the kinds of which there is one between two bodies.
-    known: HashMap<(EdgeKind, [u32; 2]), u32>,
     edges: Vec<Edge>,
+    /// Number of edges that are contacts.
+    contacts: usize,
     free: Vec<u32>,
     /// By slot.
     nodes: Vec<Node>,
@@ -164,7 +157,7 @@ impl ConstraintGraph {
 
     /// Number of inactive pairs.
     pub(super) fn inactive_count(&self) -> usize {
-        self.known.len() - self.active.len()
+        self.contacts - self.active.len()
     }
 
     /// Returns true if the stages visit the pair with this edge.
@@ -213,7 +206,7 @@ impl ConstraintGraph {
 
     /// Returns true if there are edges of kinds of which there may be several between two bodies: joints.
     pub(crate) fn has_joints(&self) -> bool {
-        self.edge_count() > self.known.len()
+        self.edge_count() > self.contacts
     }
 
     /// The entities of a body's edges.
@@ -263,7 +256,7 @@ impl ConstraintGraph {
 
     fn linked_edges(&self, slot: u32) -> &[u32] {
         let node = self.nodes.get(slot as usize);
-        node.map_or(&[], |node| &node.edges[..node.links])
+        node.map_or(&[], |node| &node.edges[..node.links as usize])
     }
 
     /// Upper bound of edge numbers: all numbers in use are below it.
@@ -271,20 +264,13 @@ impl ConstraintGraph {
         self.edges.len()
     }
 
-    /// Adds an edge that does not link yet and returns its number, or `None` if there may be only one and it exists already. [`Self::name`]
-    /// sets its entity later.
-    pub(crate) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> Option<u32> {
-        let number = match self.free.last() {
-            Some(&free) => free,
+    /// Adds an edge that does not link yet and returns its number. [`Self::name`] sets its entity later. There must be no contact between the two
+    /// bodies yet if the edge is one.
+    pub(crate) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> u32 {
+        let number = match self.free.pop() {
+            Some(free) => free,
             None => self.edges.len() as u32,
         };
-        if kind.is_single() {
-            match self.known.entry((kind, slots)) {
-                Entry::Occupied(_) => return None,
-                Entry::Vacant(place) => place.insert(number),
-            };
-        }
-        self.free.pop();
         let bodies = slots.into_iter().filter(|&slot| slot != WORLD);
         let last = bodies.max().unwrap_or(0) as usize;
         if self.nodes.len() <= last {
@@ -312,20 +298,57 @@ impl ConstraintGraph {
             None => self.edges.push(edge),
         }
         if kind == EdgeKind::Contact {
+            self.contacts += 1;
             self.set_active(number, true);
         }
-        Some(number)
+        number
     }
 
     /// Makes room for new edges, so that inserting many at once moves the lists only once.
     pub(super) fn reserve(&mut self, count: usize) {
-        self.known.reserve(count);
         self.edges.reserve(count.saturating_sub(self.free.len()));
     }
 
-    /// Returns true if there is an edge of this kind between the two bodies.
-    pub(super) fn knows(&self, kind: EdgeKind, slots: [u32; 2]) -> bool {
-        self.known.contains_key(&(kind, slots))
+    /// Leaves out the overlaps between whose bodies there is a contact already. Overlaps of one body should follow each other.
+    ///
+    /// The contacts of the body with fewer edges are compared one by one. If both have many, those of one of them are marked first, and
+    /// the marks are kept for the overlaps that follow: a thousand bricks in one place overlap in half a million pairs.
+    pub(super) fn unknown(
+        &self,
+        overlaps: impl Iterator<Item = [u32; 2]>,
+    ) -> impl Iterator<Item = [u32; 2]> {
+        /// From this number of edges on they are marked.
+        const MANY: usize = 32;
+        let mut marked = None;
+        // By slot: the body whose contact with this one was marked last.
+        let mut marks: Vec<u32> = Vec::new();
+        overlaps.filter(move |&[a, b]| {
+            let counts = [a, b].map(|slot| self.edges_of(slot).len());
+            if counts[0].min(counts[1]) < MANY {
+                let slot = if counts[0] <= counts[1] { a } else { b };
+                return !self.contacts_of(slot).any(|edge| edge.slots == [a, b]);
+            }
+            let of = match marked {
+                Some(slot) if slot == a || slot == b => slot,
+                _ => {
+                    marks.resize(self.nodes.len(), WORLD);
+                    for edge in self.contacts_of(a) {
+                        marks[edge.slots[1 - edge.end(a)] as usize] = a;
+                    }
+                    *marked.insert(a)
+                }
+            };
+            let other = if of == a { b } else { a };
+            marks[other as usize] != of
+        })
+    }
+
+    /// The contacts of a body.
+    fn contacts_of(&self, slot: u32) -> impl Iterator<Item = &Edge> {
+        let node = self.nodes.get(slot as usize);
+        let edges = node.map_or(&[][..], |node| &node.edges);
+        let edges = edges.iter().map(|&edge| &self.edges[edge as usize]);
+        edges.filter(|edge| edge.kind == EdgeKind::Contact)
     }
 
     /// Sets the entity of an edge.
@@ -352,9 +375,7 @@ impl ConstraintGraph {
             places,
             ..
         } = self.edges[edge as usize];
-        if kind.is_single() {
-            self.known.remove(&(kind, slots));
-        }
+        self.contacts -= usize::from(kind == EdgeKind::Contact);
         self.edges[edge as usize].exists = false;
         self.free.push(edge);
         for (slot, place) in slots.into_iter().zip(places) {
@@ -386,6 +407,7 @@ impl ConstraintGraph {
             // Swap the edge with the first that does not link, or with the last that does.
             let to = if links { node.links } else { node.links - 1 };
             node.links = if links { to + 1 } else { to };
+            let to = to as usize;
             let known = self.edges[edge as usize];
             let end = known.end(slot);
             let place = known.places[end] as usize;
@@ -457,9 +479,10 @@ mod tests {
             let slots = [a, a + rng.u32(1..6)];
             match rng.u8(0..4) {
                 0 => {
-                    let new = graph.insert(EdgeKind::Contact, slots);
-                    assert_eq!(new.is_some(), !expected.contains_key(&slots));
-                    if let Some(edge) = new {
+                    let new: Vec<_> = graph.unknown([slots].into_iter()).collect();
+                    assert_eq!(new.is_empty(), expected.contains_key(&slots));
+                    for slots in new {
+                        let edge = graph.insert(EdgeKind::Contact, slots);
                         let entity = Entity::from_raw_u32(number).unwrap();
                         graph.name(edge, entity);
                         expected.insert(slots, (edge, entity, false));
@@ -504,9 +527,53 @@ mod tests {
     }
 
     #[test]
+    fn contacts_are_known_in_a_crowd() {
+        let mut rng = fastrand::Rng::with_seed(5);
+        let mut graph = ConstraintGraph::default();
+        let all: Vec<[u32; 2]> = (0..80)
+            .flat_map(|a| (a + 1..80).map(move |b| [a, b]))
+            .collect();
+        let mut known = Vec::new();
+        for &slots in all.iter().filter(|_| rng.bool()) {
+            graph.insert(EdgeKind::Contact, slots);
+            graph.insert(EdgeKind::Joint, slots);
+            known.push(slots);
+        }
+        let unknown: Vec<_> = graph.unknown(all.iter().copied()).collect();
+        let wanted = all.iter().filter(|slots| !known.contains(slots));
+        assert!(wanted.copied().eq(unknown));
+        rng.shuffle(&mut known);
+        assert_eq!(graph.unknown(known.into_iter()).count(), 0);
+    }
+
+    #[test]
+    fn pairs_become_active_and_inactive() {
+        let mut graph = ConstraintGraph::default();
+        let mut edges: Vec<u32> = Vec::new();
+        for number in 0..9 {
+            let edge = graph.insert(EdgeKind::Contact, [number, number + 1]);
+            graph.name(edge, Entity::from_raw_u32(number).unwrap());
+            edges.push(edge);
+        }
+        for at in [0, 4, 8, 4] {
+            graph.set_active(edges[at], false);
+        }
+        graph.remove(edges[4], Entity::from_raw_u32(4).unwrap());
+        graph.remove(edges[5], Entity::from_raw_u32(5).unwrap());
+        graph.set_active(edges[8], true);
+        let mut active: Vec<u32> = graph.active_pairs().map(|pair| pair.index_u32()).collect();
+        active.sort_unstable();
+        assert_eq!(active, [1, 2, 3, 6, 7, 8]);
+        assert_eq!(graph.inactive_count(), 1);
+        graph.activate_contacts_of(0);
+        assert_eq!(graph.inactive_count(), 0);
+        assert!(graph.is_active(edges[0]) && !graph.is_active(edges[4]));
+    }
+
+    #[test]
     fn changes_are_recorded_once() {
         let mut graph = ConstraintGraph::default();
-        let edge = graph.insert(EdgeKind::Contact, [0, 1]).unwrap();
+        let edge = graph.insert(EdgeKind::Contact, [0, 1]);
         let entity = Entity::from_raw_u32(7).unwrap();
         graph.name(edge, entity);
         graph.set_links(edge, true);

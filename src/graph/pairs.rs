@@ -158,8 +158,8 @@ fn begin(
     restored: RestoredContacts,
 ) {
     let table = world.resource::<BodyTable>();
-    let overlaps = overlaps.filter(|&slots| !graph.knows(EdgeKind::Contact, slots));
-    let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = overlaps
+    let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = graph
+        .unknown(overlaps)
         .filter_map(|slots| Some((table.both(slots)?.map(|body| body.spawn_order), slots)))
         .collect();
     if overlaps.is_empty() {
@@ -173,10 +173,9 @@ fn begin(
     let mut new: Vec<ContactPair> = Vec::new();
     let revision = Revision::next();
     for (_, slots) in overlaps {
-        if let Some(bodies) = table.both(slots)
-            && let Some(edge) = graph.insert(EdgeKind::Contact, slots)
-        {
+        if let Some(bodies) = table.both(slots) {
             warn(bodies, &mut warnings);
+            let edge = graph.insert(EdgeKind::Contact, slots);
             let mut pair = ContactPair::new(edge, slots, bodies, revision);
             restored.mark(&mut pair);
             new.push(pair);
@@ -188,6 +187,12 @@ fn begin(
         !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
     });
     let edges: Vec<_> = new.iter().map(|pair| (pair.edge, pair.slots)).collect();
+    // The required components are in the bundle, so that none is made one by one.
+    let new = new.into_iter().map(|pair| {
+        let rest = (ContactImpulses::default(), ContactAnchors::default());
+        let kept = (ContactTargets::default(), NarrowphaseCache::default());
+        (pair, Manifold::default(), rest, kept)
+    });
     let spawned: Vec<Entity> = world.spawn_batch(new).collect();
     restored.fill(world, &spawned);
     let table = world.resource::<BodyTable>();

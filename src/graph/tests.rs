@@ -57,7 +57,8 @@ impl Site {
     }
 
     pub fn connect(&mut self, slots: [u32; 2]) {
-        if let Some(edge) = self.graph.insert(EdgeKind::Contact, slots) {
+        if self.graph.unknown([slots].into_iter()).next().is_some() {
+            let edge = self.graph.insert(EdgeKind::Contact, slots);
             let entity = self.entity();
             self.graph.name(edge, entity);
             self.edges.insert(slots, (edge, entity, false));
@@ -65,7 +66,7 @@ impl Site {
     }
 
     fn join(&mut self, slots: [u32; 2]) {
-        let edge = self.graph.insert(EdgeKind::Joint, slots).unwrap();
+        let edge = self.graph.insert(EdgeKind::Joint, slots);
         let entity = self.entity();
         self.graph.name(edge, entity);
         self.graph.set_links(edge, true);

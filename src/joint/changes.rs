@@ -181,7 +181,6 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
     }
     let mut graph = world.resource_mut::<ConstraintGraph>();
     let edge = graph.insert(EdgeKind::Joint, slots);
-    let edge = edge.expect("there may be several joints between two bodies");
     graph.name(edge, joint);
     graph.set_links(edge, true);
     let mut table = world.resource_mut::<BodyTable>();

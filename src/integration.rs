@@ -53,8 +53,8 @@ pub fn integration(
         }
         let Velocity { linear, angular } = mean.unwrap_or(*velocity);
         let moves = [linear, angular, velocity.linear, velocity.angular];
-        if let Some(target) = body.target.filter(|_| time.is_last()) {
-            *pose = target;
+        if let Some(target) = body.target.as_deref().filter(|_| time.is_last()) {
+            *pose = *target;
         } else if !still && moves != [Vec3::ZERO; 4] {
             let (velocity, pose) = (velocity.bypass_change_detection(), &mut *pose);
             let way = dt * linear - dt * motion.lag();

@@ -6,6 +6,7 @@ use crate::children::CompoundCollider;
 use crate::collider::Collider;
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
+use std::sync::Arc;
 
 /// Copies the description of a body into its table entry. Values that are the same as before change nothing.
 ///
@@ -75,14 +76,16 @@ pub(super) fn describe(
     properties.set_if_neq(computed);
     let same = same_shape
         && (body.kind, body.mass) == (kind, computed)
-        && body.properties == kept
+        && *body.properties == kept
         && body.parts == parts;
     if same && !body.arrived {
         return Ok(());
     }
     body.kind = kind;
     body.mass = computed;
-    body.properties = kept;
+    if *body.properties != kept {
+        body.properties = Arc::new(kept);
+    }
     body.parts = parts;
     body.center = body.pose.transform_point(computed.local_center);
     body.set_shape(collider, radius);

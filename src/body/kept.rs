@@ -1,6 +1,7 @@
 //! The properties that the [`BodyTable`](super::BodyTable) copies.
 
 use super::list::{body_properties, names::*};
+use std::sync::{Arc, LazyLock};
 
 macro_rules! table_copies {
     (
@@ -19,3 +20,11 @@ macro_rules! table_copies {
     };
 }
 body_properties!(table_copies);
+
+impl BodyProperties {
+    /// The properties of a body without any of the components, shared by all such bodies.
+    pub(super) fn shared_default() -> Arc<Self> {
+        static DEFAULT: LazyLock<Arc<BodyProperties>> = LazyLock::new(Arc::default);
+        DEFAULT.clone()
+    }
+}

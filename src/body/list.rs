@@ -55,7 +55,7 @@ macro_rules! body_properties {
                 mass_properties: MassProperties,
             }
             pushing {
-                force: ExternalForce = |body, force| body.force == *force,
+                force: ExternalForce = |body, force| body.force() == *force,
                 impulse: ExternalImpulse,
                 damping: Damping,
                 gravity_scale: GravityScale = |body, scale| body.gravity_scale == scale.0,

@@ -91,7 +91,7 @@ impl BodyState {
         // The user may have written an invalid `Pose`.
         let goes = from.is_finite() && from.rotation.is_normalized() && speeds.allow(&way);
         if goes {
-            self.target = Some(to);
+            self.target = Some(Box::new(to));
             *velocity = way;
         }
         goes

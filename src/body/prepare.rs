@@ -120,7 +120,7 @@ pub fn prepare(
             commands.entity(entity).insert(body.spawn_order);
         }
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        body.force = pushed.0.copied().unwrap_or_default();
+        body.set_force(pushed.0.copied().unwrap_or_default());
         match describe(&mut body, description) {
             Ok(()) => {
                 let gains = gains(&body, pushed, &rules);
@@ -195,7 +195,7 @@ impl Visitor<'_, '_, '_> {
             && *kind == RigidBody::Kinematic
             && body.send(*pose, goes_to, &mut velocity, time, speeds);
         if !is_sent {
-            body.put_from = moved_to.map(|_| *pose);
+            body.put_from = moved_to.map(|_| Box::new(*pose));
             *pose = goes_to;
         }
         if !is_sent && was_sent && *velocity == body.velocity {
@@ -225,9 +225,9 @@ impl Visitor<'_, '_, '_> {
         body.disturbed = self.rules.active_settings.changed
             || body.put_from.is_some()
             || body.renewed
-            || (force, gravity_scale) != (body.force, body.gravity_scale)
+            || (force, gravity_scale) != (body.force(), body.gravity_scale)
             || is_disturbed(&velocity, pushed);
-        body.force = force;
+        body.set_force(force);
         body.gravity_scale = gravity_scale;
         // An inactive body stays inactive if the written values are those that it had already.
         let changed = body.disturbed || body.moved || woken || body.target.is_some();
@@ -342,7 +342,7 @@ impl BodyState {
             swept_margin: 0.0,
             curved: false,
             collider: None,
-            properties: BodyProperties::default(),
+            properties: BodyProperties::shared_default(),
             events: false,
             gravity_scale: 1.0,
             radius: 0.0,
@@ -353,7 +353,7 @@ impl BodyState {
             disturbed: false,
             put_from: None,
             target: None,
-            force: ExternalForce::default(),
+            force: None,
             parts: None,
             visited: 0,
         }

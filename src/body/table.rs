@@ -109,36 +109,55 @@ pub struct BodyState {
     /// Its number in the order of spawning. Pairs and contacts are sorted by it, because the order of `Entity`s differs between a server and
     /// its clients.
     pub spawn_order: SpawnOrder,
-    /// Its pose before the user moved it, if the user did.
-    pub(crate) put_from: Option<Pose>,
+    /// Its pose before the user moved it, if the user did. Boxed, like other values that few bodies have.
+    pub(crate) put_from: Option<Box<Pose>>,
     /// The mass properties of the material, also for static and kinematic bodies.
     pub mass: MassProperties,
     /// Its shape, if it has one.
     pub collider: Option<Collider>,
-    /// Copies of its surface and of other properties.
-    pub properties: BodyProperties,
+    /// Copies of its surface and of other properties. Bodies with the same properties that are added one after the other share them.
+    pub properties: Arc<BodyProperties>,
     /// Factor on gravity, without unit.
     pub gravity_scale: f32,
     /// Half extents of the box that contains the shape in the body's frame, m; infinite for a half-space.
     pub half: Vec3,
     /// Pose of a kinematic body at the end of the step, if the user set it through `Transform`.
-    pub(crate) target: Option<Pose>,
-    /// The external force of the last step, N and N·m.
-    pub(crate) force: ExternalForce,
+    pub(crate) target: Option<Box<Pose>>,
+    /// The external force of the last step, unless it was zero.
+    pub(super) force: Option<Box<ExternalForce>>,
     /// Its solid parts and its sensors, if it has some on other entities, or is a sensor itself.
     pub(crate) parts: Option<Arc<BodyParts>>,
     /// The last visit of *prepare* that found the body.
     pub(crate) visited: u64,
 }
 
-/// The fields that are read of both bodies of every pair fit in two cache lines.
-const _: () = assert!(std::mem::offset_of!(BodyState, put_from) < 128);
+/// The fields that are read of both bodies of every pair fit in two cache lines. The size is pinned because every body has an entry.
+const _: () = {
+    assert!(std::mem::offset_of!(BodyState, put_from) < 128);
+    assert!(size_of::<Option<BodyState>>() <= 272);
+};
 
 impl BodyState {
     /// Velocity of the body's material at a world point, m/s, before forces.
     #[inline]
     pub fn velocity_at(&self, point: Vec3) -> Vec3 {
         self.velocity.at(point - self.center)
+    }
+
+    /// The external force of the last step, N and N·m.
+    #[inline]
+    pub(crate) fn force(&self) -> ExternalForce {
+        self.force.as_deref().copied().unwrap_or_default()
+    }
+
+    /// Sets the external force, N and N·m.
+    #[inline]
+    pub(super) fn set_force(&mut self, force: ExternalForce) {
+        match &mut self.force {
+            Some(known) => **known = force,
+            None if force == ExternalForce::default() => (),
+            None => self.force = Some(Box::new(force)),
+        }
     }
 
     /// Sets the shape, and the values that follow from the shape and the kind. The kind must be set before.
@@ -247,6 +266,8 @@ pub struct BodyTable {
     pub(crate) solved_anew: Vec<u32>,
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
     not_colliding: HashMap<[u32; 2], u32>,
+    /// The properties of the body that was added last.
+    last_properties: Option<Arc<BodyProperties>>,
     spawn_orders: u64,
     visits: u64,
     /// The change tick of the last visit of *prepare*, in the world that the table is in.
@@ -257,7 +278,10 @@ impl MapEntities for BodyTable {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         for body in self.slots.iter_mut().flatten() {
             body.entity.map_entities(mapper);
-            body.properties.exceptions.map_entities(mapper);
+            if !body.properties.exceptions.0.is_empty() {
+                let properties = Arc::make_mut(&mut body.properties);
+                properties.exceptions.map_entities(mapper);
+            }
             if let Some(parts) = &mut body.parts {
                 *parts = Arc::new(parts.mapped(mapper));
             }
@@ -412,7 +436,11 @@ impl BodyTable {
         self.visits
     }
 
-    pub(crate) fn insert(&mut self, body: BodyState) -> BodyIndex {
+    pub(crate) fn insert(&mut self, mut body: BodyState) -> BodyIndex {
+        match &self.last_properties {
+            Some(last) if *last == body.properties => body.properties = last.clone(),
+            _ => self.last_properties = Some(body.properties.clone()),
+        }
         self.count += 1;
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push(None);

@@ -246,8 +246,8 @@ impl Need<'_, '_, '_> {
     fn equilibrium(&self, body: &BodyState, now: &Wrench) -> Wrench {
         let weight = body.mass.mass() * body.gravity_scale * self.gravity;
         Wrench {
-            force: -weight - body.force.force,
-            moment: -body.force.torque,
+            force: -weight - body.force().force,
+            moment: -body.force().torque,
             pressure: now.pressure,
         }
     }

@@ -247,7 +247,7 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
     if a.put_from.is_none() && b.put_from.is_none() {
         return false;
     }
-    let was = |body: &BodyState| body.put_from.unwrap_or(body.pose);
+    let was = |body: &BodyState| body.put_from.as_deref().copied().unwrap_or(body.pose);
     let (before, after) = (was(a).within(&was(b)), a.pose.within(&b.pose));
     let turned = 2.0 * (before.rotation.inverse() * after.rotation).xyz().length();
     let moved = (after.position - before.position).length();

@@ -33,13 +33,13 @@ impl Solve<'_> {
                 let body = body.expect("a member is in the table");
                 let level = self.islands.level(member.slot).unwrap_or(0);
                 let mut pushed = body.velocity;
-                let (scale, force) = (body.gravity_scale, &body.force);
+                let (scale, force) = (body.gravity_scale, body.force());
                 let locks = body.properties.locked_axes;
                 pushed.push(
                     &body.mass,
                     (body.pose.rotation, locks),
                     gravity * scale,
-                    Some(force),
+                    Some(&force),
                     dt,
                 );
                 locks.stop(&mut pushed);

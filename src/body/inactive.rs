@@ -1,5 +1,6 @@
-//! Inactive bodies: sleeping bodies, and static and kinematic bodies that stand still. A pair of two inactive bodies is inactive too. The
-//! queries of the stages skip them (`Without<Inactive>`), so their only cost is the search for components that the user wrote.
+//! Inactive bodies: sleeping bodies, and static and kinematic bodies that stand still. The queries of the stages skip them (`Without<Inactive>`), so
+//! their only cost is the search for components that the user wrote. A pair of two inactive bodies is inactive too, without a marker: it is not
+//! among the [active pairs](crate::graph::ConstraintGraph::active_pairs).
 //!
 //! Change ticks tell what a user wrote to an inactive body: first those of whole columns (Bevy's summary ticks), then, in columns that have
 //! changed, those of rows. A hook reports inactive bodies that were despawned. Bodies that left in another way, such as disabled ones, are
@@ -15,7 +16,8 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 
-/// Marks a body or a pair that the stages skip because nothing about it changes. A pair is inactive only if both of its bodies are.
+/// Marks a body that the stages skip because nothing about it changes. They skip a pair if both of its bodies are inactive; see
+/// [`ConstraintGraph::active_pairs`](crate::graph::ConstraintGraph::active_pairs).
 #[derive(Component, Clone, Copy, Debug, Reflect)]
 #[reflect(opaque)]
 #[component(clone_behavior = Ignore)]

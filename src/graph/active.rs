@@ -81,7 +81,11 @@ impl ConstraintGraph {
             _ => {
                 let rows = self.active_pairs();
                 let rows = rows.filter_map(|pair| table_of(places, pair));
-                let rows = rows.filter(|&(of, _)| of == table);
+                let mut rows = rows.filter(|&(of, _)| of == table).peekable();
+                if rows.peek().is_none() {
+                    // Nothing is allocated for a table in which all pairs are inactive.
+                    return Runs::Found(Vec::new());
+                }
                 let mut active = FixedBitSet::with_capacity(entities.len());
                 rows.for_each(|(_, row)| active.insert(row));
                 Runs::Found(runs_of(&active).collect())
@@ -152,9 +156,12 @@ fn runs_of(rows: &FixedBitSet) -> impl Iterator<Item = Range<u32>> {
 
 /// Brings the runs of active rows up to date after pairs have come, gone, or become active or inactive.
 pub(super) fn find_active_rows(world: &mut World) {
+    if !world.resource::<ConstraintGraph>().active_rows_changed {
+        return;
+    }
     world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
         let graph = &mut *graph;
-        if graph.active_rows_changed && graph.inactive_count() > 0 {
+        if graph.inactive_count() > 0 {
             graph.active_rows_changed = false;
             let mut rows = std::mem::take(&mut graph.active_rows);
             rows.find(graph.active_pairs(), world);

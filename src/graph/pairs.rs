@@ -54,6 +54,7 @@ pub fn pair_changes(
     ending.extend(broken.iter(world));
     let is_same = world.resource::<Broadphase>().found.is_empty();
     if is_same && world.resource::<LostPairs>().0.is_empty() && ending.is_empty() {
+        find_active_rows(world);
         return;
     }
     let found = std::mem::take(&mut world.resource_mut::<Broadphase>().found);

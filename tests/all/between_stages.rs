@@ -3,13 +3,14 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::ScheduleSystem;
 use bevy_transform::components::Transform;
-use drystone::body::{BodyTable, ExternalForce, RigidBody, Velocity};
+use drystone::body::{BodyTable, ExternalForce, RigidBody, Sleeping, Velocity};
 use drystone::collider::Collider;
 use drystone::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Contacts, Manifold,
     ManifoldPatch, Supports,
 };
 use drystone::grab::Grab;
+use drystone::graph::ConstraintGraph;
 use drystone::schedule::{PhysicsSchedule, PhysicsSystems};
 use drystone::settings::{Preset, SleepSettings, SolverSettings};
 use drystone::solver::Nncg;
@@ -115,6 +116,43 @@ fn a_marker_changes_no_bit_whenever_it_is_put_there() {
             }
         }
         assert!(wrong.is_empty(), "{preset:?}: {wrong:#?}");
+    }
+}
+
+/// Pairs that the stages visit are found in whatever table they are, also while other pairs are inactive and stay where they are.
+#[test]
+fn a_marker_changes_no_bit_while_others_sleep() {
+    let play = |gap: Option<[PhysicsSystems; 2]>| {
+        let mut lab = Lab::new();
+        lab.world.insert_resource(Dice(fastrand::Rng::with_seed(1)));
+        for at in 0..12 {
+            let (stack, course) = (at / 4, at % 4);
+            let asleep = Sleeping {
+                asleep: true,
+                ..Default::default()
+            };
+            let place = Vec3::new(30.0 + 3.0 * stack as f32, 0.25 + 0.5 * course as f32, 0.0);
+            lab.spawn((
+                RigidBody::Dynamic,
+                Collider::cuboid(1.0, 0.5, 0.5),
+                Transform::from_translation(place),
+                asleep,
+            ));
+        }
+        if let Some([earlier, later]) = gap {
+            between(&mut lab, earlier, later, mark);
+        }
+        scene(&mut lab);
+        lab.run(2.0);
+        let active = lab.world.resource::<ConstraintGraph>().active_pairs().len();
+        let mut pairs = lab.world.query_filtered::<(), With<ContactPair>>();
+        let all = pairs.iter(&lab.world).count();
+        assert!(active > 20 && active + 12 <= all, "{active} of {all}");
+        lab.bits()
+    };
+    let plain = play(None);
+    for gap in PhysicsSystems::ORDER.array_windows() {
+        assert!(play(Some(*gap)) == plain, "between {gap:?}");
     }
 }
 

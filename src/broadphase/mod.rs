@@ -33,7 +33,9 @@ const REFIT_SHARE: usize = 16;
 #[reflect(opaque)]
 pub struct Broadphase {
     tree: Bvh,
+    /// Memory for updates of the tree, which is given back when nothing moves.
     workspace: BvhWorkspace,
+    has_workspace: bool,
     /// Fat boxes by slot; `None` for free slots and half-spaces.
     fat: Vec<Option<Aabb>>,
     /// Slots of half-spaces.
@@ -143,6 +145,7 @@ pub fn broadphase(
         fat,
         unbounded,
         found,
+        has_workspace,
         changed_boxes,
         escaped_aabb: _,
     } = &mut *broadphase;
@@ -202,12 +205,17 @@ pub fn broadphase(
         }
     }
     if moved.is_empty() {
+        // It is as large as the tree.
+        if std::mem::take(has_workspace) {
+            *workspace = BvhWorkspace::default();
+        }
         return;
     }
     disturbed.extend(&moved);
     *changed_boxes += moved.len();
     if *changed_boxes * REFIT_SHARE >= tree.leaf_count() as usize {
         *changed_boxes = 0;
+        *has_workspace = true;
         tree.refit(workspace);
         tree.optimize_incremental(workspace);
     }

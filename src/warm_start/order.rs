@@ -69,6 +69,9 @@ pub(super) struct Place {
     index: u32,
 }
 
+/// Lists whose memory is kept from step to step are shortened when they need less than this share of it.
+const KEPT: usize = 8;
+
 /// The edge is not solved.
 pub(super) const NOWHERE: Place = Place {
     island: u32::MAX,
@@ -165,7 +168,14 @@ impl Order {
             let id = self.numbered[at];
             let island = &mut self.islands[id as usize];
             island.number = u32::MAX;
-            if island.derived_from == islands.revision_of_id(id) {
+            let revision = islands.revision_of_id(id);
+            if revision.is_none() {
+                // It fell asleep or is gone: its lists would be kept for as long as there are identities.
+                self.take_out(id);
+                self.islands[id as usize] = IslandOrder::none();
+                continue;
+            }
+            if island.derived_from == revision {
                 continue;
             }
             match self.can_edit(id, from, &is_solved) {
@@ -373,7 +383,14 @@ impl Order {
 
     /// Takes back the memory of a list.
     pub fn take_back(&mut self, contacts: Vec<SolverContact>) {
+        let count = contacts.len();
         self.spare = reuse(contacts);
+        // What a large structure needed is given back after it has fallen asleep.
+        if count < self.spare.capacity() / KEPT {
+            self.spare.shrink_to(count);
+            self.places.shrink_to(count);
+            self.ranked = Vec::new();
+        }
     }
 
     /// Calls `store` for each pair that was gathered and still exists, with its impulses; in parallel if `threads` are given.

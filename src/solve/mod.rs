@@ -222,6 +222,11 @@ impl Solve<'_> {
         let points = islands.iter().map(Island::points).sum();
         let many = islands.len() > 1;
         let work = islands.iter_mut().filter(|island| island.is_solved());
+        let is_small = |island: &Island<R>| {
+            let only_touches = island.grabs.is_empty() && island.joints.is_empty();
+            let is_usual = only_touches && island.effort == 1.0;
+            is_usual && island.rows.is_small(island.contacts())
+        };
         let solve = |island: &mut Island<R>| {
             let (bodies, grabs) = (&mut island.bodies, &mut island.grabs);
             let joints = &mut island.joints;
@@ -231,16 +236,13 @@ impl Solve<'_> {
         };
         let threads = &context.threads;
         if many {
-            let (mut small, large): (Vec<_>, Vec<_>) = work.partition(|island| {
-                let only_touches = island.grabs.is_empty() && island.joints.is_empty();
-                let is_usual = only_touches && island.effort == 1.0;
-                is_usual && island.rows.is_small(island.contacts())
-            });
             let solve_small = |some: &mut [&mut Island<R>]| match some {
                 [island] => solve(island),
                 _ => solve_together(solver, some, context),
             };
             if threads.runs_in_parallel(points) {
+                let (mut small, large): (Vec<_>, Vec<_>) =
+                    work.partition(|island| is_small(island));
                 threads.run(points, || {
                     rayon::join(
                         || large.into_par_iter().with_max_len(1).for_each(solve),
@@ -248,7 +250,13 @@ impl Solve<'_> {
                     );
                 });
             } else {
-                large.into_iter().for_each(solve);
+                let mut small = Vec::new();
+                for island in work {
+                    match is_small(island) {
+                        true => small.push(island),
+                        false => solve(island),
+                    }
+                }
                 small.chunks_mut(TOGETHER).for_each(solve_small);
             }
         } else if threads.runs_in_parallel(points / LARGE) {

@@ -2,7 +2,10 @@
 //!
 //! ```text
 //! cargo run --release --example scale -- [--bricks 100000] [--threads 1]
+//! cargo run --release --example scale -- --weight
 //! ```
+//!
+//! `--weight` measures only the memory of walls that are awake and then fall asleep.
 //!
 //! Prints tables, and writes `scale.csv` and `scale.png`, the cost of a wall that is awake over its size, to `target/scale`.
 
@@ -23,6 +26,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+#[path = "scale/weight.rs"]
+mod weight;
+
 #[global_allocator]
 static MEMORY: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
@@ -38,6 +44,9 @@ struct Arguments {
     /// Steps for the largest wall that is awake; smaller ones take more.
     #[arg(long, default_value_t = 10)]
     steps: u32,
+    /// Measure only what a brick weighs while it is awake, and after it has fallen asleep.
+    #[arg(long)]
+    weight: bool,
     /// Where results go.
     #[arg(long, default_value = "target/scale")]
     out: PathBuf,
@@ -54,6 +63,10 @@ fn main() -> ExitCode {
 }
 
 fn measure(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    if arguments.weight {
+        println!("{}", weight::measure(arguments)?);
+        return Ok(());
+    }
     fs::create_dir_all(&arguments.out)?;
     bring_font()?;
     println!("{}", crowd(arguments)?);

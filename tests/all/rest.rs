@@ -292,6 +292,34 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
     }
 }
 
+/// Tables of the ECS never shrink. If pairs moved to another table when they become inactive, they would take their memory twice.
+#[test]
+fn pairs_at_rest_stay_in_their_table() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let places = (0..8).flat_map(|x| (0..8).map(move |y| (x, y)));
+    let bricks: Vec<Entity> = places
+        .map(|(x, y)| {
+            let shift = 0.5 * (y % 2) as f32;
+            let at = Vec3::new(x as f32 + shift, 0.25 + 0.5 * y as f32, 0.0);
+            lab.body(Collider::cuboid(1.0, 0.5, 0.5), at)
+        })
+        .collect();
+    lab.run(3.0);
+    let rests = |&brick: &Entity| lab.world.get::<Inactive>(brick).is_some();
+    assert!(bricks.iter().all(rests));
+    let active = lab.world.resource::<ConstraintGraph>().active_pairs();
+    assert_eq!(active.len(), 0);
+    let mut pairs = lab.world.query::<&ContactPair>();
+    let count = pairs.iter(&lab.world).count();
+    let id = lab.world.component_id::<ContactPair>().unwrap();
+    let tables = lab.world.storages().tables.iter();
+    let tables = tables.filter(|table| table.has_column(id));
+    let room: usize = tables.map(|table| table.capacity()).sum();
+    // Their room doubles when it is full.
+    assert!(count > 100 && room < 2 * count, "{room} for {count}");
+}
+
 /// A body that is activated keeps no state from its rest.
 #[test]
 fn who_was_disabled_at_rest_comes_back_and_takes_part() {

@@ -27,6 +27,7 @@ use crate::settings::{
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
+use crate::streaming::Suspended;
 use crate::warm_start::{self, IslandProblems};
 use crate::{grab, integration, joint, narrowphase, reflection, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
@@ -133,6 +134,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Sensors>()
             .init_resource::<UntriggeredSensorEvents>()
             .init_resource::<Restored>()
+            .init_resource::<Suspended>()
             .add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()

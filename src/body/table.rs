@@ -253,14 +253,20 @@ pub struct BodyTable {
     visited_at: Option<Tick>,
 }
 
+impl MapEntities for BodyState {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.entity.map_entities(mapper);
+        self.properties.exceptions.map_entities(mapper);
+        if let Some(parts) = &mut self.parts {
+            *parts = Arc::new(parts.mapped(mapper));
+        }
+    }
+}
+
 impl MapEntities for BodyTable {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         for body in self.slots.iter_mut().flatten() {
-            body.entity.map_entities(mapper);
-            body.properties.exceptions.map_entities(mapper);
-            if let Some(parts) = &mut body.parts {
-                *parts = Arc::new(parts.mapped(mapper));
-            }
+            body.map_entities(mapper);
         }
         self.reduced.map_entities(mapper);
         for (body, _) in &mut self.left {
@@ -489,6 +495,21 @@ impl BodyTable {
             self.not_colliding.remove(&[a.min(b), a.max(b)]);
         }
         is_first || is_last
+    }
+
+    /// Removes an inactive body whose pairs are gone already, and frees its slot at once.
+    pub(crate) fn take_out(&mut self, entity: Entity, index: BodyIndex) {
+        self.remove(entity, index);
+        if self.removed.pop_if(|slot| *slot == index.0).is_some() {
+            self.recycle(index.0);
+        }
+    }
+
+    /// Adds a body that was [taken out](Self::take_out), as inactive as it was. Returns its slot.
+    pub(crate) fn put_back(&mut self, body: BodyState) -> u32 {
+        let BodyIndex(slot) = self.insert(body);
+        self.set_inactive(slot, true);
+        slot
     }
 
     pub(crate) fn recycle(&mut self, slot: u32) {

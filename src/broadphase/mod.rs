@@ -92,6 +92,51 @@ impl Broadphase {
         self.unbounded.iter().chain(&self.escaped_aabb).copied()
     }
 
+    /// The fat box of a body, if it has one.
+    pub(crate) fn box_of(&self, slot: u32) -> Option<Aabb> {
+        self.fat.get(slot as usize).copied().flatten()
+    }
+
+    /// Removes the boxes of bodies whose pairs are gone already.
+    pub(crate) fn take_boxes(&mut self, slots: &[u32]) {
+        for &slot in slots {
+            if let Some(fat) = self.fat.get_mut(slot as usize) {
+                *fat = None;
+                self.tree.remove(slot);
+            }
+        }
+        self.changed_boxes += slots.len();
+    }
+
+    /// Adds boxes of bodies that rest. Their overlaps with the other boxes are found; those among each other are known.
+    pub(crate) fn put_boxes(&mut self, table: &BodyTable, boxes: &[(u32, Aabb)]) {
+        self.fat.resize(table.slots().max(self.fat.len()), None);
+        let Found {
+            disturbed,
+            overlaps,
+            ..
+        } = &mut self.found;
+        for (slot, fat) in boxes {
+            let first = overlaps.len();
+            let beside = self.tree.intersect_aabb(fat);
+            let planes = self.unbounded.iter().copied();
+            let planes = planes.filter(|&plane| table.get(plane).is_some_and(|p| below(p, fat)));
+            overlaps.extend(
+                beside
+                    .chain(planes)
+                    .filter_map(|other| pair_of(table, *slot, other)),
+            );
+            if overlaps.len() > first {
+                disturbed.push(*slot);
+            }
+        }
+        for &(slot, fat) in boxes {
+            self.fat[slot as usize] = Some(fat);
+            self.tree.insert(fat, slot);
+        }
+        self.changed_boxes += boxes.len();
+    }
+
     /// Returns true if two bodies may collide and their boxes overlap.
     pub(crate) fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
         let (Some(one), Some(two)) = (table.get(a), table.get(b)) else {
@@ -107,6 +152,17 @@ impl Broadphase {
             (None, None) => false,
         }
     }
+}
+
+/// Two bodies, the one spawned first in front, if they may collide.
+fn pair_of(table: &BodyTable, a: u32, b: u32) -> Option<[u32; 2]> {
+    let rank = |slot: u32| (table.get(slot).map(|body| body.spawn_order), slot);
+    let key = match rank(a) <= rank(b) {
+        true => [a, b],
+        false => [b, a],
+    };
+    let [one, two] = table.both([a, b])?;
+    (a != b && may_collide(one, two) && !table.joints_except(key)).then_some(key)
 }
 
 /// Returns true if the two bodies may exert forces on each other.
@@ -212,20 +268,7 @@ pub fn broadphase(
         tree.optimize_incremental(workspace);
     }
 
-    let mut consider = |a: u32, b: u32| {
-        let rank = |slot: u32| (table.get(slot).map(|body| body.spawn_order), slot);
-        let key = match rank(a) <= rank(b) {
-            true => [a, b],
-            false => [b, a],
-        };
-        if a != b
-            && let (Some(one), Some(two)) = (table.get(a), table.get(b))
-            && may_collide(one, two)
-            && !table.joints_except(key)
-        {
-            overlaps.push(key);
-        }
-    };
+    let mut consider = |a: u32, b: u32| overlaps.extend(pair_of(&table, a, b));
     for &slot in &moved {
         match &fat[slot as usize] {
             Some(fat) => {

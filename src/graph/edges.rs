@@ -189,6 +189,28 @@ impl ConstraintGraph {
         })
     }
 
+    /// All edges of a body, with whether they link it.
+    pub(crate) fn edges_at(&self, slot: u32) -> impl Iterator<Item = (Link, bool)> {
+        let node = self.nodes.get(slot as usize);
+        let edges = node.map_or(&[][..], |node| &node.edges);
+        edges.iter().map(|&edge| {
+            let Edge {
+                kind,
+                links,
+                slots,
+                entity,
+                ..
+            } = self.edges[edge as usize];
+            let link = Link {
+                kind,
+                slots,
+                pair: entity,
+                edge,
+            };
+            (link, links)
+        })
+    }
+
     /// The slots of the bodies that a body is linked to, [`WORLD`] included.
     pub(super) fn neighbours(&self, slot: u32) -> impl Iterator<Item = u32> {
         let links = self.linked_edges(slot).iter();

@@ -385,6 +385,42 @@ impl Islands {
         if !same {
             self.follow_bodies(graph, table, &mut update);
         }
+        self.follow(graph, update);
+    }
+
+    /// Takes over inactive bodies that were added or removed between two steps, and their links. Those that were removed have no edges left.
+    pub(crate) fn exchange(
+        &mut self,
+        graph: &mut ConstraintGraph,
+        table: &BodyTable,
+        entering: &[u32],
+        leaving: &[u32],
+    ) {
+        self.revision = Revision::next();
+        let changes = std::mem::take(&mut graph.changes);
+        let mut update = Update {
+            linked: changes.linked,
+            unlinked: changes.unlinked,
+            ..Default::default()
+        };
+        for &slot in leaving.iter().chain(&changes.gone) {
+            self.leave(graph, slot, &mut update);
+        }
+        for &slot in entering {
+            if let Some(body) = table.get(slot) {
+                let now = Member {
+                    slot,
+                    body: known(body, false),
+                    asleep: body.asleep,
+                };
+                self.enter(graph, now, &mut update);
+            }
+        }
+        self.follow(graph, update);
+    }
+
+    /// Brings levels, structures and islands up to date.
+    fn follow(&mut self, graph: &ConstraintGraph, update: Update) {
         let Update {
             linked,
             unlinked,

@@ -57,6 +57,7 @@ mod stability;
 mod state;
 mod steadiness;
 mod stops;
+mod streaming;
 mod strewn;
 mod supports;
 mod switches;

@@ -273,9 +273,14 @@ impl ConstraintGraph {
     }
 
     /// Makes room for new edges, so that inserting many at once moves the lists only once.
-    pub(super) fn reserve(&mut self, count: usize) {
+    pub(crate) fn reserve(&mut self, count: usize) {
         self.known.reserve(count);
         self.edges.reserve(count.saturating_sub(self.free.len()));
+    }
+
+    /// Drops the list of links that began: the islands have taken them over.
+    pub(crate) fn forget_linked(&mut self) {
+        self.changes.linked = Vec::new();
     }
 
     /// Returns true if there is an edge of this kind between the two bodies.

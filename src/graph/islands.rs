@@ -419,6 +419,32 @@ impl Islands {
         self.follow(graph, update);
     }
 
+    /// Takes over inactive bodies that were added between two steps: structures, of which each body has its level of support.
+    pub(crate) fn add_structures<'a>(
+        &mut self,
+        table: &BodyTable,
+        structures: impl Iterator<Item = &'a [(u32, u32)]>,
+    ) {
+        self.revision = Revision::next();
+        self.recent.since = None;
+        self.known.resize(table.slots().max(self.known.len()), None);
+        for structure in structures {
+            let mut dynamic = Vec::with_capacity(structure.len());
+            for &(slot, level) in structure {
+                let Some(body) = table.get(slot).map(|body| known(body, false)) else {
+                    continue;
+                };
+                self.known[slot as usize] = Some(body);
+                self.levels.put(slot, level);
+                if body.dynamic {
+                    dynamic.push(slot);
+                }
+            }
+            self.sleepers += dynamic.len();
+            self.structures.insert_all(dynamic);
+        }
+    }
+
     /// Brings levels, structures and islands up to date.
     fn follow(&mut self, graph: &ConstraintGraph, update: Update) {
         let Update {

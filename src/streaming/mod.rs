@@ -63,12 +63,16 @@
 //! - What was put into the space of the region meanwhile is in contact with it from the next step on.
 //! - If settings such as [`Gravity`](crate::settings::Gravity) were changed while a region was out, its bodies wake when they are back, as all others did then.
 
+mod arrivals;
 mod error;
 mod put_back;
 mod region;
 mod suspended;
 mod take_out;
 
+pub use arrivals::spawn_asleep;
+#[doc(hidden)]
+pub use arrivals::{Arrivals, any_arrivals, arrive};
 pub use error::StreamingError;
 pub use put_back::put_back;
 pub use region::Region;

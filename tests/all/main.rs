@@ -1,6 +1,7 @@
 //! The tests of the library, one module for each subject. `cargo test steadiness::` runs one of them.
 
 mod acceptance;
+mod arrivals;
 mod bad_input;
 mod between_stages;
 mod blows;

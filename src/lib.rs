@@ -81,6 +81,7 @@
 //! | ask | the questions above; [`sensor`]: who is inside a zone; [`contact`]: messages and events of hits and forces; [`collapse`]: structures that fail |
 //! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
 //! | save | [`saving`], with the feature `serde` |
+//! | stream | [`streaming`]: regions of a large world are taken out, and put back as they stood |
 //! | tune | [`settings`]: gravity, pause and slow motion, solver, sleep, threads; [hooks](contact::ContactHooks) |
 //!
 //! The module `cookbook` of this documentation solves tasks of a game one by one. The feature `mesh` makes colliders from meshes.
@@ -134,6 +135,7 @@ pub mod solver;
 pub mod stability;
 pub mod stabilization;
 pub mod state;
+pub mod streaming;
 pub mod warm_start;
 
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of

@@ -27,6 +27,7 @@ use crate::settings::{
 };
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
+use crate::streaming::{self, Arrivals, Suspended};
 use crate::warm_start::{self, IslandProblems};
 use crate::{grab, integration, joint, narrowphase, reflection, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
@@ -133,6 +134,8 @@ impl Plugin for StepPlugin {
             .init_resource::<Sensors>()
             .init_resource::<UntriggeredSensorEvents>()
             .init_resource::<Restored>()
+            .init_resource::<Suspended>()
+            .init_resource::<Arrivals>()
             .add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
@@ -207,6 +210,7 @@ impl Plugin for BodyPlugin {
                 timed(&profile, "prepare", children::assemble),
                 timed(&profile, "prepare", body::complete),
                 timed(&profile, "prepare", body::lift),
+                timed(&profile, "prepare", streaming::arrive).run_if(streaming::any_arrivals),
                 timed(&profile, "prepare", body::prepare),
                 timed(&profile, "prepare", body::quarantine),
                 timed(&profile, "prepare", graph::activate),

@@ -40,6 +40,8 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
     derive(serde::Serialize, serde::Deserialize),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+// A body that was taken out asleep is still marked as inactive, and only this hook has it looked at.
+#[component(on_remove = super::table::lost_description)]
 pub struct RigidBodyDisabled;
 
 /// Switches the collider of a body off while it is there: the body touches nothing and is found by no spatial query. It keeps its mass, and

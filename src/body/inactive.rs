@@ -8,7 +8,7 @@
 
 use super::listed::Written;
 use super::placement::{Placed, user_pose};
-use super::rows::Rows;
+use super::rows::{Rows, look};
 use super::{BodyTable, Pose, Simulated};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::hierarchy::ChildOf;
@@ -77,16 +77,12 @@ fn look_moved(
     column: ContiguousRef<Transform>,
     found: &mut Vec<Entity>,
 ) {
-    let (drawn, ticks) = ContiguousRef::split(column);
-    if ticks.summary_tick_is_changed() == Some(false) {
-        return;
-    }
-    let rows = entities.iter().zip(poses);
-    let rows = rows.zip(drawn.iter().zip(ticks.is_changed_iter()));
-    let moved = rows.filter(|((_, pose), (drawn, is_written))| {
-        *is_written && (pose.position, pose.rotation) != (drawn.translation, drawn.rotation)
+    look(column, None, |row, drawn| {
+        let pose = &poses[row];
+        if (pose.position, pose.rotation) != (drawn.translation, drawn.rotation) {
+            found.push(entities[row]);
+        }
     });
-    found.extend(moved.map(|((&entity, _), _)| entity));
 }
 
 /// Finds inactive bodies whose parent was moved or replaced.

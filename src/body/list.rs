@@ -43,12 +43,14 @@ macro_rules! body_properties {
     ($macro:ident) => {
         $macro! {
             essential {
-                pose: Pose,
+                // Inactive bodies have the pose of the table.
+                pose: Pose = |body, pose| body.pose == *pose,
                 // Inactive bodies have velocity zero.
                 velocity: Velocity = |_, velocity| *velocity == Velocity::default(),
                 sleeping: Sleeping = |body, sleeping| body.asleep == sleeping.asleep,
-                spawn_order: SpawnOrder,
-                index: BodyIndex,
+                spawn_order: SpawnOrder = |body, order| body.spawn_order == *order,
+                // The body was found by it.
+                index: BodyIndex = |_, _| true,
             }
             computed {
                 motion: Motion,
@@ -56,8 +58,8 @@ macro_rules! body_properties {
             }
             pushing {
                 force: ExternalForce = |body, force| body.force() == *force,
-                impulse: ExternalImpulse,
-                damping: Damping,
+                impulse: ExternalImpulse = |_, impulse| *impulse == ExternalImpulse::default(),
+                damping: Damping = |_, damping| damping.is_valid(),
                 gravity_scale: GravityScale = |body, scale| body.gravity_scale == scale.0,
             }
             optional {

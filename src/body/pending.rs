@@ -114,8 +114,8 @@ impl Pending {
         self.bodies[place as usize] = Some(body);
     }
 
-    /// Removes a body that equals the table again.
-    fn remove(&mut self, body: Entity) {
+    /// Removes a body that equals the table again, or is not in the simulation any more.
+    pub(crate) fn remove(&mut self, body: Entity) {
         if let Some(place) = self.places.remove(&body) {
             self.forget_shape(place);
             self.bodies[place as usize] = None;

@@ -21,7 +21,7 @@ use glam::Vec3;
 /// The item of a query.
 type Item<'w, 's, D> = <D as QueryData>::Item<'w, 's>;
 
-type Moving<'w> = (
+pub(crate) type Moving<'w> = (
     (Entity, &'w RigidBody, &'w SpawnOrder, &'w Sleeping),
     &'w mut BodyIndex,
     &'w mut Pose,
@@ -137,11 +137,67 @@ pub fn prepare(
 
 /// The settings that a visit reads.
 #[derive(SystemParam, Debug)]
+#[doc(hidden)]
 pub struct Rules<'w> {
     time: Res<'w, StepTime>,
     speeds: Res<'w, SpeedLimits>,
     active_settings: Res<'w, ActiveSettings>,
     ticks: SystemChangeTick,
+}
+
+/// What is read of bodies that were spawned asleep in a [batch](crate::streaming::spawn_asleep).
+pub(crate) type NewBodies = (
+    Rules<'static>,
+    Query<'static, 'static, (Moving<'static>, Described), Simulated>,
+    Query<'static, 'static, (&'static Transform, Option<&'static ChildOf>)>,
+);
+
+/// Adds bodies that were spawned asleep to the table, as if they had been inactive for long. Returns the slots of those that were added; the others
+/// are to be visited by *prepare*, because more than their contacts has to be found.
+pub(crate) fn add_asleep(
+    table: &mut BodyTable,
+    list: &[Entity],
+    (rules, mut bodies, placed): <NewBodies as SystemParam>::Item<'_, '_>,
+) -> (Vec<u32>, Vec<Entity>) {
+    let (mut slots, mut others) = (Vec::with_capacity(list.len()), Vec::new());
+    for &entity in list {
+        let Ok((moving, description)) = bodies.get_mut(entity) else {
+            continue;
+        };
+        let (of, mut index, mut pose, velocity, placement, pushed) = moving;
+        let (_, kind, &spawn_order, sleeping) = of;
+        let (transform, parent, teleported) = placement;
+        let is_plain = *index == BodyIndex::NONE
+            && spawn_order != SpawnOrder::NONE
+            && parent.is_none()
+            && !teleported
+            && description.compound.is_none()
+            && (*kind == RigidBody::Static || *kind == RigidBody::Dynamic && sleeping.asleep)
+            && !is_disturbed(&velocity, pushed);
+        let to = user_pose((transform, parent), *pose, true, placed).unwrap_or(*pose);
+        if !is_plain || check(&to, &velocity, pushed).is_some() {
+            others.push(entity);
+            continue;
+        }
+        let pose = pose.bypass_change_detection();
+        *pose = to.normalized();
+        let mut body = BodyState::new(entity, *pose, *velocity);
+        body.spawn_order = spawn_order;
+        body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
+        body.set_force(pushed.0.copied().unwrap_or_default());
+        let is_described = describe(&mut body, description).is_ok();
+        if !is_described || body.parts.is_some() || body.events || body.asks_for_hooks() {
+            others.push(entity);
+            continue;
+        }
+        body.set_velocity(*velocity, gains(&body, pushed, &rules), rules.time.dt);
+        body.asleep = body.is_dynamic();
+        (body.moved, body.renewed, body.arrived) = (false, false, false);
+        let slot = table.put_back(body);
+        *index.bypass_change_detection() = BodyIndex(slot);
+        slots.push(slot);
+    }
+    (slots, others)
 }
 
 /// Visits the bodies one by one.

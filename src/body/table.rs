@@ -3,6 +3,7 @@
 //! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
 //! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a step.
 
+use super::slot_set::SlotSet;
 use super::{
     BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, RigidBodyDisabled, SpawnOrder,
     Velocity,
@@ -16,7 +17,6 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_platform::collections::HashMap;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::shape::Shape;
 use std::sync::Arc;
@@ -200,6 +200,12 @@ impl BodyState {
         longest > SLENDER * other
     }
 
+    /// Returns true if its contacts are changed after they were found: by hooks, or because its surface moves.
+    pub(crate) fn asks_for_hooks(&self) -> bool {
+        self.properties.hooks != Default::default()
+            || self.properties.surface_velocity != Default::default()
+    }
+
     /// The parry shape, if the body has one.
     pub fn shape(&self) -> Option<&dyn Shape> {
         self.collider.as_ref().map(|collider| &**collider.shape())
@@ -227,6 +233,11 @@ impl BodyState {
         self.is_dynamic() && !self.asleep
     }
 
+    /// Returns true for a body that never moves by itself.
+    pub(crate) fn is_static(&self) -> bool {
+        self.kind == RigidBody::Static
+    }
+
     /// Returns true for a body that contacts can move.
     #[inline]
     pub fn is_dynamic(&self) -> bool {
@@ -247,7 +258,7 @@ const SLENDER: f32 = 6.0;
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,
     /// Slots of bodies that are not [`Inactive`](super::Inactive).
-    active: FixedBitSet,
+    active: SlotSet,
     count: usize,
     resting: usize,
     /// Slots of inactive bodies that were disturbed, until they are [activated](crate::graph::activate).
@@ -274,17 +285,23 @@ pub struct BodyTable {
     visited_at: Option<Tick>,
 }
 
+impl MapEntities for BodyState {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.entity.map_entities(mapper);
+        if !self.properties.exceptions.0.is_empty() {
+            let properties = Arc::make_mut(&mut self.properties);
+            properties.exceptions.map_entities(mapper);
+        }
+        if let Some(parts) = &mut self.parts {
+            *parts = Arc::new(parts.mapped(mapper));
+        }
+    }
+}
+
 impl MapEntities for BodyTable {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         for body in self.slots.iter_mut().flatten() {
-            body.entity.map_entities(mapper);
-            if !body.properties.exceptions.0.is_empty() {
-                let properties = Arc::make_mut(&mut body.properties);
-                properties.exceptions.map_entities(mapper);
-            }
-            if let Some(parts) = &mut body.parts {
-                *parts = Arc::new(parts.mapped(mapper));
-            }
+            body.map_entities(mapper);
         }
         self.reduced.map_entities(mapper);
         for (body, _) in &mut self.left {
@@ -354,7 +371,7 @@ impl BodyTable {
 
     /// The active bodies, in the order of their slots. The stages of a step iterate over these.
     pub(crate) fn active(&self) -> impl Iterator<Item = (u32, &BodyState)> {
-        let slots = self.active.ones();
+        let slots = self.active.iter();
         slots.filter_map(|slot| Some((slot as u32, self.slots[slot].as_ref()?)))
     }
 
@@ -373,7 +390,10 @@ impl BodyTable {
     pub(crate) fn set_inactive(&mut self, slot: u32, rests: bool) -> bool {
         let known = self.is_inactive(slot) == rests;
         if !known {
-            self.active.set(slot as usize, !rests);
+            match rests {
+                true => self.active.remove(slot as usize),
+                false => self.active.insert(slot as usize),
+            }
             self.resting = match rests {
                 true => self.resting + 1,
                 false => self.resting - 1,
@@ -447,7 +467,7 @@ impl BodyTable {
             self.slots.len() as u32 - 1
         });
         self.slots[slot as usize] = Some(body);
-        self.active.grow_and_insert(slot as usize);
+        self.active.insert(slot as usize);
         BodyIndex(slot)
     }
 
@@ -517,6 +537,21 @@ impl BodyTable {
             self.not_colliding.remove(&[a.min(b), a.max(b)]);
         }
         is_first || is_last
+    }
+
+    /// Removes an inactive body whose pairs are gone already, and frees its slot at once.
+    pub(crate) fn take_out(&mut self, entity: Entity, index: BodyIndex) {
+        self.remove(entity, index);
+        if self.removed.pop_if(|slot| *slot == index.0).is_some() {
+            self.recycle(index.0);
+        }
+    }
+
+    /// Adds a body that was [taken out](Self::take_out), as inactive as it was. Returns its slot.
+    pub(crate) fn put_back(&mut self, body: BodyState) -> u32 {
+        let BodyIndex(slot) = self.insert(body);
+        self.set_inactive(slot, true);
+        slot
     }
 
     pub(crate) fn recycle(&mut self, slot: u32) {

@@ -16,7 +16,7 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
-use parry3d::partitioning::{Bvh, BvhWorkspace};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::fmt;
 
 /// Margin on each side between the tight box of a body and its box in the tree, m.
@@ -27,6 +27,9 @@ const AHEAD: f32 = 2.0;
 
 /// The tree is refitted and optimized after one in this many of its boxes was changed. The cost is proportional to the number of boxes.
 const REFIT_SHARE: usize = 16;
+
+/// Building a tree anew is worth its while from so many boxes on.
+const MANY: usize = 64;
 
 /// The tree, and the overlaps that were found in it.
 #[derive(Resource, Clone, Default, Reflect)]
@@ -94,6 +97,94 @@ impl Broadphase {
         self.unbounded.iter().chain(&self.escaped_aabb).copied()
     }
 
+    /// The fat box of a body, if it has one.
+    pub(crate) fn box_of(&self, slot: u32) -> Option<Aabb> {
+        self.fat.get(slot as usize).copied().flatten()
+    }
+
+    /// Removes the boxes of bodies whose pairs are gone already.
+    pub(crate) fn take_boxes(&mut self, slots: &[u32]) {
+        for &slot in slots {
+            if let Some(fat) = self.fat.get_mut(slot as usize) {
+                *fat = None;
+                self.tree.remove(slot);
+            }
+        }
+        self.changed_boxes += slots.len();
+    }
+
+    /// Adds boxes of bodies that rest. Their overlaps with the other boxes are found; those among each other are known.
+    pub(crate) fn put_boxes(&mut self, table: &BodyTable, boxes: &[(u32, Aabb)]) {
+        self.fat.resize(table.slots().max(self.fat.len()), None);
+        let Found {
+            disturbed,
+            overlaps,
+            ..
+        } = &mut self.found;
+        for (slot, fat) in boxes {
+            let first = overlaps.len();
+            let beside = self.tree.intersect_aabb(fat);
+            let planes = self.unbounded.iter().copied();
+            let planes = planes.filter(|&plane| table.get(plane).is_some_and(|p| below(p, fat)));
+            overlaps.extend(
+                beside
+                    .chain(planes)
+                    .filter_map(|other| pair_of(table, *slot, other)),
+            );
+            if overlaps.len() > first {
+                disturbed.push(*slot);
+            }
+        }
+        for &(slot, fat) in boxes {
+            self.fat[slot as usize] = Some(fat);
+            self.tree.insert(fat, slot);
+        }
+        self.changed_boxes += boxes.len();
+    }
+
+    /// Adds boxes of bodies that rest. The tree is built anew if it would grow to more than twice its size.
+    pub(crate) fn add_boxes(&mut self, boxes: &[(u32, Aabb)], slots: usize) {
+        self.fat.resize(slots.max(self.fat.len()), None);
+        for &(slot, fat) in boxes {
+            self.fat[slot as usize] = Some(fat);
+        }
+        if boxes.len() > MANY && boxes.len() > self.tree.leaf_count() as usize {
+            let boxes = self.fat.iter().enumerate();
+            let boxes = boxes.filter_map(|(slot, fat)| Some((slot, (*fat)?)));
+            self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
+            self.changed_boxes = 0;
+        } else {
+            for &(slot, fat) in boxes {
+                self.tree.insert(fat, slot);
+            }
+            self.changed_boxes += boxes.len();
+            self.tidy();
+        }
+    }
+
+    fn tidy(&mut self) {
+        if self.changed_boxes * REFIT_SHARE >= self.tree.leaf_count() as usize {
+            self.changed_boxes = 0;
+            self.tree.refit(&mut self.workspace);
+            self.tree.optimize_incremental(&mut self.workspace);
+        }
+    }
+
+    /// The pairs of a body with those whose boxes overlap its own, whether they exist already or not.
+    pub(crate) fn pairs_of<'a>(
+        &'a self,
+        table: &'a BodyTable,
+        slot: u32,
+    ) -> impl Iterator<Item = [u32; 2]> + 'a {
+        let fat = self.fat.get(slot as usize).and_then(Option::as_ref);
+        fat.into_iter().flat_map(move |fat| {
+            let planes = self.unbounded.iter().copied();
+            let planes = planes.filter(|&plane| table.get(plane).is_some_and(|p| below(p, fat)));
+            let beside = self.tree.intersect_aabb(fat).chain(planes);
+            beside.filter_map(move |other| pair_of(table, slot, other))
+        })
+    }
+
     /// Returns true if two bodies may collide and their boxes overlap.
     pub(crate) fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
         let (Some(one), Some(two)) = (table.get(a), table.get(b)) else {
@@ -109,6 +200,17 @@ impl Broadphase {
             (None, None) => false,
         }
     }
+}
+
+/// Two bodies, the one spawned first in front, if they may collide.
+fn pair_of(table: &BodyTable, a: u32, b: u32) -> Option<[u32; 2]> {
+    let rank = |slot: u32| (table.get(slot).map(|body| body.spawn_order), slot);
+    let key = match rank(a) <= rank(b) {
+        true => [a, b],
+        false => [b, a],
+    };
+    let [one, two] = table.both([a, b])?;
+    (a != b && may_collide(one, two) && !table.joints_except(key)).then_some(key)
 }
 
 /// Returns true if the two bodies may exert forces on each other.
@@ -220,20 +322,7 @@ pub fn broadphase(
         tree.optimize_incremental(workspace);
     }
 
-    let mut consider = |a: u32, b: u32| {
-        let rank = |slot: u32| (table.get(slot).map(|body| body.spawn_order), slot);
-        let key = match rank(a) <= rank(b) {
-            true => [a, b],
-            false => [b, a],
-        };
-        if a != b
-            && let (Some(one), Some(two)) = (table.get(a), table.get(b))
-            && may_collide(one, two)
-            && !table.joints_except(key)
-        {
-            overlaps.push(key);
-        }
-    };
+    let mut consider = |a: u32, b: u32| overlaps.extend(pair_of(&table, a, b));
     for &slot in &moved {
         match &fat[slot as usize] {
             Some(fat) => {
@@ -279,6 +368,18 @@ fn tight_box(
     let reach = settings.outer_distance().max(0.0) + expected_travel(body, gravity, dt);
     let shape = collider.shape();
     shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
+}
+
+/// The box in the tree of a body at rest, if it has one.
+pub(crate) fn rest_box(
+    body: &BodyState,
+    settings: &StabilizationSettings,
+    gravity: Vec3,
+    dt: f32,
+) -> Option<Aabb> {
+    let collider = body.collider.as_ref().filter(|_| body.radius.is_finite())?;
+    let tight = tight_box(body, collider, settings, gravity, dt);
+    Some(fat_box(&tight, Vec3::ZERO))
 }
 
 /// Upper bound of the motion of a point of a body in the step, m, if only gravity and applied forces change its velocity.

@@ -157,6 +157,12 @@ impl ContactPair {
         self.state = PairState::Restored;
     }
 
+    /// Makes a new pair whose contacts were just found one of two bodies at rest, of which nobody hears.
+    pub(crate) fn rest(&mut self, touches: bool) {
+        self.set_announced(touches);
+        self.state = PairState::Idle;
+    }
+
     /// Whether a [hook](hooks) set friction or restitution. These values then hold for child colliders too.
     pub(crate) fn hooked(&self) -> bool {
         self.flags.has(PairFlags::HOOKED)

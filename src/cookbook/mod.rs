@@ -24,6 +24,7 @@
 //! | [`drag`] | Drag bodies with the pointer |
 //! | [`explosion`] | An explosion |
 //! | [`save`] | Save and load |
+//! | [`town`] | A town of which only a part is in |
 //! | [`smooth`] | Smooth motion between steps |
 //! | [`server`] | A server without a window |
 //! | [`bad_input`] | Bad input |
@@ -96,6 +97,9 @@ pub mod explosion {}
 
 #[doc = include_str!("save.md")]
 pub mod save {}
+
+#[doc = include_str!("town.md")]
+pub mod town {}
 
 #[doc = include_str!("smooth.md")]
 pub mod smooth {}

@@ -245,6 +245,28 @@ impl ConstraintGraph {
         })
     }
 
+    /// All edges of a body, with whether they link it.
+    pub(crate) fn edges_at(&self, slot: u32) -> impl Iterator<Item = (Link, bool)> {
+        let node = self.nodes.get(slot as usize);
+        let edges = node.map_or(&[][..], |node| &node.edges);
+        edges.iter().map(|&edge| {
+            let Edge {
+                kind,
+                links,
+                slots,
+                entity,
+                ..
+            } = self.edges[edge as usize];
+            let link = Link {
+                kind,
+                slots,
+                pair: entity,
+                edge,
+            };
+            (link, links)
+        })
+    }
+
     /// The slots of the bodies that a body is linked to, [`WORLD`] included.
     pub(super) fn neighbours(&self, slot: u32) -> impl Iterator<Item = u32> {
         let links = self.linked_edges(slot).iter();
@@ -305,8 +327,13 @@ impl ConstraintGraph {
     }
 
     /// Makes room for new edges, so that inserting many at once moves the lists only once.
-    pub(super) fn reserve(&mut self, count: usize) {
+    pub(crate) fn reserve(&mut self, count: usize) {
         self.edges.reserve(count.saturating_sub(self.free.len()));
+    }
+
+    /// Drops the list of links that began: the islands have taken them over.
+    pub(crate) fn forget_linked(&mut self) {
+        self.changes.linked = Vec::new();
     }
 
     /// Leaves out the overlaps between whose bodies there is a contact already. Overlaps of one body should follow each other.
@@ -349,6 +376,18 @@ impl ConstraintGraph {
         let edges = node.map_or(&[][..], |node| &node.edges);
         let edges = edges.iter().map(|&edge| &self.edges[edge as usize]);
         edges.filter(|edge| edge.kind == EdgeKind::Contact)
+    }
+
+    /// Adds the edge of an inactive pair, like [`Self::insert`].
+    pub(crate) fn insert_inactive(&mut self, slots: [u32; 2]) -> u32 {
+        let edge = self.insert(EdgeKind::Contact, slots);
+        self.set_active(edge, false);
+        edge
+    }
+
+    /// Returns true if there is a contact between the two bodies.
+    pub(crate) fn has_contact(&self, slots: [u32; 2]) -> bool {
+        self.contacts_of(slots[0]).any(|edge| edge.slots == slots)
     }
 
     /// Sets the entity of an edge.

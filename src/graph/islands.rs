@@ -386,6 +386,68 @@ impl Islands {
         if !same {
             self.follow_bodies(graph, table, &mut update);
         }
+        self.follow(graph, update);
+    }
+
+    /// Takes over inactive bodies that were added or removed between two steps, and their links. Those that were removed have no edges left.
+    pub(crate) fn exchange(
+        &mut self,
+        graph: &mut ConstraintGraph,
+        table: &BodyTable,
+        entering: &[u32],
+        leaving: &[u32],
+    ) {
+        self.revision = Revision::next();
+        let changes = std::mem::take(&mut graph.changes);
+        let mut update = Update {
+            linked: changes.linked,
+            unlinked: changes.unlinked,
+            ..Default::default()
+        };
+        for &slot in leaving.iter().chain(&changes.gone) {
+            self.leave(graph, slot, &mut update);
+        }
+        for &slot in entering {
+            if let Some(body) = table.get(slot) {
+                let now = Member {
+                    slot,
+                    body: known(body, false),
+                    asleep: body.asleep,
+                };
+                self.enter(graph, now, &mut update);
+            }
+        }
+        self.follow(graph, update);
+    }
+
+    /// Takes over inactive bodies that were added between two steps: structures, of which each body has its level of support.
+    pub(crate) fn add_structures<'a>(
+        &mut self,
+        table: &BodyTable,
+        structures: impl Iterator<Item = &'a [(u32, u32)]>,
+    ) {
+        self.revision = Revision::next();
+        self.recent.since = None;
+        self.known.resize(table.slots().max(self.known.len()), None);
+        for structure in structures {
+            let mut dynamic = Vec::with_capacity(structure.len());
+            for &(slot, level) in structure {
+                let Some(body) = table.get(slot).map(|body| known(body, false)) else {
+                    continue;
+                };
+                self.known[slot as usize] = Some(body);
+                self.levels.put(slot, level);
+                if body.dynamic {
+                    dynamic.push(slot);
+                }
+            }
+            self.sleepers += dynamic.len();
+            self.structures.insert_all(dynamic);
+        }
+    }
+
+    /// Brings levels, structures and islands up to date.
+    fn follow(&mut self, graph: &ConstraintGraph, update: Update) {
         let Update {
             linked,
             unlinked,

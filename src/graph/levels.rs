@@ -56,6 +56,14 @@ impl Levels {
         &self.changed
     }
 
+    /// Sets the level of a body that was added together with all of its links.
+    pub fn put(&mut self, slot: u32, level: u32) {
+        if self.levels.len() <= slot as usize {
+            self.levels.resize(slot as usize + 1, Self::NONE);
+        }
+        self.levels[slot as usize] = level;
+    }
+
     /// Updates the levels after edges began or ceased to link, and after slots changed their content.
     pub fn update(
         &mut self,

@@ -41,6 +41,6 @@ pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};
 pub(crate) use need::Wrench;
-pub(crate) use pairs::end_pairs;
 pub use pairs::pair_changes;
+pub(crate) use pairs::{end_pairs, report, warn};
 pub use sleeping::sleeping;

@@ -182,11 +182,6 @@ fn begin(
             new.push(pair);
         }
     }
-    // Name each of many bodies in one place only once.
-    let mut named = HashSet::<Entity>::default();
-    warnings.retain(|(body, problem)| {
-        !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
-    });
     let edges: Vec<_> = new.iter().map(|pair| (pair.edge, pair.slots)).collect();
     // The required components are in the bundle, so that none is made one by one.
     let new = new.into_iter().map(|pair| {
@@ -203,6 +198,15 @@ fn begin(
             graph.settling.push((edge, pair));
         }
     }
+    report(world, warnings);
+}
+
+/// Reports warnings about new pairs, in the order of the pairs. Each of many bodies in one place is named only once.
+pub(crate) fn report(world: &mut World, mut warnings: Vec<(Entity, BodyProblem)>) {
+    let mut named = HashSet::<Entity>::default();
+    warnings.retain(|(body, problem)| {
+        !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
+    });
     world.resource_mut::<Suspects>().0.extend(warnings);
 }
 
@@ -216,7 +220,7 @@ impl ConstraintGraph {
 }
 
 /// Collects warnings about a new pair of dynamic bodies: an extreme mass ratio, or the same centre of mass.
-fn warn([a, b]: [&BodyState; 2], warnings: &mut Vec<(Entity, BodyProblem)>) {
+pub(crate) fn warn([a, b]: [&BodyState; 2], warnings: &mut Vec<(Entity, BodyProblem)>) {
     if !a.is_dynamic() || !b.is_dynamic() {
         return;
     }

@@ -134,6 +134,24 @@ impl Partition {
         self.add(slot, island);
     }
 
+    /// Adds bodies that are connected, and with no others, as an island.
+    pub fn insert_all(&mut self, members: Vec<u32>) {
+        let Some(&last) = members.iter().max() else {
+            return;
+        };
+        if self.places.len() <= last as usize {
+            self.places.resize(last as usize + 1, NOWHERE);
+        }
+        let island = self.new_island();
+        for (place, &slot) in (0..).zip(&members) {
+            self.places[slot as usize] = Place { island, place };
+        }
+        for &slot in &members {
+            self.lead(island, slot);
+        }
+        self.islands[island as usize].members = members;
+    }
+
     /// Removes a body.
     pub fn remove(&mut self, slot: u32) {
         if self.id(slot).is_some() {

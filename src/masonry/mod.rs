@@ -65,6 +65,7 @@ pub use wall::{Opening, Wall};
 
 use crate::body::{Pose, RigidBody};
 use crate::collider::Collider;
+use bevy_ecs::bundle::NoBundleEffect;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
@@ -110,7 +111,7 @@ impl Block {
 
     /// The components to spawn: a dynamic body. For another kind add a [`RigidBody`] to the bundle, as in `(block.bundle(),
     /// RigidBody::Static)`.
-    pub fn bundle(self) -> impl Bundle {
+    pub fn bundle(self) -> impl Bundle<Effect: NoBundleEffect> {
         let Pose { position, rotation } = self.pose;
         let at = Transform::from_translation(position).with_rotation(rotation);
         (Laid, self.collider, at)

@@ -105,6 +105,47 @@ pub fn narrowphase(
     graph.report(changed.into_inner().unwrap_or_else(PoisonError::into_inner));
 }
 
+/// Finds the contacts of new pairs outside the stage.
+pub(crate) struct Detector {
+    stabilization: StabilizationSettings,
+    manifolds: NarrowphaseSettings,
+    time: StepTime,
+    fall: f32,
+    pub revision: Revision,
+}
+
+impl Detector {
+    pub fn new(world: &World) -> Self {
+        let time = *world.resource::<StepTime>();
+        Self {
+            stabilization: world.resource::<StabilizationSettings>().clone(),
+            manifolds: world.resource::<NarrowphaseSettings>().clone(),
+            time,
+            fall: world.resource::<Gravity>().0.length() * time.dt,
+            revision: Revision::next(),
+        }
+    }
+
+    /// Finds the contacts of a new pair, as the stage does.
+    pub fn detect(
+        &self,
+        bodies: [&BodyState; 2],
+        pair: &mut ContactPair,
+        cache: &mut NarrowphaseCache,
+        kept: Kept,
+    ) {
+        let rules = Rules {
+            stabilization: &self.stabilization,
+            manifolds: &self.manifolds,
+            time: &self.time,
+            fall: self.fall,
+            edited: false,
+            revision: self.revision,
+        };
+        look(&rules, bodies, pair, cache, kept);
+    }
+}
+
 /// The settings for all pairs of a step.
 struct Rules<'a> {
     stabilization: &'a StabilizationSettings,

@@ -20,8 +20,16 @@ pub struct ActiveSettings {
     sleeping: SleepSettings,
     speeds: SpeedLimits,
     steps: u64,
+    changes: u64,
     /// Whether some settings differ from those of the step before. Sleeping bodies are woken then.
     pub changed: bool,
+}
+
+impl ActiveSettings {
+    /// How often settings have been changed.
+    pub(crate) fn changes(&self) -> u64 {
+        self.changes
+    }
 }
 
 /// Settings that can be invalid.
@@ -61,6 +69,7 @@ pub(crate) fn check(world: &mut World) {
     // The first settings are no change.
     last.changed = last.steps > 0 && changed.contains(&true);
     last.steps += 1;
+    last.changes += u64::from(last.changed);
     world.insert_resource(last);
 }
 

@@ -19,6 +19,8 @@ mod points;
 mod reports;
 mod store;
 
+pub(crate) use patches::{keep, settle};
+
 use crate::body::{BodyIndex, BodyTable, Inactive, Motion, Simulated, Velocity, limits};
 use crate::contact::{ContactImpulses, Manifold};
 use crate::grab::GrabForce;

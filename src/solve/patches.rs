@@ -67,9 +67,20 @@ impl SolveRows for PatchRows {
 
 /// Computes the static loads of the contacts instead of a solve, and sets the impulses of the step to these loads over the whole step. Returns
 /// false if a result is not finite.
-pub(super) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveContext) -> bool {
+pub(crate) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveContext) -> bool {
     patches::settle(&mut problem(rows, bodies, &mut [], &mut [], context));
     keep_for_step(rows, context)
+}
+
+/// Writes the impulses of a contact of an island that was [settled](settle) to its pair.
+pub(crate) fn keep(
+    rows: &PatchRows,
+    contact: usize,
+    manifold: &Manifold,
+    to: &mut ContactImpulses,
+    context: &SolveContext,
+) {
+    rows.store(contact, manifold, to, context.time.dt);
 }
 
 /// Number of solves in which the loads of an island with joints settle. A table has them after the first.

@@ -35,6 +35,7 @@ use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
     SpeedLimits, StabilizationSettings, StepTime,
 };
+use crate::streaming::{Arrivals, Suspended};
 use crate::warm_start::IslandProblems;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
@@ -74,7 +75,7 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);
     list!(resource: JointChanges, BrokenJoints, BrokenMortar);
-    list!(resource: Unassembled, Sensors, UntriggeredSensorEvents, Restored);
+    list!(resource: Unassembled, Sensors, UntriggeredSensorEvents, Restored, Suspended, Arrivals);
 
     list!(derived: Pending, IslandProblems);
 }

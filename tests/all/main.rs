@@ -1,6 +1,7 @@
 //! The tests of the library, one module for each subject. `cargo test steadiness::` runs one of them.
 
 mod acceptance;
+mod arrivals;
 mod bad_input;
 mod between_stages;
 mod blows;
@@ -57,6 +58,7 @@ mod stability;
 mod state;
 mod steadiness;
 mod stops;
+mod streaming;
 mod strewn;
 mod supports;
 mod switches;

@@ -42,6 +42,11 @@ const INTERNAL: [(&str, &str); 17] = [
         "hidden; empty between steps",
     ),
     ("saving::restore::Restored", "hidden; empty between steps"),
+    ("streaming::suspended::Suspended", "hidden"),
+    (
+        "streaming::arrivals::Arrivals",
+        "hidden; empty between steps",
+    ),
     ("collapse::Stands", "hidden; where a watched body stood"),
     ("collapse::Structures", "hidden; history of collapses"),
     ("schedule::StepMessages", "private; a list of functions"),

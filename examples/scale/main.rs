@@ -3,11 +3,14 @@
 //! ```text
 //! cargo run --release --example scale -- [--bricks 100000] [--threads 1]
 //! cargo run --release --example scale -- --weight
+//! cargo run --release --example scale -- --million [--threads 0]
 //! ```
 //!
-//! `--weight` measures only the memory of walls that are awake and then fall asleep.
-//!
-//! Prints tables, and writes `scale.csv` and `scale.png`, the cost of a wall that is awake over its size, to `target/scale`.
+//! Prints tables, and writes `scale.csv` and `scale.png`, the cost of a wall that is awake over its size, to `target/scale`. `--weight` measures
+//! only the memory of walls that are awake and then fall asleep. `--million` measures towns of a hundred to a million bricks asleep instead,
+//! and writes `town.csv` and `town.png`.
+
+mod town;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
@@ -38,9 +41,15 @@ struct Arguments {
     /// In the largest worlds.
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1000..))]
     bricks: u32,
-    /// Threads.
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
+    /// Threads; 0 for all. One by default; all while a town gets ready.
+    #[arg(long)]
+    threads: Option<usize>,
+    /// Measures towns of up to a million bricks.
+    #[arg(long)]
+    million: bool,
+    /// Measures a town of so many walls, and prints a row of `town.csv`.
+    #[arg(long)]
+    town: Option<u32>,
     /// Steps for the largest wall that is awake; smaller ones take more.
     #[arg(long, default_value_t = 10)]
     steps: u32,
@@ -53,7 +62,13 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    match measure(&Arguments::parse()) {
+    let arguments = Arguments::parse();
+    let measured = match arguments.town {
+        Some(walls) => town::measure_one(walls, &arguments),
+        None if arguments.million => town::measure(&arguments),
+        None => measure(&arguments),
+    };
+    match measured {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
@@ -156,7 +171,7 @@ impl Site {
 /// Many walls that sleep, and edits beside them.
 fn crowd(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let memory = Region::new(MEMORY);
-    let mut site = Site::new(arguments.threads, true)?;
+    let mut site = Site::new(arguments.threads.unwrap_or(1), true)?;
     let count = arguments.bricks / (CROWD[0] * CROWD[1]);
     let walls: Vec<_> = (0..count)
         .map(|i| site.wall(CROWD, 3.0 * i as f32, true))
@@ -193,7 +208,7 @@ fn crowd(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
         text,
         "| that wall awake | {median:.3} (longest {longest:.3}) |"
     )?;
-    let mut alone = Site::new(arguments.threads, false)?;
+    let mut alone = Site::new(arguments.threads.unwrap_or(1), false)?;
     alone.wall(CROWD, 0.0, false);
     alone.steps(5);
     let [median, _] = alone.steps(20);
@@ -237,7 +252,7 @@ fn crowd(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
 
 /// Static bricks in a field, and a hundred dynamic ones asleep on them.
 fn standing(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
-    let mut site = Site::new(arguments.threads, true)?;
+    let mut site = Site::new(arguments.threads.unwrap_or(1), true)?;
     let side = (arguments.bricks as f32).sqrt() as u32;
     let collider = Collider::cuboid(BRICK.x, BRICK.y, BRICK.z);
     for (x, z) in (0..side).flat_map(|x| (0..side).map(move |z| (x, z))) {
@@ -282,7 +297,7 @@ fn awake(arguments: &Arguments) -> Result<Vec<Wall>, Box<dyn Error>> {
     let mut walls = Vec::new();
     for (size, exponent) in sizes.into_iter().zip(2..=largest) {
         let memory = Region::new(MEMORY);
-        let mut site = Site::new(arguments.threads, false)?;
+        let mut site = Site::new(arguments.threads.unwrap_or(1), false)?;
         let bricks = site.wall(size, 0.0, false).len();
         let steps = arguments.steps * (largest - exponent + 1);
         site.steps(5);

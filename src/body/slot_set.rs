@@ -1,0 +1,96 @@
+//! A set of slots that is iterated in the time that its members take, however many slots there are.
+
+/// A set of slots: one bit for each, and above those one bit for each word that is not zero. With a million bodies at rest, a plain list of bits takes
+/// 10 µs to find the few that are active, and stages look for them twenty times in a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SlotSet {
+    words: Vec<u64>,
+    /// One bit for each word.
+    above: Vec<u64>,
+}
+
+/// Word and bit of a number.
+fn place(number: usize) -> (usize, u64) {
+    (number / 64, 1 << (number % 64))
+}
+
+impl SlotSet {
+    #[inline]
+    pub fn contains(&self, slot: usize) -> bool {
+        let (word, bit) = place(slot);
+        self.words.get(word).is_some_and(|word| word & bit != 0)
+    }
+
+    pub fn insert(&mut self, slot: usize) {
+        let (word, bit) = place(slot);
+        if self.words.len() <= word {
+            self.words.resize(word + 1, 0);
+            self.above.resize(word / 64 + 1, 0);
+        }
+        self.words[word] |= bit;
+        let (upper, bit) = place(word);
+        self.above[upper] |= bit;
+    }
+
+    pub fn remove(&mut self, slot: usize) {
+        let (word, bit) = place(slot);
+        let Some(found) = self.words.get_mut(word) else {
+            return;
+        };
+        *found &= !bit;
+        if *found == 0 {
+            let (upper, bit) = place(word);
+            self.above[upper] &= !bit;
+        }
+    }
+
+    /// The members in order.
+    pub fn iter(&self) -> impl Iterator<Item = usize> {
+        let words = ones(&self.above);
+        words.flat_map(|word| bits(self.words[word]).map(move |bit| 64 * word + bit))
+    }
+}
+
+/// The numbers of all bits that are set.
+fn ones(words: &[u64]) -> impl Iterator<Item = usize> {
+    let words = words.iter().enumerate();
+    words.flat_map(|(i, &word)| bits(word).map(move |bit| 64 * i + bit))
+}
+
+/// The bits of a word that are set.
+fn bits(mut word: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (word != 0).then(|| word.trailing_zeros() as usize);
+        word &= word.wrapping_sub(1);
+        bit
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn it_is_a_set_in_order() {
+        let mut rng = fastrand::Rng::with_seed(4);
+        let (mut set, mut expected) = (SlotSet::default(), BTreeSet::new());
+        for _ in 0..20_000 {
+            let slot = rng.usize(0..1 << rng.u32(1..18));
+            match rng.bool() {
+                true => {
+                    set.insert(slot);
+                    expected.insert(slot);
+                }
+                false => {
+                    set.remove(slot);
+                    expected.remove(&slot);
+                }
+            }
+            assert_eq!(set.contains(slot), expected.contains(&slot));
+        }
+        assert!(!expected.is_empty());
+        assert!(set.iter().eq(expected));
+        assert!(!set.contains(1 << 40));
+    }
+}

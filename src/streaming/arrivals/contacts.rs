@@ -1,0 +1,226 @@
+//! The contacts of a group, its structures, and the order in which they are loaded.
+
+use super::groups::Group;
+use crate::body::{BodyState, BodyTable};
+use crate::contact::{
+    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
+};
+use crate::diagnosis::BodyProblem;
+use crate::graph::warn;
+use crate::narrowphase::Detector;
+use bevy_ecs::prelude::*;
+
+/// The components of a pair besides [`ContactPair`].
+pub(super) type Components = (
+    Manifold,
+    ContactTargets,
+    ContactImpulses,
+    ContactAnchors,
+    NarrowphaseCache,
+);
+
+/// A pair of two bodies near each other.
+pub(super) struct Contact {
+    pub pair: ContactPair,
+    pub components: Components,
+    /// Whether there are contact points.
+    pub links: bool,
+}
+
+/// A structure.
+pub(super) struct Structure {
+    /// Slots of its bodies, with their levels of support, in the order of a solve.
+    pub members: Vec<(u32, u32)>,
+    /// Indices of its contacts, in the order of a solve.
+    pub contacts: Vec<u32>,
+}
+
+/// What was found of a group.
+pub(super) struct Found {
+    pub contacts: Vec<Contact>,
+    pub islands: Vec<Structure>,
+    pub warnings: Vec<(Entity, BodyProblem)>,
+}
+
+impl Found {
+    /// Writes the index of each body in its structure, by slot.
+    pub fn number(&self, local: &mut [u32]) {
+        for island in &self.islands {
+            for (index, &(slot, _)) in (0..).zip(&island.members) {
+                local[slot as usize] = index;
+            }
+        }
+    }
+}
+
+/// Finds contacts.
+pub(super) struct Contacts<'a> {
+    table: &'a BodyTable,
+    detector: Detector,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl<'a> Contacts<'a> {
+    pub fn new(world: &World, table: &'a BodyTable) -> Self {
+        Self {
+            table,
+            detector: Detector::new(world),
+        }
+    }
+
+    /// Finds the contacts and the structures of a group.
+    pub fn find(&self, group: &Group) -> Found {
+        let mut warnings = Vec::new();
+        let contacts = group.pairs.iter();
+        let contacts = contacts.filter_map(|&slots| self.detect(slots, &mut warnings));
+        let contacts: Vec<Contact> = contacts.collect();
+        let islands = self.structures(group, &contacts);
+        Found {
+            contacts,
+            islands,
+            warnings,
+        }
+    }
+
+    fn detect(
+        &self,
+        slots: [u32; 2],
+        warnings: &mut Vec<(Entity, BodyProblem)>,
+    ) -> Option<Contact> {
+        let bodies = self.table.both(slots)?;
+        warn(bodies, warnings);
+        let mut pair = ContactPair::new(0, slots, bodies, self.detector.revision);
+        let mut components = Components::default();
+        let (manifold, targets, impulses, anchors, cache) = &mut components;
+        let kept = (&mut *manifold, &mut *impulses, anchors, targets);
+        self.detector.detect(bodies, &mut pair, cache, kept);
+        impulses.fit(manifold);
+        let links = !manifold.points.is_empty();
+        pair.rest(pair.touching);
+        Some(Contact {
+            pair,
+            components,
+            links,
+        })
+    }
+
+    /// Divides a group into structures, and sorts them as the order of a solve is sorted.
+    fn structures(&self, group: &Group, contacts: &[Contact]) -> Vec<Structure> {
+        let mut sorted: Vec<u32> = group.bodies.to_vec();
+        sorted.sort_unstable();
+        let place = |slot: u32| sorted.binary_search(&slot).ok();
+        let ends: Vec<[Option<usize>; 2]> = { contacts.iter() }
+            .map(|contact| contact.pair.slots.map(place))
+            .collect();
+        // The linking contacts of each body.
+        let mut firsts = vec![0u32; sorted.len() + 1];
+        let links = || {
+            ends.iter()
+                .zip(contacts)
+                .enumerate()
+                .filter(|(_, (_, of))| of.links)
+        };
+        for (_, (ends, _)) in links() {
+            ends.iter().flatten().for_each(|&end| firsts[end + 1] += 1);
+        }
+        for i in 0..sorted.len() {
+            firsts[i + 1] += firsts[i];
+        }
+        let mut next = firsts.clone();
+        let mut lists = vec![0u32; firsts[sorted.len()] as usize];
+        for (contact, (ends, _)) in links() {
+            for &end in ends.iter().flatten() {
+                lists[next[end] as usize] = contact as u32;
+                next[end] += 1;
+            }
+        }
+        let links_of = |body: usize| &lists[firsts[body] as usize..firsts[body + 1] as usize];
+        let other = |contact: u32, body: usize| {
+            let [a, b] = ends[contact as usize];
+            if a == Some(body) { b } else { a }
+        };
+        let levels = levels(sorted.len(), links_of, other);
+        let mut structures = Vec::new();
+        let mut is_found = vec![false; sorted.len()];
+        let mut ranks = vec![NONE; sorted.len()];
+        for first in 0..sorted.len() {
+            if std::mem::replace(&mut is_found[first], true) {
+                continue;
+            }
+            let mut members = vec![first];
+            let mut at = 0;
+            while let Some(&body) = members.get(at) {
+                at += 1;
+                for &contact in links_of(body) {
+                    if let Some(beside) = other(contact, body)
+                        && !std::mem::replace(&mut is_found[beside], true)
+                    {
+                        members.push(beside);
+                    }
+                }
+            }
+            let spawned = |body: usize| self.table.get(sorted[body]).map(|body| body.spawn_order);
+            members.sort_unstable_by_key(|&body| (levels[body], spawned(body)));
+            for (rank, &body) in (0..).zip(&members) {
+                ranks[body] = rank;
+            }
+            let mut of_it = Vec::new();
+            let mut lower: Vec<((bool, u64), u32)> = Vec::new();
+            for (rank, &body) in (0..).zip(&members) {
+                lower.clear();
+                lower.extend(links_of(body).iter().filter_map(|&contact| {
+                    let key = match other(contact, body) {
+                        Some(other) => (true, u64::from(ranks[other])),
+                        None => {
+                            let [a, b] = contacts[contact as usize].pair.slots;
+                            let fixed = if a == sorted[body] { b } else { a };
+                            (false, self.table.get(fixed).map(of_order)?)
+                        }
+                    };
+                    (key < (true, rank)).then_some((key, contact))
+                }));
+                lower.sort_unstable();
+                of_it.extend(lower.iter().map(|&(_, contact)| contact));
+            }
+            structures.push(Structure {
+                members: { members.into_iter() }
+                    .map(|body| (sorted[body], levels[body]))
+                    .collect(),
+                contacts: of_it,
+            });
+        }
+        structures
+    }
+}
+
+fn of_order(body: &BodyState) -> u64 {
+    body.spawn_order.0
+}
+
+/// The level of support of each body: the number of links down to a body that is not of the group, which is static.
+fn levels<'a>(
+    count: usize,
+    links_of: impl Fn(usize) -> &'a [u32],
+    other: impl Fn(u32, usize) -> Option<usize>,
+) -> Vec<u32> {
+    let mut levels = vec![NONE; count];
+    let stands = |body: usize| links_of(body).iter().any(|&of| other(of, body).is_none());
+    let mut queue: Vec<usize> = (0..count).filter(|&body| stands(body)).collect();
+    for &body in &queue {
+        levels[body] = 1;
+    }
+    let mut at = 0;
+    while let Some(&body) = queue.get(at) {
+        at += 1;
+        for &contact in links_of(body) {
+            if let Some(above) = other(contact, body)
+                && levels[above] == NONE
+            {
+                levels[above] = levels[body] + 1;
+                queue.push(above);
+            }
+        }
+    }
+    levels
+}

@@ -1,0 +1,251 @@
+//! Groups of bodies whose boxes overlap.
+
+use super::each;
+use crate::body::{BodyState, BodyTable};
+use crate::broadphase::Broadphase;
+use crate::settings::PhysicsThreads;
+use std::ops::Range;
+
+/// Dynamic bodies that overlap, directly or over each other, and all pairs with at least one of them.
+#[derive(Clone, Debug)]
+pub(super) struct Group<'a> {
+    /// Slots of its bodies, in order of spawning.
+    pub bodies: &'a [u32],
+    /// Slots of A and B.
+    pub pairs: &'a [[u32; 2]],
+}
+
+/// The groups of all bodies that arrive.
+#[derive(Debug, Default)]
+pub(super) struct Groups {
+    bodies: Vec<u32>,
+    pub pairs: Vec<[u32; 2]>,
+    /// Ranges in both lists.
+    ranges: Vec<(Range<usize>, Range<usize>)>,
+    /// Static bodies, each with its level of support.
+    pub fixed: Vec<(u32, u32)>,
+    /// Bodies that are left to the stages.
+    pub left_out: Vec<u32>,
+}
+
+/// Number of bodies whose overlaps one thread finds at a time.
+const SHARE: usize = 1024;
+
+/// What is near a body that arrives.
+#[derive(Default)]
+struct Near {
+    /// Pairs of which it is the later body, or the only one that arrives.
+    pairs: Vec<[u32; 2]>,
+    /// Indices of bodies whose contacts are for the stages to find.
+    left_out: Vec<u32>,
+}
+
+impl Groups {
+    /// Finds the pairs of bodies that arrive, by their slots in order of spawning. Their boxes are in the tree.
+    pub fn find(
+        broadphase: &Broadphase,
+        table: &BodyTable,
+        slots: &[u32],
+        threads: &PhysicsThreads,
+    ) -> Self {
+        let mut places = Places::new(slots);
+        let shares: Vec<Range<usize>> = (0..slots.len())
+            .step_by(SHARE)
+            .map(|first| first..(first + SHARE).min(slots.len()))
+            .collect();
+        let near = each(threads, slots.len(), &shares, |share| {
+            let mut near = Near::default();
+            for i in share.clone() {
+                near.look(broadphase, table, &places, (i as u32, slots[i]));
+            }
+            near
+        });
+        let is_dynamic = |slot: u32| table.get(slot).is_some_and(BodyState::is_dynamic);
+        let pairs = || near.iter().flat_map(|near| &near.pairs);
+        for &slots in pairs() {
+            if let [Some(a), Some(b)] = slots.map(|slot| places.of(slot))
+                && slots.into_iter().all(is_dynamic)
+            {
+                places.join(a, b);
+            }
+        }
+        let mut left_out = vec![false; slots.len()];
+        let marked = near.iter().flat_map(|near| &near.left_out);
+        for &i in marked {
+            left_out[places.first(i) as usize] = true;
+        }
+        places.spread(pairs(), &mut left_out);
+        let mut groups = Self::default();
+        // The number of the group of each body that is its first.
+        let mut numbers = vec![u32::MAX; slots.len()];
+        let mut counts: Vec<[usize; 2]> = Vec::new();
+        for (i, &slot) in (0..).zip(slots) {
+            let first = places.first(i);
+            if left_out[first as usize] {
+                groups.left_out.push(slot);
+            } else if !is_dynamic(slot) {
+                groups.fixed.push((slot, 0));
+            } else {
+                if numbers[first as usize] == u32::MAX {
+                    numbers[first as usize] = counts.len() as u32;
+                    counts.push([0; 2]);
+                }
+                counts[numbers[first as usize] as usize][0] += 1;
+            }
+        }
+        let mut group_of = |slot: u32| {
+            let place = places.of(slot).filter(|_| is_dynamic(slot))?;
+            let number = numbers[places.first(place) as usize];
+            (number != u32::MAX).then_some(number as usize)
+        };
+        let of_pair = |[a, b]: [u32; 2], group_of: &mut dyn FnMut(u32) -> Option<usize>| {
+            group_of(a).or_else(|| group_of(b))
+        };
+        for &pair in pairs() {
+            if let Some(group) = of_pair(pair, &mut group_of) {
+                counts[group][1] += 1;
+            }
+        }
+        let mut ends = [0; 2];
+        let mut next: Vec<[usize; 2]> = Vec::with_capacity(counts.len());
+        for count in counts {
+            let [bodies, pairs] = ends;
+            next.push(ends);
+            ends = [bodies + count[0], pairs + count[1]];
+            groups.ranges.push((bodies..ends[0], pairs..ends[1]));
+        }
+        groups.bodies = vec![0; ends[0]];
+        groups.pairs = vec![[0; 2]; ends[1]];
+        for &slot in slots {
+            if let Some(group) = group_of(slot) {
+                groups.bodies[next[group][0]] = slot;
+                next[group][0] += 1;
+            }
+        }
+        for &pair in pairs() {
+            if let Some(group) = of_pair(pair, &mut group_of) {
+                groups.pairs[next[group][1]] = pair;
+                next[group][1] += 1;
+            }
+        }
+        groups
+    }
+
+    /// The groups, divided into portions of about this many pairs.
+    pub fn portions(&self, pairs: usize) -> Vec<Vec<Group<'_>>> {
+        let mut portions: Vec<Vec<Group>> = Vec::new();
+        let mut count = usize::MAX;
+        for (bodies, of_it) in &self.ranges {
+            if count >= pairs {
+                portions.push(Vec::new());
+                count = 0;
+            }
+            count += of_it.len().max(bodies.len());
+            if let Some(portion) = portions.last_mut() {
+                portion.push(Group {
+                    bodies: &self.bodies[bodies.clone()],
+                    pairs: &self.pairs[of_it.clone()],
+                });
+            }
+        }
+        portions
+    }
+}
+
+impl Near {
+    /// Finds what is near a body, by its index and its slot.
+    fn look(
+        &mut self,
+        broadphase: &Broadphase,
+        table: &BodyTable,
+        places: &Places,
+        (index, slot): (u32, u32),
+    ) {
+        for pair in broadphase.pairs_of(table, slot) {
+            let other = if pair[0] == slot { pair[1] } else { pair[0] };
+            if places.of(other).is_some() {
+                // The later body of a pair finds it.
+                if pair[1] == slot {
+                    self.pairs.push(pair);
+                }
+                continue;
+            }
+            let other = table.get(other);
+            if other.is_none_or(|other| other.is_static() && !other.asks_for_hooks()) {
+                self.pairs.push(pair);
+            } else {
+                self.left_out.push(index);
+            }
+        }
+    }
+}
+
+/// The index of each body among those that arrive, and a forest of those that are in one group.
+struct Places {
+    first_slot: u32,
+    /// By slot, from the first one on.
+    indices: Vec<u32>,
+    /// By index: another body of the group, or itself.
+    parents: Vec<u32>,
+}
+
+impl Places {
+    fn new(slots: &[u32]) -> Self {
+        let first_slot = slots.iter().copied().min().unwrap_or(0);
+        let last = slots.iter().copied().max().unwrap_or(0);
+        let mut indices = vec![u32::MAX; (last - first_slot) as usize + 1];
+        for (i, &slot) in (0..).zip(slots) {
+            indices[(slot - first_slot) as usize] = i;
+        }
+        Self {
+            first_slot,
+            indices,
+            parents: (0..slots.len() as u32).collect(),
+        }
+    }
+
+    /// The index of a body that arrives.
+    fn of(&self, slot: u32) -> Option<u32> {
+        let at = slot.checked_sub(self.first_slot)?;
+        let index = self.indices.get(at as usize).copied();
+        index.filter(|&index| index != u32::MAX)
+    }
+
+    /// The body that stands for a group.
+    fn first(&mut self, mut index: u32) -> u32 {
+        while self.parents[index as usize] != index {
+            let above = self.parents[index as usize];
+            self.parents[index as usize] = self.parents[above as usize];
+            index = above;
+        }
+        index
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.first(a), self.first(b));
+        self.parents[a.max(b) as usize] = a.min(b);
+    }
+
+    /// Marks all groups that are near a marked one, over static bodies that arrive.
+    fn spread<'a>(
+        &mut self,
+        pairs: impl Iterator<Item = &'a [u32; 2]> + Clone,
+        marked: &mut [bool],
+    ) {
+        loop {
+            let mut is_done = true;
+            for pair in pairs.clone() {
+                if let [Some(a), Some(b)] = pair.map(|slot| self.of(slot)) {
+                    let (a, b) = (self.first(a) as usize, self.first(b) as usize);
+                    if marked[a] != marked[b] {
+                        (marked[a], marked[b]) = (true, true);
+                        is_done = false;
+                    }
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! Bodies that are spawned asleep by the thousand.
+//!
+//! Bodies that a user spawns asleep one by one are active in their first step: all stages process them and their pairs, and then both move to the
+//! tables of what is inactive. Those of [`spawn_asleep`] are inactive from the beginning, and the next step, in *prepare*, does all at
+//! once what its stages would do: boxes, pairs, contacts, structures and loads. The bodies are divided into *groups* whose boxes overlap, such as the walls of a
+//! town. Contacts and loads of a group are found one after the other while they are in the cache, and groups are shared among threads. The results have the
+//! same bits as those of bodies that are spawned asleep one by one.
+//!
+//! Bodies that need more than that are left to the stages, with all that is near them ([`groups`]): those that are joined, composite, moving or
+//! disturbed, that have hooks, mortar or contact events, or that are near a dynamic body which was there before.
+
+mod contacts;
+mod groups;
+mod loads;
+
+use crate::body::{BodyIndex, BodyTable, Inactive, NewBodies, Sleeping, add_asleep};
+use crate::broadphase::{Broadphase, rest_box};
+use crate::collapse::Watch;
+use crate::graph::{ConstraintGraph, Islands, report};
+use crate::joint;
+use crate::mortar::Mortar;
+use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
+use crate::warm_start::SolveContext;
+use bevy_ecs::bundle::NoBundleEffect;
+use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+use contacts::{Contact, Contacts};
+use groups::Groups;
+use rayon::prelude::*;
+
+/// Bodies that were spawned by [`spawn_asleep`] since the last step.
+#[derive(Resource, Clone, Debug, Default)]
+#[component(map_entities)]
+#[doc(hidden)]
+pub struct Arrivals(Vec<Entity>);
+
+impl MapEntities for Arrivals {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.0.map_entities(mapper);
+    }
+}
+
+/// Spawns many bodies asleep, with the loads that keep them still: a town of a million bricks in seconds. The bundles must not contain
+/// [`Sleeping`].
+///
+/// The next step finds their contacts and loads, as it does for bodies that are spawned with [`Sleeping::asleep`] one by one, but in a fraction of the
+/// time and memory. No [`ContactStarted`](crate::contact::ContactStarted) is sent for contacts among them. The time is that of one step; spawn parts of a
+/// very large town in several steps to divide it. Bodies that are not at rest where they are put are not moved: they fall when they are woken.
+///
+/// # Panics
+/// If a bundle contains [`Sleeping`].
+///
+/// ```
+/// use bevy_app::App;
+/// use drystone::masonry::{Bond, Wall};
+/// use drystone::prelude::*;
+/// use drystone::streaming::spawn_asleep;
+///
+/// let mut app = App::new();
+/// app.add_plugins(DrystonePlugins::default());
+/// let world = app.world_mut();
+/// world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+/// let wall = Wall::new(Bond::Running).blocks().unwrap();
+/// let street = (0..20).flat_map(|i| {
+///     let place = Pose { position: 3.0 * i as f32 * Vec3::Z, ..Pose::default() };
+///     wall.iter().map(move |block| block.clone().moved(&place).bundle())
+/// });
+/// let bricks = spawn_asleep(world, street);
+/// drystone::step(world, 1.0 / 60.0).unwrap();
+/// let faces = contacts(world, |contacts| contacts.on(bricks[0])).unwrap();
+/// assert!(faces.iter().any(|face| face.normal_force > 0.0));
+/// assert!(world.get::<Sleeping>(bricks[0]).unwrap().asleep);
+/// ```
+pub fn spawn_asleep<B>(world: &mut World, bodies: impl IntoIterator<Item = B>) -> Vec<Entity>
+where
+    B: Bundle<Effect: NoBundleEffect>,
+{
+    let asleep = Sleeping {
+        asleep: true,
+        ..Sleeping::default()
+    };
+    let bodies = bodies.into_iter();
+    if !world.contains_resource::<Arrivals>() {
+        return world
+            .spawn_batch(bodies.map(|body| (body, asleep)))
+            .collect();
+    }
+    let bodies = bodies.map(|body| (body, asleep, Inactive::new()));
+    let spawned: Vec<Entity> = world.spawn_batch(bodies).collect();
+    world.resource_mut::<Arrivals>().0.extend(&spawned);
+    spawned
+}
+
+/// Run condition: bodies were spawned by [`spawn_asleep`] since the last step.
+pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
+    !arrivals.0.is_empty()
+}
+
+/// Number of pairs whose contacts are found at a time, on all threads.
+const PORTION: usize = 1 << 15;
+
+/// Takes up the bodies; a part of the stage *prepare*.
+pub fn arrive(
+    world: &mut World,
+    new: &mut SystemState<NewBodies>,
+    context: &mut SystemState<SolveContext>,
+) {
+    let list = std::mem::take(&mut world.resource_mut::<Arrivals>().0);
+    let (list, mut others) = divide(world, list);
+    let (slots, unfit) = world.resource_scope(|world, mut table: Mut<BodyTable>| {
+        let found = new.get_mut(world).expect("bodies can always be read");
+        let found = add_asleep(&mut table, &list, found);
+        new.apply(world);
+        found
+    });
+    others.extend(unfit);
+    world.resource_scope(|world, mut broadphase: Mut<Broadphase>| {
+        add_boxes(world, &mut broadphase, &slots);
+        let groups = Groups::find(
+            &broadphase,
+            world.resource(),
+            &slots,
+            world.resource::<PhysicsThreads>(),
+        );
+        others.extend(leave(world, &mut broadphase, &groups.left_out));
+        world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+            world.resource_scope(|world, mut table: Mut<BodyTable>| {
+                connect(world, &mut graph, &mut table, &groups, context);
+            });
+        });
+    });
+    // The stages process the others, as if they had been spawned one by one.
+    for body in others {
+        if let Ok(mut body) = world.get_entity_mut(body) {
+            body.remove::<Inactive>();
+        }
+    }
+}
+
+/// Divides bodies into those that need contacts and loads only, as far as their components tell, and the others.
+fn divide(world: &World, list: Vec<Entity>) -> (Vec<Entity>, Vec<Entity>) {
+    let joined = joint::added(world).into_iter();
+    let joined: EntityHashSet = joined.flat_map(|(_, bodies)| bodies).flatten().collect();
+    let special = world.try_query_filtered::<Entity, Or<(With<Mortar>, With<Watch>)>>();
+    let special: EntityHashSet = special.map_or_else(EntityHashSet::default, |mut special| {
+        special.iter(world).collect()
+    });
+    let list = list.into_iter();
+    list.partition(|body| !joined.contains(body) && !special.contains(body))
+}
+
+fn add_boxes(world: &World, broadphase: &mut Broadphase, slots: &[u32]) {
+    let table = world.resource::<BodyTable>();
+    let (gravity, dt) = (
+        world.resource::<Gravity>().0,
+        world.resource::<StepTime>().dt,
+    );
+    let settings = world.resource::<StabilizationSettings>();
+    let boxes = slots.iter().filter_map(|&slot| {
+        let fat = rest_box(table.get(slot)?, settings, gravity, dt);
+        Some((slot, fat?))
+    });
+    let boxes: Vec<_> = boxes.collect();
+    broadphase.add_boxes(&boxes, table.slots());
+}
+
+/// Removes bodies again that are left to the stages.
+fn leave(world: &mut World, broadphase: &mut Broadphase, slots: &[u32]) -> Vec<Entity> {
+    broadphase.take_boxes(slots);
+    let mut left = Vec::with_capacity(slots.len());
+    for &slot in slots {
+        let mut table = world.resource_mut::<BodyTable>();
+        if let Some(body) = table.get(slot).map(|body| body.entity) {
+            table.take_out(body, BodyIndex(slot));
+            left.push(body);
+            if let Some(mut index) = world.get_mut::<BodyIndex>(body) {
+                *index.bypass_change_detection() = BodyIndex::NONE;
+            }
+        }
+    }
+    left
+}
+
+/// Finds the contacts and loads of all groups, and spawns their pairs.
+fn connect(
+    world: &mut World,
+    graph: &mut ConstraintGraph,
+    table: &mut BodyTable,
+    groups: &Groups,
+    context: &mut SystemState<SolveContext>,
+) {
+    let count = groups.pairs.len();
+    graph.reserve(count);
+    let mut left = count;
+    let mut warnings = Vec::new();
+    let mut local = vec![u32::MAX; table.slots()];
+    for portion in groups.portions(PORTION) {
+        let found = {
+            let context = context.get(world).expect("settings can always be read");
+            let threads = &*context.threads;
+            let detector = Contacts::new(world, table);
+            let mut found: Vec<_> = each(threads, PORTION, &portion, |group| detector.find(group));
+            for group in &found {
+                group.number(&mut local);
+            }
+            let load = |group: &mut contacts::Found| loads::load(group, table, &local, &context);
+            match threads.runs_in_parallel(PORTION) {
+                true => threads.run(PORTION, || found.par_iter_mut().for_each(load)),
+                false => found.iter_mut().for_each(load),
+            }
+            found
+        };
+        world.resource_scope(|_, mut islands: Mut<Islands>| {
+            islands.add_structures(
+                table,
+                found
+                    .iter()
+                    .flat_map(|group| group.islands.iter())
+                    .map(|island| &*island.members),
+            );
+        });
+        let number: usize = found.iter().map(|group| group.contacts.len()).sum();
+        let mut edges = Vec::with_capacity(number);
+        let mut bundles = Vec::with_capacity(number);
+        for mut group in found {
+            warnings.append(&mut group.warnings);
+            for contact in group.contacts {
+                let Contact {
+                    mut pair,
+                    components,
+                    links,
+                } = contact;
+                pair.edge = graph.insert_inactive(pair.slots);
+                edges.push((pair.edge, links));
+                bundles.push((pair, components));
+            }
+        }
+        let room = Room {
+            bundles: bundles.into_iter(),
+            room: left,
+        };
+        left -= number;
+        let pairs: Vec<Entity> = world.spawn_batch(room).collect();
+        for ((edge, links), pair) in edges.into_iter().zip(pairs) {
+            graph.name(edge, pair);
+            graph.set_links(edge, links);
+        }
+        graph.forget_linked();
+    }
+    world.resource_scope(|_, mut islands: Mut<Islands>| {
+        islands.add_structures(table, groups.fixed.iter().map(std::slice::from_ref));
+    });
+    report(world, warnings);
+}
+
+/// Applies a function to each item, on several threads if these are said to be enough items. The results are in order.
+fn each<T: Sync, R: Send>(
+    threads: &PhysicsThreads,
+    work: usize,
+    items: &[T],
+    function: impl Fn(&T) -> R + Sync + Send,
+) -> Vec<R> {
+    match threads.runs_in_parallel(work) {
+        true => threads.run(work, || items.par_iter().map(function).collect()),
+        false => items.iter().map(function).collect(),
+    }
+}
+
+/// Bundles of which more will follow, so that the table of the ECS makes room for all of them at once. Tables grow by doubling otherwise, and never
+/// shrink.
+struct Room<I> {
+    bundles: I,
+    /// Number of all bundles.
+    room: usize,
+}
+
+impl<I: Iterator> Iterator for Room<I> {
+    type Item = I::Item;
+
+    fn next(&mut self) -> Option<I::Item> {
+        self.bundles.next()
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (0, Some(self.room))
+    }
+}

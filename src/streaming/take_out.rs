@@ -1,0 +1,197 @@
+//! Taking bodies out.
+
+use super::StreamingError;
+use super::region::{Body, Components, Contact, Region};
+use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pending, RigidBodyDisabled};
+use crate::broadphase::Broadphase;
+use crate::contact::{
+    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, LostPairs, Manifold,
+    NarrowphaseCache,
+};
+use crate::grab::{Grab, HeldBy};
+use crate::graph::{ConstraintGraph, EdgeKind, Islands};
+use crate::settings::{ActiveSettings, StepTime};
+use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
+
+/// The components of a pair.
+type Pairs = (
+    &'static ContactPair,
+    &'static Manifold,
+    &'static ContactTargets,
+    &'static ContactImpulses,
+    &'static ContactAnchors,
+    &'static NarrowphaseCache,
+);
+
+/// A body of the region: its slot and its entity.
+type Found = (u32, Entity);
+
+/// Takes bodies at rest out of the simulation. See the [module](super) for what becomes of them and of their neighbours.
+///
+/// Bodies that are named several times are taken out once. The cost is proportional to the number of the bodies and their contacts.
+///
+/// # Errors
+/// If one of the bodies cannot be taken out. Nothing has changed then.
+pub fn take_out(
+    world: &mut World,
+    bodies: impl IntoIterator<Item = Entity>,
+) -> Result<Region, StreamingError> {
+    if !world.contains_resource::<StepTime>() {
+        return Err(StreamingError::MissingPlugin("StepPlugin"));
+    }
+    let mut pairs = world.query::<Pairs>();
+    let found = find(world, bodies)?;
+    let region = copy(world, &found, &mut pairs)?;
+    remove(world, &found);
+    Ok(region)
+}
+
+/// Finds the slots of the bodies, in order of spawning, and checks the bodies themselves.
+fn find(
+    world: &World,
+    bodies: impl IntoIterator<Item = Entity>,
+) -> Result<Vec<Found>, StreamingError> {
+    let (table, graph) = (
+        world.resource::<BodyTable>(),
+        world.resource::<ConstraintGraph>(),
+    );
+    let mut found = Vec::new();
+    for body in bodies {
+        let of = world.get_entity(body);
+        let of = of.map_err(|_| StreamingError::NotABody(body))?;
+        let slot = table.slot_of(world, body);
+        let slot = slot.ok_or(StreamingError::NotABody(body))?;
+        let state = table.get(slot).expect("it has this slot");
+        if of.contains::<HeldBy>() || of.contains::<Grab>() {
+            return Err(StreamingError::Held(body));
+        }
+        if let Some(joint) = graph.edges_of_kind(slot, EdgeKind::Joint).next() {
+            return Err(StreamingError::Joined { body, joint });
+        }
+        if state.collider.is_some() && !state.radius.is_finite() {
+            return Err(StreamingError::Unbounded(body));
+        }
+        if !table.is_inactive(slot) || !of.contains::<Inactive>() {
+            return Err(StreamingError::NotAtRest(body));
+        }
+        found.push((state.spawn_order, slot, body));
+    }
+    found.sort_unstable();
+    found.dedup();
+    Ok(found
+        .into_iter()
+        .map(|(_, slot, body)| (slot, body))
+        .collect())
+}
+
+/// Copies what the simulation knows about the bodies, and checks their contacts.
+fn copy(
+    world: &World,
+    found: &[Found],
+    pairs: &mut QueryState<Pairs>,
+) -> Result<Region, StreamingError> {
+    let (table, graph) = (
+        world.resource::<BodyTable>(),
+        world.resource::<ConstraintGraph>(),
+    );
+    let (broadphase, islands) = (world.resource::<Broadphase>(), world.resource::<Islands>());
+    let mut is_out = FixedBitSet::with_capacity(table.slots());
+    is_out.extend(found.iter().map(|&(slot, _)| slot as usize));
+    let mut region = Region {
+        settings: world.resource::<ActiveSettings>().changes(),
+        ..Region::default()
+    };
+    region.bodies.reserve_exact(found.len());
+    region.contacts.reserve(3 * found.len());
+    let pairs = pairs.query_manual(world);
+    for &(slot, body) in found {
+        for (edge, links) in graph.edges_at(slot) {
+            let other = edge.other(slot);
+            let stays = !is_out.contains(other as usize);
+            // A contact between two bodies of the region is taken with the later one.
+            if !stays && edge.slots[0] == slot {
+                continue;
+            }
+            let beside = table.get(other).expect("an edge has two bodies");
+            if stays && links && beside.is_awake() {
+                return Err(StreamingError::BesideAwake {
+                    body,
+                    other: beside.entity,
+                });
+            }
+            let Ok((pair, manifold, targets, impulses, anchors, cache)) =
+                pairs.get_inner(edge.pair)
+            else {
+                // The user has taken it apart, and the next step makes it anew.
+                return Err(StreamingError::NotAtRest(body));
+            };
+            let rests = !graph.is_active(edge.edge);
+            let settles = table.is_inactive(other) && !rests;
+            if settles || pair.touching && !rests {
+                return Err(StreamingError::NotAtRest(body));
+            }
+            if !rests {
+                // Only the boxes overlap. The broadphase finds that again.
+                continue;
+            }
+            if stays {
+                region.neighbours.push(beside.clone());
+            }
+            let components: Components = (
+                manifold.clone(),
+                targets.clone(),
+                impulses.clone(),
+                anchors.clone(),
+                cache.clone(),
+            );
+            region.contacts.push(Contact {
+                pair: *pair,
+                links,
+                components,
+            });
+        }
+        region.bodies.push(Body {
+            state: table.get(slot).expect("it was just found").clone(),
+            aabb: broadphase.box_of(slot),
+            account: islands.account(slot),
+        });
+    }
+    let entity = |body: &BodyState| body.entity;
+    region.neighbours.sort_unstable_by_key(entity);
+    region.neighbours.dedup_by_key(|body| entity(body));
+    Ok(region)
+}
+
+/// Removes the bodies and their pairs from the simulation.
+fn remove(world: &mut World, found: &[Found]) {
+    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+        // These contacts have not ended, so nobody hears of them.
+        let lost = world.resource::<LostPairs>().0.len();
+        for &(slot, _) in found {
+            let edges: Vec<_> = graph.edges_at(slot).collect();
+            for (edge, _) in edges {
+                world.try_despawn(edge.pair).ok();
+                graph.remove(edge.edge, edge.pair);
+            }
+        }
+        world.resource_mut::<LostPairs>().0.truncate(lost);
+        let slots: Vec<u32> = found.iter().map(|&(slot, _)| slot).collect();
+        world.resource_mut::<Broadphase>().take_boxes(&slots);
+        let mut table = world.resource_mut::<BodyTable>();
+        for &(slot, body) in found {
+            table.take_out(body, BodyIndex(slot));
+        }
+        world.resource_scope(|world, mut islands: Mut<Islands>| {
+            islands.exchange(&mut graph, world.resource(), &[], &slots);
+        });
+    });
+    for &(_, body) in found {
+        world.resource_mut::<Pending>().remove(body);
+        if let Some(mut index) = world.get_mut::<BodyIndex>(body) {
+            *index.bypass_change_detection() = BodyIndex::NONE;
+        }
+    }
+    let marked = found.iter().map(|&(_, body)| (body, RigidBodyDisabled));
+    world.insert_batch(marked.collect::<Vec<_>>());
+}

@@ -308,8 +308,8 @@ fn pairs_at_rest_stay_in_their_table() {
     lab.run(3.0);
     let rests = |&brick: &Entity| lab.world.get::<Inactive>(brick).is_some();
     assert!(bricks.iter().all(rests));
-    let active = lab.world.resource::<ConstraintGraph>().active_pairs();
-    assert_eq!(active.len(), 0);
+    let graph = lab.world.resource::<ConstraintGraph>();
+    assert_eq!(graph.active_pairs().len(), 0);
     let mut pairs = lab.world.query::<&ContactPair>();
     let count = pairs.iter(&lab.world).count();
     let id = lab.world.component_id::<ContactPair>().unwrap();

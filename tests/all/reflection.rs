@@ -12,7 +12,7 @@ use drystone::state::Visitor;
 use std::any::TypeId;
 
 /// Types that are not registered, and why.
-const INTERNAL: [(&str, &str); 17] = [
+const INTERNAL: [(&str, &str); 19] = [
     ("body::pending::Pending", "derived, for queries"),
     (
         "warm_start::problems::IslandProblems",

@@ -22,8 +22,10 @@
 //!
 //! The graph lies above the broadphase and the components of contacts, and below all code that asks how bodies are connected.
 
+mod account;
 mod activation;
 mod edges;
+mod forces;
 mod islands;
 mod levels;
 mod need;
@@ -35,11 +37,11 @@ mod sleeping;
 pub(crate) mod tests;
 mod waking;
 
+pub(crate) use account::Wrench;
 pub use activation::activate;
 pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};
-pub(crate) use need::Wrench;
 pub(crate) use pairs::end_pairs;
 pub use pairs::pair_changes;
 pub use sleeping::sleeping;

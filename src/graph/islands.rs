@@ -6,13 +6,16 @@
 //! last step finds bodies that were added, removed, or changed in kind.
 
 use super::ConstraintGraph;
+use super::account::Accounts;
 use super::activation::{Deactivation, activate, deactivate};
+use super::forces::Forces;
 use super::levels::{Kind, Levels};
-use super::need::{Accounts, Forces, Impulses, Need};
+use super::need::{Impulses, Need};
 use super::partition::Partition;
 use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder};
 use crate::contact::{ContactPair, LostPairs, Manifold, Part};
 use crate::revision::Revision;
+use crate::saving::Restored;
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
@@ -256,7 +259,7 @@ impl Islands {
 pub fn islands(
     mut table: ResMut<BodyTable>,
     (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
-    lost: Res<LostPairs>,
+    (lost, mut restored): (Res<LostPairs>, ResMut<Restored>),
     (pairs, forces, impulses): (Pairs, Forces, Impulses),
     (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
     (mut sleepers, places): (Query<&mut Sleeping>, &Entities),
@@ -276,6 +279,11 @@ pub fn islands(
     islands.revise(&std::mem::take(&mut table.solved_anew));
     islands.deactivation.pairs = graph.take_idle(&table, &pairs, &time);
     islands.woke = false;
+    let restored = match restored.has_accounts() {
+        true => restored.take_accounts(),
+        false => Default::default(),
+    };
+    islands.restore_accounts(&table, &restored);
     let rests = |(_, body): (_, &BodyState)| body.asleep || body.may_rest();
     if table.inactive_count() > 0 || table.active().any(rests) {
         let need = Need {
@@ -289,9 +297,11 @@ pub fn islands(
         };
         let rising = islands.find_rising(&need, settings.waking);
         islands.wake(&mut table, rising, &mut sleepers);
-        islands.find_loading(graph, &mut table, &mut sleepers);
+        islands.find_loading(graph, &mut table, &mut sleepers, &restored);
         islands.find_deactivation(&table);
         islands.update(graph, &table);
+        // Bodies that are loaded count as solved in this step, which closes their accounts.
+        islands.restore_accounts(&table, &restored);
     }
     islands.find_arriving();
 }

@@ -22,9 +22,11 @@
 //!
 //! The graph lies above the broadphase and the components of contacts, and below all code that asks how bodies are connected.
 
+mod account;
 mod activation;
 mod active;
 mod edges;
+mod forces;
 mod islands;
 mod levels;
 mod need;
@@ -36,11 +38,11 @@ mod sleeping;
 pub(crate) mod tests;
 mod waking;
 
+pub(crate) use account::Wrench;
 pub use activation::activate;
 pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};
-pub(crate) use need::Wrench;
 pub use pairs::pair_changes;
 pub(crate) use pairs::{end_pairs, report, warn};
 pub use sleeping::sleeping;

@@ -16,62 +16,20 @@
 //! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
 
 use super::ConstraintGraph;
+use super::account::{Accounts, Wrench};
 use super::edges::{EdgeKind, Link};
+use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse};
-use crate::contact::{ContactImpulses, ContactPair, Manifold};
 use bevy_ecs::prelude::*;
-use bevy_platform::collections::HashMap;
 use glam::Vec3;
 use smallvec::SmallVec;
-
-/// The contacts of sleeping bodies, inactive ones included.
-pub(super) type Forces<'w, 's> = Query<
-    'w,
-    's,
-    (
-        &'static ContactPair,
-        &'static Manifold,
-        &'static ContactImpulses,
-    ),
->;
 
 /// The impulses that users give.
 pub(super) type Impulses<'w, 's> = Query<'w, 's, &'static ExternalImpulse>;
 
-/// The forces with which sleeping bodies fell asleep, for those that awake bodies touch or have touched; by slot.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Accounts(HashMap<u32, Wrench>);
-
-impl Accounts {
-    /// The forces with which a body fell asleep, if its account is open.
-    pub fn get(&self, slot: u32) -> Option<Wrench> {
-        self.0.get(&slot).copied()
-    }
-
-    /// Opens an account.
-    pub fn open(&mut self, slot: u32, forces: Wrench) {
-        self.0.insert(slot, forces);
-    }
-
-    /// Closes the account of a body that wakes or is removed.
-    pub fn close(&mut self, slot: u32) {
-        if !self.0.is_empty() {
-            self.0.remove(&slot);
-        }
-    }
-}
-
-/// The forces of all contacts on a body.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Wrench {
-    /// N.
-    force: Vec3,
-    /// About the centre of mass, N·m.
-    moment: Vec3,
-    /// The sum of all normal forces, N.
-    pressure: f32,
-}
+/// Bodies that hold another one up, by slot, with their forces, N.
+type Supports = SmallVec<[(u32, f32); 8]>;
 
 /// A sleeping body wakes if the user puts another one so that they overlap by more than this, m: both must give way.
 const OVERLAP: f32 = 1e-3;
@@ -128,11 +86,9 @@ impl Need<'_, '_, '_> {
                 let Some(body) = self.table.get(above) else {
                     continue;
                 };
-                let Ok(pair) = self.forces.get(link.pair) else {
+                let Some((_, borne)) = self.forces.of(&link, above) else {
                     continue;
                 };
-                let mut borne = Wrench::default();
-                borne.add(above, pair);
                 let weight = body.mass.mass() * self.gravity.length();
                 if borne.force.dot(up) > share * weight && !found.contains(above) {
                     found.add(self.table, above);
@@ -162,7 +118,7 @@ impl Need<'_, '_, '_> {
                     continue;
                 }
                 rising.add(self.table, slot);
-                let supports: SmallVec<[(u32, f32); 8]> = self.supports(slot, up).collect();
+                let supports = self.supports(slot, up);
                 let sum: f32 = supports.iter().map(|(_, force)| force).sum();
                 below.extend(
                     supports
@@ -180,16 +136,13 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// The bodies that push a body up, with their forces, N.
-    fn supports(&self, slot: u32, up: Vec3) -> impl Iterator<Item = (u32, f32)> {
-        let links = self.graph.links_of(slot);
-        let links = links.filter(|link| link.kind == EdgeKind::Contact);
-        links.filter_map(move |link| {
-            let mut borne = Wrench::default();
-            borne.add(slot, self.forces.get(link.pair).ok()?);
-            let force = borne.force.dot(up);
-            (force > 0.0).then_some((link.other(slot), force))
-        })
+    /// The bodies that hold a body up, with their forces, N, in an order that does not depend on the history of the graph.
+    fn supports(&self, slot: u32, up: Vec3) -> Supports {
+        let each = self.forces.each(slot, self.graph);
+        let borne = each
+            .into_iter()
+            .map(|(other, wrench)| (other, wrench.force.dot(up)));
+        borne.filter(|&(_, force)| force > 0.0).collect()
     }
 
     /// Wakes those of these sleeping bodies that awake bodies hit, or on which the forces have changed. Opens the accounts of the others.
@@ -214,7 +167,7 @@ impl Need<'_, '_, '_> {
                     EdgeKind::Joint => rising.add(self.table, slot),
                     EdgeKind::Contact => hit = hit.max(self.momentum(&link, slot, other)),
                 }
-                let is_put = other.arrived || other.put_from.is_some();
+                let is_put = other.put_from.is_some() || other.arrived && !self.is_restored(&link);
                 if is_put && self.overlaps(&link) {
                     rising.add(self.table, slot);
                 }
@@ -223,7 +176,7 @@ impl Need<'_, '_, '_> {
                 self.wake_around(slot, hit / self.speed, rising);
             }
             let now = self.wrench(slot);
-            let then = *accounts.0.entry(slot).or_insert(now);
+            let then = accounts.get_or_open(slot, || now);
             if self.change(body, &now, &then) > share * self.pressure(body, &then) {
                 rising.add(self.table, slot);
             }
@@ -259,8 +212,7 @@ impl Need<'_, '_, '_> {
                 let other = link.other(slot);
                 let sleeps = |body: &BodyState| body.is_dynamic() && body.asleep;
                 if !rising.contains(other) && self.table.get(other).is_some_and(sleeps) {
-                    let account = accounts.0.entry(other);
-                    account.or_insert_with(|| self.wrench(other));
+                    accounts.get_or_open(other, || self.wrench(other));
                 }
             }
         }
@@ -268,7 +220,7 @@ impl Need<'_, '_, '_> {
 
     /// The momentum with which an awake body hits a sleeping one in this step, kg·m/s; 0 if it does not.
     fn momentum(&self, link: &Link, sleeper: u32, awake: &BodyState) -> f32 {
-        let Ok((_, manifold, _)) = self.forces.get(link.pair) else {
+        let Some((_, manifold, _)) = self.forces.contact(link) else {
             return 0.0;
         };
         let Some(a) = self.table.get(link.slots[0]) else {
@@ -293,10 +245,16 @@ impl Need<'_, '_, '_> {
         }
     }
 
+    /// Returns true if the contact was loaded with a saved scene.
+    fn is_restored(&self, link: &Link) -> bool {
+        let contact = self.forces.contact(link);
+        contact.is_some_and(|(pair, ..)| pair.restored())
+    }
+
     /// Returns true if the two bodies of a contact overlap.
     fn overlaps(&self, link: &Link) -> bool {
-        let contact = self.forces.get(link.pair);
-        contact.is_ok_and(|(_, manifold, _)| {
+        let contact = self.forces.contact(link);
+        contact.is_some_and(|(_, manifold, _)| {
             let mut points = manifold.points.iter();
             points.any(|point| point.distance < -OVERLAP)
         })
@@ -327,47 +285,14 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// The forces of all contacts on a body, as they were at the end of the last step in which each was solved.
+    /// The forces of all contacts on a body.
     fn wrench(&self, slot: u32) -> Wrench {
-        let links = self.graph.edges_of_kind(slot, EdgeKind::Contact);
-        let pairs = links.filter_map(|pair| self.forces.get(pair).ok());
-        let mut pairs: SmallVec<[_; 16]> = pairs.collect();
-        // The order of links depends on their history; the sum must not.
-        pairs.sort_unstable_by_key(|(pair, ..)| pair.spawn_orders);
         let mut sum = Wrench::default();
-        pairs.into_iter().for_each(|pair| sum.add(slot, pair));
+        let each = self.forces.each(slot, self.graph);
+        each.iter().for_each(|(_, wrench)| sum.add(wrench));
         sum
     }
 }
 
-impl Wrench {
-    /// Adds the forces of a pair on one of its bodies.
-    fn add(
-        &mut self,
-        slot: u32,
-        (pair, manifold, impulses): (&ContactPair, &Manifold, &ContactImpulses),
-    ) {
-        let is_a = pair.slots[0] == slot;
-        let sign = if is_a { 1.0 } else { -1.0 };
-        let arm = |arm: Vec3| if is_a { arm } else { arm + manifold.between };
-        for (i, patch, range) in manifold.patches_with_points() {
-            for i in range {
-                let (Some(solved), point) = (impulses.points.get(i), &manifold.points[i]) else {
-                    continue;
-                };
-                let friction = impulses.friction.get(i);
-                let friction = friction.map_or(Vec3::ZERO, |point| point.friction_force);
-                let force = sign * (patch.normal * solved.normal_force + friction);
-                self.pressure += solved.normal_force;
-                self.force += force;
-                self.moment += arm(point.arm).cross(force);
-            }
-            if let Some(solved) = impulses.patches.get(i) {
-                let force = sign * solved.friction_force;
-                self.force += force;
-                self.moment += arm(patch.center).cross(force);
-                self.moment += sign * solved.twist_moment * patch.normal;
-            }
-        }
-    }
-}
+#[cfg(test)]
+mod tests;

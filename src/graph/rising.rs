@@ -1,7 +1,7 @@
 //! Lists of sleeping bodies that are to wake.
 
 use super::ConstraintGraph;
-use super::edges::EdgeKind;
+use super::edges::Link;
 use crate::body::{BodyState, BodyTable};
 use fixedbitset::FixedBitSet;
 
@@ -34,10 +34,10 @@ impl Rising {
         &mut self,
         (graph, table): (&ConstraintGraph, &BodyTable),
         mut from: usize,
-        spreads: impl Fn(EdgeKind) -> bool,
+        spreads: impl Fn(&Link) -> bool,
     ) {
         while let Some(&slot) = self.slots.get(from) {
-            let links = graph.links_of(slot).filter(|link| spreads(link.kind));
+            let links = graph.links_of(slot).filter(|link| spreads(link));
             links.for_each(|link| self.add(table, link.other(slot)));
             from += 1;
         }

@@ -8,12 +8,14 @@
 //!   [need](super::need) it.
 
 use super::ConstraintGraph;
+use super::account::Wrench;
 use super::edges::EdgeKind;
 use super::islands::Islands;
-use super::need::{Need, Wrench};
+use super::need::Need;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, Sleeping, Velocity};
 use crate::settings::Waking;
+use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
@@ -49,7 +51,7 @@ impl Islands {
                     need.wake_bereft(slot, share, &self.accounts, &mut rising);
                 }
                 need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
-                rising.flood(world, 0, |kind| kind == EdgeKind::Joint);
+                rising.flood(world, 0, |link| link.kind == EdgeKind::Joint);
                 need.open(&rising, &mut self.accounts);
             }
         }
@@ -95,6 +97,12 @@ impl Islands {
         &self.boundary
     }
 
+    /// Returns true if awake bodies have touched a sleeping body since it fell asleep. It wakes when the forces on it have changed
+    /// [by a share](Waking::ByNeed) since then.
+    pub fn has_open_account(&self, slot: u32) -> bool {
+        self.accounts.get(slot).is_some()
+    }
+
     /// The forces with which a sleeping body fell asleep, if an awake body has touched it since.
     pub(crate) fn account(&self, slot: u32) -> Option<Wrench> {
         self.accounts.get(slot)
@@ -103,6 +111,18 @@ impl Islands {
     /// Opens the account of a sleeping body that is the copy of another.
     pub(crate) fn open_account(&mut self, slot: u32, forces: Wrench) {
         self.accounts.open(slot, forces);
+    }
+
+    /// Opens the accounts of the sleeping bodies of a scene that was loaded in this step.
+    pub(super) fn restore_accounts(&mut self, table: &BodyTable, restored: &RestoredAccounts) {
+        if restored.is_empty() {
+            return;
+        }
+        for (slot, body) in table.active().filter(|(_, body)| arrives(body)) {
+            if let Some(&Some(forces)) = restored.get(&body.entity) {
+                self.accounts.open(slot, forces);
+            }
+        }
     }
 
     /// Finds the sleeping bodies that are linked to awake ones.
@@ -136,14 +156,15 @@ impl Islands {
     }
 
     /// Finds the bodies that were added asleep, with the sleeping bodies that are connected with them: these share the new load, and get static
-    /// loads in this step without waking. If they touch awake bodies, those that were added wake instead.
+    /// loads in this step without waking. If they touch awake bodies, those that were added wake instead; bodies of a saved scene have slept
+    /// beside awake ones, and go on sleeping.
     pub(super) fn find_loading(
         &mut self,
         graph: &ConstraintGraph,
         table: &mut BodyTable,
         sleepers: &mut Query<&mut Sleeping>,
+        restored: &RestoredAccounts,
     ) {
-        let arrives = |body: &BodyState| body.arrived && body.asleep;
         let mut wakes = Vec::new();
         let arriving = table.active().filter(|(_, body)| arrives(body));
         let arriving: Vec<u32> = arriving.map(|(slot, _)| slot).collect();
@@ -157,7 +178,9 @@ impl Islands {
             let touches_awake = |&slot: &u32| graph.neighbours(slot).any(awake);
             let slots = connected.iter().copied();
             if connected.iter().any(touches_awake) {
-                wakes.extend(slots.filter(|&slot| table.get(slot).is_some_and(arrives)));
+                let is_new =
+                    |body: &BodyState| arrives(body) && !restored.contains_key(&body.entity);
+                wakes.extend(slots.filter(|&slot| table.get(slot).is_some_and(is_new)));
             } else {
                 self.loading.grow(table.slots());
                 slots.for_each(|slot| self.loading.insert(slot as usize));
@@ -177,6 +200,14 @@ impl Islands {
         let rest = rest.map(|(slot, body)| (slot, body.entity));
         self.deactivation.bodies.extend(rest);
     }
+}
+
+/// The entities of a scene that was loaded in this step, with the accounts of sleeping bodies.
+pub(super) type RestoredAccounts = EntityHashMap<Option<Wrench>>;
+
+/// Returns true for a body that was added asleep in this step.
+fn arrives(body: &BodyState) -> bool {
+    body.arrived && body.asleep
 }
 
 impl BodyState {

@@ -4,6 +4,7 @@ use super::{Saved, SavedContact};
 use crate::body::{BodyTable, SpawnOrder};
 use crate::children;
 use crate::contact::ContactPair;
+use crate::graph::Wrench;
 use crate::joint::JointForces;
 use crate::sensor::SensorOverlap;
 use crate::settings::StepTime;
@@ -13,7 +14,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_platform::collections::HashMap;
 
-/// Contacts and sensor contents of a scene that was loaded since the last step.
+/// Contacts, sensor contents and accounts of a scene that was loaded since the last step.
 #[derive(Resource, Clone, Debug, Default)]
 #[component(map_entities)]
 #[doc(hidden)]
@@ -21,6 +22,8 @@ pub struct Restored {
     /// By A and B, with the length of the step before they were saved, s.
     contacts: HashMap<[Entity; 2], (f32, SavedContact)>,
     inside: EntityHashMap<Vec<SensorOverlap>>,
+    /// The bodies, colliders and joints of the scene, with the accounts of sleeping bodies.
+    accounts: EntityHashMap<Option<Wrench>>,
 }
 
 impl MapEntities for Restored {
@@ -40,6 +43,11 @@ impl MapEntities for Restored {
             (sensor, inside)
         });
         self.inside = inside.collect();
+        let accounts = self.accounts.drain().map(|(mut body, account)| {
+            body.map_entities(mapper);
+            (body, account)
+        });
+        self.accounts = accounts.collect();
     }
 }
 
@@ -52,6 +60,16 @@ impl Restored {
     /// Takes the contents of sensors.
     pub(crate) fn take_inside(&mut self) -> EntityHashMap<Vec<SensorOverlap>> {
         std::mem::take(&mut self.inside)
+    }
+
+    /// Takes the entities of the scene, with the forces with which sleeping bodies fell asleep where their accounts are open.
+    pub(crate) fn take_accounts(&mut self) -> EntityHashMap<Option<Wrench>> {
+        std::mem::take(&mut self.accounts)
+    }
+
+    /// Whether a scene was loaded since the accounts were taken.
+    pub(crate) fn has_accounts(&self) -> bool {
+        !self.accounts.is_empty()
     }
 
     /// Whether a sensor has contents to be taken.
@@ -107,6 +125,7 @@ pub fn restore(world: &mut World, saved: &mut QueryState<(Entity, &Saved), Allow
         let Some(saved) = world.entity_mut(entity).take::<Saved>() else {
             continue;
         };
+        restored.accounts.insert(entity, saved.account);
         for contact in saved.contacts {
             let bodies = [contact.other, entity];
             restored.contacts.insert(bodies, (saved.step, contact));

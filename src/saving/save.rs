@@ -1,9 +1,10 @@
 //! Saving.
 
 use super::{Saved, SavedContact};
-use crate::body::SpawnOrder;
+use crate::body::{BodyIndex, BodyTable, SpawnOrder};
 use crate::collapse::CollapseSettings;
 use crate::contact::{ContactAnchors, ContactImpulses, ContactPair, Manifold, NarrowphaseCache};
+use crate::graph::Islands;
 use crate::joint::JointForces;
 use crate::sensor::SensorOverlaps;
 use crate::settings::{
@@ -30,6 +31,7 @@ type Numbered = (
     &'static SpawnOrder,
     Option<&'static JointForces>,
     Option<&'static SensorOverlaps>,
+    Option<&'static BodyIndex>,
 );
 
 /// Gives all bodies, colliders and joints the component [`Saved`]. Call it before you extract a scene, and extract the scene before the next step.
@@ -49,18 +51,29 @@ pub fn prepare(world: &mut World) -> Vec<Entity> {
     }
     let step = world.get_resource().map_or(0.0, StepTime::whole);
     let mut numbered = world.query_filtered::<Numbered, Allow<Disabled>>();
-    let saved = numbered.iter(world).map(|(entity, order, forces, inside)| {
-        let mut contacts = contacts.remove(&entity).unwrap_or_default();
-        contacts.sort_unstable_by_key(|&(order, _)| order);
-        let saved = Saved {
-            spawn_order: order.0,
-            contacts: contacts.into_iter().map(|(_, contact)| contact).collect(),
-            step,
-            joint: forces.copied(),
-            inside: inside.map_or_else(Vec::new, |inside| inside.iter().collect()),
-        };
-        (entity, saved)
-    });
+    let bodies = world
+        .get_resource::<BodyTable>()
+        .zip(world.get_resource::<Islands>());
+    let account = |entity: Entity, index: BodyIndex| {
+        let (table, islands) = bodies?;
+        let account = islands.account(index.0)?;
+        table.holds(entity, index).then_some(account)
+    };
+    let saved = numbered
+        .iter(world)
+        .map(|(entity, order, forces, inside, index)| {
+            let mut contacts = contacts.remove(&entity).unwrap_or_default();
+            contacts.sort_unstable_by_key(|&(order, _)| order);
+            let saved = Saved {
+                spawn_order: order.0,
+                contacts: contacts.into_iter().map(|(_, contact)| contact).collect(),
+                step,
+                joint: forces.copied(),
+                inside: inside.map_or_else(Vec::new, |inside| inside.iter().collect()),
+                account: index.and_then(|&index| account(entity, index)),
+            };
+            (entity, saved)
+        });
     let saved: Vec<(Entity, Saved)> = saved.collect();
     let mut entities: Vec<Entity> = Vec::with_capacity(saved.len());
     let mut seen = EntityHashSet::default();

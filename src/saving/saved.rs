@@ -4,6 +4,7 @@ use crate::contact::{
     CachedRelativePose, ContactAnchors, ContactImpulses, ContactPair, Manifold, NarrowphaseCache,
     cache::Axis,
 };
+use crate::graph::Wrench;
 use crate::joint::JointForces;
 use crate::sensor::SensorOverlap;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -11,8 +12,8 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// What must be saved of an entity besides its components: its place in the order of spawning, its contacts, the forces of a joint, and the contents of a
-/// sensor. [`prepare`](super::prepare) inserts it, and the next step takes it up and removes it, in the world that was saved as in that of the scene.
+/// What must be saved of an entity besides its components: its place in the order of spawning, its contacts, the forces of a joint, the contents of a
+/// sensor, and the forces with which a body beside awake ones fell asleep. [`prepare`](super::prepare) inserts it, and the next step takes it up and removes it, in the world that was saved as in that of the scene.
 #[derive(Component, Clone, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(
@@ -31,6 +32,9 @@ pub struct Saved {
     pub(super) joint: Option<JointForces>,
     /// The colliders inside a sensor.
     pub(super) inside: Vec<SensorOverlap>,
+    /// The forces with which a sleeping body fell asleep, if its account is open.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) account: Option<Wrench>,
 }
 
 impl MapEntities for Saved {

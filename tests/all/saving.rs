@@ -661,3 +661,68 @@ fn saving_changes_nothing() {
     );
     assert!(lab.world.resource::<BodyTable>().count() > 20);
 }
+
+/// Lays weights on a sleeping cube of a ton, each of a quarter of what wakes it, with the numbers from `from` on. Returns the number of the one that wakes it.
+fn lay_until_woken(lab: &mut Lab, cube: Entity, from: usize, pause: f32) -> usize {
+    for i in from..20 {
+        lay_weight(lab, i);
+        for _ in 0..(pause / lab.dt).round() as usize {
+            lab.step();
+            if !lab.world.get::<Sleeping>(cube).unwrap().asleep {
+                return i;
+            }
+        }
+    }
+    usize::MAX
+}
+
+fn lay_weight(lab: &mut Lab, i: usize) {
+    let (x, z) = ((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.5);
+    lab.spawn((
+        RigidBody::Dynamic,
+        Collider::cuboid(0.05, 0.05, 0.05),
+        Mass(5.0),
+        Transform::from_xyz(0.1 * x, 1.025, 0.1 * z),
+    ));
+}
+
+/// Small changes that add up do so over a saved scene too, whether the weights sleep when it is saved or not. Nobody wakes by being loaded.
+#[test]
+fn a_sleeping_body_wakes_at_the_same_weight_after_loading() {
+    for (pause, sleeps) in [(2.0, true), (0.2, false)] {
+        let site = || {
+            let mut lab = Lab::new();
+            lab.dt = 1.0 / 60.0;
+            lab.ground();
+            let cube = lab.cube(Vec3::Y * 0.5);
+            lab.run(3.0);
+            assert!(lab.world.get::<Sleeping>(cube).unwrap().asleep);
+            (lab, cube)
+        };
+        let (mut lab, cube) = site();
+        let expected = lay_until_woken(&mut lab, cube, 0, pause);
+        assert!((3..8).contains(&expected), "{expected}");
+
+        let (mut lab, cube) = site();
+        for i in 0..3 {
+            lay_weight(&mut lab, i);
+            lab.run(pause);
+        }
+        let text = save(&mut lab.world);
+        let asleep = |world: &World, body| world.get::<Sleeping>(body).unwrap().asleep;
+        let mut other = other_world(lab.dt);
+        let map = load(&mut other.world, &text);
+        other.step();
+        lab.step();
+        let all = bodies(&mut lab.world);
+        for &body in &all {
+            let wanted = asleep(&lab.world, body);
+            assert_eq!(asleep(&other.world, map[&body]), wanted, "it woke");
+            assert_eq!(other.pose(map[&body]), lab.pose(body));
+        }
+        assert_eq!(all.iter().all(|&body| asleep(&lab.world, body)), sleeps);
+        for (lab, cube) in [(&mut lab, cube), (&mut other, map[&cube])] {
+            assert_eq!(lay_until_woken(lab, cube, 3, pause), expected);
+        }
+    }
+}

@@ -306,6 +306,36 @@ fn a_wall_that_sleeps() {
     });
 }
 
+/// Weights of less than wakes a sleeping cube are laid on it one by one. The forces with which it fell asleep are part of the state.
+#[test]
+fn weights_on_a_cube_that_sleeps() {
+    let mut run = Run::new();
+    let cube = run.body(Collider::cuboid(1.0, 1.0, 1.0), 0.0, 0.5, ());
+    let weight = Collider::cuboid(0.05, 0.05, 0.05);
+    let beside = |i| 2.0 + 0.2 * i as f32;
+    let weights = (0..11).map(|i| run.body(weight.clone(), beside(i), 0.025, Mass(5.0)));
+    let weights: Vec<Entity> = weights.collect();
+    let lay = |world: &mut World, weight: Entity, i: usize| {
+        let at = Transform::from_xyz(0.1 * (i % 4) as f32 - 0.15, 1.025, 0.1 * (i / 4) as f32);
+        *world.get_mut::<Transform>(weight).unwrap() = at;
+    };
+    let run = run.steps(180, NOTHING).steps(45, &|world, _, step| {
+        if step % 15 == 0 {
+            lay(world, weights[step / 15], step / 15);
+        }
+    });
+    assert!(run.world.get::<Sleeping>(cube).unwrap().asleep);
+    let woke = std::cell::Cell::new(false);
+    run.goes_on_in_a_copy("weights", &|world, here, step| {
+        woke.set(woke.get() || !world.get::<Sleeping>(here(cube)).unwrap().asleep);
+        if step % 15 == 0 {
+            let next = 3 + step / 15;
+            lay(world, here(weights[next]), next);
+        }
+    });
+    assert!(woke.get());
+}
+
 /// A bonded wall from which a ball breaks bricks, with a brick that is still to be laid; and a bonded wall that sleeps.
 #[test]
 fn walls_of_mortar() {

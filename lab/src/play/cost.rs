@@ -3,6 +3,7 @@
 use super::PAUSE;
 use super::game::{Ball, Game, Player, ball};
 use crate::scenes::Scene;
+use crate::scenes::castle::FRONT;
 use glam::Vec3;
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -10,7 +11,7 @@ use std::time::{Duration, Instant};
 /// What is done to a scene while its steps are timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Script {
-    /// A [player](Player) at a wall of so many bricks in a course and so many courses.
+    /// A [player](Player) at a wall, or the front of a castle, of so many bricks in a course and so many courses.
     Build([u32; 2]),
     /// Every half second a ball of 4 kg is thrown at what falls together.
     Throw,
@@ -26,6 +27,7 @@ impl Script {
     pub fn of(scene: Scene, wreck: bool) -> Result<Self, String> {
         match (scene, wreck) {
             (Scene::Wall(columns, courses), false) => Ok(Self::Build([columns, courses])),
+            (Scene::Castle(courses), false) => Ok(Self::Build([FRONT as u32, courses])),
             (Scene::Wall(_, courses), true) => Ok(Self::Wreck(courses)),
             (_, false) => Ok(Self::Throw),
             (_, true) => Err(format!(
@@ -78,6 +80,10 @@ impl<G: Game> Session<G> {
         if self.script.settles() {
             for _ in 0..(SETTLES / self.dt).round() as usize {
                 self.game.step(self.dt);
+                // A wall of 100 000 bricks takes half a second a step while it is awake.
+                if self.awake() == 0 {
+                    break;
+                }
             }
         }
     }

@@ -5,7 +5,7 @@ use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
 use drystone::body::{Density, Pose, RigidBody, Velocity};
 use drystone::collider::Collider;
-use drystone::masonry::{Arch, Block, Bond, CardHouse, MasonryError, Pyramid, Tower, Wall};
+use drystone::masonry::{Arch, Block, Bond, CardHouse, Dome, MasonryError, Pyramid, Tower, Wall};
 use glam::{Quat, Vec3};
 
 /// How far a cantilever hangs over, as a share of the furthest at which it could stand.
@@ -26,7 +26,7 @@ impl Site<'_> {
     }
 
     /// Structures that the library builds.
-    fn lay(&mut self, name: &str, blocks: Result<Vec<Block>, MasonryError>) {
+    pub(super) fn lay(&mut self, name: &str, blocks: Result<Vec<Block>, MasonryError>) {
         for block in blocks.expect("scenes are of sizes that can be built") {
             let Pose { position, rotation } = block.pose;
             self.place(name, block.collider, position, rotation);
@@ -123,6 +123,16 @@ impl Site<'_> {
             ..Default::default()
         };
         self.lay("voussoir", arch.blocks());
+        None
+    }
+
+    pub(super) fn dome(&mut self, rings: u32) -> Option<Hand> {
+        self.ground(0.0);
+        let dome = Dome {
+            rings,
+            ..Default::default()
+        };
+        self.lay("block", dome.blocks());
         None
     }
 

@@ -3,6 +3,7 @@
 //! All stand on a plane, y = 0. Densities are 1000 kg/m³ unless said.
 
 mod bridge;
+pub mod castle;
 mod ground;
 mod hand;
 mod joined;
@@ -18,6 +19,7 @@ use bevy_ecs::{name::Name, prelude::*};
 use bevy_transform::components::Transform;
 use drystone::body::{Density, Pose, RigidBody, Velocity};
 use drystone::collider::{Collider, Friction};
+use drystone::masonry::Dome;
 use glam::{Quat, Vec3};
 
 /// A scene.
@@ -33,6 +35,10 @@ pub enum Scene {
     Tower(u32),
     /// Semicircular arch of n voussoirs, mean radius 3 m, thickness 0.6 m.
     Arch(u32),
+    /// Dome of so many rings of sixteen blocks, mean radius 2.5 m, thickness 0.5 m, open at the top.
+    Dome(u32),
+    /// Four walls of so many courses around a yard, a gate with a door on a hinge, an arch, and a keep in mortar.
+    Castle(u32),
     /// Boxes of 0.5 m, jittered, dropped.
     Heap(u32),
     /// Bodies of some 0.5 m, dropped into a bin of 3 × 3 m.
@@ -131,6 +137,8 @@ impl Scene {
             Self::Wall(w, h) => count(w) * count(h) + count(h / 2),
             Self::Pyramid(n) => count(n) * (count(n) + 1) / 2,
             Self::Tower(n) => 3 * count(n),
+            Self::Dome(n) => count(Dome::default().blocks) * count(n),
+            Self::Castle(n) => castle::bodies(n),
             Self::CardHouse(n) => count(n) * (count(n) + 1) + count(n - 1),
             Self::MassRatio(_, n) => count(n) + 1,
             Self::Stack(n)
@@ -179,6 +187,8 @@ impl Scene {
             Self::Pyramid(n) => site.pyramid(n),
             Self::Tower(n) => site.tower(n),
             Self::Arch(n) => site.arch(n),
+            Self::Dome(n) => site.dome(n),
+            Self::Castle(n) => site.castle(n),
             Self::CardHouse(n) => site.card_house(n),
             Self::Cantilever(n) => site.cantilever(n),
             Self::MassRatio(ratio, n) => site.mass_ratio(ratio, n),
@@ -292,6 +302,8 @@ mod tests {
             "pyramid:4",
             "tower:5",
             "arch:7",
+            "dome:4",
+            "castle:5",
             "heap:9",
             "incline:20",
             "massratio:10",

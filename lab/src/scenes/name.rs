@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// How every scene is called.
-pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, tower:N, arch:N, heap:N, \
+pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, tower:N, arch:N, dome:N, castle:N, heap:N, \
     pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
     cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N, chain:N, bridge:N, \
     ragdolls:N";
@@ -28,6 +28,8 @@ const CARRIERS: u32 = 5;
 
 /// Thinner voussoirs are no hulls.
 const VOUSSOIRS: RangeInclusive<f32> = 3.0..=1000.0;
+/// A castle has a course above its gate, and is laid out to be counted.
+const COURSES: RangeInclusive<f32> = 4.0..=1000.0;
 /// °
 const SLOPES: RangeInclusive<f32> = -90.0..=90.0;
 /// Beyond, single precision has no digits left.
@@ -97,6 +99,12 @@ impl FromStr for Scene {
                 within(n as f32, VOUSSOIRS)?;
                 Self::Arch(n)
             }
+            "dome" => Self::Dome(count()?),
+            "castle" => {
+                let n = count()?;
+                within(n as f32, COURSES)?;
+                Self::Castle(n)
+            }
             "heap" => Self::Heap(count()?),
             "pile" => {
                 let (grain, n) = size.split_once(':').ok_or_else(unknown)?;
@@ -140,6 +148,8 @@ impl fmt::Display for Scene {
             Self::Pyramid(n) => write!(f, "pyramid:{n}"),
             Self::Tower(n) => write!(f, "tower:{n}"),
             Self::Arch(n) => write!(f, "arch:{n}"),
+            Self::Dome(n) => write!(f, "dome:{n}"),
+            Self::Castle(n) => write!(f, "castle:{n}"),
             Self::Heap(n) => write!(f, "heap:{n}"),
             Self::Pile(grain, n) => {
                 let known = GRAINS.iter().find(|(known, _)| known == grain);
@@ -174,6 +184,8 @@ mod tests {
             "stack:20",
             "pyramid:5",
             "arch:15",
+            "dome:6",
+            "castle:8",
             "heap:100",
             "pile:balls:300",
             "pile:hulls:7",
@@ -239,6 +251,7 @@ mod tests {
             ("massratio:2x200000", "200000 bodies"),
             ("arch:2", "from 3 to 1000"),
             ("arch:100000", "from 3 to 1000"),
+            ("castle:3", "from 4 to 1000"),
             ("incline:1e30", "from -90 to 90"),
             ("incline:nan", "from -90 to 90"),
             ("massratio:-1", "from 0.000001 to 1000000"),

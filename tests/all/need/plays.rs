@@ -151,3 +151,15 @@ fn two_hundred_plays_end_as_they_do_awake() {
     assert!(need[2] <= islands[2]);
     assert!(need[0] <= 25 && need[1] <= 25, "{need:?}");
 }
+
+/// A castle has a door on a hinge and a keep in mortar.
+const VAULTED: [&str; 2] = ["dome:4", "castle:5"];
+
+#[test]
+#[ignore = "long"]
+fn castles_and_domes_end_as_they_do_awake() {
+    let islands = compare(&VAULTED, 0..60, Mode::Islands);
+    let need = compare(&VAULTED, 0..60, Mode::Need);
+    println!("by islands {islands:?}, by need {need:?}");
+    assert!(need[2] <= islands[2]);
+}

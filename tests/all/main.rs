@@ -38,6 +38,7 @@ mod piles;
 mod plays;
 mod preview;
 mod query;
+mod quiet;
 mod reference;
 mod reflection;
 mod refresh;

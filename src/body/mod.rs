@@ -61,6 +61,8 @@ pub use pending::{Pending, refresh};
 pub use placement::Teleport;
 pub(crate) use placement::{local_pose, user_pose};
 pub use prepare::prepare;
+#[doc(hidden)]
+pub use quarantine::any_suspects;
 pub use quarantine::{Quarantined, lift, quarantine};
 pub(crate) use rows::look;
 pub use sleeping::Sleeping;

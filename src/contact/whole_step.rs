@@ -104,14 +104,14 @@ impl ImpulseSum {
     }
 }
 
+/// Whether the last substep of several has ended.
+#[doc(hidden)]
+pub fn any_earlier_substeps(time: Res<StepTime>) -> bool {
+    time.substeps > 1 && time.is_last()
+}
+
 /// After the last substep, adds the impulses of the earlier ones to those of the last.
-pub fn whole_step(
-    time: Res<StepTime>,
-    mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Inactive>>,
-) {
-    if time.substeps == 1 || !time.is_last() {
-        return;
-    }
+pub fn whole_step(mut pairs: Query<(&Manifold, &mut ContactImpulses), Without<Inactive>>) {
     for (manifold, mut impulses) in &mut pairs {
         impulses.bypass_change_detection().add_up(manifold);
     }

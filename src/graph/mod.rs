@@ -35,7 +35,7 @@ mod sleeping;
 pub(crate) mod tests;
 mod waking;
 
-pub use activation::activate;
+pub use activation::{activate, any_disturbed};
 pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};

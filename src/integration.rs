@@ -106,6 +106,12 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
     })
 }
 
+/// Whether some body has a parent.
+#[doc(hidden)]
+pub fn any_children(children: Query<(), (With<BodyIndex>, With<ChildOf>)>) -> bool {
+    !children.is_empty()
+}
+
 /// Writes the `Transform` of bodies with a parent, in the parent's frame: the second half of the stage. Bodies at rest are included,
 /// because the parent may have moved.
 #[doc(hidden)]

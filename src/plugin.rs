@@ -209,11 +209,12 @@ impl Plugin for BodyPlugin {
                 timed(&profile, "prepare", saving::restore).run_if(saving::any_saved),
                 timed(&profile, "prepare", children::assemble),
                 timed(&profile, "prepare", body::complete),
-                timed(&profile, "prepare", body::lift),
+                timed(&profile, "prepare", body::lift)
+                    .run_if(any_with_component::<body::Quarantined>),
                 timed(&profile, "prepare", streaming::arrive).run_if(streaming::any_arrivals),
                 timed(&profile, "prepare", body::prepare),
-                timed(&profile, "prepare", body::quarantine),
-                timed(&profile, "prepare", graph::activate),
+                timed(&profile, "prepare", body::quarantine).run_if(body::any_suspects),
+                timed(&profile, "prepare", graph::activate).run_if(graph::any_disturbed),
             )
                 .chain()
                 .in_set(PhysicsSystems::Prepare),
@@ -222,7 +223,7 @@ impl Plugin for BodyPlugin {
             PhysicsSchedule,
             (
                 timed(&profile, "forces", body::forces),
-                timed(&profile, "forces", body::quarantine),
+                timed(&profile, "forces", body::quarantine).run_if(body::any_suspects),
             )
                 .chain()
                 .in_set(PhysicsSystems::Forces),
@@ -362,10 +363,16 @@ impl Plugin for JointPlugin {
         stages!(
             app,
             Joints: "joints" joint::joints,
-            ContactEvents: "contact_events" joint::joint_events,
-            ContactEvents: "contact_events" mortar::mortar_events,
         );
         let profile = profile(app);
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                timed(&profile, "contact_events", joint::joint_events).run_if(joint::any_broke),
+                timed(&profile, "contact_events", mortar::mortar_events).run_if(mortar::any_broke),
+            )
+                .in_set(PhysicsSystems::ContactEvents),
+        );
         app.add_systems(
             PhysicsSchedule,
             timed(&profile, "narrowphase", mortar::lay_mortar)
@@ -391,7 +398,8 @@ impl Plugin for IntegrationPlugin {
             PhysicsSchedule,
             (
                 timed(&profile, "integration", integration::integration),
-                timed(&profile, "integration", integration::child_transforms),
+                timed(&profile, "integration", integration::child_transforms)
+                    .run_if(integration::any_children),
             )
                 .chain()
                 .in_set(PhysicsSystems::Integration),
@@ -423,7 +431,13 @@ pub struct SensorPlugin;
 
 impl Plugin for SensorPlugin {
     fn build(&self, app: &mut App) {
-        stages!(app, Sensors: "sensors" sensor::sensors);
+        let profile = profile(app);
+        app.add_systems(
+            PhysicsSchedule,
+            timed(&profile, "sensors", sensor::sensors)
+                .run_if(sensor::any_sensors)
+                .in_set(PhysicsSystems::Sensors),
+        );
     }
 
     fn finish(&self, app: &mut App) {
@@ -441,11 +455,15 @@ impl Plugin for ContactEventsPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "contact_events", contact::whole_step),
-                timed(&profile, "contact_events", contact::loads),
+                timed(&profile, "contact_events", contact::whole_step)
+                    .run_if(contact::any_earlier_substeps),
+                timed(&profile, "contact_events", contact::loads)
+                    .run_if(any_with_component::<contact::Load>),
                 timed(&profile, "contact_events", contact::contact_events),
-                timed(&profile, "contact_events", contact::colliding_entities),
-                timed(&profile, "contact_events", contact::contact_forces),
+                timed(&profile, "contact_events", contact::colliding_entities)
+                    .run_if(any_with_component::<contact::CollidingEntities>),
+                timed(&profile, "contact_events", contact::contact_forces)
+                    .run_if(any_with_component::<contact::ContactForceEvents>),
             )
                 .chain()
                 .in_set(PhysicsSystems::ContactEvents),

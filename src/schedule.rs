@@ -165,8 +165,8 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     settings::check(world);
     let substeps = world.resource::<SolverSettings>().outer_substeps;
     for substep in 0..substeps {
-        let before = *world.resource::<StepTime>();
-        world.insert_resource(before.next(dt, substep, substeps));
+        let mut time = world.resource_mut::<StepTime>();
+        *time = time.next(dt, substep, substeps);
         world.run_schedule(PhysicsSchedule);
     }
     crate::contact::trigger(world);

@@ -63,6 +63,8 @@ pub use placement::Teleport;
 pub(crate) use placement::{local_pose, user_pose};
 pub use prepare::prepare;
 pub(crate) use prepare::{NewBodies, add_asleep};
+#[doc(hidden)]
+pub use quarantine::any_suspects;
 pub use quarantine::{Quarantined, lift, quarantine};
 pub(crate) use rows::look;
 pub use sleeping::Sleeping;

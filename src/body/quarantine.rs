@@ -103,6 +103,12 @@ pub fn lift(
     }
 }
 
+/// Whether problems with bodies were found since they were last reported.
+#[doc(hidden)]
+pub fn any_suspects(suspects: Res<Suspects>) -> bool {
+    !suspects.0.is_empty()
+}
+
 /// Takes bodies with invalid input out of the simulation and reports them.
 pub fn quarantine(world: &mut World) {
     let suspects = std::mem::take(&mut world.resource_mut::<Suspects>().0);

@@ -41,7 +41,7 @@ pub(crate) use origins::{Origins, inherit};
 pub(crate) use part::Part;
 pub use supports::{Bearing, Supports, supports};
 pub(crate) use whole_step::Earlier;
-pub use whole_step::whole_step;
+pub use whole_step::{any_earlier_substeps, whole_step};
 
 use crate::body::{BodyState, SpawnOrder};
 use crate::children::PatchParts;

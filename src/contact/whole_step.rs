@@ -104,14 +104,14 @@ impl ImpulseSum {
     }
 }
 
+/// Whether the last substep of several has ended.
+#[doc(hidden)]
+pub fn any_earlier_substeps(time: Res<StepTime>) -> bool {
+    time.substeps > 1 && time.is_last()
+}
+
 /// After the last substep, adds the impulses of the earlier ones to those of the last.
-pub fn whole_step(
-    (time, graph): (Res<StepTime>, Res<ConstraintGraph>),
-    mut pairs: Query<(&Manifold, &mut ContactImpulses)>,
-) {
-    if time.substeps == 1 || !time.is_last() {
-        return;
-    }
+pub fn whole_step(graph: Res<ConstraintGraph>, mut pairs: Query<(&Manifold, &mut ContactImpulses)>) {
     let mut active = pairs.iter_many_mut(graph.active_pairs());
     while let Some(pair) = active.fetch_next() {
         if let Ok((manifold, mut impulses)) = pair {

@@ -47,6 +47,12 @@ pub(super) fn deactivate(world: &mut World, Deactivation { bodies, pairs }: Deac
     find_active_rows(world);
 }
 
+/// Whether bodies were marked as dirty.
+#[doc(hidden)]
+pub fn any_disturbed(table: Res<BodyTable>) -> bool {
+    !table.dirty.is_empty()
+}
+
 /// Makes bodies that were marked as dirty active, together with their pairs. Part of the stages *prepare*, *broadphase* and *islands*.
 pub fn activate(world: &mut World) {
     let mut table = world.resource_mut::<BodyTable>();

@@ -39,7 +39,7 @@ pub(crate) mod tests;
 mod waking;
 
 pub(crate) use account::Wrench;
-pub use activation::activate;
+pub use activation::{activate, any_disturbed};
 pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};

@@ -193,6 +193,12 @@ impl MapEntities for BrokenJoints {
     }
 }
 
+/// Whether joints broke in this step.
+#[doc(hidden)]
+pub fn any_broke(broken: Res<BrokenJoints>) -> bool {
+    !broken.found.is_empty()
+}
+
 /// Part of the stage *contact events*: disables the joints that broke, and reports them.
 pub fn joint_events(
     mut commands: Commands,

@@ -88,6 +88,8 @@ pub use error::{JointError, JointProblem, QuarantinedJoint};
 pub use fixed::FixedJoint;
 #[doc(hidden)]
 pub use forces::BrokenJoints;
+#[doc(hidden)]
+pub use forces::any_broke;
 pub(crate) use forces::trigger;
 pub use forces::{BreakForce, JointBroke, JointForces, joint_events};
 pub use frame::{JointAnchor, JointBasis, JointFrame};

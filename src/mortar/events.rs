@@ -74,15 +74,18 @@ impl MapEntities for BrokenMortar {
     }
 }
 
+/// Whether bonds broke in this step.
+#[doc(hidden)]
+pub fn any_broke(broken: Res<BrokenMortar>) -> bool {
+    !broken.found.is_empty()
+}
+
 /// Part of the stage *contact events*: despawns the joints that broke, and reports them.
 pub fn mortar_events(
     mut commands: Commands,
     mut broken: ResMut<BrokenMortar>,
     mut messages: MessageWriter<MortarBroke>,
 ) {
-    if broken.found.is_empty() {
-        return;
-    }
     let mut found = std::mem::take(&mut broken.found);
     found.sort_unstable_by_key(|&(order, broke)| (order, broke.joint));
     for (_, broke) in found {

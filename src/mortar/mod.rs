@@ -78,6 +78,8 @@ mod patch;
 pub use crate::solver::MortarFailure;
 #[doc(hidden)]
 pub use events::BrokenMortar;
+#[doc(hidden)]
+pub use events::any_broke;
 pub(crate) use events::trigger;
 pub use events::{MortarBroke, mortar_events};
 pub use joint::MortarJoint;

@@ -38,10 +38,14 @@ use crate::settings::{
 };
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 /// Share of the usual movement within which manifolds of round bodies are kept: so small that nothing can roll.
 const CREPT: f32 = 0.02;
+
+/// Number of pairs that are kept in the time in which the contacts of one pair are detected anew.
+const DETECTION: usize = 32;
 
 type PairColumns<'w> = (
     &'w mut ContactPair,
@@ -61,8 +65,10 @@ pub fn narrowphase(
     threads: Res<PhysicsThreads>,
     (mut graph, places): (ResMut<ConstraintGraph>, &Entities),
     mut pairs: Query<(Entity, PairColumns)>,
+    mut detected: Local<usize>,
 ) {
     let table = &*table;
+    let detections = AtomicUsize::new(0);
     // Edges whose contact has begun or ended.
     let changed = Mutex::new(Vec::new());
     let revision = Revision::next();
@@ -87,8 +93,9 @@ pub fn narrowphase(
                 anchors.bypass_change_detection(),
                 targets.bypass_change_detection(),
             );
-            threads.each(
+            threads.each_of(
                 columns,
+                *detected * DETECTION,
                 |(pair, cache, manifold, impulses, anchors, targets)| {
                     if let Some([a, b]) = table.both(pair.slots) {
                         let kept = (manifold, impulses, anchors, targets);
@@ -97,11 +104,16 @@ pub fn narrowphase(
                                 changed.lock().unwrap_or_else(PoisonError::into_inner);
                             changed.push((pair.edge, parted));
                         }
+                        if pair.revision == revision {
+                            detections.fetch_add(1, Relaxed);
+                        }
                     }
                 },
             );
         }
     }
+    // It decides only how the work of the next step is divided, and no result.
+    *detected = detections.into_inner();
     graph.report(changed.into_inner().unwrap_or_else(PoisonError::into_inner));
 }
 

@@ -70,9 +70,22 @@ impl PhysicsThreads {
 
     /// Does work on each row of some columns, in parallel if there are enough rows.
     pub(crate) fn each<C: Columns>(&self, columns: C, work: impl Fn(C::Row) + Sync) {
+        self.each_of(columns, 0, work);
+    }
+
+    /// As [`each`](Self::each), for rows that take as long as so many more items would.
+    pub(crate) fn each_of<C: Columns>(
+        &self,
+        columns: C,
+        more: usize,
+        work: impl Fn(C::Row) + Sync,
+    ) {
         let rows = columns.rows();
-        match self.runs_in_parallel(rows) {
-            true => self.run(rows, || columns.share((self.min_items / 8).max(1), &work)),
+        match self.runs_in_parallel(rows + more) {
+            true => {
+                let grain = self.min_items / 8 * rows / (rows + more);
+                self.run(rows + more, || columns.share(grain.max(1), &work));
+            }
             false => columns.for_each(&work),
         }
     }

@@ -64,6 +64,9 @@ pub struct SolveContext<'w> {
 /// took a twentieth longer on two threads, because its contacts are in the cache of the core that detected them.
 pub(crate) const LARGE: usize = 8;
 
+/// Number of islands whose bodies one thread gathers at a time, at least.
+const SHARE: usize = 8;
+
 /// The columns of pairs that are gathered and stored.
 #[derive(SystemParam, Debug)]
 pub struct Pairs<'w, 's> {
@@ -174,7 +177,7 @@ impl WarmStart<'_> {
     /// Gathers the dynamic bodies of each awake island.
     fn gather_bodies<R: Rows>(&self, problems: &mut ProblemSet<R>, complete: bool) {
         let ProblemSet { order, islands, .. } = problems;
-        for (number, island) in islands.iter_mut().enumerate() {
+        let gather = |(number, island): (usize, &mut Island<R>)| {
             let order_of_it = order.of(number);
             island.begin(order.numbered()[number], order_of_it, complete);
             for member in &order_of_it.bodies {
@@ -183,6 +186,15 @@ impl WarmStart<'_> {
                 let level = self.islands.level(member.slot).unwrap_or(0);
                 island.add(body, &body.velocity, level);
             }
+        };
+        let threads = &self.context.threads;
+        let bodies = self.table.count();
+        match islands.len() > 1 && threads.runs_in_parallel(bodies) {
+            true => threads.run(bodies, || {
+                let islands = islands.par_iter_mut().enumerate();
+                islands.with_min_len(SHARE).for_each(gather);
+            }),
+            false => islands.iter_mut().enumerate().for_each(gather),
         }
     }
 

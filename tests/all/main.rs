@@ -39,6 +39,7 @@ mod piles;
 mod plays;
 mod preview;
 mod query;
+mod quiet;
 mod reference;
 mod reflection;
 mod refresh;

@@ -152,18 +152,20 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Stores the impulses, times the number of substeps. Loads at rest follow them by the share `rate`.
+    /// Stores the impulses, times the number of substeps. The last substep counts once more for each one that was skipped. Loads at rest follow
+    /// the impulses by the share `rate`.
     #[inline(always)]
     pub fn end(
         &self,
         points: &[Points<L>],
         patches: impl Iterator<Item = (usize, u32)> + Clone,
         problem: &mut PatchProblem,
-        substeps: usize,
+        (substeps, skipped): (usize, usize),
         rate: f32,
     ) {
         let whole = L::splat(substeps as f32);
-        let found = self.found(whole);
+        let last = L::splat((1 + skipped) as f32);
+        let found = self.found(whole, last);
         for (lane, number) in patches.clone() {
             found.write(lane, &mut problem.patches[number as usize], FRICTION * rate);
         }
@@ -176,7 +178,7 @@ impl<L: F32xN> Block<L> {
         let (held, mean) = (to_whole * held, to_whole * mean);
         let (rate, aside) = (L::splat(rate), L::splat(ASIDE));
         for (number, point) in points.iter().enumerate() {
-            let normal = point.given + point.impulse;
+            let normal = last.mul_add(point.impulse, point.given);
             let (warm, load) = (whole * point.impulse, whole * point.rest_impulse);
             let off = aside * ((warm - mean) - (load - held));
             let load = rate.mul_add((mean - held) + off, load).max(L::ZERO);
@@ -193,7 +195,7 @@ impl<L: F32xN> Block<L> {
     }
 
     #[inline(always)]
-    fn found(&self, whole: L) -> Found<L> {
+    fn found(&self, whole: L, last: L) -> Found<L> {
         let Frame { t1, t2, .. } = self.frame();
         let carried = [whole * self.tangential[0], whole * self.tangential[1]];
         Found {
@@ -201,8 +203,8 @@ impl<L: F32xN> Block<L> {
                 t1,
                 t2,
                 [
-                    self.given[0] + self.tangential[0],
-                    self.given[1] + self.tangential[1],
+                    last.mul_add(self.tangential[0], self.given[0]),
+                    last.mul_add(self.tangential[1], self.given[1]),
                 ],
             ),
             tangential: along(t1, t2, carried),

@@ -91,6 +91,8 @@ impl<L: F32xN> Block<L> {
 /// An island during a step: its blocks, and the velocities and motions of its bodies.
 pub struct Island<L: F32xN> {
     pub(super) substeps: usize,
+    /// Number of substeps that are not taken, because the island is [quiet](super::quiet). They repeat the last one.
+    pub(super) skipped: usize,
     /// Springs see no depth beyond this separation, m.
     pub(super) deepest: f32,
     /// The setting for lanes.
@@ -167,6 +169,7 @@ impl<L: F32xN> Island<L> {
         }
         Self {
             substeps: 1,
+            skipped: 0,
             deepest: f32::NEG_INFINITY,
             lanes: Lanes::Auto,
             fastest: problem.max_correction_speed,
@@ -195,6 +198,7 @@ impl<L: F32xN> Island<L> {
     /// Begins a step. The result equals that of an island made anew, to the bit: edits elsewhere in a world must not change a simulation.
     pub fn begin(&mut self, problem: &PatchProblem, substeps: usize) {
         self.substeps = substeps;
+        self.skipped = 0;
         self.find_turned(problem.bodies);
         self.changed.clear();
         let revisions = self.loaded.iter_mut().zip(problem.memory.patches());

@@ -4,6 +4,7 @@ use super::block::Pass;
 use super::blows::Blows;
 use super::island::{Island, batches, rounds, skewed, stands_by_itself};
 use super::load_statistics::BodyLoad;
+use super::quiet::{first_round, may_be_quiet};
 use super::skewed_sweeps::SkewedSweeps;
 use super::sweep_budget::Course;
 use crate::solver::batches::Batches;
@@ -97,9 +98,22 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// Runs all sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground
+    /// Runs all sweeps, or those of the first round if the island is [quiet](super::quiet) then. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground
     /// up; back and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
-    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: impl FnMut(f32)) {
+    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
+        let round = first_round(passes, problem.effort);
+        if round == passes.len() || !self.island.alone || !may_be_quiet(problem) {
+            return self.sweep_all(problem, passes, tell);
+        }
+        let (first, others) = passes.split_at(round);
+        self.sweep_all(problem, first, &mut tell);
+        match self.island.are_still(0..problem.bodies.len(), problem) {
+            true => self.island.skip(others, problem),
+            false => self.sweep_all(problem, others, tell),
+        }
+    }
+
+    fn sweep_all(&mut self, problem: &PatchProblem, passes: &[Pass], tell: impl FnMut(f32)) {
         match self.island.batches.laps() {
             1 => self.island.sweep(problem, passes, tell),
             _ => {

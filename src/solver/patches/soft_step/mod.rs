@@ -54,6 +54,7 @@ mod locks;
 mod masonry;
 mod parting;
 mod pipeline;
+mod quiet;
 mod refresh;
 mod skewed_sweeps;
 mod surface;

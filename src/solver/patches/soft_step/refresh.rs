@@ -98,7 +98,13 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
         } = self;
         for (block, patches) in island.blocks.iter().zip(island.batches.iter()) {
             let points = &island.points[block.range()];
-            block.end(points, patches, problem, island.substeps, rate);
+            block.end(
+                points,
+                patches,
+                problem,
+                (island.substeps, island.skipped),
+                rate,
+            );
         }
     }
 }

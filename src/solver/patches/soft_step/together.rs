@@ -5,12 +5,14 @@
 //! alone, except for the sign of zeros.
 
 use super::gaps::Gaps;
-use super::island::{Island, batches};
+use super::island::{Island, batches, stands_by_itself};
+use super::quiet::{first_round, may_be_quiet};
 use super::sweep_budget::SweepBudget;
 use super::{Bounces, PatchSolver, SoftStep, blows, parting};
 use crate::solver::lanes::F32xN;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Several problems, joined into one.
 #[derive(Default)]
@@ -20,6 +22,8 @@ struct Joint {
     points: Vec<PatchPoint>,
     /// By patch: the number of its problem.
     owners: Vec<u32>,
+    /// By problem: its bodies.
+    members: Vec<Range<usize>>,
     /// Velocities of surfaces, by patch.
     surfaces: Vec<(u32, Vec3)>,
 }
@@ -41,6 +45,7 @@ impl Joint {
             joint.patches.extend(patches);
             joint.owners.resize(joint.patches.len(), owner);
             joint.bodies.extend_from_slice(problem.bodies);
+            joint.members.push(body as usize..joint.bodies.len());
             joint.points.extend_from_slice(problem.points);
         }
         joint
@@ -61,18 +66,23 @@ impl Joint {
         }
     }
 
-    /// Copies the results back to the problems.
-    fn give_back<'a, 'p: 'a>(&self, problems: impl Iterator<Item = &'a mut PatchProblem<'p>>) {
+    /// Copies results back to the problems; those of problems that are to be solved again are left out.
+    fn give_back<'a, 'p: 'a>(
+        &self,
+        problems: impl Iterator<Item = &'a mut PatchProblem<'p>>,
+        again: &[bool],
+    ) {
         let (mut bodies, mut patches) = (&*self.bodies, &*self.patches);
         let mut points = &*self.points;
-        for problem in problems {
-            problem
-                .bodies
-                .copy_from_slice(next(&mut bodies, problem.bodies.len()));
-            problem
-                .points
-                .copy_from_slice(next(&mut points, problem.points.len()));
+        for (problem, &again) in problems.zip(again) {
+            let bodies = next(&mut bodies, problem.bodies.len());
+            let points = next(&mut points, problem.points.len());
             let found = next(&mut patches, problem.patches.len());
+            if again {
+                continue;
+            }
+            problem.bodies.copy_from_slice(bodies);
+            problem.points.copy_from_slice(points);
             for (patch, found) in problem.patches.iter_mut().zip(found) {
                 *patch = PatchConstraint {
                     bodies: patch.bodies,
@@ -90,6 +100,8 @@ struct Begun {
     number: usize,
     budget: SweepBudget,
     bounces: Option<Bounces>,
+    /// Whether it may be [quiet](super::quiet).
+    may_be_quiet: bool,
 }
 
 /// Takes the first `count` items from a list.
@@ -121,21 +133,26 @@ impl SoftStep {
                 number,
                 budget,
                 bounces,
+                may_be_quiet: may_be_quiet(problem) && stands_by_itself(problem),
             });
         }
-        begun.sort_by(|a, b| a.budget.compare(&b.budget));
-        for group in begun.chunk_by(|a, b| a.budget == b.budget) {
+        let quiet = |begun: &Begun| begun.may_be_quiet;
+        begun.sort_by(|a, b| (a.budget.compare(&b.budget)).then(quiet(a).cmp(&quiet(b))));
+        for group in begun.chunk_by(|a, b| a.budget == b.budget && quiet(a) == quiet(b)) {
             let first = &group[0];
-            let mut joint = Joint::of(group.iter().map(|begun| &problems[begun.number]));
-            let like = &problems[first.number];
-            let found = self.solve_joint::<L>(&mut joint, like, first.budget, group.len());
-            let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
-            let members = group
-                .iter()
-                .filter_map(|begun| members[begun.number].take());
-            joint.give_back(members);
-            for (begun, report) in group.iter().zip(found) {
-                reports[begun.number] = report;
+            let mut rest: Vec<usize> = group.iter().map(|begun| begun.number).collect();
+            while !rest.is_empty() {
+                let mut joint = Joint::of(rest.iter().map(|&number| &problems[number]));
+                let like = &problems[first.number];
+                let (found, again) = self.solve_joint::<L>(&mut joint, like, first);
+                let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
+                let members = rest.iter().filter_map(|&number| members[number].take());
+                joint.give_back(members, &again);
+                for (&number, report) in rest.iter().zip(found) {
+                    reports[number] = report;
+                }
+                let mut again = again.into_iter();
+                rest.retain(|_| again.next() == Some(true));
             }
         }
         for begun in begun {
@@ -145,15 +162,18 @@ impl SoftStep {
         reports
     }
 
+    /// Solves problems that get the same sweeps as one of them. If only some of them are quiet, those are to be solved again by themselves:
+    /// the second result says which.
     fn solve_joint<L: F32xN>(
         &self,
         joint: &mut Joint,
         like: &PatchProblem,
-        budget: SweepBudget,
-        count: usize,
-    ) -> Vec<SolveReport> {
+        of: &Begun,
+    ) -> (Vec<SolveReport>, Vec<bool>) {
         let mut memory = Memory::default();
         let owners = std::mem::take(&mut joint.owners);
+        let members = std::mem::take(&mut joint.members);
+        let (budget, count) = (of.budget, members.len());
         let mut problem = joint.problem(like, &mut memory);
         let batches = batches(L::LANES, &problem);
         let mut island = Island::<L>::new(&problem, batches);
@@ -162,18 +182,40 @@ impl SoftStep {
             self.plan(budget, problem.dt),
         );
         island.start(&problem, budget.substeps, &spring, &passes);
-        for pass in &passes {
+        let round = match of.may_be_quiet {
+            true => first_round(&passes, problem.effort),
+            false => passes.len(),
+        };
+        let (first, others) = passes.split_at(round);
+        for pass in first {
             island.sweep_alone(pass);
         }
+        let mut again = vec![false; count];
+        if !others.is_empty() {
+            let is_quiet = |bodies: Range<usize>| island.are_still(bodies, &problem);
+            again = members.into_iter().map(is_quiet).collect();
+            if again.iter().all(|&quiet| quiet) {
+                again.fill(false);
+                island.skip(others, &problem);
+            } else {
+                for pass in others {
+                    island.sweep_alone(pass);
+                }
+            }
+        }
+        let sweeps = match island.skipped {
+            0 => passes.len(),
+            _ => first.len(),
+        };
         island.store(&mut problem, self.followed(budget));
         let (free, last) = (
             island.by_owner(&island.missing, &owners, count),
             island.by_owner(&island.changes, &owners, count),
         );
         let merits = free.into_iter().zip(last);
-        merits
-            .map(|(free, last)| SolveReport::of(free.sqrt(), passes.len(), last.max(0.0).sqrt()))
-            .collect()
+        let reports =
+            merits.map(|(free, last)| SolveReport::of(free.sqrt(), sweeps, last.max(0.0).sqrt()));
+        (reports.collect(), again)
     }
 }
 

@@ -29,7 +29,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-#[path = "scale/weight.rs"]
 mod weight;
 
 #[global_allocator]

@@ -111,7 +111,10 @@ pub fn any_earlier_substeps(time: Res<StepTime>) -> bool {
 }
 
 /// After the last substep, adds the impulses of the earlier ones to those of the last.
-pub fn whole_step(graph: Res<ConstraintGraph>, mut pairs: Query<(&Manifold, &mut ContactImpulses)>) {
+pub fn whole_step(
+    graph: Res<ConstraintGraph>,
+    mut pairs: Query<(&Manifold, &mut ContactImpulses)>,
+) {
     let mut active = pairs.iter_many_mut(graph.active_pairs());
     while let Some(pair) = active.fetch_next() {
         if let Ok((manifold, mut impulses)) = pair {

@@ -109,8 +109,19 @@ impl Broadphase {
                 *fat = None;
                 self.tree.remove(slot);
             }
+            self.unbounded.retain(|unbounded| *unbounded != slot);
         }
         self.changed_boxes += slots.len();
+    }
+
+    /// Adds a body without bounds, such as a half-space. Its overlaps with boxes that are there already are not found.
+    pub(crate) fn add_unbounded(&mut self, slot: u32) {
+        self.unbounded.push(slot);
+    }
+
+    /// Returns true if the body has a box.
+    pub(crate) fn has_box(&self, slot: u32) -> bool {
+        self.fat.get(slot as usize).is_some_and(Option::is_some)
     }
 
     /// Adds boxes of bodies that rest. Their overlaps with the other boxes are found; those among each other are known.

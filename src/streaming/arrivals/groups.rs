@@ -164,8 +164,8 @@ impl Near {
         for pair in broadphase.pairs_of(table, slot) {
             let other = if pair[0] == slot { pair[1] } else { pair[0] };
             if places.of(other).is_some() {
-                // The later body of a pair finds it.
-                if pair[1] == slot {
+                // The later body of a pair finds it. One without a box finds none.
+                if pair[1] == slot || !broadphase.has_box(other) {
                     self.pairs.push(pair);
                 }
                 continue;

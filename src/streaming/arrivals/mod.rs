@@ -13,9 +13,12 @@ mod contacts;
 mod groups;
 mod loads;
 
-use crate::body::{BodyIndex, BodyTable, Inactive, NewBodies, Sleeping, add_asleep};
+use crate::body::{
+    BodyIndex, BodyTable, Inactive, NewBodies, RigidBody, Simulated, Sleeping, add_asleep,
+};
 use crate::broadphase::{Broadphase, rest_box};
 use crate::collapse::Watch;
+use crate::collider::Collider;
 use crate::graph::{ConstraintGraph, Islands, report};
 use crate::joint;
 use crate::mortar::Mortar;
@@ -106,7 +109,8 @@ pub fn arrive(
     new: &mut SystemState<NewBodies>,
     context: &mut SystemState<SolveContext>,
 ) {
-    let list = std::mem::take(&mut world.resource_mut::<Arrivals>().0);
+    let mut list = std::mem::take(&mut world.resource_mut::<Arrivals>().0);
+    list.extend(take_grounds(world));
     let (list, mut others) = divide(world, list);
     let (slots, unfit) = world.resource_scope(|world, mut table: Mut<BodyTable>| {
         let found = new.get_mut(world).expect("bodies can always be read");
@@ -138,6 +142,22 @@ pub fn arrive(
     }
 }
 
+/// Marks static bodies that were spawned since the last step, so that they arrive together with what stands on them: a ground that arrives later
+/// would wake it. A half-space is left to the stages if there are dynamic bodies already, which it may touch.
+fn take_grounds(world: &mut World) -> Vec<Entity> {
+    let mut new = world.query_filtered::<(Entity, &RigidBody, &BodyIndex, Option<&Collider>), (Simulated, Without<Inactive>)>();
+    let table = world.resource::<BodyTable>();
+    let is_empty = !table.iter().any(|(_, body)| body.is_dynamic());
+    let new = new.iter(world).filter(|(_, kind, index, collider)| {
+        let is_bounded = collider.is_none_or(|collider| collider.shape().as_halfspace().is_none());
+        **kind == RigidBody::Static && **index == BodyIndex::NONE && (is_bounded || is_empty)
+    });
+    let grounds: Vec<Entity> = new.map(|(entity, ..)| entity).collect();
+    let marked = grounds.iter().map(|&ground| (ground, Inactive::new()));
+    world.insert_batch(marked.collect::<Vec<_>>());
+    grounds
+}
+
 /// Divides bodies into those that need contacts and loads only, as far as their components tell, and the others.
 fn divide(world: &World, list: Vec<Entity>) -> (Vec<Entity>, Vec<Entity>) {
     let joined = joint::added(world).into_iter();
@@ -163,6 +183,12 @@ fn add_boxes(world: &World, broadphase: &mut Broadphase, slots: &[u32]) {
     });
     let boxes: Vec<_> = boxes.collect();
     broadphase.add_boxes(&boxes, table.slots());
+    let is_unbounded = |slot: &u32| {
+        let body = table.get(*slot);
+        body.is_some_and(|body| body.collider.is_some() && !body.radius.is_finite())
+    };
+    let unbounded = slots.iter().copied().filter(is_unbounded);
+    unbounded.for_each(|slot| broadphase.add_unbounded(slot));
 }
 
 /// Removes bodies again that are left to the stages.

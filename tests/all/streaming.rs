@@ -160,7 +160,17 @@ fn regions_overlap_in_time_and_come_back_in_any_order() {
         if rng.bool() && inside.len() > 4 {
             rng.shuffle(&mut inside);
             let some = inside.split_off(inside.len() - rng.usize(1..4));
-            out.push(take_out(&mut lab, &some));
+            // Contacts of bodies that were just put back come to rest within two steps.
+            let region = (0..3).find_map(|_| {
+                let region = streaming::take_out(&mut lab.world, some.iter().copied());
+                let is_early = matches!(region, Err(StreamingError::NotAtRest(_)));
+                if is_early {
+                    lab.step();
+                    twin.step();
+                }
+                (!is_early).then(|| region.unwrap())
+            });
+            out.push(region.expect("they rest after two steps"));
         } else if !out.is_empty() {
             let region = out.swap_remove(rng.usize(0..out.len()));
             inside.extend(region.bodies());
@@ -333,22 +343,22 @@ fn an_edit_while_out_takes_effect_in_the_step_after() {
 
 #[test]
 fn what_was_despawned_while_out_is_missed() {
-    let (mut lab, bodies) = asleep("pyramid:5");
+    let (mut lab, bodies) = asleep("stack:3");
     let region = take_out(&mut lab, &bodies);
     lab.run(0.2);
-    let corner = bodies[0];
+    let lowest = bodies[0];
     let stood: Vec<Vec3> = bodies[1..].iter().map(|&body| lab.position(body)).collect();
-    lab.world.despawn(corner);
+    lab.world.despawn(lowest);
     let left_out = streaming::put_back(&mut lab.world, region);
-    assert_eq!(left_out, [corner]);
+    assert_eq!(left_out, [lowest]);
     lab.step();
     let awake = bodies[1..].iter().filter(|&&body| !sleeps(&lab, body));
     assert!(awake.count() > 0, "nobody noticed");
     lab.run(5.0);
     let fell = |(&body, stood): (&Entity, &Vec3)| lab.position(body).y < stood.y - 0.3;
     assert!(
-        bodies[1..].iter().zip(&stood).any(fell),
-        "it hangs in the air"
+        bodies[1..].iter().zip(&stood).all(fell),
+        "they hang in the air"
     );
 }
 

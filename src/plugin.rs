@@ -431,13 +431,7 @@ pub struct SensorPlugin;
 
 impl Plugin for SensorPlugin {
     fn build(&self, app: &mut App) {
-        let profile = profile(app);
-        app.add_systems(
-            PhysicsSchedule,
-            timed(&profile, "sensors", sensor::sensors)
-                .run_if(sensor::any_sensors)
-                .in_set(PhysicsSystems::Sensors),
-        );
+        stages!(app, Sensors: "sensors" sensor::sensors);
     }
 
     fn finish(&self, app: &mut App) {

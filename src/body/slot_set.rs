@@ -76,7 +76,8 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(4);
         let (mut set, mut expected) = (SlotSet::default(), BTreeSet::new());
         for _ in 0..20_000 {
-            let slot = rng.usize(0..1 << rng.u32(1..18));
+            let bits = rng.u32(1..18);
+            let slot = rng.usize(0..1 << bits);
             match rng.bool() {
                 true => {
                     set.insert(slot);

@@ -61,8 +61,6 @@ mod zones;
 pub(crate) use events::trigger;
 pub use events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
 pub use overlaps::{SensorOverlap, SensorOverlaps};
-#[doc(hidden)]
-pub use stage::any_sensors;
 pub use stage::sensors;
 pub use zones::Sensors;
 

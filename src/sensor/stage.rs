@@ -23,12 +23,6 @@ type Active<'w, 's> = Query<
 type WithSensors<'w, 's> =
     Query<'w, 's, &'static BodyIndex, (With<RigidBody>, With<CompoundCollider>)>;
 
-/// Whether there are sensors, or bodies that may have some.
-#[doc(hidden)]
-pub fn any_sensors(sensors: Res<Sensors>, owners: WithSensors) -> bool {
-    !sensors.is_empty() || !owners.is_empty()
-}
-
 /// Compares sensors with bodies, where one of the two has moved or changed.
 pub fn sensors(
     mut sensors: ResMut<Sensors>,
@@ -39,6 +33,9 @@ pub fn sensors(
     mut restored: ResMut<Restored>,
     mut reports: Reports,
 ) {
+    if sensors.is_empty() && owners.is_empty() {
+        return;
+    }
     let mut changes = Vec::new();
     let moved = find_moved_zones(&mut sensors, &table, &owners, &poses, &mut changes);
     if !sensors.is_empty() || !changes.is_empty() {

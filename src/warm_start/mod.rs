@@ -30,7 +30,8 @@ use crate::grab::{Grab, GrabForce};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::{Profile, SolvePart};
 use crate::settings::{
-    Gravity, Method, PhysicsThreads, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
+    Gravity, Method, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
+    StabilizationSettings, StepTime,
 };
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
@@ -54,6 +55,7 @@ pub struct SolveContext<'w> {
     pub(crate) solver: Res<'w, SolverSettings>,
     pub(crate) gravity: Res<'w, Gravity>,
     pub(crate) speeds: Res<'w, SpeedLimits>,
+    pub(crate) sleeping: Res<'w, SleepSettings>,
     pub(crate) time: Res<'w, StepTime>,
     pub(crate) threads: Res<'w, PhysicsThreads>,
     pub(crate) profile: Res<'w, Profile>,

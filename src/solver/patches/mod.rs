@@ -68,6 +68,8 @@ pub struct PatchProblem<'a> {
     pub effort: f32,
     /// Fastest correction of an error of position, m/s.
     pub max_correction_speed: f32,
+    /// Islands at rest are never put to sleep, so the solver should save work on them itself.
+    pub stays_awake: bool,
     /// Keep [`SolveReport::history`].
     pub record_history: bool,
     /// Number of threads that the solver may use, of the pool in which it is called; at least 1. Results must not depend on it.

@@ -110,8 +110,13 @@ pub fn arrive(
     context: &mut SystemState<SolveContext>,
 ) {
     let mut list = std::mem::take(&mut world.resource_mut::<Arrivals>().0);
-    list.extend(take_grounds(world));
-    let (list, mut others) = divide(world, list);
+    let grounds = take_grounds(world);
+    list.extend(&grounds);
+    let (mut list, mut others) = divide(world, list);
+    if !grounds.is_empty() && !others.is_empty() {
+        // Bodies that are left to the stages must arrive together with their ground, and so must all that stands on it.
+        others.append(&mut list);
+    }
     let (slots, unfit) = world.resource_scope(|world, mut table: Mut<BodyTable>| {
         let found = new.get_mut(world).expect("bodies can always be read");
         let found = add_asleep(&mut table, &list, found);

@@ -5,6 +5,10 @@
 //! the first round, and would still be so in the next substep ([`STILL`]). The substeps that are left repeat the last one then: bodies keep their
 //! velocities, and contacts give the same impulses.
 //!
+//! Only worlds without sleeping use this ([`PatchProblem::stays_awake`]): elsewhere such an island sleeps after half a second. Until then it gets all
+//! sweeps, because the forces with which it falls asleep decide when it wakes. With one round, the same structure fell asleep with other
+//! forces, and a wall of 20 × 20 whose foot is taken fell at the 17th brick by need and at the 11th awake.
+//!
 //! Whether an island is quiet follows from its problem alone. The rate of sweeps, and with it the stiffness of springs, does not depend on it.
 
 use super::block::Pass;
@@ -27,10 +31,10 @@ pub fn first_round(passes: &[Pass], effort: f32) -> usize {
     last.map_or(passes.len(), |rigid| rigid + 1)
 }
 
-/// Whether an island may be quiet in this step: only contacts act on its bodies, and these were still before the step.
+/// Whether an island may be quiet in this step: it never sleeps, only contacts act on its bodies, and these were still before the step.
 pub fn may_be_quiet(problem: &PatchProblem) -> bool {
     let start = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
-    std::env::var("NOQUIET").is_err()
+    problem.stays_awake
         && problem.joints.is_empty()
         && problem.grabs.is_empty()
         && problem.surfaces.is_empty()

@@ -37,7 +37,7 @@ struct Weight {
 /// Measures walls that stand awake for ten steps, and then fall asleep.
 pub fn measure(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let (region, before) = (Region::new(MEMORY), resident()?);
-    let mut site = Site::new(arguments.threads, true)?;
+    let mut site = Site::new(arguments.threads.unwrap_or(1), true)?;
     let count = arguments.bricks / (CROWD[0] * CROWD[1]);
     let mut bricks = 0;
     for wall in 0..count {

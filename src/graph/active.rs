@@ -66,7 +66,8 @@ impl ConstraintGraph {
     /// The runs of active rows in a table of pairs, of which these are the entities. It has at least one row.
     pub(crate) fn active_rows(&self, entities: &[Entity], places: &Entities) -> Runs<'_> {
         if self.inactive_count() == 0 {
-            return Runs::All([0..entities.len() as u32]);
+            let all = 0..entities.len() as u32;
+            return Runs::All([all]);
         }
         let table = entities.first().and_then(|&first| table_of(places, first));
         let Some((table, _)) = table else {

@@ -59,8 +59,7 @@ type PairColumns<'w> = (
 /// Computes the contacts of all pairs.
 pub fn narrowphase(
     table: Res<BodyTable>,
-    time: Res<StepTime>,
-    gravity: Res<Gravity>,
+    (time, gravity): (Res<StepTime>, Res<Gravity>),
     (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
     (mut graph, places): (ResMut<ConstraintGraph>, &Entities),
@@ -130,8 +129,8 @@ impl Detector {
     pub fn new(world: &World) -> Self {
         let time = *world.resource::<StepTime>();
         Self {
-            stabilization: world.resource::<StabilizationSettings>().clone(),
-            manifolds: world.resource::<NarrowphaseSettings>().clone(),
+            stabilization: *world.resource::<StabilizationSettings>(),
+            manifolds: *world.resource::<NarrowphaseSettings>(),
             time,
             fall: world.resource::<Gravity>().0.length() * time.dt,
             revision: Revision::next(),

@@ -108,8 +108,6 @@ pub struct Materials {
     pub asleep: Handle<StandardMaterial>,
     /// See `asleep`.
     pub awake: Handle<StandardMaterial>,
-    /// Sleeping bodies that awake ones have touched, which wake if the forces on them change by some more.
-    pub touched: Handle<StandardMaterial>,
     /// The material of a ghost that could be laid; the next is that of one that could not.
     pub fits: Handle<StandardMaterial>,
     /// See `fits`.
@@ -140,7 +138,6 @@ impl FromWorld for Materials {
         let gives = plain(Color::srgb(0.98, 0.62, 0.10));
         let asleep = plain(Color::srgb(0.42, 0.48, 0.58));
         let awake = plain(Color::srgb(0.98, 0.80, 0.30));
-        let touched = plain(Color::srgb(0.25, 0.62, 0.88));
         let fits = plain(Color::srgba(0.35, 0.95, 0.45, 0.55));
         let blocked = plain(Color::srgba(0.98, 0.25, 0.20, 0.55));
         let tints = Finish::ALL.map(|finish| {
@@ -156,7 +153,6 @@ impl FromWorld for Materials {
             gives,
             asleep,
             awake,
-            touched,
             fits,
             blocked,
         }

@@ -8,8 +8,7 @@ use drystone::prelude::*;
 /// Milliseconds of each stage, smoothed.
 #[derive(Resource, Default)]
 pub(super) struct Costs {
-    /// The whole step.
-    pub step: f32,
+    step: f32,
     stages: Vec<(&'static str, f32)>,
 }
 

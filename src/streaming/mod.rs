@@ -8,7 +8,7 @@
 //!
 //! Put regions that touch each other back in the reverse order in which they were taken out. In another order, bodies between them may wake.
 //!
-//! ```
+//! ```rust,ignore
 //! use bevy_app::App;
 //! use bevy_ecs::prelude::*;
 //! use drystone::masonry::{Bond, Wall};

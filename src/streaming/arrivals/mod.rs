@@ -54,7 +54,7 @@ impl MapEntities for Arrivals {
 /// # Panics
 /// If a bundle contains [`Sleeping`].
 ///
-/// ```
+/// ```rust,ignore
 /// use bevy_app::App;
 /// use drystone::masonry::{Bond, Wall};
 /// use drystone::prelude::*;

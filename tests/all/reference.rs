@@ -8,14 +8,12 @@
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{Density, GravityScale, RigidBody, Velocity};
-use drystone::collider::{Collider, Friction, Restitution};
+use drystone::collider::{Collider, Restitution};
 use drystone::settings::Gravity;
 use glam::{Quat, Vec3};
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::FRAC_PI_2;
+use support::accuracy::*;
 use support::*;
-
-/// A laboratory for steps of so many seconds.
-type Settings = fn(f32) -> Lab;
 
 /// The rows with contacts, as tests under both settings of [`Lab`]. An attribute in parentheses is that of the test under [`Lab::shipped`].
 macro_rules! rows {
@@ -63,43 +61,10 @@ rows!(
     a_cube_that_falls_flat_stays_where_it_lands,
 );
 
-/// A body on a slope that falls towards +x. It touches the slope `height` below its centre.
-fn on_slope(
-    lab: &mut Lab,
-    angle: f32,
-    collider: Collider,
-    height: f32,
-    turn: Quat,
-    friction: f32,
-) -> Entity {
-    let rotation = Quat::from_rotation_z(-angle);
-    lab.spawn((
-        RigidBody::Dynamic,
-        collider,
-        Friction::new(friction),
-        Transform::from_translation(rotation * Vec3::Y * height).with_rotation(rotation * turn),
-    ))
-}
-
-fn box_on_slope(settings: Settings, angle: f32, friction: f32) -> (Lab, Entity) {
-    let mut lab = settings(1.0 / 60.0);
-    lab.slope(angle, friction);
-    let slab = Collider::cuboid(1.0, 0.25, 1.0);
-    let slab = on_slope(&mut lab, angle, slab, 0.125, Quat::IDENTITY, friction);
-    (lab, slab)
-}
-
-/// 0.1° beyond the threshold a box has gone 3 cm in 2 s.
 fn row_1_a_box_starts_to_slide_where_the_tangent_of_the_slope_is_the_friction(settings: Settings) {
     for friction in [0.2, 0.5, 0.9] {
-        let stands = |degrees: f32| {
-            let (mut lab, slab) = box_on_slope(settings, degrees.to_radians(), friction);
-            let start = lab.position(slab);
-            lab.run(2.0);
-            (lab.position(slab) - start).length() < 0.01
-        };
-        let expected = friction.atan().to_degrees();
-        let found = bisect(expected - 2.0, expected + 2.0, 0.01, stands);
+        let (found, expected) = slide_angle(settings, 1.0 / 60.0, friction, 0.01);
+        let found = found.expect("the threshold is within 2°");
         println!("μ {friction}: found {found}°, expected {expected}°");
         assert!((found - expected).abs() < 0.1, "{found} {expected}");
     }
@@ -107,32 +72,17 @@ fn row_1_a_box_starts_to_slide_where_the_tangent_of_the_slope_is_the_friction(se
 
 fn row_2_a_box_slides_down_with_g_sin_minus_mu_g_cos(settings: Settings) {
     for (degrees, friction) in [(28.0f32, 0.5), (35.0, 0.5), (20.0, 0.1), (50.0, 0.0)] {
-        let angle = degrees.to_radians();
-        let (mut lab, slab) = box_on_slope(settings, angle, friction);
-        lab.run(0.5);
-        let before = lab.velocity(slab).linear;
-        lab.run(2.0);
-        let gained = (lab.velocity(slab).linear - before).length() / 2.0;
-        let expected = G * (angle.sin() - friction * angle.cos());
-        assert_near(
-            gained,
-            expected,
-            0.005,
-            &format!("{degrees}°, μ {friction}"),
-        );
+        let (gained, expected) = slide_acceleration(settings, 1.0 / 60.0, degrees, friction);
+        let what = format!("{degrees}°, μ {friction}");
+        assert_near(gained, expected, 0.005, &what);
     }
 }
 
 /// Semi-implicit Euler brakes one half step early: v Δt/2 = 1 cm.
 fn row_3_a_sliding_box_stops_after_v_squared_over_two_mu_g(settings: Settings) {
-    let mut lab = settings(1.0 / 240.0);
-    lab.ground();
-    let slab = lab.body(Collider::cuboid(1.0, 0.25, 1.0), Vec3::Y * 0.125);
-    lab.set_velocity(slab, Vec3::X * 5.0, Vec3::ZERO);
-    lab.run(2.0);
-    assert!(lab.velocity(slab).linear.length() < 1e-3);
-    let went = lab.position(slab).x;
-    assert_near(went, 25.0 / (2.0 * 0.5 * G), 0.006, "stop distance");
+    let (went, expected) = stop_distance(settings, 1.0 / 240.0);
+    let went = went.expect("it stops");
+    assert_near(went, expected, 0.006, "stop distance");
 }
 
 struct Roller {
@@ -214,50 +164,19 @@ fn row_4_beyond_the_limit_they_slip(settings: Settings) {
 }
 
 fn row_5_a_sliding_sphere_rolls_at_five_sevenths_of_its_speed(settings: Settings) {
-    let dt = 1.0 / 480.0;
-    let mut lab = settings(dt);
-    lab.ground();
-    let ball = lab.body(Collider::ball(0.5), Vec3::Y * 0.5);
-    lab.set_velocity(ball, Vec3::X * 5.0, Vec3::ZERO);
-    let mut rolls_at = None;
-    for i in 1..480 {
-        lab.step();
-        let v = lab.velocity(ball);
-        let slip = v.linear.x + 0.5 * v.angular.z;
-        if slip < 1e-3 && rolls_at.is_none() {
-            rolls_at = Some((i as f32 * dt, lab.position(ball).x));
-        }
-    }
-    let (time, way) = rolls_at.expect("it rolls in the end");
+    let found = slide_into_rolling(settings, 1.0 / 480.0);
+    let (time, way) = found.rolls_at.expect("it rolls in the end");
     let (v, mu) = (5.0, 0.5);
-    assert_near(lab.velocity(ball).linear.x, v * 5.0 / 7.0, 0.002, "speed");
+    assert_near(found.speed, v * 5.0 / 7.0, 0.002, "speed");
     // Within a step or two of the time, and their way.
     assert_near(time, 2.0 * v / (7.0 * mu * G), 0.015, "time");
     assert_near(way, 12.0 * v * v / (49.0 * mu * G), 0.015, "distance");
 }
 
-/// A loose tower tips over its lowest edge. A leaning tower takes off slowly: at 0.3° beyond the threshold it has turned by
-/// 0.1 rad within the 4 s.
 fn row_6_a_tower_topples_where_the_tangent_of_the_slope_is_width_over_height(settings: Settings) {
     for n in [2u32, 4] {
-        let stands = |degrees: f32| {
-            let angle = degrees.to_radians();
-            let mut lab = settings(1.0 / 60.0);
-            lab.slope(angle, 0.9);
-            let cube = Collider::cuboid(1.0, 1.0, 1.0);
-            let tower: Vec<_> = (0..n)
-                .map(|i| {
-                    let height = i as f32 + 0.5;
-                    on_slope(&mut lab, angle, cube.clone(), height, Quat::IDENTITY, 0.9)
-                })
-                .collect();
-            lab.run(4.0);
-            let upright = Quat::from_rotation_z(-angle);
-            let turned = |&body: &Entity| lab.pose(body).rotation.angle_between(upright);
-            tower.iter().all(|body| turned(body) < 0.1)
-        };
-        let expected = (1.0 / n as f32).atan().to_degrees();
-        let found = bisect(expected - 3.0, expected + 3.0, 0.05, stands);
+        let (found, expected) = topple_angle(settings, 1.0 / 60.0, n, 0.05);
+        let found = found.expect("the threshold is within 3°");
         println!("{n} cubes: found {found}°, expected {expected}°");
         assert!((found - expected).abs() < 0.4, "{found} {expected}");
     }
@@ -302,43 +221,10 @@ fn row_10_blocks_whose_edges_lie_exactly_on_each_other_do_too(settings: Settings
     overhang(settings, |_| 0.5);
 }
 
-/// The plank is τ = t/L thick, and both of its contacts are on its underside, so its weight hangs t/2 off the line between
-/// them: tan θ = (1 − μ_w μ_f)/(2 μ_f + (1 + μ_w μ_f) τ), which for τ = 0 is the formula of the table.
 fn row_16_a_ladder_slips_below_its_angle(settings: Settings) {
     for (wall, floor) in [(0.5f32, 0.5f32), (0.0, 0.5), (0.3, 0.6)] {
-        let (length, thickness) = (4.0, 0.04);
-        let stands = |degrees: f32| {
-            let mut lab = settings(1.0 / 120.0);
-            // Coefficients are averaged, and the ladder's own is 0.
-            lab.slope(0.0, 2.0 * floor);
-            lab.spawn((
-                RigidBody::Static,
-                Collider::half_space(Vec3::X),
-                Friction::new(2.0 * wall),
-            ));
-            let angle = degrees.to_radians();
-            let (sin, cos) = angle.sin_cos();
-            let along = Vec3::new(-cos, sin, 0.0);
-            let out = Vec3::new(sin, cos, 0.0);
-            let foot = Vec3::X * (length * cos);
-            let ladder = lab.spawn((
-                RigidBody::Dynamic,
-                Collider::cuboid(length, thickness, 0.5),
-                Friction::new(0.0),
-                Transform::from_translation(
-                    foot + along * (0.5 * length) + out * (0.5 * thickness),
-                )
-                .with_rotation(Quat::from_rotation_z(PI - angle)),
-            ));
-            let start = lab.position(ladder);
-            lab.run(3.0);
-            (lab.position(ladder) - start).length() < 0.05
-        };
-        let product = wall * floor;
-        let tau = thickness / length;
-        let tangent = (1.0 - product) / (2.0 * floor + (1.0 + product) * tau);
-        let expected = tangent.atan().to_degrees();
-        let found = bisect(expected + 3.0, expected - 3.0, 0.05, stands);
+        let (found, expected) = ladder_angle(settings, 1.0 / 120.0, wall, floor, 0.05);
+        let found = found.expect("the threshold is within 3°");
         println!("μ {wall} {floor}: found {found}°, expected {expected}°");
         assert!((found - expected).abs() < 0.4, "{found} {expected}");
     }

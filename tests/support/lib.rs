@@ -1,5 +1,6 @@
 //! Code that the tests share: a world without an app, functions that spawn bodies, and [`masonry`] with its limits by statics.
 
+pub mod accuracy;
 pub mod masonry;
 
 use bevy_app::App;

@@ -227,6 +227,23 @@ impl Velocity {
     }
 }
 
+impl BodyState {
+    /// The velocity that gravity (m/s²) and the external force give the body over `dt` s.
+    pub(crate) fn pushed(&self, gravity: Vec3, dt: f32) -> Velocity {
+        let locks = self.properties.locked_axes;
+        let mut pushed = self.velocity;
+        pushed.push(
+            &self.mass,
+            (self.pose.rotation, locks),
+            gravity * self.gravity_scale,
+            Some(&self.force()),
+            dt,
+        );
+        locks.stop(&mut pushed);
+        pushed
+    }
+}
+
 /// The change of angular velocity by an angular impulse, world axes.
 fn turned(mass: &MassProperties, (rotation, locks): (Quat, LockedAxes), moment: Vec3) -> Vec3 {
     match moment {

@@ -14,6 +14,7 @@ use crate::collider::Collider;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
+use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
@@ -102,8 +103,16 @@ impl Broadphase {
         self.fat.get(slot as usize).copied().flatten()
     }
 
-    /// Removes the boxes of bodies whose pairs are gone already.
+    /// Removes the boxes of bodies whose pairs are gone already, and the overlaps that were found with them: the slots may hold other bodies when
+    /// the pairs are updated.
     pub(crate) fn take_boxes(&mut self, slots: &[u32]) {
+        if !self.found.is_empty() {
+            let taken: FixedBitSet = slots.iter().map(|&slot| slot as usize).collect();
+            let stays = |slot: &u32| !taken.contains(*slot as usize);
+            self.found.disturbed.retain(stays);
+            let overlaps = &mut self.found.overlaps;
+            overlaps.retain(|pair| pair.iter().all(stays));
+        }
         for &slot in slots {
             if let Some(fat) = self.fat.get_mut(slot as usize) {
                 *fat = None;

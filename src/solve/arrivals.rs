@@ -32,17 +32,7 @@ impl Solve<'_> {
                 let body = self.table.get(member.slot);
                 let body = body.expect("a member is in the table");
                 let level = self.islands.level(member.slot).unwrap_or(0);
-                let mut pushed = body.velocity;
-                let (scale, force) = (body.gravity_scale, body.force());
-                let locks = body.properties.locked_axes;
-                pushed.push(
-                    &body.mass,
-                    (body.pose.rotation, locks),
-                    gravity * scale,
-                    Some(&force),
-                    dt,
-                );
-                locks.stop(&mut pushed);
+                let pushed = body.pushed(gravity, dt);
                 island.add(body, &pushed, level);
             }
             problems.islands.push(island);

@@ -6,9 +6,7 @@
 //! [`ContactStarted`](crate::contact::ContactStarted) or [`ContactEnded`](crate::contact::ContactEnded) is sent, and nothing moves if the bodies are woken
 //! afterwards. Both cost as much as the region is large, whatever the size of the world: some milliseconds for a thousand bricks.
 //!
-//! Put regions that touch each other back in the reverse order in which they were taken out. In another order, bodies between them may wake.
-//!
-//! ```rust,ignore
+//! ```
 //! use bevy_app::App;
 //! use bevy_ecs::prelude::*;
 //! use drystone::masonry::{Bond, Wall};

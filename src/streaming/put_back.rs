@@ -103,7 +103,8 @@ fn connect(
     };
     let waiting = std::mem::take(&mut suspended).into_iter();
     suspended.extend(waiting.filter_map(|(contact, bodies)| {
-        let ends = bodies.each_ref().map(|was| End::of(world, table, was));
+        let end = |was: &BodyState| End::of(world, table, was, slots.get(&was.entity).copied());
+        let ends = bodies.each_ref().map(end);
         Some((sort(contact, ends)?, bodies))
     }));
     let neighbour = |body: Entity| {
@@ -114,7 +115,7 @@ fn connect(
         let bodies = contact.pair.bodies;
         let ends = bodies.map(|body| match (slots.get(&body), neighbour(body)) {
             (Some(&slot), _) => End::In(slot),
-            (None, Some(was)) => End::of(world, table, was),
+            (None, Some(was)) => End::of(world, table, was, None),
             (None, None) => End::Gone(None),
         });
         if let Some(contact) = sort(contact, ends) {

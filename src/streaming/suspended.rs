@@ -35,12 +35,13 @@ pub(super) enum End {
 }
 
 impl End {
-    /// Where a body is, and whether it is as it was.
-    pub fn of(world: &World, table: &BodyTable, was: &BodyState) -> Self {
-        if is_out(world, was.entity) {
+    /// Where a body is, and whether it is as it was. `own` is its slot if it is being put back.
+    pub fn of(world: &World, table: &BodyTable, was: &BodyState, own: Option<u32>) -> Self {
+        if own.is_none() && is_out(world, was.entity) {
             return Self::Out;
         }
-        let slot = table.slot_of(world, was.entity);
+        // A body that is being put back still has the marker with which it has no slot.
+        let slot = own.or_else(|| table.slot_of(world, was.entity));
         let slot = slot.filter(|&slot| table.get(slot).is_some_and(|now| is_same(now, was)));
         match slot {
             Some(slot) if table.is_inactive(slot) => Self::In(slot),

@@ -149,13 +149,17 @@ fn a_border_may_go_through_a_structure() {
     out_and_in("arch:9", 30, |i, _| i % 2 == 0);
 }
 
-/// Fails: bodies between regions that come back in another order wake, and cannot be taken out then.
 #[test]
-#[ignore = "an open fault: a body wakes when regions that touch come back in another order than the reverse one"]
 fn regions_overlap_in_time_and_come_back_in_any_order() {
+    for seed in 1..=5 {
+        take_and_put_at_random(seed);
+    }
+}
+
+fn take_and_put_at_random(seed: u64) {
     let (mut lab, bodies) = asleep("wall:8x6");
     let (mut twin, _) = asleep("wall:8x6");
-    let mut rng = fastrand::Rng::with_seed(5);
+    let mut rng = fastrand::Rng::with_seed(seed);
     let mut out: Vec<streaming::Region> = Vec::new();
     let mut inside = bodies.clone();
     for _ in 0..60 {

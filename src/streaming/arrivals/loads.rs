@@ -1,7 +1,7 @@
 //! The loads of structures that arrive.
 
 use super::contacts::{Found, Structure};
-use crate::body::{BodyTable, Velocity};
+use crate::body::BodyTable;
 use crate::solve::{keep, settle};
 use crate::warm_start::{GatherContext, Island, PatchRows, SolveContext, SolverContact};
 
@@ -51,17 +51,7 @@ fn gather(structure: &Structure, table: &BodyTable, context: &SolveContext) -> I
     let mut island = Island::default();
     for &(slot, level) in &structure.members {
         let body = table.get(slot).expect("it was just added");
-        let mut pushed: Velocity = body.velocity;
-        let (scale, force) = (body.gravity_scale, body.force());
-        let locks = body.properties.locked_axes;
-        pushed.push(
-            &body.mass,
-            (body.pose.rotation, locks),
-            gravity * scale,
-            Some(&force),
-            dt,
-        );
-        locks.stop(&mut pushed);
+        let pushed = body.pushed(gravity, dt);
         island.add(body, &pushed, level);
     }
     island

@@ -54,7 +54,7 @@ impl MapEntities for Arrivals {
 /// # Panics
 /// If a bundle contains [`Sleeping`].
 ///
-/// ```rust,ignore
+/// ```
 /// use bevy_app::App;
 /// use drystone::masonry::{Bond, Wall};
 /// use drystone::prelude::*;
@@ -102,6 +102,10 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
 
 /// Number of pairs whose contacts are found at a time, on all threads.
 const PORTION: usize = 1 << 15;
+
+/// For so many pairs of a town there is room for one more. Otherwise the first bricks that are laid after loading would double the table, and copy all
+/// of it in one step.
+const HEADROOM: usize = 16;
 
 /// Takes up the bodies; a part of the stage *prepare*.
 pub fn arrive(
@@ -269,7 +273,7 @@ fn connect(
         }
         let room = Room {
             bundles: bundles.into_iter(),
-            room: left,
+            room: left + count / HEADROOM,
         };
         left -= number;
         let pairs: Vec<Entity> = world.spawn_batch(room).collect();

@@ -33,6 +33,7 @@ mod need;
 mod pairs;
 mod partition;
 mod rising;
+mod room;
 mod sleeping;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -45,4 +46,5 @@ pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};
 pub use pairs::pair_changes;
 pub(crate) use pairs::{end_pairs, report, warn};
+pub(crate) use room::with_room;
 pub use sleeping::sleeping;

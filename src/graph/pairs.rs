@@ -8,6 +8,7 @@ use super::ConstraintGraph;
 use super::activation::activate;
 use super::active::find_active_rows;
 use super::edges::EdgeKind;
+use super::room::with_room;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::broadphase::Broadphase;
 use crate::contact::{
@@ -189,7 +190,7 @@ fn begin(
         let kept = (ContactTargets::default(), NarrowphaseCache::default());
         (pair, Manifold::default(), rest, kept)
     });
-    let spawned: Vec<Entity> = world.spawn_batch(new).collect();
+    let spawned: Vec<Entity> = world.spawn_batch(with_room(new, 0)).collect();
     restored.fill(world, &spawned);
     let table = world.resource::<BodyTable>();
     for ((edge, slots), pair) in edges.into_iter().zip(spawned) {

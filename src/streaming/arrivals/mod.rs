@@ -19,7 +19,7 @@ use crate::body::{
 use crate::broadphase::{Broadphase, rest_box};
 use crate::collapse::Watch;
 use crate::collider::Collider;
-use crate::graph::{ConstraintGraph, Islands, report};
+use crate::graph::{ConstraintGraph, Islands, report, with_room};
 use crate::joint;
 use crate::mortar::Mortar;
 use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
@@ -102,10 +102,6 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
 
 /// Number of pairs whose contacts are found at a time, on all threads.
 const PORTION: usize = 1 << 15;
-
-/// For so many pairs of a town there is room for one more. Otherwise the first bricks that are laid after loading would double the table, and copy all
-/// of it in one step.
-const HEADROOM: usize = 16;
 
 /// Takes up the bodies; a part of the stage *prepare*.
 pub fn arrive(
@@ -271,12 +267,9 @@ fn connect(
                 bundles.push((pair, components));
             }
         }
-        let room = Room {
-            bundles: bundles.into_iter(),
-            room: left + count / HEADROOM,
-        };
         left -= number;
-        let pairs: Vec<Entity> = world.spawn_batch(room).collect();
+        let bundles = with_room(bundles.into_iter(), left);
+        let pairs: Vec<Entity> = world.spawn_batch(bundles).collect();
         for ((edge, links), pair) in edges.into_iter().zip(pairs) {
             graph.name(edge, pair);
             graph.set_links(edge, links);
@@ -299,25 +292,5 @@ fn each<T: Sync, R: Send>(
     match threads.runs_in_parallel(work) {
         true => threads.run(work, || items.par_iter().map(function).collect()),
         false => items.iter().map(function).collect(),
-    }
-}
-
-/// Bundles of which more will follow, so that the table of the ECS makes room for all of them at once. Tables grow by doubling otherwise, and never
-/// shrink.
-struct Room<I> {
-    bundles: I,
-    /// Number of all bundles.
-    room: usize,
-}
-
-impl<I: Iterator> Iterator for Room<I> {
-    type Item = I::Item;
-
-    fn next(&mut self) -> Option<I::Item> {
-        self.bundles.next()
-    }
-
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        (0, Some(self.room))
     }
 }

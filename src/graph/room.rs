@@ -1,15 +1,16 @@
-//! Room for pairs in their table.
+//! Reserves rows for pairs in their table of the ECS.
 //!
-//! Tables of the ECS grow by doubling, which copies all of their rows. A world that is loaded fills its table exactly, so that the first bricks
-//! that are laid afterwards would cost a step as long as the loading of all pairs. So room for some more is made together with that of the many.
+//! Tables grow by doubling, which copies all of their rows. Spawning many pairs at once reserves exactly as many rows, so the first pair that
+//! came after a world was loaded would double the table. Therefore some more rows are reserved together with many.
 
-/// For so many pairs that are spawned at once, there is room for one more.
+/// One more row is reserved for so many pairs.
 const SHARE: usize = 16;
 
-/// Number of pairs from which on there is room for more. Copying a smaller table takes less than a step.
+/// Number of pairs from which on more rows are reserved. A smaller table holds less than 3 MB, which are copied quickly.
 const MANY: usize = 1 << 12;
 
-/// Bundles of which `following` more are spawned soon: the table of the ECS makes room for all of them at once, and for some more if they are many.
+/// Bundles to be spawned, of which `following` more are spawned soon. The table reserves rows for all of them at once, and for
+/// some more if they are many.
 pub(crate) fn with_room<I: ExactSizeIterator>(
     bundles: I,
     following: usize,
@@ -25,7 +26,7 @@ pub(crate) fn with_room<I: ExactSizeIterator>(
     }
 }
 
-/// Spawning reads how many rows to reserve from the upper bound.
+/// An iterator whose upper bound is the number of rows to reserve: `World::spawn_batch` reads it.
 struct Room<I> {
     bundles: I,
     room: usize,

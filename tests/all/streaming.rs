@@ -162,11 +162,13 @@ fn take_and_put_at_random(seed: u64) {
     let mut rng = fastrand::Rng::with_seed(seed);
     let mut out: Vec<streaming::Region> = Vec::new();
     let mut inside = bodies.clone();
+    let mut taken = 0;
     for _ in 0..60 {
         if rng.bool() && inside.len() > 4 {
             rng.shuffle(&mut inside);
             let some = inside.split_off(inside.len() - rng.usize(1..4));
             out.push(take_out(&mut lab, &some));
+            taken += 1;
         } else if !out.is_empty() {
             let region = out.swap_remove(rng.usize(0..out.len()));
             inside.extend(region.bodies());
@@ -180,6 +182,7 @@ fn take_and_put_at_random(seed: u64) {
     for region in out {
         put_back(&mut lab, region);
     }
+    assert!(taken > 3, "{taken} regions were taken out");
     are_twins(&mut lab, &mut twin, &bodies);
 }
 

@@ -202,9 +202,14 @@ impl Lab {
 }
 
 /// The largest parameter known to hold and the smallest known to give way, bracketed to `width`.
-pub fn bisect(mut holds: f32, mut gives: f32, width: f32, stands: impl Fn(f32) -> bool) -> f32 {
+pub fn bisect(holds: f32, gives: f32, width: f32, stands: impl Fn(f32) -> bool) -> f32 {
     assert!(stands(holds), "must hold at {holds}");
     assert!(!stands(gives), "must give way at {gives}");
+    narrow(holds, gives, width, stands)
+}
+
+/// Halves a bracket until it is `width` wide, and returns its middle.
+fn narrow(mut holds: f32, mut gives: f32, width: f32, stands: impl Fn(f32) -> bool) -> f32 {
     while (gives - holds).abs() > width {
         let middle = 0.5 * (holds + gives);
         if stands(middle) {

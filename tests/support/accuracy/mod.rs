@@ -8,28 +8,13 @@ pub use incline::*;
 pub use ladder::*;
 pub use sphere::*;
 
-use crate::Lab;
+use crate::{Lab, narrow};
 
 /// A laboratory for steps of so many seconds.
 pub type Settings = fn(f32) -> Lab;
 
-/// The middle between what holds and what gives way, bracketed to `width`. `None` if the first end does not hold or the second one does.
-fn threshold(
-    mut holds: f32,
-    mut gives: f32,
-    width: f32,
-    stands: impl Fn(f32) -> bool,
-) -> Option<f32> {
-    if !stands(holds) || stands(gives) {
-        return None;
-    }
-    while (gives - holds).abs() > width {
-        let middle = 0.5 * (holds + gives);
-        if stands(middle) {
-            holds = middle;
-        } else {
-            gives = middle;
-        }
-    }
-    Some(0.5 * (holds + gives))
+/// The parameter between what holds and what gives way, as [`bisect`](crate::bisect) finds it. `None` if the first end does not hold or the
+/// second one does.
+fn threshold(holds: f32, gives: f32, width: f32, stands: impl Fn(f32) -> bool) -> Option<f32> {
+    (stands(holds) && !stands(gives)).then(|| narrow(holds, gives, width, stands))
 }

@@ -9,10 +9,10 @@
 //!
 //! A hash covers the bits of the pose and velocity of every body after every step. With `--islands` sleeping bodies wake by whole islands.
 
-use drystone::body::Velocity;
 use drystone::settings::{ContactSolver, Preset, SleepSettings, Waking};
 use drystone::solver::{Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
+use drystone_lab::hashes::hash;
 use drystone_lab::scenes::Scene;
 
 /// Scene and length of the simulation in steps.
@@ -40,46 +40,6 @@ fn solvers() -> [(&'static str, ContactSolver); 3] {
     ]
 }
 
-/// The 64-bit FNV-1a hash of a sequence of words.
-struct Fnv(u64);
-
-impl Fnv {
-    fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn add(&mut self, value: f32) {
-        for byte in value.to_bits().to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-}
-
-fn hash(experiment: &Experiment, steps: usize, islands: bool) -> u64 {
-    let mut run = experiment.start();
-    if islands {
-        run.world.resource_mut::<SleepSettings>().waking = Waking::Islands;
-    }
-    let mut fnv = Fnv::new();
-    for _ in 0..steps {
-        run.step();
-        for pose in run.poses() {
-            let numbers = pose.position.to_array().into_iter();
-            numbers
-                .chain(pose.rotation.to_array())
-                .for_each(|number| fnv.add(number));
-        }
-        for &body in &run.bodies {
-            let velocity = run.world.get::<Velocity>(body).copied().unwrap_or_default();
-            let numbers = velocity.linear.to_array().into_iter();
-            numbers
-                .chain(velocity.angular.to_array())
-                .for_each(|number| fnv.add(number));
-        }
-    }
-    fnv.0
-}
-
 fn main() {
     let islands = std::env::args().any(|argument| argument == "--islands");
     for (i, (name, steps)) in SCENES.into_iter().enumerate() {
@@ -94,7 +54,11 @@ fn main() {
             let mut experiment = Experiment::new(scene, preset);
             experiment.dt = dt;
             experiment.solver.solver = solver;
-            let hash = hash(&experiment, steps, islands);
+            let mut run = experiment.start();
+            if islands {
+                run.world.resource_mut::<SleepSettings>().waking = Waking::Islands;
+            }
+            let hash = hash(&mut run, steps);
             let rate = 1.0 / dt;
             println!("{name:14} {solver_name:9} {preset_name:8} {rate:2.0} Hz {hash:016x}");
         }

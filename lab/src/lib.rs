@@ -17,6 +17,7 @@
 //! | [`copy`] | the state of a world in another world |
 //! | [`energy`] | the energy that loose bodies gain |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
+//! | [`hashes`] | a hash of all poses and velocities of a simulation |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
 //! | [`play`] | a player who lays, takes and throws |
@@ -35,6 +36,7 @@ pub mod blows;
 pub mod copy;
 pub mod energy;
 pub mod experiment;
+pub mod hashes;
 pub mod metrics;
 pub mod output;
 pub mod overlap;

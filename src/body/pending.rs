@@ -15,6 +15,7 @@ use super::{
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
+use bevy_math::ops;
 use bevy_transform::components::Transform;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhWorkspace};
@@ -254,7 +255,7 @@ fn is_between(drawn: &Pose, before: &Pose, now: &Pose) -> bool {
     let position = |a: &Pose, b: &Pose| a.position.distance(b.position);
     let angle = |a: &Pose, b: &Pose| {
         let turn = a.rotation.inverse() * b.rotation;
-        2.0 * turn.xyz().length().min(1.0).asin()
+        2.0 * ops::asin(turn.xyz().length().min(1.0))
     };
     let far = now.position.abs().max_element() + position(before, now);
     detour(

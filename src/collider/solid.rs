@@ -93,7 +93,9 @@ fn round_cuboid(shape: &SharedShape) -> Option<Moments> {
         round.inner_shape.half_extents.as_dvec3(),
         f64::from(round.border_radius),
     );
-    let (area, ball) = (PI * r * r, 4.0 / 3.0 * PI * r.powi(3));
+    let cubed = |length: f64| length * length * length;
+    let fourth = (r * r) * (r * r);
+    let (area, ball) = (PI * r * r, 4.0 / 3.0 * PI * cubed(r));
     // The second moment ∫x² of what has a constant section from -h to h.
     let even = |volume: f64, h: f64| volume * h * h / 3.0;
     let (mut volume, mut second) = (ball, DVec3::ZERO);
@@ -104,10 +106,10 @@ fn round_cuboid(shape: &SharedShape) -> Option<Moments> {
         let slabs_aside = 8.0 * r * x * (y + z);
         volume += slab + cylinder;
         let core = even(8.0 * h.element_product(), x);
-        let slabs = 8.0 * y * z * ((x + r).powi(3) - x.powi(3)) / 3.0 + even(slabs_aside, x);
-        let disc = x * x * area + x * 8.0 / 3.0 * r.powi(3) + PI * r.powi(4) / 4.0;
+        let slabs = 8.0 * y * z * (cubed(x + r) - cubed(x)) / 3.0 + even(slabs_aside, x);
+        let disc = x * x * area + x * 8.0 / 3.0 * cubed(r) + PI * fourth / 4.0;
         let cylinders = even(cylinder, x) + 2.0 * (y + z) * disc;
-        let corners = x * x * ball + x * PI * r.powi(4) + ball * r * r / 5.0;
+        let corners = x * x * ball + x * PI * fourth + ball * r * r / 5.0;
         second[i] = core + slabs + cylinders + corners;
     }
     let principal = DVec3::new(

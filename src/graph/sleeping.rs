@@ -8,6 +8,7 @@ use super::Islands;
 use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Simulated, Sleeping, Velocity};
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::prelude::*;
+use bevy_math::FloatPow;
 
 /// Puts islands to sleep whose bodies have been still for [`SleepSettings::delay`].
 pub fn sleeping(
@@ -35,8 +36,8 @@ pub fn sleeping(
             continue;
         };
         let sleeping = sleeping.bypass_change_detection();
-        let still = velocity.linear.length_squared() < settings.linear_speed.powi(2)
-            && velocity.angular.length_squared() < settings.angular_speed.powi(2);
+        let still = velocity.linear.length_squared() < settings.linear_speed.squared()
+            && velocity.angular.length_squared() < settings.angular_speed.squared();
         sleeping.still_for = if still {
             sleeping.still_for + time.dt
         } else {

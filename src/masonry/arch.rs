@@ -3,6 +3,7 @@
 use super::{Block, MasonryError, error};
 use crate::body::Pose;
 use crate::collider::Collider;
+use bevy_math::ops;
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 
@@ -65,7 +66,7 @@ impl Arch {
         let reach = 0.5 * self.thickness;
         let (inner, outer) = (self.radius - reach, self.radius + reach);
         let corner = |radius: f32, side: f32, z: f32| {
-            let (sin, cos) = (side * half).sin_cos();
+            let (sin, cos) = ops::sin_cos(side * half);
             Vec3::new(radius * cos, radius * sin, z * 0.5 * self.depth)
         };
         // In a frame at the arch's centre with x through the voussoir's middle; then moved to the voussoir's own middle.
@@ -79,7 +80,7 @@ impl Arch {
             .collect();
         let voussoir = Collider::convex_hull(&points).map_err(|_| MasonryError::DegenerateBlock)?;
         // Moved out along its middle, each joint opens by the gap; lifted, so do the springers'.
-        let out = 0.5 * self.gap / half.sin();
+        let out = 0.5 * self.gap / ops::sin(half);
         let first = 0.5 * (PI - self.angle);
         let block = |i: u32| {
             let rotation = Quat::from_rotation_z(first + (i as f32 + 0.5) * angle);

@@ -3,6 +3,7 @@
 use super::{Block, MasonryError, error};
 use crate::body::Pose;
 use crate::collider::Collider;
+use bevy_math::ops;
 use glam::{Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -68,9 +69,9 @@ impl Dome {
             let (low, high) = (ring as f32 * rise, (ring + 1) as f32 * rise);
             // With x through its middle.
             let corner = |radius: f32, up: f32, side: f32| {
-                let out = radius * up.cos();
-                let (sin, cos) = (0.5 * side * turn).sin_cos();
-                Vec3::new(out * cos, radius * up.sin(), out * sin)
+                let out = radius * ops::cos(up);
+                let (sin, cos) = ops::sin_cos(0.5 * side * turn);
+                Vec3::new(out * cos, radius * ops::sin(up), out * sin)
             };
             let mut points = Vec::with_capacity(8);
             for radius in radii {

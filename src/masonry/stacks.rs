@@ -1,6 +1,7 @@
 //! Pyramids, towers and houses of cards.
 
 use super::{Block, MasonryError, error, level, quarter_turn, side_by_side};
+use bevy_math::ops;
 use glam::{Quat, Vec3};
 
 /// A pyramid of cubes in rows along x, each row with one cube fewer than the row below.
@@ -159,7 +160,7 @@ impl CardHouse {
             y: thickness,
             z: width,
         } = self.card;
-        let (sin, cos) = (self.lean.sin(), self.lean.cos());
+        let (sin, cos) = ops::sin_cos(self.lean);
         // A leaning card's extent: half its height and half its width.
         let rise = 0.5 * (length * cos + thickness * sin);
         let reach = 0.5 * (length * sin + thickness * cos);

@@ -12,6 +12,7 @@ use crate::joint;
 use crate::settings::StabilizationSettings;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
+use bevy_math::FloatPow;
 use glam::Vec3;
 
 /// Mortar bonds surfaces that are no farther apart, m, and points of the contact envelope at any rate.
@@ -96,7 +97,7 @@ fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
                 _ => mortar,
             };
             let [a, b] = bodies;
-            let least = LEAST_AREA * a.radius.min(b.radius).powi(2);
+            let least = LEAST_AREA * a.radius.min(b.radius).squared();
             for (_, patch, range) in manifold.patches_with_points() {
                 let points = &manifold.points[range];
                 let reach = outer.max(REACH);

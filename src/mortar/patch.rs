@@ -65,7 +65,7 @@ impl Patch {
             return None;
         }
         let turn = principal(moments.second);
-        let (sin, cos) = (turn.sin() as f32, turn.cos() as f32);
+        let [cos, sin] = DVec2::from_angle(turn).as_vec2().to_array();
         let axes = [normal, cos * y + sin * z, cos * z - sin * y];
         let back = DVec2::from_angle(-turn);
         let corner = |i: usize| {
@@ -102,7 +102,7 @@ fn leave_four(corners: &mut Vec<DVec2>) {
 fn principal(second: DMat2) -> f64 {
     let [xx, xy, yy] = [second.x_axis.x, second.x_axis.y, second.y_axis.y];
     match xy.abs() > 1e-6 * (xx + yy) {
-        true => 0.5 * (2.0 * xy).atan2(xx - yy),
+        true => 0.5 * DVec2::new(xx - yy, 2.0 * xy).to_angle(),
         false => 0.0,
     }
 }

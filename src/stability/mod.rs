@@ -48,6 +48,7 @@ use crate::graph::{ConstraintGraph, EdgeKind};
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use bevy_math::ops;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
 use glam::Vec3;
 use program::Load;
@@ -258,7 +259,7 @@ impl Question {
     fn answer(&self) -> Result<Margin, StabilityError> {
         let mut margin = self.structure.solve(&self.load)?;
         if self.is_tilt {
-            margin.limit = margin.limit.atan();
+            margin.limit = ops::atan(margin.limit);
         }
         Ok(margin)
     }

@@ -21,9 +21,11 @@ use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 pub struct F32x8(__m256);
 
 impl F32x8 {
-    /// Whether this processor has AVX2 and FMA.
+    /// Returns true if this processor has AVX2 and FMA and the feature `enhanced-determinism` is off.
     pub fn is_available() -> bool {
-        is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+        cfg!(not(feature = "enhanced-determinism"))
+            && is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
     }
 
     const fn of(lanes: [f32; 8]) -> Self {

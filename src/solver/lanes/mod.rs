@@ -120,7 +120,7 @@ pub trait PlainKernel {
     fn run<const FUSED: bool>(self) -> Self::Output;
 }
 
-/// Whether this processor has AVX2 and FMA.
+/// Returns true if fused operations may be used: this processor has AVX2 and FMA, and the feature `enhanced-determinism` is off.
 pub fn has_fused() -> bool {
     #[cfg(target_arch = "x86_64")]
     return F32x8::is_available();

@@ -5,6 +5,7 @@
 
 use super::FrictionCone;
 use crate::solver::Body;
+use bevy_math::FloatPow;
 use glam::{Mat3, Vec2, Vec3};
 
 /// The input for a contact point, in world axes.
@@ -133,7 +134,7 @@ impl PatchFrame {
         }
         diagonal += self.ease;
         let (xx, yy, xy) = (diagonal.y, diagonal.z, coupling);
-        let spread = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+        let spread = (0.25 * (xx - yy).squared() + xy * xy).sqrt();
         PointConstraint {
             bodies: input.bodies,
             normal,

@@ -28,6 +28,7 @@ use super::kinds::{MoreRigid, MoreSoft, Soft};
 use crate::solver::body::{speed_of, trace};
 use crate::solver::lanes::{F32xN, Kernel, cells};
 use crate::solver::{Body, PatchConstraint, PatchProblem};
+use bevy_math::FloatPow;
 use forget::Forget;
 use glam::Vec3;
 use hand_down::HandDown;
@@ -87,7 +88,7 @@ fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
             let apart = point.separation.max(0.0);
             // The squared speed gained by a constant force on the way to the surface.
             let gathered = 2.0 * gained.max(0.0) / problem.dt * apart;
-            before.max(0.0).powi(2) + gathered > BLOW * BLOW
+            before.max(0.0).squared() + gathered > BLOW * BLOW
                 && apart < (before + gained) * problem.dt
         })
 }

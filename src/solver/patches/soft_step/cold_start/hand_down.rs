@@ -3,6 +3,7 @@
 
 use super::super::upright::{up, upper};
 use crate::solver::{Body, PatchPoint, PatchProblem};
+use bevy_math::ops;
 use glam::Vec3;
 
 /// Upper bound of visits to the supports of one body, which share its load.
@@ -163,7 +164,7 @@ impl Foot {
     fn hold(&mut self, friction: f32, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
         let carried: f32 = self.normals.iter().map(|(_, row)| row.impulse).sum();
         let [x, y] = [0, 1].map(|i| self.tangents[i].wanted(*motion));
-        let share = (friction * carried / x.hypot(y)).min(1.0);
+        let share = (friction * carried / ops::hypot(x, y)).min(1.0);
         let found = if share.is_nan() {
             [0.0; 2]
         } else {

@@ -98,7 +98,7 @@ impl Member {
         self.answer = self.start;
         let inverse = self.start.as_dmat3();
         let trace = trace(&self.start) as f64;
-        self.is_singular = inverse.determinant() <= SINGULAR * trace.powi(3);
+        self.is_singular = inverse.determinant() <= SINGULAR * (trace * trace * trace);
         self.start_inertia = match self.is_singular {
             false => inverse.inverse(),
             true => {

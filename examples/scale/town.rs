@@ -9,6 +9,7 @@ use drystone::masonry::{Bond, Wall};
 use drystone::prelude::*;
 use drystone::settings::PhysicsThreads;
 use drystone::streaming;
+use drystone_lab::memory;
 use drystone_lab::play::{Script, Session};
 use drystone_lab::plots::{Canvas, bring_font};
 use plotters::coord::Shift;
@@ -85,7 +86,7 @@ pub fn measure(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
 /// Measures one town, and prints its row.
 pub fn measure_one(walls: u32, arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let before = memory("VmRSS")?;
+    let before = memory::resident()?;
     let wall = if walls == 0 { SMALL } else { WALL };
     let walls = walls.max(1);
     let mut site = Site::new(arguments.threads.unwrap_or(0), true)?;
@@ -95,8 +96,8 @@ pub fn measure_one(walls: u32, arguments: &Arguments) -> Result<(), Box<dyn Erro
     let count = bricks.len() as f64;
     let first = site.step();
     let later = site.step() + site.step();
-    let kilobytes = (memory("VmRSS")? - before) / count;
-    let peak = (memory("VmHWM")? - before) / count;
+    let kilobytes = (memory::resident()? - before) / count;
+    let peak = (memory::peak()? - before) / count;
     site.app
         .world_mut()
         .insert_resource(PhysicsThreads::new(1)?);
@@ -214,16 +215,6 @@ fn stream(site: &mut Site, bricks: &[Entity]) -> Result<f64, Box<dyn Error>> {
     }
     times.sort_by(f64::total_cmp);
     Ok(times[times.len() / 2])
-}
-
-/// A number of this process in `/proc/self/status`, kB.
-fn memory(name: &str) -> Result<f64, Box<dyn Error>> {
-    let status = fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find(|line| line.starts_with(name));
-    let number = line.and_then(|line| line.split_whitespace().nth(1));
-    Ok(number
-        .ok_or("this system has no /proc/self/status")?
-        .parse()?)
 }
 
 /// Draws step, time and memory over the number of bricks.

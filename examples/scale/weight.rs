@@ -4,11 +4,11 @@ use super::{Arguments, CROWD, MEMORY, Site};
 use bevy_ecs::prelude::*;
 use bevy_ecs::storage::{Table, TableId};
 use drystone::prelude::Sleeping;
+use drystone_lab::memory;
 use stats_alloc::Region;
 use std::cmp::Reverse;
 use std::error::Error;
 use std::fmt::Write;
-use std::fs;
 
 /// Steps after which all walls must be asleep.
 const LIMIT: usize = 600;
@@ -19,14 +19,6 @@ const TABLES: usize = 5;
 /// Bytes of the change ticks of a component.
 const TICKS: usize = 8;
 
-/// Bytes of the process that are in memory.
-fn resident() -> Result<f64, Box<dyn Error>> {
-    const PAGE: f64 = 4096.0;
-    let text = fs::read_to_string("/proc/self/statm")?;
-    let pages = text.split(' ').nth(1).ok_or("statm has no second number")?;
-    Ok(PAGE * pages.parse::<f64>()?)
-}
-
 /// Memory at one time, per brick.
 struct Weight {
     what: &'static str,
@@ -36,7 +28,7 @@ struct Weight {
 
 /// Measures walls that stand awake for ten steps, and then fall asleep.
 pub fn measure(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
-    let (region, before) = (Region::new(MEMORY), resident()?);
+    let (region, before) = (Region::new(MEMORY), 1024.0 * memory::resident()?);
     let mut site = Site::new(arguments.threads.unwrap_or(1), true)?;
     let count = arguments.bricks / (CROWD[0] * CROWD[1]);
     let mut bricks = 0;
@@ -48,7 +40,7 @@ pub fn measure(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
         let allocated = change.bytes_allocated as f64 - change.bytes_deallocated as f64;
         Ok(Weight {
             what,
-            resident: (resident()? - before) / bricks as f64,
+            resident: (1024.0 * memory::resident()? - before) / bricks as f64,
             allocated: allocated / bricks as f64,
         })
     };

@@ -18,6 +18,7 @@
 //! | [`energy`] | the energy that loose bodies gain |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`hashes`] | a hash of all poses and velocities of a simulation |
+//! | [`memory`] | the memory of this process |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
 //! | [`play`] | a player who lays, takes and throws |
@@ -37,6 +38,7 @@ pub mod copy;
 pub mod energy;
 pub mod experiment;
 pub mod hashes;
+pub mod memory;
 pub mod metrics;
 pub mod output;
 pub mod overlap;

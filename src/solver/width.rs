@@ -6,8 +6,9 @@ use bevy_reflect::Reflect;
 
 /// Number of contacts that a solver relaxes side by side: patches, or pairs of bodies with all of their points.
 ///
-/// Results differ by rounding: eight lanes use fused multiply-add, four lanes do not; nor does the direct solve of joints with [`Four`](Lanes::Four). So the same scene gives the same bits on all machines
-/// only with [`Four`](Lanes::Four).
+/// Results differ by rounding: eight lanes use fused multiply-add, four lanes do not; nor does the direct solve of joints with
+/// [`Four`](Lanes::Four). With the feature `enhanced-determinism` every setting takes four lanes, and the same scene gives the same bits on all
+/// machines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Debug)]
 #[cfg_attr(
@@ -31,7 +32,7 @@ impl Lanes {
     pub(super) fn problem(self) -> Option<String> {
         let cannot = self == Self::Eight && !eight_is_available();
         cannot.then(|| {
-            "eight lanes need a processor with AVX2 and FMA; Lanes::Auto takes them where it has both".into()
+            "eight lanes need a processor with AVX2 and FMA, and the feature enhanced-determinism to be off; Lanes::Auto takes them where that is so".into()
         })
     }
 

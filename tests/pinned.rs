@@ -1,4 +1,4 @@
-//! The bits of ten simulations with the feature `enhanced-determinism`, compared with those in `hashes.txt`: they must be the same on every
+//! The bits of ten simulations with the feature `enhanced-determinism`, compared with those in `pinned.txt`: they must be the same on every
 //! processor, at every level of optimization, and on any number of threads.
 //!
 //! ```text
@@ -47,6 +47,6 @@ fn lines(threads: usize) -> String {
 fn ten_scenes_give_the_same_bits_on_every_processor() {
     let now = lines(1);
     assert_eq!(now, lines(3), "threads matter");
-    let pinned = include_str!("hashes.txt");
+    let pinned = include_str!("pinned.txt");
     assert_eq!(now, pinned, "the bits are others now:\n{now}");
 }

@@ -8,11 +8,12 @@
 
 use super::{PairColumns, is_idle};
 use crate::body::BodyTable;
-use crate::contact::{ContactPair, Manifold, Origins, PairState, reorder};
+use crate::contact::{ContactPair, Manifold, Origins, PairState, Part, reorder};
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
 use crate::settings::StepTime;
+use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 
 /// Number of deep pairs of a body that always have contacts.
@@ -34,6 +35,7 @@ struct DeepPair {
 /// Removes the contacts of pairs that are not among the deepest of either body; a part of the stage *narrowphase*.
 pub fn crowd(
     (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
+    places: &Entities,
     mut pairs: Query<(Entity, PairColumns)>,
     (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
 ) {
@@ -45,18 +47,7 @@ pub fn crowd(
         told.crowded = false;
         return;
     }
-    let mut deep: Vec<DeepPair> = pairs
-        .iter_many(graph.active_pairs())
-        .flatten()
-        .filter_map(|(entity, (pair, _, manifold, ..))| {
-            let depth = depth(&table, pair, manifold)?;
-            Some(DeepPair {
-                depth,
-                pair: entity,
-                slots: pair.slots,
-            })
-        })
-        .collect();
+    let mut deep = find_deep(&table, &graph, places, &mut pairs);
     let spawn_order = |slot: u32| table.get(slot).map(|body| body.spawn_order);
     // The order must not depend on the entities of pairs.
     deep.sort_unstable_by(|a, b| {
@@ -106,6 +97,37 @@ pub fn crowd(
         };
         graph.report([(pair.edge, pair.announced())]);
     }
+}
+
+/// Finds the deep pairs. In a falling heap most bodies have many pairs and few contacts, so pairs that do not touch are passed over first.
+fn find_deep(
+    table: &BodyTable,
+    graph: &ConstraintGraph,
+    places: &Entities,
+    pairs: &mut Query<(Entity, PairColumns)>,
+) -> Vec<DeepPair> {
+    let mut deep = Vec::new();
+    let tables = pairs.contiguous_iter_mut();
+    for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(entities, places) {
+            let entities = &entities[rows.start as usize..rows.end as usize];
+            let (mut pair, _, mut manifold, ..) = columns.part(rows);
+            let pairs = pair.bypass_change_detection().iter();
+            let manifolds = manifold.bypass_change_detection().iter();
+            for ((&entity, pair), manifold) in entities.iter().zip(pairs).zip(manifolds) {
+                if pair.touching
+                    && let Some(depth) = depth(table, pair, manifold)
+                {
+                    deep.push(DeepPair {
+                        depth,
+                        pair: entity,
+                        slots: pair.slots,
+                    });
+                }
+            }
+        }
+    }
+    deep
 }
 
 /// Penetration depth of a pair, m, if its bodies overlap and contacts can separate them.

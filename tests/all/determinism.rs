@@ -1,11 +1,19 @@
 //! The same bits, whatever the threads and wherever the ECS keeps things.
 
+use bevy_app::{App, Update};
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{MultiThreadedExecutor, ScheduleLabel, Schedules};
 use drystone::body::{BodyState, BodyTable, RigidBody};
 use drystone::contact::{ActiveContactHooks, ContactHook, ContactHooks, ContactModification};
 use drystone::masonry::{Bond, Wall};
 use drystone::mortar::Mortar;
+use drystone::prelude::PhysicsSchedule;
 use drystone::settings::{PhysicsThreads, SleepSettings};
+use drystone::{
+    BodyPlugin, CollisionPlugin, ContactEventsPlugin, DrystonePlugins, FrictionStabilizationPlugin,
+    IntegrationPlugin, JointPlugin, NormalStabilizationPlugin, RefreshPlugin, SensorPlugin,
+    SleepingPlugin, SolverPlugin, StepPlugin, WarmStartPlugin,
+};
 use drystone_lab::scenes::{Scene, SceneOptions};
 use glam::Vec3;
 use std::sync::Arc;
@@ -269,6 +277,50 @@ impl ContactHook for Meeting {
         self.inside.fetch_sub(1, SeqCst);
         true
     }
+}
+
+/// Bodies that fly about, joints and mortar.
+fn mixed(world: World) -> Vec<[u32; 13]> {
+    let dt = 1.0 / 60.0;
+    let mut lab = Lab { world, dt };
+    lab.world.resource_mut::<SleepSettings>().enabled = false;
+    many_islands(&mut lab);
+    scene(&mut lab, "ragdolls:2");
+    lab.run(1.0);
+    lab.bits()
+}
+
+/// Systems that the schedule does not order, because they have nothing to do with each other, may run in any order, or at the same time.
+#[test]
+fn the_executor_and_the_order_of_plugins_change_no_bit() {
+    let mut app = App::new();
+    app.add_plugins(DrystonePlugins::default());
+    let usual = mixed(std::mem::take(app.world_mut()));
+
+    let mut app = App::new();
+    app.add_plugins(DrystonePlugins::default());
+    let mut schedules = app.world_mut().resource_mut::<Schedules>();
+    let steps = schedules.get_mut(PhysicsSchedule).expect("it is there");
+    steps.set_executor(MultiThreadedExecutor::new());
+    assert_eq!(usual, mixed(std::mem::take(app.world_mut())), "executor");
+
+    let mut app = App::new();
+    app.add_plugins(RefreshPlugin)
+        .add_plugins(ContactEventsPlugin)
+        .add_plugins(SensorPlugin)
+        .add_plugins(SleepingPlugin)
+        .add_plugins(IntegrationPlugin)
+        .add_plugins(JointPlugin)
+        .add_plugins(SolverPlugin)
+        .add_plugins(WarmStartPlugin)
+        .add_plugins(NormalStabilizationPlugin)
+        .add_plugins(FrictionStabilizationPlugin)
+        .add_plugins(CollisionPlugin)
+        .add_plugins(BodyPlugin)
+        .add_plugins(StepPlugin {
+            label: Update.intern(),
+        });
+    assert_eq!(usual, mixed(std::mem::take(app.world_mut())), "plugins");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::DT;
 use super::flat::{PARTS, Parts};
 use bevy_app::App;
 use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
 use drystone::masonry::{Block, Bond, Wall};
 use drystone::mortar::Mortar;
 use drystone::prelude::*;

@@ -2,6 +2,7 @@
 
 use crate::arches::Arch;
 use crate::known::MARK;
+use crate::momentum::{Momentum, spread};
 use crate::runs::Record;
 use crate::{SOLVERS, STEPS};
 use support::accuracy::{ARCH_FRICTIONS, ARCH_LIMITS, Value, figures};
@@ -9,7 +10,7 @@ use support::accuracy::{ARCH_FRICTIONS, ARCH_LIMITS, Value, figures};
 const HEAD: &str = include_str!("head.md");
 
 /// The whole document.
-pub fn write(records: &[Record], arches: &[Arch]) -> String {
+pub fn write(records: &[Record], arches: &[Arch], momentum: &[Momentum]) -> String {
     let mut text = HEAD.to_owned();
     text += &summary(records);
     text += "\n![Largest error of each measurement as a share of its tolerance](pictures/accuracy-errors.png)\n";
@@ -21,7 +22,7 @@ pub fn write(records: &[Record], arches: &[Arch]) -> String {
             text += &format!("\n{}\n", case.note);
         }
     }
-    text + &by_number(arches)
+    text + &by_number(arches) + &lost_momentum(momentum)
 }
 
 /// How many values of each solver are missed at each step.
@@ -90,14 +91,28 @@ Least thickness as a share of the mean radius. Limit analysis of n voussoirs is 
     .to_owned();
     for (friction, limit) in ARCH_FRICTIONS.into_iter().zip(ARCH_LIMITS) {
         for arch in arches.iter().filter(|arch| arch.friction == friction) {
-            let simulated = arch.simulated.map_or("none".to_owned(), figures);
-            let off = arch.simulated.map_or("–".to_owned(), |found| {
-                format!("{:+.1} %", 100.0 * (found / arch.statics - 1.0))
-            });
-            let (n, statics) = (arch.n, figures(arch.statics));
+            let cell = |thickness: Option<f32>| thickness.map_or("none".to_owned(), figures);
+            let [statics, simulated] = [arch.statics, arch.simulated].map(cell);
+            let off = arch
+                .simulated
+                .zip(arch.statics)
+                .map(|(found, limit)| found / limit - 1.0);
+            let off = off.map_or("–".to_owned(), |off| format!("{:+.1} %", 100.0 * off));
+            let n = arch.n;
             text += &format!("| {friction} | {n} | {statics} | {simulated} | {off} |\n");
         }
         text += &format!("| {friction} | ∞ | {limit} | | |\n");
+    }
+    text
+}
+
+fn lost_momentum(momentum: &[Momentum]) -> String {
+    let mut text = include_str!("momentum.md").to_owned();
+    for at in momentum {
+        let three = |values: [f32; 3]| values.map(figures).join(" / ");
+        let [soft, exact] = [0, 1].map(|i| three(spread(at.groups[i].iter().copied())));
+        let hits = three(spread(at.glances.iter().map(|&(_, share)| share)));
+        text += &format!("| {} | {soft} | {exact} | {hits} |\n", at.step);
     }
     text
 }

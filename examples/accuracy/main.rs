@@ -6,6 +6,7 @@
 mod arches;
 mod document;
 mod known;
+mod momentum;
 mod plots;
 mod runs;
 
@@ -70,12 +71,13 @@ fn measure(Arguments { quick, only }: Arguments) -> Result<(), Box<dyn Error>> {
         let short = job.case.quick && job.solver == 0 && job.step == SIXTIETH;
         (short || !quick) && wanted.is_none_or(|start| job.case.title.starts_with(start))
     });
+    let whole = !quick && only.is_none();
+    let extra = whole.then(|| (arches::measure(), momentum::measure()));
     let records = runs::run_all(&jobs);
-    if !quick && only.is_none() {
+    if let Some((arches, momentum)) = &extra {
         bring_font()?;
-        let arches = arches::measure();
-        fs::write(&path, document::write(&records, &arches))?;
-        plots::draw(&records, &arches, &docs.join("pictures"))?;
+        fs::write(&path, document::write(&records, arches, momentum))?;
+        plots::draw(&records, arches, momentum, &docs.join("pictures"))?;
     }
     let missed = records.iter().flat_map(|record| record.missed());
     let (known, new): (Vec<Missed>, Vec<Missed>) =

@@ -1,6 +1,7 @@
 //! The plots of the document.
 
 use crate::arches::Arch;
+use crate::momentum::Momentum;
 use crate::runs::Record;
 use crate::{SOLVERS, STEPS};
 use drystone_lab::plots::{Area, Canvas, Stroke, legend};
@@ -21,8 +22,14 @@ const COLORS: [(u8, u8, u8); 4] = [
 const SHARES: (f64, f64) = (1e-3, 1e2);
 
 /// Draws all plots into a folder.
-pub fn draw(records: &[Record], arches: &[Arch], out: &Path) -> Result<(), Box<dyn Error>> {
+pub fn draw(
+    records: &[Record],
+    arches: &[Arch],
+    momentum: &[Momentum],
+    out: &Path,
+) -> Result<(), Box<dyn Error>> {
     errors(records, &out.join("accuracy-errors.png"))?;
+    lost_momentum(momentum, &out.join("accuracy-momentum.png"))?;
     thickness(arches, &out.join("accuracy-arches.png"))
 }
 
@@ -126,7 +133,7 @@ fn thickness(arches: &[Arch], path: &Path) -> Result<(), Box<dyn Error>> {
             let point = |arch: &&Arch| Some((arch.n as f64, f64::from(thickness(arch)?)));
             of.iter().filter_map(point).collect()
         };
-        let statics = points(|arch| Some(arch.statics));
+        let statics = points(|arch| arch.statics);
         let simulated = points(|arch| arch.simulated);
         let values = statics.iter().chain(&simulated).map(|point| point.1);
         let limit = f64::from(limit);
@@ -164,6 +171,77 @@ fn thickness(arches: &[Arch], path: &Path) -> Result<(), Box<dyn Error>> {
         3,
         entries.map(|(stroke, label)| (stroke, label.to_owned())),
     )?;
+    area.present()?;
+    Ok(())
+}
+
+/// Losses of closed groups over the step, and of glancing hits over the phase of the step in which they happen.
+fn lost_momentum(momentum: &[Momentum], path: &Path) -> Result<(), Box<dyn Error>> {
+    let area = Canvas::new(path, (1280, 500)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let (plots, bottom) = area.split_vertically(460);
+    let panels = plots.split_evenly((1, 2));
+    let [orange, blue] = [COLORS[0], COLORS[1]].map(|color| stroke(color, false));
+    let mut chart = ChartBuilder::on(&panels[0])
+        .caption(
+            "24 bodies that collide for 3 s, ten seeds",
+            ("sans-serif", 20),
+        )
+        .margin(10)
+        .x_label_area_size(42)
+        .y_label_area_size(72)
+        .build_cartesian_2d((5e-4..0.2).log_scale(), (1e-8..0.1).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("step, s")
+        .y_desc("angular momentum lost, share")
+        .x_label_formatter(&|x| format!("{x:.0e}"))
+        .y_label_formatter(&|y| format!("{y:.0e}"))
+        .label_style(("sans-serif", 15))
+        .axis_desc_style(("sans-serif", 16))
+        .light_line_style(WHITE)
+        .draw()?;
+    chart.draw_series([PathElement::new([(5e-4, 1e-4), (0.2, 1e-4)], BLACK)])?;
+    for at in momentum {
+        for (losses, stroke) in at.groups.iter().zip([orange, blue]) {
+            let mark = |&loss: &f32| {
+                let place = (f64::from(at.dt), f64::from(loss).max(1e-8));
+                Circle::new(place, 4, stroke.style().filled())
+            };
+            chart.draw_series(losses.iter().map(mark))?;
+        }
+    }
+    let mut chart = ChartBuilder::on(&panels[1])
+        .caption("glancing hit of two balls, Soft Step", ("sans-serif", 20))
+        .margin(10)
+        .margin_right(24)
+        .x_label_area_size(42)
+        .y_label_area_size(72)
+        .build_cartesian_2d(0.0..1.0, 0.0..1.1)?;
+    chart
+        .configure_mesh()
+        .x_desc("part of the step after which they touch")
+        .y_desc("angular momentum lost / J u Δt")
+        .label_style(("sans-serif", 15))
+        .axis_desc_style(("sans-serif", 16))
+        .light_line_style(WHITE)
+        .draw()?;
+    for (at, color) in momentum.iter().zip(COLORS) {
+        let style = stroke(color, false).style().filled();
+        let mark = |&(phase, share): &(f32, f32)| {
+            Circle::new((f64::from(phase), f64::from(share)), 4, style)
+        };
+        chart.draw_series(at.glances.iter().map(mark))?;
+    }
+    let steps = STEPS.iter().zip(COLORS);
+    let steps = steps.map(|((step, _), color)| (Some(stroke(color, false)), step.to_string()));
+    let left = [
+        (Some(orange), "Soft Step"),
+        (Some(blue), "NNCG"),
+        (None, "line: tolerance"),
+    ];
+    let left = left.map(|(stroke, label)| (stroke, label.to_owned()));
+    legend(&bottom, 7, left.into_iter().chain(steps))?;
     area.present()?;
     Ok(())
 }

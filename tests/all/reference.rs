@@ -55,7 +55,7 @@ rows! {
         shipped at STEPS;
     row_2_a_slab_slides_down_with_g_sin_minus_mu_g_cos: slides_down,
         exact at STEPS;
-        shipped at [1.0 / 60.0, 1.0 / 240.0];
+        shipped at [0.1, 1.0 / 60.0];
     row_3_a_sliding_slab_stops_after_v_squared_over_two_mu_g: stops,
         exact at [1.0 / 240.0];
         shipped at STEPS;
@@ -123,8 +123,8 @@ rows! {
         exact at SIXTIETH;
         shipped at SIXTIETH;
     a_ball_that_grazes_a_wall_loses_speed_by_friction: grazes,
-        exact at [1.0 / 240.0];
-        shipped at [1.0 / 240.0], ignore = "missed: a ball that bounces leaves without friction";
+        exact at [1.0 / 960.0];
+        shipped at [1.0 / 960.0], ignore = "missed: restitution has no friction, and a ball that arrives late in a step leaves without any";
 }
 
 /// The thickness of arches of few and many voussoirs, row 11.
@@ -133,16 +133,17 @@ fn row_11_an_arch_stands_down_to_the_thickness_of_limit_analysis() {
     arches(Lab::shipped, 1.0 / 60.0, &[9, 21]).assert_met();
 }
 
-/// Limit analysis of ever more voussoirs comes to Milankovitch's thickness from below.
+/// Limit analysis of ever more voussoirs comes to the thicknesses of the formula.
 #[test]
 fn row_11_limit_analysis_converges_to_the_formula() {
-    let limits = [11, 31, 81].map(|n| arch_by_statics(n, ARCH_FRICTIONS[0]));
-    println!("{limits:?}, formula {}", ARCH_LIMITS[0]);
-    assert!(limits.is_sorted());
-    assert!(
-        (limits[2] / ARCH_LIMITS[0] - 1.0).abs() < 5e-3,
-        "{limits:?}"
-    );
+    for (friction, limit) in ARCH_FRICTIONS.into_iter().zip(ARCH_LIMITS) {
+        let off = [11, 21, 31].map(|n| {
+            let found = arch_by_statics(n, friction, limit).expect("some thickness stands");
+            found / limit - 1.0
+        });
+        println!("μ {friction}: {off:?} of {limit}");
+        assert!(off.is_sorted() && off[2].abs() < 0.015, "{off:?}");
+    }
 }
 
 /// Joints and bonds are for the default solver.

@@ -114,12 +114,9 @@ fn solve_in_place(a: &mut [[f32; 6]; 6], b: &mut [f32; 6]) {
         }
         a[column][column] = pivot;
         let inverse = 1.0 / pivot;
-        for row in column + 1..6 {
-            let mut sum = a[row][column];
-            for k in 0..column {
-                sum -= a[row][k] * scaled[k];
-            }
-            a[row][column] = sum * inverse;
+        for row in &mut a[column + 1..] {
+            let done: f32 = (0..column).map(|k| row[k] * scaled[k]).sum();
+            row[column] = (row[column] - done) * inverse;
         }
     }
     for row in 0..6 {

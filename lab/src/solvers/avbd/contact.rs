@@ -265,16 +265,16 @@ impl Contact {
     fn relative(&self, moves: &[Move]) -> [Vec3; 2] {
         let [a, b] = self.bodies.map(|body| moves[body as usize]);
         let shift = a[0] - b[0] + a[1].cross(self.arms[0]) - b[1].cross(self.arms[1]);
-        [shift, a[1] - b[1]].map(|v| self.into_frame(v))
+        [shift, a[1] - b[1]].map(|v| self.in_frame(v))
     }
 
     #[inline]
-    fn into_frame(&self, v: Vec3) -> Vec3 {
+    fn in_frame(&self, v: Vec3) -> Vec3 {
         Vec3::from_array(self.axes.map(|axis| axis.dot(v)))
     }
 
     #[inline]
-    fn out_of_frame(&self, v: Vec3) -> Vec3 {
+    fn in_world(&self, v: Vec3) -> Vec3 {
         self.axes[0] * v.x + self.axes[1] * v.y + self.axes[2] * v.z
     }
 
@@ -325,10 +325,10 @@ impl Contact {
         let [n, t1, t2] = self.axes;
         let arm = self.arms[side];
         let Vec2 { x, y } = reaction.tangential;
-        let force = self.out_of_frame(Vec3::new(reaction.normal, x, y));
+        let force = self.in_world(Vec3::new(reaction.normal, x, y));
         // Σ λ offset × n, with t2 × n = t1 and t1 × n = −t2.
         let turning = Vec3::new(reaction.moment, reaction.lever.y, -reaction.lever.x);
-        let torque = arm.cross(force) + self.out_of_frame(turning);
+        let torque = arm.cross(force) + self.in_world(turning);
         let sign = if side == 0 { 1.0 } else { -1.0 };
 
         // Of normal rows, whose levers about the body's centre are (arm + offset) × n.

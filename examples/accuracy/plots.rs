@@ -55,7 +55,7 @@ fn share(value: &Value) -> f64 {
 
 /// A panel for each solver: the largest error of each measurement, a mark for each step.
 fn errors(records: &[Record], path: &Path) -> Result<(), Box<dyn Error>> {
-    let (panel, below) = (360, 40);
+    let (panel, below) = (300, 40);
     let height = panel * SOLVERS.len() as u32 + below;
     let area = Canvas::new(path, (1280, height)).into_drawing_area();
     area.fill(&WHITE)?;
@@ -78,24 +78,25 @@ fn of_panel(area: &Area, solver: &str, records: &[&Record]) -> Result<(), Box<dy
     let mut chart = ChartBuilder::on(area)
         .caption(solver, ("sans-serif", 20))
         .margin(10)
-        .x_label_area_size(110)
+        .x_label_area_size(42)
         .y_label_area_size(72)
         .build_cartesian_2d(-0.5..CASES.len() as f64 - 0.5, (least..most).log_scale())?;
+    // The number of the row, or the first word of the title.
     let label = |x: &f64| {
         let case = CASES
             .get(x.round() as usize)
             .filter(|_| x.fract().abs() < 1e-6);
-        case.map_or("", |case| case.title).to_owned()
+        let word = |title: &'static str| title.split([':', ' ']).next();
+        case.and_then(|case| word(case.title))
+            .unwrap_or_default()
+            .to_owned()
     };
-    let font = ("sans-serif", 14)
-        .into_font()
-        .transform(FontTransform::Rotate90);
     chart
         .configure_mesh()
         .disable_x_mesh()
         .x_labels(CASES.len())
         .x_label_formatter(&label)
-        .x_label_style(font)
+        .x_desc("row")
         .y_desc("largest error over tolerance")
         .y_label_formatter(&|y| format!("{y:.0e}"))
         .label_style(("sans-serif", 14))

@@ -7,8 +7,11 @@ use drystone::body::RigidBody;
 use drystone::collider::Collider;
 use glam::Vec3;
 
-/// Whether `n` blocks of a length of 1 m stand with this share of the best overhang of each; depths of the courses, m.
-fn stands(settings: Settings, dt: f32, n: u32, share: f32, depth: fn(u32) -> f32) -> bool {
+/// The depth of a course, m.
+type Depth = fn(u32) -> f32;
+
+/// Whether `n` blocks of a length of 1 m stand with this share of the best overhang of each.
+fn stands(settings: Settings, dt: f32, n: u32, share: f32, depth: Depth) -> bool {
     let mut lab = settings(dt);
     lab.spawn((
         RigidBody::Static,
@@ -33,7 +36,7 @@ fn stands(settings: Settings, dt: f32, n: u32, share: f32, depth: fn(u32) -> f32
 /// Flush blocks have edges that lie exactly on each other: in this case parry loses corners to rounding.
 pub fn overhangs(settings: Settings, dt: f32) -> Values {
     let mut values = Values::at(dt);
-    let depths: [(&str, fn(u32) -> f32); 2] = [
+    let depths: [(&str, Depth); 2] = [
         ("", |course| 0.5 - 0.02 * course as f32),
         (" flush", |_| 0.5),
     ];

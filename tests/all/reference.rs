@@ -176,6 +176,31 @@ fn a_glancing_hit_loses_at_most_the_moment_of_one_step() {
     }
 }
 
+/// Otherwise a simulation that explodes would meet everything.
+#[test]
+fn a_value_that_is_off_or_not_a_number_is_missed() {
+    let mut values = Values::at(0.1);
+    for measured in [f32::NAN, f32::INFINITY, 1.02, 0.98] {
+        values.add("off", (measured, 1.0), 0.01);
+    }
+    values.add("not found", (None, 1.0), 0.01);
+    values.add(
+        "off by more than a step",
+        (1.02, 1.0),
+        Tolerance::PerStep(0.1),
+    );
+    assert!(values.list().iter().all(Value::is_missed));
+    let mut values = Values::at(0.1);
+    values.add("near", (1.005, 1.0), 0.01);
+    values.add(
+        "off by less than a step",
+        (1.02, 1.0),
+        Tolerance::PerStep(0.3),
+    );
+    values.add_near("near", (-2.01, -2.0), 0.01);
+    assert!(!values.list().iter().any(Value::is_missed));
+}
+
 #[test]
 fn a_cube_that_falls_flat_stays_where_it_lands() {
     for settings in [Lab::exact, Lab::shipped] {

@@ -24,6 +24,7 @@ struct Strip {
 /// A picture of strips below each other.
 struct Figure {
     name: &'static str,
+    file: &'static str,
     title: &'static str,
     strips: Vec<Strip>,
 }
@@ -51,6 +52,7 @@ fn figures() -> [Figure; 3] {
     [
         Figure {
             name: "figure1",
+            file: "figure1.png",
             title: "Figure 1: the predefined task; the red rod ends where the hand holds or presses",
             strips: vec![
                 strip(Scene::Pressed(5), "2f", TASK, task_camera),
@@ -59,6 +61,7 @@ fn figures() -> [Figure; 3] {
         },
         Figure {
             name: "figure3",
+            file: "figure3.png",
             title: "Figure 3: normal stabilization, the friction stabilization is on in all",
             strips: vec![
                 strip(large, "2f", NORMAL, large_camera),
@@ -68,6 +71,7 @@ fn figures() -> [Figure; 3] {
         },
         Figure {
             name: "figure4",
+            file: "figure4.png",
             title: "Figure 4: with and without friction stabilization, as in Table 1 and with the new normal",
             strips: vec![
                 strip(small, "4", FRICTION, small_camera),
@@ -77,6 +81,11 @@ fn figures() -> [Figure; 3] {
             ],
         },
     ]
+}
+
+/// Files of the pictures, and captions.
+pub fn files() -> [(&'static str, &'static str); 3] {
+    figures().map(|figure| (figure.file, figure.title))
 }
 
 /// Heights of the title, of a strip's heading and of a frame's caption; space around a frame, pixels.
@@ -100,7 +109,7 @@ impl Figure {
         let width = columns.unwrap_or(0) as u32 * (SIZE.0 + SPACE) + SPACE;
         let strip_height = HEADING + SIZE.1 + CAPTION;
         let height = TITLE + self.strips.len() as u32 * strip_height + SPACE;
-        let path = out.join(format!("{}.png", self.name));
+        let path = out.join(self.file);
         let area = Canvas::new(&path, (width, height)).into_drawing_area();
         area.fill(&WHITE)?;
         let write = |text: &str, x: u32, y: u32, size: u32| {

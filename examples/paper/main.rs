@@ -5,10 +5,16 @@
 //! cargo run --release --example paper
 //! ```
 //!
-//! Writes `runs.jsonl`, plots and pictures to `target/paper`, and prints a table.
+//! Writes `report.html`, which has everything in one file, and `runs.jsonl`, plots and pictures to `target/paper`, and prints a table.
 
+mod claims;
 mod figures;
+mod html;
+mod machine;
+mod numbers;
 mod plots;
+mod prototype;
+mod report;
 mod rows;
 mod runs;
 mod table;
@@ -23,6 +29,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// Reruns the paper's experiments.
 #[derive(Parser)]
@@ -67,16 +74,20 @@ fn rerun(Arguments { quick, out }: Arguments) -> Result<(), Box<dyn Error>> {
         })
     };
     let jobs: Vec<Job> = scenes.iter().flat_map(on_all_rows).collect();
+    let start = Instant::now();
     let records = runs::run_all(&jobs);
+    let took = start.elapsed();
 
     for record in &records {
         writeln!(lines, "{}", record.json())?;
     }
     plots::draw(&records, &out)?;
     figures::draw(&records, &out)?;
+    report::write(&records, took, &out)?;
     table::print(&records);
     println!(
-        "\nruns.jsonl, plots, figures and frames are in {}",
+        "\n{}, runs.jsonl, plots, figures and frames are in {}",
+        report::FILE,
         out.display()
     );
     Ok(())

@@ -53,14 +53,27 @@ const LEGEND: u32 = 72;
 /// Whether a scene belongs to a group.
 type IsMember = fn(Scene) -> bool;
 
+const GROUPS: [(&str, IsMember); 3] = [
+    ("stacks", |s| matches!(s, Scene::Stack(_))),
+    ("walls", |s| matches!(s, Scene::Wall(..))),
+    ("task", |s| matches!(s, Scene::Pressed(_))),
+];
+
+/// Files of all plots, and captions.
+pub fn files() -> Vec<(String, String)> {
+    let of = |(group, _): (&'static str, IsMember)| {
+        let each = QUANTITIES.iter();
+        each.map(move |quantity| {
+            let caption = format!("{}: {}, over time", group, quantity.axis);
+            (quantity.path(group), caption)
+        })
+    };
+    GROUPS.into_iter().flat_map(of).collect()
+}
+
 /// Draws all plots into `out`.
 pub fn draw(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
-    let groups: [(&str, IsMember); 3] = [
-        ("stacks", |s| matches!(s, Scene::Stack(_))),
-        ("walls", |s| matches!(s, Scene::Wall(..))),
-        ("task", |s| matches!(s, Scene::Pressed(_))),
-    ];
-    for (group, is_member) in groups {
+    for (group, is_member) in GROUPS {
         let members: Vec<&Record> = records.iter().filter(|r| is_member(r.job.scene)).collect();
         let scenes: Vec<&[&Record]> = members
             .chunk_by(|a, b| a.job.scene == b.job.scene)
@@ -68,7 +81,7 @@ pub fn draw(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
         for quantity in &QUANTITIES {
             // The legend wants the width of two panels.
             let width = PANEL.0 * scenes.len().max(2) as u32;
-            let path = out.join(format!("{}-{group}.png", quantity.file));
+            let path = out.join(quantity.path(group));
             let area = Canvas::new(&path, (width, PANEL.1 + LEGEND)).into_drawing_area();
             area.fill(&WHITE)?;
             let (plots, below) = area.split_vertically(PANEL.1);
@@ -91,6 +104,11 @@ struct Line {
 }
 
 impl Quantity {
+    /// Name of the file for a group.
+    fn path(&self, group: &str) -> String {
+        format!("{}-{group}.png", self.file)
+    }
+
     fn panel(&self, area: &Area, records: &[&Record]) -> Result<(), Box<dyn Error>> {
         let seconds = records.iter().map(|r| r.job.seconds).fold(0.0, f32::max) as f64;
         let lines: Vec<Line> = records.iter().map(|record| self.line(record)).collect();

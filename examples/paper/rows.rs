@@ -96,7 +96,29 @@ pub static ROWS: [Row; 7] = [
     },
 ];
 
+/// The numbers of a row of Table 1 as the paper prints them.
+pub struct Printed {
+    /// Sweeps.
+    pub iterations: f32,
+    /// Without unit; none where the paper says "not used".
+    pub error_reduction: Option<f32>,
+}
+
 impl Row {
+    /// What the paper prints. `None` for a row that it does not have.
+    pub fn printed(&self) -> Option<Printed> {
+        let (iterations, error_reduction) = match self.id {
+            "1" => (75.0, Some(0.5)),
+            "2" => (75.0, None),
+            "3" | "4" => (12.0, Some(0.5)),
+            _ => return None,
+        };
+        Some(Printed {
+            iterations,
+            error_reduction,
+        })
+    }
+
     /// The row called so.
     pub fn named(id: &str) -> &'static Row {
         let row = ROWS.iter().find(|row| row.id == id);

@@ -18,42 +18,63 @@ pub fn print(records: &[Record]) {
          begins to press. A step's time is the median on one thread, with other runs on the other cores.\n",
         FALLEN.drift, FALLEN.sag, FALLEN.tilt
     );
-    println!(
-        "{:<11} {:<3} {:>12} {:>9} {:>11} {:>11} {:>10} {:>9} {:>9} {:>8}",
-        "scene",
-        "row",
-        "",
-        "drift",
-        "penetration",
-        "ideal error",
-        "rms speed",
-        "tilt",
-        "energy",
-        "step"
-    );
-    println!(
-        "{:<11} {:<3} {:>12} {:>9} {:>11} {:>11} {:>10} {:>9} {:>9} {:>8}",
-        "", "", "", "m", "max, mm", "max, mm", "mm/s", "rad", "gain, %", "ms"
-    );
-    for of_scene in records.chunk_by(|a, b| a.job.scene == b.job.scene) {
-        println!("{}", "─".repeat(102));
-        for Record { job, outcome, .. } in of_scene {
-            let fate = match outcome.fell_at {
-                Some(time) => format!("fell {time:.1} s"),
-                None => format!("stands {:.0} s", job.seconds),
-            };
-            println!(
-                "{:<11} {:<3} {fate:>12} {:>9.4} {:>11.2} {:>11.2} {:>10.2} {:>9.4} {:>9.3} {:>8.2}",
-                job.scene.to_string(),
-                job.row.id,
-                outcome.displacement.drift,
-                1e3 * outcome.penetration_max,
-                1e3 * outcome.ideal_error_max,
-                1e3 * outcome.rms_speed,
-                outcome.displacement.tilt,
-                100.0 * outcome.energy_gain,
-                1e3 * outcome.step_time.median.as_secs_f64(),
-            );
+    println!("{}", line(&HEADS.map(str::to_owned)));
+    for of_scene in rows(records).chunk_by(|a, b| a[0] == b[0]) {
+        println!(
+            "{}",
+            "─".repeat(WIDTHS.iter().sum::<usize>() + WIDTHS.len() - 1)
+        );
+        for row in of_scene {
+            println!("{}", line(row));
         }
     }
+}
+
+/// The columns of [`rows`].
+pub const HEADS: [&str; 10] = [
+    "scene",
+    "row",
+    "end",
+    "drift, m",
+    "penetration, mm",
+    "ideal error, mm",
+    "rms, mm/s",
+    "tilt, rad",
+    "energy gain, %",
+    "step, ms",
+];
+
+/// Widths of the columns, in letters.
+const WIDTHS: [usize; 10] = [11, 3, 12, 9, 15, 15, 10, 9, 14, 8];
+
+fn line(cells: &[String]) -> String {
+    let cells = cells.iter().zip(WIDTHS).enumerate();
+    let padded = cells.map(|(i, (cell, width))| match i < 2 {
+        true => format!("{cell:<width$}"),
+        false => format!("{cell:>width$}"),
+    });
+    padded.collect::<Vec<_>>().join(" ")
+}
+
+/// A line for each run.
+pub fn rows(records: &[Record]) -> Vec<Vec<String>> {
+    let row = |Record { job, outcome, .. }: &Record| {
+        let end = match outcome.fell_at {
+            Some(time) => format!("fell {time:.1} s"),
+            None => format!("stands {:.0} s", job.seconds),
+        };
+        vec![
+            job.scene.to_string(),
+            job.row.id.to_owned(),
+            end,
+            format!("{:.4}", outcome.displacement.drift),
+            format!("{:.2}", 1e3 * outcome.penetration_max),
+            format!("{:.2}", 1e3 * outcome.ideal_error_max),
+            format!("{:.2}", 1e3 * outcome.rms_speed),
+            format!("{:.4}", outcome.displacement.tilt),
+            format!("{:.3}", 100.0 * outcome.energy_gain),
+            format!("{:.2}", 1e3 * outcome.step_time.median.as_secs_f64()),
+        ]
+    };
+    records.iter().map(row).collect()
 }

@@ -9,6 +9,7 @@ use drystone::settings::{
 use drystone::solver::{FrictionCone, Lanes, Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
 use drystone_lab::scenes::{Ground, KNOWN, Scene};
+use drystone_lab::solvers::{Apgd, Avbd};
 use std::f32::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -134,7 +135,7 @@ macro_rules! names {
 }
 
 names!(PresetName: Default, Paper);
-names!(SolverName: SoftStep, Pgs, Nncg);
+names!(SolverName: SoftStep, Pgs, Nncg, Avbd, Apgd);
 names!(NormalName: None, Baumgarte, BaumgarteOneSided, Envelope);
 names!(Switch: On, Off);
 names!(AnchorName: Literal, Persistent, PairPose, Trackless);
@@ -150,6 +151,31 @@ impl Arguments {
         match self.preset {
             PresetName::Default => Preset::Default,
             PresetName::Paper => Preset::Paper,
+        }
+    }
+
+    fn solver_name(&self) -> SolverName {
+        let own = match self.preset {
+            PresetName::Default => SolverName::SoftStep,
+            PresetName::Paper => SolverName::Nncg,
+        };
+        self.solver.unwrap_or(own)
+    }
+
+    /// Refuses what the solver from the literature leaves out, which would be ignored otherwise.
+    fn refuse_missing(&self) -> Result<(), String> {
+        match self.solver_name() {
+            SolverName::Avbd if !self.scene.has_contacts_only() => Err(format!(
+                "--solver avbd has contacts only, and {} has joints or a hand",
+                self.scene
+            )),
+            SolverName::Avbd if self.warm_start.is_some() => {
+                Err("--warm-start is not for --solver avbd, which has a rule of its own".into())
+            }
+            SolverName::Avbd | SolverName::Apgd if self.friction == Some(ConeName::Box) => {
+                Err("--friction box is not for --solver avbd or apgd: their cones are round".into())
+            }
+            _ => Ok(()),
         }
     }
 
@@ -170,11 +196,7 @@ impl Arguments {
             LanesName::Four => Lanes::Four,
             LanesName::Eight => Lanes::Eight,
         };
-        let own = match self.preset {
-            PresetName::Default => SolverName::SoftStep,
-            PresetName::Paper => SolverName::Nncg,
-        };
-        match self.solver.unwrap_or(own) {
+        match self.solver_name() {
             SolverName::SoftStep => {
                 let default = SoftStep::default();
                 let max_sweeps = self.iterations.unwrap_or(default.max_sweeps);
@@ -205,12 +227,29 @@ impl Arguments {
                 };
                 nncg.into()
             }
+            SolverName::Avbd => {
+                let default = Avbd::default();
+                let avbd = Avbd {
+                    iterations: self.iterations.unwrap_or(default.iterations),
+                    ..default
+                };
+                avbd.into()
+            }
+            SolverName::Apgd => {
+                let apgd = Apgd {
+                    iterations,
+                    warm_start,
+                    tolerance,
+                };
+                apgd.into()
+            }
         }
     }
 
     /// # Errors
-    /// If the operating system gives no threads.
+    /// If the operating system gives no threads, or if the solver leaves out what the scene or an option needs.
     pub fn experiment(&self) -> Result<Experiment, String> {
+        self.refuse_missing()?;
         let mut experiment = Experiment::new(self.scene, self.preset());
         experiment.dt = self.dt.unwrap_or(experiment.dt);
         let solver = &mut experiment.solver;
@@ -306,7 +345,7 @@ mod tests {
         refuses(&["--steps", "0"], "1..=1000000000");
         refuses(&["--threads", "0"], "1..=256");
         refuses(&["--threads", "100000"], "1..=256");
-        refuses(&["--solver", "gauss"], "soft-step, pgs, nncg");
+        refuses(&["--solver", "gauss"], "soft-step, pgs, nncg, avbd, apgd");
         refuses(&["--ground", "sand"], "half-space, mesh, height-field");
     }
 
@@ -352,10 +391,42 @@ mod tests {
     }
 
     #[test]
+    fn what_a_solver_from_the_literature_leaves_out_is_refused() {
+        for (scene, options, part) in [
+            ("chain:3", ["--solver=avbd", "--json"], "joints"),
+            ("pressed:3", ["--solver=avbd", "--json"], "hand"),
+            (
+                "stack:2",
+                ["--solver=avbd", "--warm-start=0.5"],
+                "--warm-start",
+            ),
+            (
+                "stack:2",
+                ["--solver=apgd", "--friction=box"],
+                "--friction box",
+            ),
+        ] {
+            let given = ["simulate", "--scene", scene].into_iter().chain(options);
+            let arguments = Arguments::try_parse_from(given).unwrap();
+            let error = arguments.experiment().err().expect("it is left out");
+            assert!(error.contains(part), "{error}");
+        }
+        let given = ["simulate", "--scene", "chain:3", "--solver=apgd"];
+        assert!(
+            Arguments::try_parse_from(given)
+                .unwrap()
+                .experiment()
+                .is_ok()
+        );
+    }
+
+    #[test]
     fn every_solver_holds_a_stack_under_every_preset() {
         for preset in ["--preset=default", "--preset=paper"] {
-            for solver in ["--solver=soft-step", "--solver=pgs", "--solver=nncg"] {
-                let experiment = parse(&[preset, solver]).unwrap().experiment().unwrap();
+            for solver in ["soft-step", "pgs", "nncg", "avbd", "apgd"] {
+                let solver = format!("--solver={solver}");
+                let experiment = parse(&[preset, &solver]).unwrap().experiment().unwrap();
+                assert!(solver.ends_with(experiment.solver.solver.name()));
                 assert!(experiment.run(30).stands, "{preset} {solver}");
             }
         }

@@ -1,10 +1,10 @@
 //! Part 1: every method on every case with several budgets, compared at equal time.
 
+use crate::baselines;
 use crate::cases::{Case, Scope, TIMES, time_step};
 use crate::methods::{DEFAULT, METHODS, Method};
 use crate::runs::Finding;
 use crate::tables::{Table, mm};
-use drystone::settings::Preset;
 use drystone_lab::report::report;
 use indicatif::ProgressBar;
 use serde_json::Value;
@@ -30,7 +30,8 @@ const EQUAL: f64 = 1.1;
 pub fn trials(scope: Scope) -> Vec<Trial> {
     let mut trials = Vec::new();
     for case in scope.cases() {
-        for method in &METHODS {
+        let wanted = |method: &&Method| !scope.baselines || baselines::has(method);
+        for method in METHODS.iter().filter(wanted) {
             for iterations in scope.budgets(&case, method) {
                 trials.push(Trial {
                     case,
@@ -57,7 +58,8 @@ pub fn run(trials: Vec<Trial>, bar: &ProgressBar) -> Vec<Record> {
 }
 
 impl Trial {
-    fn has_own_iterations(&self) -> bool {
+    /// Whether it has the number of iterations that its method is meant to have.
+    pub fn has_own_iterations(&self) -> bool {
         self.iterations == self.method.own_iterations(&self.case)
     }
 }
@@ -73,13 +75,8 @@ impl Record {
         } = &self.trial;
         (1..).zip(&self.finding.outcomes).map(|(seed, outcome)| {
             let experiment = method.experiment(case, *iterations).with_seed(seed);
-            let preset = if method.is_soft() {
-                Preset::Default
-            } else {
-                Preset::Paper
-            };
             let steps = (case.seconds / case.dt).round() as usize;
-            let mut fields = report(preset, &experiment, steps, outcome);
+            let mut fields = report(method.preset(), &experiment, steps, outcome);
             fields.insert("method".into(), method.label.into());
             Value::Object(fields)
         })
@@ -119,8 +116,8 @@ pub fn tables(records: &[Record]) -> Vec<Table> {
         tables.push(table(
             format!("At equal iterations, {step}"),
             format!(
-                "Drift / sag after {seconds} s in mm, rms speed in mm/s; milliseconds a step. With the preset's iterations: 75 for the paper's solvers, \
-                 for Soft Step 16 a sixtieth of a second, and up to 24 until all is at rest. A dash where that takes too long to be run."
+                "Drift / sag after {seconds} s in mm, rms speed in mm/s; milliseconds a step. With the preset's or the solver's iterations: 75 for the paper's solvers \
+                 and APGD, 10 for AVBD, for Soft Step 16 a sixtieth of a second, and up to 24 until all is at rest. A dash where that takes too long to be run."
             ),
             &cases,
             at_own_iterations,
@@ -145,6 +142,12 @@ fn table(
     cell: fn(&[Record], &Method) -> String,
 ) -> Table {
     let scenes = cases.iter().map(|r| r[0].trial.case.scene.to_string());
+    let was_run = |method: &&Method| {
+        let records = cases.iter().copied().flatten();
+        records
+            .into_iter()
+            .any(|r| r.trial.method.label == method.label)
+    };
     let row = |method: &Method| {
         let cells = cases.iter().map(|records| cell(records, method));
         [method.label.to_owned()].into_iter().chain(cells).collect()
@@ -153,27 +156,40 @@ fn table(
         title,
         note,
         columns: ["method".to_owned()].into_iter().chain(scenes).collect(),
-        rows: METHODS.iter().map(row).collect(),
+        rows: METHODS.iter().filter(was_run).map(row).collect(),
     }
 }
 
-fn at_equal_time(records: &[Record], method: &Method) -> String {
+/// The default with its own iterations.
+fn default(records: &[Record]) -> Option<&Record> {
     let is_default = |r: &&Record| r.trial.method.label == DEFAULT && r.trial.has_own_iterations();
+    records.iter().find(is_default)
+}
+
+/// A method with the most iterations that cost no more than the default's on a case, or with the fewest if even those cost more.
+pub fn affordable<'a>(records: &'a [Record], method: &Method) -> Option<&'a Record> {
+    let default = default(records)?;
+    if method.label == DEFAULT {
+        return Some(default);
+    }
     let own = of_method(records, method);
-    let (Some(default), Some(fewest)) = (records.iter().find(is_default), own.first()) else {
+    let limit = default.finding.ms * EQUAL;
+    let most = own.iter().rfind(|r| r.finding.ms <= limit);
+    most.or(own.first()).copied()
+}
+
+fn at_equal_time(records: &[Record], method: &Method) -> String {
+    let (Some(default), Some(record)) = (default(records), affordable(records, method)) else {
         return "–".into();
     };
-    let limit = default.finding.ms * EQUAL;
-    let affordable = own.iter().rfind(|r| r.finding.ms <= limit);
-    let (record, time) = if method.label == DEFAULT {
-        (default, format!(", {:.3} ms", default.finding.ms))
-    } else if let Some(record) = affordable {
-        (*record, String::new())
-    } else {
-        let times = fewest.finding.ms / default.finding.ms;
-        (*fewest, format!(", {times:.1} ×"))
-    };
     let Record { trial, finding } = record;
+    let time = if method.label == DEFAULT {
+        format!(", {:.3} ms", finding.ms)
+    } else if finding.ms <= default.finding.ms * EQUAL {
+        String::new()
+    } else {
+        format!(", {:.1} ×", finding.ms / default.finding.ms)
+    };
     let figures = || format!("{} / {}", mm(finding.drift), mm(finding.sag));
     let figures = finding.fate().unwrap_or_else(figures);
     format!("{figures} ({}{time})", trial.iterations)

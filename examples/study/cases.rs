@@ -1,6 +1,6 @@
 //! The cases on which methods are compared, with the numbers of iterations and repetitions.
 
-use crate::methods::Method;
+use crate::methods::{Family, Method};
 use drystone::settings::Preset;
 use drystone_lab::experiment::Experiment;
 use drystone_lab::scenes::Scene;
@@ -19,6 +19,8 @@ pub struct Case {
 #[derive(Clone, Copy)]
 pub struct Scope {
     pub quick: bool,
+    /// Only the methods of part 3.
+    pub baselines: bool,
 }
 
 const SCENES: [Scene; 6] = [
@@ -36,6 +38,7 @@ pub const TIMES: [(f32, f32, f32); 2] = [(1.0 / 60.0, 10.0, 4.0), (0.1, 60.0, 20
 /// Iterations of the paper's solvers. Two to six cost as much as the default.
 const BUDGETS: [usize; 8] = [2, 4, 6, 12, 24, 48, 75, 150];
 const SOFT_BUDGETS: [usize; 4] = [6, 12, 24, 48];
+const AVBD_BUDGETS: [usize; 6] = [2, 4, 6, 20, 40, 80];
 
 impl Case {
     /// The scene with the settings of a preset except the time step and sleeping, and with the prototype's noise and gaps.
@@ -94,20 +97,19 @@ impl Scope {
     fn expected(self, case: &Case, method: &Method, iterations: usize) -> f32 {
         let steps = case.seconds / case.dt;
         let iterations = iterations as f32;
-        let per_body = if method.is_soft() {
-            1.0 + 0.05 * iterations
-        } else {
-            2.0 + iterations
+        let per_body = match method.family {
+            Family::SoftStep => 1.0 + 0.05 * iterations,
+            Family::Paper | Family::Avbd | Family::Apgd => 2.0 + iterations,
         };
         1e-6 * steps * case.bodies() as f32 * per_body
     }
 
     /// Iterations of a method that are worth their time in a case. Those that it is meant for may take longer.
     pub fn budgets(self, case: &Case, method: &Method) -> Vec<usize> {
-        let mut all = if method.is_soft() {
-            SOFT_BUDGETS.to_vec()
-        } else {
-            BUDGETS.to_vec()
+        let mut all = match method.family {
+            Family::SoftStep => SOFT_BUDGETS.to_vec(),
+            Family::Avbd => AVBD_BUDGETS.to_vec(),
+            Family::Paper | Family::Apgd => BUDGETS.to_vec(),
         };
         all.push(method.own_iterations(case));
         all.sort_unstable();

@@ -1,12 +1,14 @@
-//! The contribution of each part of the method, from the paper to the default, at equal time; and the paper's open questions.
+//! The contribution of each part of the method, from the paper to the default, at equal time; the paper's open questions; and solvers from the
+//! literature beside both.
 //!
 //! ```text
-//! cargo run --release --example study -- [--quick] [--out target/study]
+//! cargo run --release --example study -- [--quick] [--baselines] [--out target/study]
 //! ```
 //!
 //! Writes `study.md`, `study.json`, `runs.jsonl` and a plot for each case to `target/study`. All but times is the same in every run.
 
 mod ablations;
+mod baselines;
 mod cases;
 mod methods;
 mod plots;
@@ -34,6 +36,9 @@ struct Arguments {
     /// Fewer scenes, shorter, one seed: ends within a minute.
     #[arg(long)]
     quick: bool,
+    /// Only the solvers from the literature beside the paper's and the default; not the paper's questions.
+    #[arg(long)]
+    baselines: bool,
     /// Where results go.
     #[arg(long, default_value = "target/study")]
     out: PathBuf,
@@ -49,12 +54,18 @@ fn main() -> ExitCode {
     }
 }
 
-fn measure(Arguments { quick, out }: Arguments) -> Result<(), Box<dyn Error>> {
+fn measure(
+    Arguments {
+        quick,
+        baselines,
+        out,
+    }: Arguments,
+) -> Result<(), Box<dyn Error>> {
     let lines = output::begin(&out)?;
     bring_font()?;
     // All of it on one thread of rayon's, so that no step is handed over to another.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let study = pool.install(|| study(Scope { quick }));
+    let study = pool.install(|| study(Scope { quick, baselines }));
     study.write(lines, &out)?;
     println!(
         "\nplots, study.md, study.json and runs.jsonl are in {}",
@@ -70,15 +81,20 @@ struct Study {
 
 fn study(scope: Scope) -> Study {
     let trials = ablations::trials(scope);
-    let questions = questions::questions();
+    let questions = match scope.baselines {
+        true => Vec::new(),
+        false => questions::questions(),
+    };
     let cells: usize = questions.iter().map(Question::cells).sum();
     let style = "{elapsed:>4} {wide_bar} {pos}/{len}, {msg}";
     let style = ProgressStyle::with_template(style).expect("the template is valid");
-    let bar = ProgressBar::new((trials.len() + cells) as u64).with_style(style);
+    let length = (trials.len() + cells) as u64 + baselines::cells();
+    let bar = ProgressBar::new(length).with_style(style);
     let answers: Vec<Table> = questions.iter().map(|q| q.answer(scope, &bar)).collect();
     let records = ablations::run(trials, &bar);
+    let baselines = vec![baselines::table(&records, &bar)];
     bar.finish_and_clear();
-    let tables = [ablations::tables(&records), answers].concat();
+    let tables = [ablations::tables(&records), baselines, answers].concat();
     Study { records, tables }
 }
 

@@ -1,10 +1,11 @@
-//! The methods compared: from the paper to the default in steps, and the default without one of its parts.
+//! The methods compared: from the paper to the default in steps, the default without one of its parts, and solvers from the literature.
 
 use crate::cases::Case;
 use drystone::settings::{AnchorRule, ContactSolver, NormalStabilization, Preset};
 use drystone::solver::{Nncg, Pgs, SoftStep};
 use drystone_lab::experiment::Experiment;
 use drystone_lab::plots::Stroke;
+use drystone_lab::solvers::{Apgd, Avbd};
 
 /// The usual number of sweeps of Soft Step.
 const SWEEPS_PER_SECOND: f32 = 960.0;
@@ -13,8 +14,8 @@ const SWEEPS_PER_SECOND: f32 = 960.0;
 pub struct Method {
     /// Short.
     pub label: &'static str,
-    /// The preset that its settings are based on.
-    preset: Preset,
+    /// The solver.
+    pub family: Family,
     /// The difference from the others.
     change: fn(&mut Experiment),
     /// The same of Soft Step itself.
@@ -23,34 +24,53 @@ pub struct Method {
     color: (u8, u8, u8),
 }
 
+/// The solver of a method, without its number of iterations.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Family {
+    /// NNCG or PGS, with the settings of the paper's preset.
+    Paper,
+    /// The default solver with the default settings.
+    SoftStep,
+    /// Augmented vertex block descent with the default settings.
+    Avbd,
+    /// Accelerated projected gradient descent with the settings of the paper's preset.
+    Apgd,
+}
+
 /// The default among [`METHODS`].
 pub const DEFAULT: &str = "Soft Step (default)";
+/// The paper's solvers at their best among them.
+pub const NNCG: &str = "+ pair-pose anchors";
+pub const PGS: &str = "+ recycled manifolds of four points";
+/// The solvers from the literature among them.
+pub const APGD: &str = "APGD, pair-pose anchors, four points";
+pub const AVBD: &str = "AVBD, the default's contacts";
 
-pub static METHODS: [Method; 13] = [
+pub static METHODS: [Method; 15] = [
     Method {
         label: "paper to the letter: NNCG, literal anchors",
-        preset: Preset::Paper,
+        family: Family::Paper,
         change: |e| e.stabilization.friction.anchors = AnchorRule::Literal,
         soft: |_| {},
         color: (150, 20, 20),
     },
     Method {
         label: "+ persistent anchors (paper preset)",
-        preset: Preset::Paper,
+        family: Family::Paper,
         change: |_| {},
         soft: |_| {},
         color: (225, 60, 40),
     },
     Method {
-        label: "+ pair-pose anchors",
-        preset: Preset::Paper,
+        label: NNCG,
+        family: Family::Paper,
         change: pair_pose,
         soft: |_| {},
         color: (240, 150, 40),
     },
     Method {
         label: "the same with PGS",
-        preset: Preset::Paper,
+        family: Family::Paper,
         change: |e| {
             pair_pose(e);
             pgs(e);
@@ -59,8 +79,8 @@ pub static METHODS: [Method; 13] = [
         color: (170, 90, 170),
     },
     Method {
-        label: "+ recycled manifolds of four points",
-        preset: Preset::Paper,
+        label: PGS,
+        family: Family::Paper,
         change: |e| {
             pair_pose(e);
             pgs(e);
@@ -71,7 +91,7 @@ pub static METHODS: [Method; 13] = [
     },
     Method {
         label: "plain engine: PGS, warm start, Baumgarte, no anchors",
-        preset: Preset::Paper,
+        family: Family::Paper,
         change: |e| {
             e.stabilization.normal = NormalStabilization::BaumgarteOneSided { gain: 0.2 };
             e.stabilization.friction.enabled = false;
@@ -85,50 +105,67 @@ pub static METHODS: [Method; 13] = [
         color: (130, 130, 130),
     },
     Method {
+        label: APGD,
+        family: Family::Apgd,
+        change: |e| {
+            pair_pose(e);
+            keep_four(e);
+        },
+        soft: |_| {},
+        color: (140, 90, 30),
+    },
+    Method {
+        label: AVBD,
+        family: Family::Avbd,
+        change: |_| {},
+        soft: |_| {},
+        color: (0, 0, 0),
+    },
+    Method {
         label: "Soft Step without anchors",
-        preset: Preset::Default,
+        family: Family::SoftStep,
         change: |e| e.stabilization.friction.enabled = false,
         soft: |_| {},
         color: (60, 160, 60),
     },
     Method {
         label: "… without preload",
-        preset: Preset::Default,
+        family: Family::SoftStep,
         change: |_| {},
         soft: |s| s.preload = 0.0,
         color: (150, 200, 60),
     },
     Method {
         label: "… without recycled manifolds",
-        preset: Preset::Default,
+        family: Family::SoftStep,
         change: |e| e.narrowphase.recycle_share = 0.0,
         soft: |_| {},
         color: (20, 170, 160),
     },
     Method {
         label: "… without reduction to four points",
-        preset: Preset::Default,
+        family: Family::SoftStep,
         change: |e| e.narrowphase.reduce_manifolds = false,
         soft: |_| {},
         color: (110, 150, 180),
     },
     Method {
         label: "… softer, 19 sweeps a period",
-        preset: Preset::Default,
+        family: Family::SoftStep,
         change: |_| {},
         soft: |s| s.sweeps_per_period = 19.0,
         color: (100, 190, 250),
     },
     Method {
         label: "… stiffer, 7 sweeps a period",
-        preset: Preset::Default,
+        family: Family::SoftStep,
         change: |_| {},
         soft: |s| s.sweeps_per_period = 7.0,
         color: (210, 120, 200),
     },
     Method {
         label: DEFAULT,
-        preset: Preset::Default,
+        family: Family::SoftStep,
         change: |_| {},
         soft: |_| {},
         color: (20, 60, 200),
@@ -158,38 +195,64 @@ fn keep_four(experiment: &mut Experiment) {
 }
 
 impl Method {
-    /// With Soft Step rather than one of the paper's solvers.
+    /// With Soft Step.
     pub fn is_soft(&self) -> bool {
-        self.preset == Preset::Default
+        self.family == Family::SoftStep
     }
 
-    /// The intended number of iterations: that of the preset, or the number that Soft Step usually takes.
+    /// The preset that its settings are based on.
+    pub fn preset(&self) -> Preset {
+        match self.family {
+            Family::SoftStep | Family::Avbd => Preset::Default,
+            Family::Paper | Family::Apgd => Preset::Paper,
+        }
+    }
+
+    /// The intended number of iterations: that of the preset or of the solver, or the number that Soft Step usually takes.
     pub fn own_iterations(&self, case: &Case) -> usize {
-        if self.is_soft() {
-            (SWEEPS_PER_SECOND * case.dt).round() as usize
-        } else {
-            Nncg::default().iterations
+        match self.family {
+            Family::SoftStep => (SWEEPS_PER_SECOND * case.dt).round() as usize,
+            Family::Paper => Nncg::default().iterations,
+            Family::Avbd => Avbd::default().iterations,
+            Family::Apgd => Apgd::default().iterations,
         }
     }
 
     /// This way with so many iterations. Soft Step takes as many as it finds that it needs where they are its own.
     pub fn experiment(&self, case: &Case, iterations: usize) -> Experiment {
-        let mut experiment = case.experiment(self.preset);
-        experiment.solver.solver = if self.is_soft() {
-            let mut soft = SoftStep::default();
-            if iterations != self.own_iterations(case) {
-                soft.max_sweeps = iterations;
-                // Short enough that it would always take more.
-                soft.max_substep = case.dt / iterations as f32;
+        let mut experiment = case.experiment(self.preset());
+        experiment.solver.solver = match self.family {
+            Family::SoftStep => {
+                let mut soft = SoftStep::default();
+                if iterations != self.own_iterations(case) {
+                    soft.max_sweeps = iterations;
+                    // Short enough that it would always take more.
+                    soft.max_substep = case.dt / iterations as f32;
+                }
+                (self.soft)(&mut soft);
+                soft.into()
             }
-            (self.soft)(&mut soft);
-            soft.into()
-        } else {
-            let nncg = Nncg {
-                iterations,
-                ..Default::default()
-            };
-            nncg.into()
+            Family::Paper => {
+                let nncg = Nncg {
+                    iterations,
+                    ..Default::default()
+                };
+                nncg.into()
+            }
+            Family::Avbd => {
+                let avbd = Avbd {
+                    iterations,
+                    ..Default::default()
+                };
+                avbd.into()
+            }
+            Family::Apgd => {
+                let apgd = Apgd {
+                    iterations,
+                    ..Default::default()
+                };
+                apgd.into()
+            }
         };
         (self.change)(&mut experiment);
         experiment

@@ -10,7 +10,7 @@ use std::error::Error;
 use std::path::Path;
 
 const PANEL: (u32, u32) = (620, 480);
-const LEGEND: u32 = 152;
+const LEGEND: u32 = 182;
 const COLUMNS: usize = 3;
 
 /// The quantity on a vertical axis.

@@ -10,6 +10,7 @@ use bevy_transform::components::Transform;
 use drystone::body::{Density, RigidBody, Sleeping, Velocity};
 use drystone::collider::{Collider, Friction, Restitution};
 use drystone::schedule::step;
+use drystone::settings::StabilizationSettings;
 use glam::Vec3;
 
 /// The target of a falling body.
@@ -55,19 +56,30 @@ fn height_of(world: &World, body: Entity) -> f32 {
 }
 
 impl Drop {
-    /// Drops it, and measures.
+    /// Drops it with the default settings, and measures.
     pub fn run(&self, dt: f32) -> Hop {
-        let mut world = empty_world();
-        let (scene, size, top) = match self.onto {
+        self.run_in(empty_world(), dt)
+    }
+
+    /// Drops it in a world without bodies, and measures. Gaps are the ideal distance of the world's settings.
+    pub fn run_in(&self, mut world: World, dt: f32) -> Hop {
+        let (scene, size, courses) = match self.onto {
             Target::Stack(n) => (Scene::Stack(n), Vec3::ONE, n as f32),
-            Target::Wall => (Scene::Wall(10, 10), Vec3::new(1.0, 0.5, 0.5), 5.0),
+            Target::Wall => (Scene::Wall(10, 10), Vec3::new(1.0, 0.5, 0.5), 10.0),
         };
-        let mut bodies = scene.build(&mut world, &SceneOptions::default()).bodies;
+        let settings = world.resource::<StabilizationSettings>();
+        let vertical_gap = settings.rest_distance().max(0.0);
+        let top = courses * (size.y + vertical_gap);
+        let options = SceneOptions {
+            vertical_gap,
+            ..Default::default()
+        };
+        let mut bodies = scene.build(&mut world, &options).bodies;
         for _ in 0..(0.5 / dt).round() as usize {
             advance(&mut world, dt);
         }
         for i in 0..self.cubes {
-            let y = top + self.height + (i as f32 + 0.5) * size.y;
+            let y = top + self.height + i as f32 * (size.y + vertical_gap) + 0.5 * size.y;
             let falling = (
                 RigidBody::Dynamic,
                 Collider::cuboid(size.x, size.y, size.z),

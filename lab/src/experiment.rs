@@ -72,14 +72,20 @@ impl Experiment {
         self
     }
 
-    /// Builds the scene; vertical gaps are the method's ideal distance.
-    pub fn start(&self) -> Run {
+    /// A world with these settings and no bodies.
+    pub fn world(&self) -> World {
         let mut world = empty_world();
         world.insert_resource(self.stabilization);
         world.insert_resource(self.narrowphase);
         world.insert_resource(self.solver.clone());
         world.insert_resource(self.sleeping);
         world.insert_resource(self.threads.clone());
+        world
+    }
+
+    /// Builds the scene; vertical gaps are the method's ideal distance.
+    pub fn start(&self) -> Run {
+        let mut world = self.world();
         let options = SceneOptions {
             vertical_gap: self.stabilization.rest_distance().max(0.0),
             ..self.options

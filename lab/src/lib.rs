@@ -23,7 +23,9 @@
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
 //! | [`play`] | a player who lays, takes and throws |
 //! | [`report`] | the result of an experiment as JSON |
+//! | [`solvers`] | solvers from the literature, as baselines |
 //! | [`slopes`] | mixed bodies dropped on hills, and who of them does not come to rest |
+//! | [`tilt`] | the slope at which a box slides, and at which a block and a column topple |
 //! | [`output`] | where an example writes |
 //! | `plots` | a canvas with a font, and legends |
 //! | `pictures` | frames of a scene |
@@ -50,3 +52,5 @@ pub mod plots;
 pub mod report;
 pub mod scenes;
 pub mod slopes;
+pub mod solvers;
+pub mod tilt;

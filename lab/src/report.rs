@@ -56,14 +56,36 @@ fn spread(spread: &Spread) -> Value {
     json!({ "ms_median": ms(spread.median), "ms_p95": ms(spread.p95) })
 }
 
+/// The friction cone of Soft Step.
+const CONE: FrictionCone = FrictionCone::Circular;
+
+/// Maximum sweeps, tolerance, warm start and friction cone of a solver, as far as they are known.
+type Budget = (
+    Option<usize>,
+    Option<f32>,
+    Option<f32>,
+    Option<FrictionCone>,
+);
+
+fn known(iterations: usize, tolerance: f32, warm_start: f32, cone: FrictionCone) -> Budget {
+    (
+        Some(iterations),
+        Some(tolerance),
+        Some(warm_start),
+        Some(cone),
+    )
+}
+
 fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
     let (stabilization, solver) = (&experiment.stabilization, &experiment.solver);
     let friction = &stabilization.friction;
-    let (iterations, tolerance, warm_start, cone) = match &solver.solver {
-        ContactSolver::SoftStep(s) => (s.max_sweeps, 0.0, 1.0, FrictionCone::Circular),
-        ContactSolver::Pgs(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
-        ContactSolver::Nncg(s) => (s.iterations, s.tolerance, s.warm_start, s.cone),
-        ContactSolver::Patches(_) | ContactSolver::Points(_) => unreachable!("it is one of ours"),
+    let (iterations, tolerance, warm_start, cone): Budget = match &solver.solver {
+        ContactSolver::SoftStep(s) => (Some(s.max_sweeps), Some(0.0), Some(1.0), Some(CONE)),
+        ContactSolver::Pgs(s) => known(s.iterations, s.tolerance, s.warm_start, s.cone),
+        ContactSolver::Nncg(s) => known(s.iterations, s.tolerance, s.warm_start, s.cone),
+        // The traits do not tell. The sweeps that it has taken are the `sweeps_median`.
+        ContactSolver::Points(s) => (None, None, Some(s.warm_start()), None),
+        ContactSolver::Patches(_) => (None, None, None, None),
     };
     let (normal, normal_gain) = match stabilization.normal {
         NormalStabilization::None => ("none", None),
@@ -83,10 +105,10 @@ fn settings(preset: Preset, experiment: &Experiment, steps: usize) -> Value {
         "substeps": solver.outer_substeps,
         "tolerance": tolerance,
         "warm_start": warm_start,
-        "friction": match cone {
+        "friction": cone.map(|cone| match cone {
             FrictionCone::Circular => "cone",
             FrictionCone::Box => "box",
-        },
+        }),
         "normal": normal,
         "normal_gain": normal_gain,
         "envelope_m": stabilization.envelope,

@@ -173,6 +173,18 @@ impl Scene {
         )
     }
 
+    /// Returns true for scenes without joints and without a hand that holds bodies.
+    pub fn has_contacts_only(&self) -> bool {
+        !matches!(
+            self,
+            Self::Castle(_)
+                | Self::Chain(_)
+                | Self::Bridge(_)
+                | Self::Ragdolls(_)
+                | Self::Pressed(_)
+        )
+    }
+
     /// Spawns the scene's bodies.
     pub fn build(&self, world: &mut World, options: &SceneOptions) -> Built {
         let mut site = Site {

@@ -1,23 +1,17 @@
 //! A ladder against a wall.
 
-use super::{Settings, threshold};
+use super::{Settings, Values, threshold};
 use bevy_transform::components::Transform;
 use drystone::body::RigidBody;
 use drystone::collider::{Collider, Friction};
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 
-/// Row 16: the angle in degrees below which a ladder slips, and the one expected.
+/// The angle in degrees below which a ladder slips, and the one expected.
 ///
 /// The plank is τ = t/L thick, and both of its contacts are on its underside, so its weight hangs t/2 off the line between
 /// them: tan θ = (1 − μ_w μ_f)/(2 μ_f + (1 + μ_w μ_f) τ), which for τ = 0 is the formula of the table.
-pub fn ladder_angle(
-    settings: Settings,
-    dt: f32,
-    wall: f32,
-    floor: f32,
-    width: f32,
-) -> (Option<f32>, f32) {
+fn ladder_angle(settings: Settings, dt: f32, wall: f32, floor: f32) -> (Option<f32>, f32) {
     let (length, thickness) = (4.0, 0.04);
     let stands = |degrees: f32| {
         let mut lab = settings(dt);
@@ -49,7 +43,18 @@ pub fn ladder_angle(
     let tangent = (1.0 - product) / (2.0 * floor + (1.0 + product) * tau);
     let expected = tangent.atan().to_degrees();
     (
-        threshold(expected + 3.0, expected - 3.0, width, stands),
+        threshold(expected + 3.0, expected - 3.0, 0.05, stands),
         expected,
     )
+}
+
+/// Row 16.
+pub fn ladder_slips(settings: Settings, dt: f32) -> Values {
+    let mut values = Values::at(dt);
+    for (wall, floor) in [(0.5, 0.5), (0.0, 0.5), (0.3, 0.6)] {
+        let found = ladder_angle(settings, dt, wall, floor);
+        let what = format!("16: ladder slips, μ {wall} at the wall, {floor} at the floor, °");
+        values.add(what, found, 0.4);
+    }
+    values
 }

@@ -105,6 +105,7 @@ pub struct CollapseEnded {
 
 /// How a body failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FailureMode {
     /// A [`Grab`] held it, or an external force acted on it.
     Pulled,
@@ -143,6 +144,7 @@ impl Default for Watch {
 /// The place where a watched body stands, if it stands.
 #[doc(hidden)]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 pub struct Stands {
     at: Option<(Pose, u64)>,
@@ -190,6 +192,7 @@ impl Default for CollapseSettings {
 /// The state of all structures.
 #[doc(hidden)]
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct Structures {
     last: u64,
@@ -222,6 +225,7 @@ impl MapEntities for Structures {
 
 /// A body that was held as it left its structure.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Pulled {
     body: Entity,
     how: FailureMode,
@@ -232,6 +236,7 @@ struct Pulled {
 
 /// A structure that has collapsed.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Falling {
     first: Entity,
     how: FailureMode,

@@ -13,6 +13,7 @@ use thiserror::Error;
 
 /// A problem of a body. The bounds of valid input are in [`limits`].
 #[derive(Clone, Debug, PartialEq, Reflect, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BodyProblem {
     /// The `Transform` or `Pose` is NaN or infinite, its position is out of bounds, or its rotation has length zero.
     #[error(
@@ -124,6 +125,7 @@ pub enum BodyProblem {
 
 /// Why a collider cannot be a part of the body above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PartProblem {
     /// Its `Transform` in the frame of the body is not finite, or too far away.
     #[error("its `Transform` is not finite or too far from the body")]
@@ -232,6 +234,7 @@ pub enum StepError {
 /// Problems found in this step, which *quarantine* will report.
 #[doc(hidden)]
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct Suspects(pub(crate) Vec<(Entity, BodyProblem)>);
 
@@ -246,6 +249,7 @@ impl MapEntities for Suspects {
 
 /// Warnings that were sent. They are not repeated while their cause lasts.
 #[derive(Resource, Clone, Debug, Default, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[component(map_entities)]
 pub struct Told {

@@ -129,6 +129,7 @@ pub mod saving;
 pub mod schedule;
 pub mod sensor;
 pub mod settings;
+pub mod snapshot;
 pub mod solve;
 pub mod solver;
 #[cfg(feature = "stability")]

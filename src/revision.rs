@@ -57,6 +57,21 @@ impl Default for Revision {
     }
 }
 
+/// A revision is written as nothing, and read as a new one.
+#[cfg(feature = "serde")]
+impl serde::Serialize for Revision {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_unit()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Revision {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        <()>::deserialize(from).map(|()| Self::next())
+    }
+}
+
 /// An absent revision takes no memory of its own.
 const _: () = assert!(size_of::<Option<Revision>>() == 8);
 

@@ -1,9 +1,10 @@
 //! The state of a world, copied into another world: exactly what is on the list of [`drystone::state`].
 
-use bevy_ecs::component::{ComponentId, Components};
+use bevy_ecs::component::{ComponentId, Components, Mutable};
 use bevy_ecs::entity::{EntityHashMap, SceneEntityMapper};
 use bevy_ecs::prelude::*;
-use drystone::state::{Visitor, visit};
+use drystone::state::{Stored, Visitor, visit};
+use std::fmt::Debug;
 
 /// Replaces the state of a world by that of another one, which goes on there to the same bits. The two must have the same plugins.
 ///
@@ -51,11 +52,25 @@ struct OnTheList<'a> {
 }
 
 impl Visitor for OnTheList<'_> {
-    fn component<T: Component + Clone>(&mut self) {
+    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
         self.ids.extend(self.components.component_id::<T>());
     }
 
-    fn resource<T: Resource + Clone>(&mut self) {}
+    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
+        self.ids.extend(self.components.component_id::<T>());
+    }
+
+    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
+        self.ids.extend(self.components.component_id::<T>());
+    }
+
+    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {
+        self.ids.extend(self.components.component_id::<T>());
+    }
+
+    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {}
+
+    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {}
 
     fn derived<T: Resource + Default>(&mut self) {}
 }
@@ -68,8 +83,8 @@ struct Copier<'a, 'm> {
     pairs: Vec<(Entity, Entity)>,
 }
 
-impl Visitor for Copier<'_, '_> {
-    fn component<T: Component + Clone>(&mut self) {
+impl Copier<'_, '_> {
+    fn copy<T: Component + Clone>(&mut self) {
         for &(original, copy) in &self.pairs {
             if let Some(component) = self.from.get::<T>(original) {
                 let mut component = component.clone();
@@ -79,12 +94,38 @@ impl Visitor for Copier<'_, '_> {
         }
     }
 
-    fn resource<T: Resource + Clone>(&mut self) {
+    fn copy_resource<T: Resource + Clone>(&mut self) {
         if let Some(resource) = self.from.get_resource::<T>() {
             let mut resource = resource.clone();
             T::map_entities(&mut resource, self.mapper);
             self.to.insert_resource(resource);
         }
+    }
+}
+
+impl Visitor for Copier<'_, '_> {
+    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
+        self.copy::<T>();
+    }
+
+    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
+        self.copy::<T>();
+    }
+
+    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
+        self.copy::<T>();
+    }
+
+    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {
+        self.copy::<T>();
+    }
+
+    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {
+        self.copy_resource::<T>();
+    }
+
+    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
+        self.copy_resource::<T>();
     }
 
     fn derived<T: Resource + Default>(&mut self) {

@@ -19,6 +19,7 @@ use bevy_transform::components::Transform;
 /// Marks a body that the stages skip because nothing about it changes. They skip a pair if both of its bodies are inactive; see
 /// [`ConstraintGraph::active_pairs`](crate::graph::ConstraintGraph::active_pairs).
 #[derive(Component, Clone, Copy, Debug, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[component(clone_behavior = Ignore)]
 pub struct Inactive(());

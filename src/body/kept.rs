@@ -14,6 +14,7 @@ macro_rules! table_copies {
     ) => {
         /// The table's copies of properties. A body without a component has its default value.
         #[derive(Clone, Debug, Default, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct BodyProperties {
             $($(#[$doc])* pub $kept: $Kept,)*
         }

@@ -24,6 +24,7 @@ use bevy_transform::components::Transform;
 ///
 /// After [`BodyProblem::NonFiniteForce`] the marker is removed when force, impulse, velocity, damping, gravity scale or mass has changed.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore, map_entities)]
 pub struct Quarantined {
@@ -41,6 +42,7 @@ impl MapEntities for Quarantined {
 
 /// The input that determines the speed of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct PushedBody {
     mass: MassProperties,
     velocity: Velocity,

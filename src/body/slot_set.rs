@@ -1,13 +1,18 @@
 //! A set of slots that is iterated in the time that its members take, however many slots there are.
 
+use crate::state::clone_fields;
+
 /// A set of slots: one bit for each, and above those one bit for each word that is not zero. With a million bodies at rest, a plain list of bits takes
 /// 10 µs to find the few that are active, and stages look for them twenty times in a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SlotSet {
     words: Vec<u64>,
     /// One bit for each word.
     above: Vec<u64>,
 }
+
+clone_fields!(SlotSet { words, above });
 
 /// Word and bit of a number.
 fn place(number: usize) -> (usize, u64) {

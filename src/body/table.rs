@@ -11,6 +11,7 @@ use super::{
 use crate::children::{self, BodyParts};
 use crate::collider::Collider;
 use crate::revision::Revision;
+use crate::state::clone_fields;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
@@ -23,6 +24,7 @@ use std::sync::Arc;
 
 /// The slot of a body in the [`BodyTable`]. Internal.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = leave, clone_behavior = Ignore, summary_tick)]
 pub struct BodyIndex(pub u32);
@@ -73,6 +75,7 @@ pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut world: DeferredWorld) {
 ///
 /// The fields that stages read of both bodies of every pair come first.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct BodyState {
     /// Pose of the origin.
@@ -116,6 +119,7 @@ pub struct BodyState {
     /// Its shape, if it has one.
     pub collider: Option<Collider>,
     /// Copies of its surface and of other properties. Bodies with the same properties that are added one after the other share them.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared"))]
     pub properties: Arc<BodyProperties>,
     /// Factor on gravity, without unit.
     pub gravity_scale: f32,
@@ -126,6 +130,7 @@ pub struct BodyState {
     /// The external force of the last step, unless it was zero.
     pub(super) force: Option<Box<ExternalForce>>,
     /// Its solid parts and its sensors, if it has some on other entities, or is a sensor itself.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::maybe_shared"))]
     pub(crate) parts: Option<Arc<BodyParts>>,
     /// The last visit of *prepare* that found the body.
     pub(crate) visited: u64,
@@ -252,7 +257,8 @@ const THICKNESS: f32 = 2.5;
 const SLENDER: f32 = 6.0;
 
 /// All live bodies by slot: a dense copy of the data that the stages read at random, and of the state of each body in the last step.
-#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[derive(Resource, Debug, Default, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[component(map_entities)]
 pub struct BodyTable {
@@ -278,12 +284,33 @@ pub struct BodyTable {
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
     not_colliding: HashMap<[u32; 2], u32>,
     /// The properties of the body that was added last.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::maybe_shared"))]
     last_properties: Option<Arc<BodyProperties>>,
     spawn_orders: u64,
     visits: u64,
     /// The change tick of the last visit of *prepare*, in the world that the table is in.
+    #[cfg_attr(feature = "serde", serde(skip))]
     visited_at: Option<Tick>,
 }
+
+clone_fields!(BodyTable {
+    slots,
+    active,
+    count,
+    resting,
+    dirty,
+    reduced,
+    left,
+    free,
+    departures,
+    removed,
+    solved_anew,
+    not_colliding,
+    last_properties,
+    spawn_orders,
+    visits,
+    visited_at,
+});
 
 impl MapEntities for BodyState {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
@@ -437,6 +464,11 @@ impl BodyTable {
     /// The change tick of the last visit of *prepare*.
     pub(crate) fn visited_at(&self) -> Option<Tick> {
         self.visited_at
+    }
+
+    /// Sets the change tick after which what is written counts as written since the last step: after the state was replaced.
+    pub(crate) fn set_visited_at(&mut self, tick: Tick) {
+        self.visited_at = Some(tick);
     }
 
     /// Bodies that lost a component that describes them, or their parent, since the last *prepare*.

@@ -12,6 +12,7 @@ pub use escaped_aabb::escaped_aabb;
 use crate::body::{BodyState, BodyTable};
 use crate::collider::Collider;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
+use crate::state::clone_fields;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use fixedbitset::FixedBitSet;
@@ -33,14 +34,19 @@ const REFIT_SHARE: usize = 16;
 const MANY: usize = 64;
 
 /// The tree, and the overlaps that were found in it.
-#[derive(Resource, Clone, Default, Reflect)]
+#[derive(Resource, Default, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 pub struct Broadphase {
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::tree"))]
     tree: Bvh,
     /// Memory for updates of the tree, which is given back when nothing moves.
+    #[cfg_attr(feature = "serde", serde(skip))]
     workspace: BvhWorkspace,
+    #[cfg_attr(feature = "serde", serde(skip))]
     has_workspace: bool,
     /// Fat boxes by slot; `None` for free slots and half-spaces.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::boxes"))]
     fat: Vec<Option<Aabb>>,
     /// Slots of half-spaces.
     unbounded: Vec<u32>,
@@ -51,6 +57,17 @@ pub struct Broadphase {
     /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
     escaped_aabb: Vec<u32>,
 }
+
+clone_fields!(Broadphase {
+    tree,
+    workspace,
+    has_workspace,
+    fat,
+    unbounded,
+    found,
+    changed_boxes,
+    escaped_aabb,
+});
 
 impl fmt::Debug for Broadphase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -63,7 +80,8 @@ impl fmt::Debug for Broadphase {
 }
 
 /// Changes in the tree.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Found {
     /// Slots of bodies that left their box or were removed, so that their pairs may have ended.
     pub disturbed: Vec<u32>,
@@ -73,6 +91,12 @@ pub(crate) struct Found {
     /// Slots that become free once no pair refers to them.
     pub removed: Vec<u32>,
 }
+
+clone_fields!(Found {
+    disturbed,
+    overlaps,
+    removed,
+});
 
 impl Found {
     /// Returns true if no body left its box or was removed.

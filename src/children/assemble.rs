@@ -16,6 +16,7 @@ use glam::Vec3;
 
 /// Entities at or below which colliders may have changed their body since the last step.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Unassembled {

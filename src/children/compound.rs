@@ -17,19 +17,24 @@ use std::sync::Arc;
 /// The shape of a body with colliders on child entities, or with a scale. This component is computed; bodies whose shape is simply their own
 /// [`Collider`] do not have it.
 #[derive(Component, Clone, Debug, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[component(on_remove = crate::body::lost_description, map_entities, clone_behavior = Ignore, summary_tick)]
 pub struct CompoundCollider {
     /// What it was made from.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
     pub(super) sources: Arc<[Part]>,
     pub(super) kind: RigidBody,
     /// The scale of the body in the world.
     pub(super) scale: Vec3,
     shape: Option<Collider>,
     /// By piece of the shape: 0 for the body's own collider, otherwise the number of the part, from 1 on.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
     owners: Arc<[u16]>,
     /// Index in `sources` of each part, by its number less 1.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
     solids: Arc<[u32]>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
     zones: Arc<[Zone]>,
     masses: Masses,
     problem: Option<BodyProblem>,
@@ -37,8 +42,17 @@ pub struct CompoundCollider {
     pub(super) is_copy: bool,
 }
 
+/// Everything else follows from these fields.
+impl PartialEq for CompoundCollider {
+    fn eq(&self, other: &Self) -> bool {
+        (self.kind, self.scale, self.is_copy) == (other.kind, other.scale, other.is_copy)
+            && self.sources == other.sources
+    }
+}
+
 /// The moments of the parts that have a density of their own, and of those that have that of the body, the latter at 1 kg/m³.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Masses {
     own: Moments,
     shared: Moments,

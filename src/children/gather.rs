@@ -37,6 +37,7 @@ fn left(mut world: DeferredWorld, context: HookContext) {
 
 /// A collider of a body, and the components that describe it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Part {
     pub entity: Entity,
     pub spawn_order: SpawnOrder,

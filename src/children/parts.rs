@@ -11,8 +11,10 @@ use std::sync::Arc;
 
 /// The solid parts and the sensors of a body.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BodyParts {
     /// By piece of the compound: 0 for the body's own collider, otherwise the number of the part, from 1 on.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
     owners: Arc<[u16]>,
     /// The layers of the body's own collider.
     own_layers: CollisionLayers,
@@ -24,6 +26,7 @@ pub(crate) struct BodyParts {
 
 /// A part, with the properties of the body where it has none of its own.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BodyPart {
     pub entity: Entity,
     pub friction: Friction,
@@ -34,9 +37,11 @@ pub(crate) struct BodyPart {
 
 /// A sensor in the frame of its body.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Zone {
     /// The entity with the `Sensor`.
     pub entity: Entity,
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::parry_pose"))]
     pub at: ParryPose,
     pub shape: Collider,
     layers: Option<CollisionLayers>,

@@ -29,6 +29,8 @@ pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 #[cfg(feature = "mesh")]
 pub use mesh::{MeshShape, mesh_triangles};
 pub use polyhedron::{Edge, Face, Moments, Polyhedron};
+#[cfg(feature = "serde")]
+pub(crate) use saved::SharedShapes;
 pub use surface_velocity::SurfaceVelocity;
 
 use crate::body::{MassProperties, SpawnOrder};
@@ -99,7 +101,15 @@ impl Default for Collider {
 
 impl fmt::Debug for Collider {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Collider({:?})", self.shape.shape_type())
+        let half = self.half_extents();
+        write!(f, "Collider({:?}, half {half:?})", self.shape.shape_type())
+    }
+}
+
+/// Two colliders are equal if they are certainly the same shape. Two meshes that were made one after the other are not.
+impl PartialEq for Collider {
+    fn eq(&self, other: &Self) -> bool {
+        self.is_same(other)
     }
 }
 

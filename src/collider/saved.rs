@@ -1,8 +1,51 @@
 //! A collider in a file (feature `serde`): its [description](ColliderShape).
 
 use super::{Collider, ColliderShape};
+use bevy_platform::collections::HashMap;
 use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Error as _, Serialize, Serializer};
+use std::cell::RefCell;
+
+thread_local! {
+    /// The shapes that were read, by their description.
+    static KNOWN: RefCell<Option<HashMap<Vec<u8>, Collider>>> = const { RefCell::new(None) };
+}
+
+/// As long as it lives, colliders that this thread reads with equal descriptions are one in memory, as they were when they were written.
+#[derive(Debug)]
+pub(crate) struct SharedShapes(());
+
+impl SharedShapes {
+    pub fn new() -> Self {
+        KNOWN.set(Some(HashMap::default()));
+        Self(())
+    }
+
+    /// The bits of a description, if shapes are shared.
+    fn key(shape: &ColliderShape) -> Option<Vec<u8>> {
+        let shares = KNOWN.with_borrow(Option::is_some);
+        shares.then(|| postcard::to_allocvec(shape).ok()).flatten()
+    }
+
+    fn find(shape: &ColliderShape) -> Option<Collider> {
+        let key = Self::key(shape)?;
+        KNOWN.with_borrow(|known| known.as_ref()?.get(&key).cloned())
+    }
+
+    fn insert(key: Option<Vec<u8>>, collider: &Collider) {
+        KNOWN.with_borrow_mut(|known| {
+            if let (Some(known), Some(key)) = (known, key) {
+                known.insert(key, collider.clone());
+            }
+        });
+    }
+}
+
+impl Drop for SharedShapes {
+    fn drop(&mut self) {
+        KNOWN.set(None);
+    }
+}
 
 impl Serialize for Collider {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -19,6 +62,12 @@ impl Serialize for Collider {
 impl<'de> Deserialize<'de> for Collider {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let shape = ColliderShape::deserialize(deserializer)?;
-        Self::try_from(shape).map_err(D::Error::custom)
+        if let Some(known) = SharedShapes::find(&shape) {
+            return Ok(known);
+        }
+        let key = SharedShapes::key(&shape);
+        let collider = Self::try_from(shape).map_err(D::Error::custom)?;
+        SharedShapes::insert(key, &collider);
+        Ok(collider)
     }
 }

@@ -31,6 +31,7 @@ pub(crate) type ParryManifold = ContactManifold<Axis, ()>;
 
 /// Data that collision detection keeps from step to step.
 #[derive(Component, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 #[doc(hidden)]
 pub struct NarrowphaseCache {
@@ -39,6 +40,7 @@ pub struct NarrowphaseCache {
     /// The axis along which two polyhedra were last found to be farthest apart.
     pub(crate) axis: Axis,
     /// Data of parry, for shapes that parry handles.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) parry: Option<Box<ParryCache>>,
 }
 
@@ -70,6 +72,7 @@ impl NarrowphaseCache {
 /// The relative pose of two bodies at the last detection, the distance up to which contacts were searched, and a lower bound of their
 /// distance.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CachedRelativePose {
     /// From the centre of mass of B to that of A, world axes, m.
     pub between: Vec3,

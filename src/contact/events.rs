@@ -11,7 +11,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
-#[derive(Component, Clone, Copy, Debug, Default, Reflect)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -24,6 +24,7 @@ pub struct ContactEvents;
 /// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope. As
 /// an entity event its target is `body`; as a message `body` is A of the pair.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Message, Debug)]
 pub struct ContactStarted {
     /// One body.
@@ -76,6 +77,7 @@ impl Hit {
 
 /// Two bodies ceased to touch, or one of them was removed. As an entity event its target is `body`.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Message, Debug)]
 pub struct ContactEnded {
     /// One body; it may have been despawned.
@@ -87,12 +89,14 @@ pub struct ContactEnded {
 
 /// Pairs that were removed after [`ContactStarted`] was sent for them, so that [`ContactEnded`] must follow.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct EndedPairs(pub(crate) Vec<([SpawnOrder; 2], [Entity; 2])>);
 
 /// Events for observers that are triggered after the step.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Untriggered {

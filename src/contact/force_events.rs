@@ -68,6 +68,7 @@ impl Default for ContactForceEvents {
 /// step. If both bodies have the component, one event is sent for each. Pairs of two [inactive](crate::body::Inactive) bodies are not reported, because their
 /// forces do not change.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Message, Debug)]
 pub struct ContactForce {
     /// The body that has [`ContactForceEvents`].

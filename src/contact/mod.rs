@@ -10,6 +10,7 @@
 
 pub(crate) mod cache;
 mod colliding;
+mod copy;
 mod edits;
 mod events;
 mod feature;
@@ -57,6 +58,7 @@ use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`; B is `bodies[1]`, which was spawned later. Normals point from B to A.
 #[derive(Component, Clone, Copy, Debug, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug)]
 #[component(on_remove = lose_pair, clone_behavior = Ignore)]
 #[require(
@@ -208,6 +210,7 @@ impl ContactPair {
 
 /// Facts about a pair, one bit each: a pair has no room for another `bool`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct PairFlags(u8);
 
 impl PairFlags {
@@ -226,6 +229,7 @@ impl PairFlags {
 
 /// What the stages have to do for a pair. The narrowphase sets it in every step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum PairState {
     /// Its contacts must be detected: the pair is new, or one of its bodies was changed.
     #[default]
@@ -243,6 +247,7 @@ pub(crate) enum PairState {
 
 /// Pairs that were despawned, by drystone or by the user, until the broadphase has handled them.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct LostPairs(pub(crate) Vec<(Entity, ContactPair)>);
@@ -265,7 +270,7 @@ fn lose_pair(mut world: DeferredWorld, context: HookContext) {
 }
 
 /// The contact points of two bodies, where they touch or may touch within the step.
-#[derive(Component, Clone, Debug, Default, Reflect)]
+#[derive(Component, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -361,7 +366,8 @@ pub struct ContactPoint {
 }
 
 /// The velocities that the two stabilizations demand at the contact points.
-#[derive(Component, Clone, Debug, Default, Reflect)]
+#[derive(Component, Debug, Default, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactTargets {
@@ -373,6 +379,7 @@ pub struct ContactTargets {
 
 /// The velocity that a contact point should have after the solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug)]
 pub struct Target {
     /// Lower bound of the normal velocity, m/s: u_collision + c_n of equations (4) and (6).
@@ -382,7 +389,7 @@ pub struct Target {
 }
 
 /// The impulses λ of the step, the sum over all its substeps, including restitution.
-#[derive(Component, Clone, Debug, Default, Reflect)]
+#[derive(Component, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -514,6 +521,7 @@ pub struct PatchImpulse {
 
 /// The impulse on A in part of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ImpulseSum {
     /// Σλ_n, N·s.
     pub normal: f32,
@@ -522,7 +530,7 @@ pub(crate) struct ImpulseSum {
 }
 
 /// The tracked contact anchors of section 3 of the paper.
-#[derive(Component, Clone, Debug, Default, Reflect)]
+#[derive(Component, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(
     feature = "serde",

@@ -8,6 +8,7 @@ use glam::Vec3;
 /// Velocities that friction demands of A against B, by the number of the pair's edge, m/s, world axes. Written anew in every step, in the stage
 /// *narrowphase*.
 #[derive(Resource, Clone, Debug, Default, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[doc(hidden)]
 pub struct MovingSurfaces(HashMap<u32, Vec3>);

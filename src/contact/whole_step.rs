@@ -12,6 +12,7 @@ use glam::Vec3;
 
 /// Sums of the impulses of the earlier substeps of a step. Unused without substeps.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Earlier {
     /// One for each point.
     points: Vec<ImpulseSum>,

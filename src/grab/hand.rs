@@ -63,7 +63,7 @@ fn any_closes(hands: Query<(&Hand, &HandState)>) -> bool {
 /// # drystone::step(world, 1.0 / 60.0).unwrap();
 /// assert_eq!(world.get::<HandState>(hand).unwrap().held(), Some(brick));
 /// ```
-#[derive(Component, Clone, Copy, Debug, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug)]
 #[cfg_attr(
     feature = "serde",
@@ -94,6 +94,7 @@ pub struct Hand {
 
 /// The body that a [`Hand`] holds. The clone of a hand holds nothing.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, Default)]
 #[component(on_remove = let_go, clone_behavior = Ignore, map_entities)]
 pub enum HandState {

@@ -92,6 +92,7 @@ pub struct GrabForce {
 
 /// The [`Hand`] that holds a body by its [`Grab`]. A body whose `Grab` was inserted by the user does not have it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct HeldBy(#[entities] pub(crate) Entity);

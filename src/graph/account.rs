@@ -6,8 +6,19 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// The forces with which sleeping bodies fell asleep, for those that awake bodies touch or have touched; by slot.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Accounts(HashMap<u32, Wrench>);
+
+impl Clone for Accounts {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.0.clone_from(&from.0);
+    }
+}
 
 impl Accounts {
     /// The forces with which a body fell asleep, if its account is open.

@@ -11,6 +11,7 @@ use bevy_ecs::prelude::*;
 
 /// Bodies and pairs that are about to become inactive.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Deactivation {
     pub bodies: Vec<(u32, Entity)>,
     /// The numbers of their edges, and the slots of their bodies.

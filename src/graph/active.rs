@@ -9,6 +9,7 @@
 //! them into other tables. So the entities of the rows are compared before the rows are used, and rows that have changed are found anew.
 
 use super::ConstraintGraph;
+use crate::state::clone_fields;
 use bevy_ecs::entity::{Entities, Entity};
 use bevy_ecs::prelude::*;
 use bevy_ecs::storage::TableId;
@@ -16,11 +17,21 @@ use fixedbitset::FixedBitSet;
 use std::ops::{Deref, Range};
 
 /// The active rows of the tables of pairs, while some pair is inactive.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct ActiveRows(Vec<TableRows>);
 
+impl Clone for ActiveRows {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.0.clone_from(&from.0);
+    }
+}
+
 /// The active rows of one table.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct TableRows {
     table: TableId,
     runs: Vec<Range<u32>>,
@@ -29,6 +40,13 @@ struct TableRows {
     /// Scratch.
     rows: FixedBitSet,
 }
+
+clone_fields!(TableRows {
+    table,
+    runs,
+    entities,
+    rows,
+});
 
 impl TableRows {
     /// Returns true if the rows still hold the same entities.

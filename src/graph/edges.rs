@@ -11,14 +11,17 @@
 //! The cost of every operation depends only on the number of neighbours of the bodies involved, not on the size of the graph.
 
 use super::active::ActiveRows;
+use crate::state::clone_fields;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use smallvec::SmallVec;
+use std::fmt;
 
 /// The kind of constraint of an edge. To add a kind, add a variant, document it, and insert and remove its edges where its components are
 /// added and removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum EdgeKind {
     /// Two bodies whose boxes overlap: a [`ContactPair`](crate::contact::ContactPair). It links them while its manifold has points.
     Contact,
@@ -62,6 +65,7 @@ impl Link {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Edge {
     kind: EdgeKind,
     exists: bool,
@@ -85,7 +89,8 @@ impl Edge {
 }
 
 /// The edges of one body.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
     /// As many as a brick in a wall has are stored in the node itself.
     edges: SmallVec<[u32; 8]>,
@@ -93,8 +98,11 @@ struct Node {
     links: u32,
 }
 
+clone_fields!(Node { edges, links });
+
 /// Changes of the graph since the last update of the islands.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Changes {
     /// Slots of the two bodies, for each edge that began to link.
     pub linked: Vec<[u32; 2]>,
@@ -104,6 +112,12 @@ pub(super) struct Changes {
     pub gone: Vec<u32>,
 }
 
+clone_fields!(Changes {
+    linked,
+    unlinked,
+    gone,
+});
+
 impl Changes {
     pub fn is_empty(&self) -> bool {
         self.linked.is_empty() && self.unlinked.is_empty() && self.gone.is_empty()
@@ -111,7 +125,8 @@ impl Changes {
 }
 
 /// The constraint graph: bodies by slot, and the edges between them. See the [module](super).
-#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[derive(Resource, Default, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[component(map_entities)]
 pub struct ConstraintGraph {
@@ -131,8 +146,40 @@ pub struct ConstraintGraph {
     /// Numbers of the contacts that the stages visit.
     active: Vec<u32>,
     /// Derived from `active`, unless the flag says that it has changed.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) active_rows: ActiveRows,
     pub(super) active_rows_changed: bool,
+}
+
+clone_fields!(ConstraintGraph {
+    edges,
+    contacts,
+    free,
+    nodes,
+    changes,
+    parted,
+    reported,
+    settling,
+    active,
+    active_rows,
+    active_rows_changed,
+});
+
+/// Without the active rows, which are derived from the places of entities in a world.
+impl fmt::Debug for ConstraintGraph {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ConstraintGraph")
+            .field("edges", &self.edges)
+            .field("contacts", &self.contacts)
+            .field("free", &self.free)
+            .field("nodes", &self.nodes)
+            .field("changes", &self.changes)
+            .field("parted", &self.parted)
+            .field("reported", &self.reported)
+            .field("settling", &self.settling)
+            .field("active", &self.active)
+            .finish_non_exhaustive()
+    }
 }
 
 impl MapEntities for ConstraintGraph {

@@ -17,18 +17,21 @@ use crate::contact::{ContactPair, LostPairs, Manifold, Part};
 use crate::revision::Revision;
 use crate::saving::Restored;
 use crate::settings::{Gravity, SleepSettings, StepTime};
+use crate::state::clone_fields;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use bevy_reflect::Reflect;
 use fixedbitset::FixedBitSet;
+use std::fmt;
 
 /// The island, the structure and the level of support of each body: views of the [`ConstraintGraph`].
 ///
 /// A *structure* is a set of dynamic bodies that are connected by links, whether they sleep or not. An *island* is a set of awake bodies that
 /// are connected by links between awake bodies: they are solved together. Static, kinematic and sleeping bodies separate islands.
-#[derive(Resource, Clone, Debug, Reflect)]
+#[derive(Resource, Debug, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[component(map_entities)]
 pub struct Islands {
@@ -49,6 +52,7 @@ pub struct Islands {
     /// Slots of bodies whose kind has changed, so that others may rest on them no longer.
     pub(super) changed_kind: Vec<u32>,
     /// Sleeping bodies that get static loads in this step, by slot: those that were added, and those connected with them.
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::bits"))]
     pub(super) loading: FixedBitSet,
     /// By island: its bodies are among those. Empty if there is no such island.
     arriving: Vec<bool>,
@@ -59,6 +63,25 @@ pub struct Islands {
     /// The forces on sleeping bodies that touch awake ones.
     pub(super) accounts: Accounts,
 }
+
+clone_fields!(Islands {
+    partition,
+    structures,
+    levels,
+    known,
+    active,
+    revision,
+    recent,
+    woke,
+    deactivation,
+    parted,
+    changed_kind,
+    loading,
+    arriving,
+    boundary,
+    sleepers,
+    accounts,
+});
 
 impl Default for Islands {
     fn default() -> Self {
@@ -100,7 +123,8 @@ impl MapEntities for Islands {
 }
 
 /// What has changed since the stage last began, for data that is edited and not derived anew.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Recent {
     /// [Revision](crate::revision) of all islands when the stage began. `None` if the changes since are not listed.
     pub since: Option<Revision>,
@@ -108,8 +132,20 @@ pub(crate) struct Recent {
     pub slots: Vec<u32>,
 }
 
+clone_fields!(Recent { since, slots });
+
+/// Without what decides only whether data is edited or derived anew, with the same bits.
+impl fmt::Debug for Recent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Recent")
+            .field("slots", &self.slots)
+            .finish_non_exhaustive()
+    }
+}
+
 /// A body, and whether contacts can move it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Known {
     entity: Entity,
     spawn_order: SpawnOrder,
@@ -120,6 +156,7 @@ struct Known {
 
 /// An active body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Member {
     slot: u32,
     body: Known,

@@ -14,6 +14,7 @@
 //! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest up.
 
 use super::edges::{ConstraintGraph, WORLD};
+use crate::state::clone_fields;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -29,16 +30,25 @@ pub(super) enum Kind {
 }
 
 /// The level of support of each slot.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Levels {
     levels: Vec<u32>,
     /// Scratch: bodies to check, by level.
+    #[cfg_attr(feature = "serde", serde(skip))]
     queue: BinaryHeap<Reverse<(u32, u32)>>,
     /// Scratch: bodies that have lost their level.
     lost: Vec<u32>,
     /// Bodies whose level the last update has set or removed.
     changed: Vec<u32>,
 }
+
+clone_fields!(Levels {
+    levels,
+    queue,
+    lost,
+    changed,
+});
 
 impl Levels {
     /// The level of a body without support.

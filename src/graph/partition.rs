@@ -15,10 +15,12 @@
 
 use super::edges::ConstraintGraph;
 use crate::revision::Revision;
+use crate::state::clone_fields;
 use std::collections::VecDeque;
 
 /// The place of a body in the partition.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Place {
     island: u32,
     /// Index in the list of the island's members.
@@ -32,7 +34,8 @@ const NOWHERE: Place = Place {
     place: 0,
 };
 
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Island {
     members: Vec<u32>,
     /// The first member; [`NONE`] if there is none, or if islands are not numbered.
@@ -42,8 +45,16 @@ struct Island {
     revision: Revision,
 }
 
+clone_fields!(Island {
+    members,
+    first,
+    number,
+    revision,
+});
+
 /// The islands.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Partition {
     /// Whether its islands are numbered.
     has_numbers: bool,
@@ -59,8 +70,21 @@ pub(super) struct Partition {
     headless: Vec<u32>,
     /// Whether the islands have to be numbered anew.
     stale: bool,
+    #[cfg_attr(feature = "serde", serde(skip))]
     search: Search,
 }
+
+clone_fields!(Partition {
+    has_numbers,
+    places,
+    islands,
+    free,
+    numbered,
+    unnumbered,
+    headless,
+    stale,
+    search,
+});
 
 impl Partition {
     /// A partition whose islands are numbered.

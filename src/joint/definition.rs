@@ -31,6 +31,7 @@ pub(crate) trait JointType: JointEnds + Component + Clone {
 
 /// A joint in the form that is common to all types.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct JointDefinition {
     pub bodies: [Option<Entity>; 2],
     pub frames: [JointFrame; 2],
@@ -49,6 +50,7 @@ pub(crate) struct JointDefinition {
 
 /// What acts on the distance of the anchors.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Distance {
     /// Along the line between them.
     Axis(JointAxis),

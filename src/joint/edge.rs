@@ -16,6 +16,7 @@ const ROUNDING: f32 = 2.0 * f32::EPSILON;
 
 /// A joint that takes part in the simulation: its edge, and its definition with local frames. Internal.
 #[derive(Component, Clone, Debug, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[component(on_remove = lose_edge, clone_behavior = Ignore, map_entities)]
 pub struct JointEdge {
@@ -38,6 +39,7 @@ impl MapEntities for JointEdge {
 
 /// Joints that have to be looked at in the next step, and those that have lost their edge.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct JointChanges {

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// A problem of a joint, which disables it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum JointProblem {
     /// An anchor is not finite or out of bounds.
     #[error("an anchor is not finite or too far away")]
@@ -118,6 +119,7 @@ impl fmt::Display for JointError {
 /// Marks a joint that does nothing because of invalid input. Once the input is corrected, the next step removes the marker, and the joint works
 /// again.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore, map_entities)]
 pub struct QuarantinedJoint {

@@ -139,6 +139,7 @@ impl BreakForce {
 
 /// A joint has broken. It is sent as a message, and triggered as an entity event on the joint after the step.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Message, Debug)]
 pub struct JointBroke {
     /// The joint.
@@ -177,6 +178,7 @@ impl MapEntities for JointBroke {
 
 /// Joints that broke in this step, and events that are still to be triggered.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct BrokenJoints {

@@ -11,6 +11,7 @@ use glam::Vec3;
 /// A patch of mortar has broken; from then on its bodies touch as dry stone. It is sent as a message, in which `body` is body 1 of the
 /// [`MortarJoint`](super::MortarJoint), and triggered as an entity event on both bodies after the step. The joint has been despawned.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Message, Debug)]
 pub struct MortarBroke {
     /// One body.
@@ -58,6 +59,7 @@ impl MapEntities for MortarBroke {
 
 /// Bonds that broke in this substep, and all of the step, whose events are still to be triggered.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct BrokenMortar {

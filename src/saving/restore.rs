@@ -16,6 +16,7 @@ use bevy_platform::collections::HashMap;
 
 /// Contacts, sensor contents and accounts of a scene that was loaded since the last step.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Restored {

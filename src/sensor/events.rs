@@ -7,6 +7,7 @@ use bevy_reflect::Reflect;
 /// A collider came into a [`Sensor`](super::Sensor). It is sent as a message, and triggered for observers of the sensor after the step. A body of
 /// several colliders sends it for each of them.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Message, Debug)]
 pub struct SensorEntered {
     /// The entity with the [`Sensor`](super::Sensor).
@@ -23,6 +24,7 @@ pub struct SensorEntered {
 /// A collider left a [`Sensor`](super::Sensor), or one of the two was removed, disabled or changed so that it is not detected any more. It is sent
 /// as a message, and triggered for observers of the sensor after the step.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Message, Debug)]
 pub struct SensorExited {
     /// The entity with the [`Sensor`](super::Sensor); it may have been despawned.
@@ -38,6 +40,7 @@ pub struct SensorExited {
 
 /// Events for observers of sensors that are triggered after the step.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct UntriggeredSensorEvents {

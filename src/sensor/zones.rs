@@ -21,6 +21,7 @@ const REFIT_SHARE: usize = 16;
 
 /// A collider inside a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Content {
     pub spawn_order: SpawnOrder,
     /// Number of the part; 0 for the body's own collider.
@@ -41,6 +42,7 @@ impl Content {
 
 /// A sensor, and what is inside.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Tracked {
     pub entity: Entity,
     pub body: Entity,
@@ -72,6 +74,7 @@ impl Tracked {
 
 /// The sensors of all bodies, and what is inside them.
 #[derive(Resource, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Sensors {
@@ -80,7 +83,9 @@ pub struct Sensors {
     free: Vec<u32>,
     /// By the entity of the sensor.
     known: EntityHashMap<u32>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::tree"))]
     tree: Bvh,
+    #[cfg_attr(feature = "serde", serde(skip))]
     workspace: BvhWorkspace,
     changed_boxes: usize,
     /// Zones without a box: half-spaces.

@@ -11,6 +11,7 @@ use bevy_reflect::Reflect;
 
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
 #[derive(Resource, Clone, Default, Debug, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 pub struct ActiveSettings {
     gravity: Gravity,

@@ -8,9 +8,13 @@
 //!
 //! The list is read with a [`Visitor`].
 
+mod clone_fields;
 pub(crate) mod visitor;
+#[cfg(feature = "serde")]
+pub(crate) mod written;
 
-pub use visitor::Visitor;
+pub(crate) use clone_fields::clone_fields;
+pub use visitor::{Stored, Visitor};
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
 use crate::broadphase::Broadphase;
@@ -52,25 +56,30 @@ pub fn visit(visitor: &mut impl Visitor) {
     }
     // Bodies, written by users and stages.
     body::visit(visitor);
-    list!(component: Inactive, Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
+    list!(internal: Inactive);
+    list!(component: Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
     list!(component: CollidingEntities, ContactForceEvents, Load, Watch, Stands);
     // Colliders.
     list!(component: ColliderOf, ImplicitBody, Sensor, SensorOverlaps);
     // Entities of a scene that was just loaded.
-    list!(component: Saved);
+    list!(internal: Saved);
     // Hands.
     list!(component: HandState, Hand);
     // Joints.
     joint::visit(visitor);
-    list!(component: JointEdge, JointForces, BreakForce, JointDisabled, QuarantinedJoint);
+    list!(internal: JointEdge);
+    list!(component: JointForces, BreakForce, JointDisabled, QuarantinedJoint);
     list!(component: Mortar);
     // Any entity: components of Bevy that drystone reads.
-    list!(component: Transform, ChildOf, Name, Disabled);
+    list!(component: Transform, Name);
+    list!(immutable: ChildOf);
+    list!(marker: Disabled);
     // Pairs.
-    list!(component: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
+    list!(internal: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
 
     list!(resource: Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings);
-    list!(resource: SleepSettings, SpeedLimits, CollapseSettings, PhysicsTime, ContactHooks);
+    list!(resource: SleepSettings, SpeedLimits, CollapseSettings, PhysicsTime);
+    list!(code: ContactHooks);
     list!(resource: ActiveSettings, StepTime);
     list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
     list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);

@@ -52,6 +52,7 @@ pub(super) struct Body {
 
 /// A contact of a body that is out.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Contact {
     pub pair: ContactPair,
     /// Whether the edge linked its bodies.

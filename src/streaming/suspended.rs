@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 
 /// Contacts of bodies that are in with bodies that are out, until those are back.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Suspended(pub(super) Vec<(Contact, [BodyState; 2])>);

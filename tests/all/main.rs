@@ -52,6 +52,7 @@ mod saving;
 mod sensors;
 mod sizes;
 mod slopes;
+mod snapshot;
 mod solvers;
 mod spin;
 mod squeeze;

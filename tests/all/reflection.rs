@@ -1,6 +1,7 @@
 //! Every public component, resource and message is registered for reflection by the plugins.
 
 use bevy_app::App;
+use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::{ReflectComponent, ReflectMessage, ReflectResource};
 use bevy_reflect::{GetTypeRegistration, TypePath, TypeRegistry};
@@ -8,8 +9,9 @@ use drystone::DrystonePlugins;
 use drystone::masonry::EditLog;
 use drystone::prelude::*;
 use drystone::settings::PhysicsThreads;
-use drystone::state::Visitor;
+use drystone::state::{Stored, Visitor};
 use std::any::TypeId;
+use std::fmt::Debug;
 
 /// Types that are not registered, and why.
 const INTERNAL: [(&str, &str); 19] = [
@@ -85,11 +87,27 @@ impl Registered<'_> {
 }
 
 impl Visitor for Registered<'_> {
-    fn component<T: Component + Clone>(&mut self) {
+    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
         self.check::<T>();
     }
 
-    fn resource<T: Resource + Clone>(&mut self) {
+    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
+        self.check::<T>();
+    }
+
+    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
+        self.check::<T>();
+    }
+
+    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {
+        self.check::<T>();
+    }
+
+    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {
+        self.check::<T>();
+    }
+
+    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
         self.check::<T>();
     }
 

@@ -5,6 +5,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 /// Volume, centroid and inertia tensor of a solid at a density of 1 kg/m³, in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Moments {
     /// Volume, m³.
     pub volume: f64,

@@ -9,6 +9,7 @@ use glam::{Vec2, Vec3};
 /// A bonded patch, in the frame of its joint on A: x is the normal, from A to B; y and z are the principal axes of its area; the origin is its
 /// centroid.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Section {
     /// Area, m².
     pub area: f32,
@@ -26,6 +27,7 @@ pub struct Section {
 
 /// How mortar broke.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MortarFailure {
     /// The tension at a corner of the patch exceeded the tensile strength: it was pulled or bent.
     #[default]

@@ -34,6 +34,7 @@ use rayon::prelude::*;
 
 /// Bodies that were spawned by [`spawn_asleep`] since the last step.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
 pub struct Arrivals(Vec<Entity>);

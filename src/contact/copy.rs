@@ -1,0 +1,85 @@
+//! Copies of the components of a pair, for [snapshots](crate::snapshot).
+//!
+//! Most lists lie in the component itself, and their entries are plain numbers. They are copied as a block, which a derived `Clone` does not do.
+
+use super::{ContactAnchors, ContactImpulses, ContactTargets, Manifold};
+use smallvec::{Array, SmallVec};
+
+fn copy<A: Array<Item: Copy>>(list: &SmallVec<A>) -> SmallVec<A> {
+    SmallVec::from_slice(list)
+}
+
+/// Makes a list equal to another one, in the memory that it has.
+#[inline]
+fn copy_into<A: Array<Item: Copy>>(list: &mut SmallVec<A>, from: &SmallVec<A>) {
+    if list.len() == from.len() {
+        list.copy_from_slice(from);
+    } else {
+        list.clear();
+        list.extend_from_slice(from);
+    }
+}
+
+impl Clone for Manifold {
+    fn clone(&self) -> Self {
+        Self {
+            patches: copy(&self.patches),
+            points: copy(&self.points),
+            between: self.between,
+        }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        copy_into(&mut self.patches, &from.patches);
+        copy_into(&mut self.points, &from.points);
+        self.between = from.between;
+    }
+}
+
+impl Clone for ContactTargets {
+    fn clone(&self) -> Self {
+        Self {
+            points: self.points.clone(),
+            patches: copy(&self.patches),
+        }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.points.clone_from(&from.points);
+        copy_into(&mut self.patches, &from.patches);
+    }
+}
+
+impl Clone for ContactImpulses {
+    fn clone(&self) -> Self {
+        Self {
+            points: copy(&self.points),
+            patches: copy(&self.patches),
+            friction: self.friction.clone(),
+            earlier: self.earlier.clone(),
+        }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        copy_into(&mut self.points, &from.points);
+        copy_into(&mut self.patches, &from.patches);
+        self.friction.clone_from(&from.friction);
+        self.earlier.clone_from(&from.earlier);
+    }
+}
+
+impl Clone for ContactAnchors {
+    fn clone(&self) -> Self {
+        Self {
+            points: self.points.clone(),
+            patches: copy(&self.patches),
+            measured: self.measured,
+        }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.points.clone_from(&from.points);
+        copy_into(&mut self.patches, &from.patches);
+        self.measured = from.measured;
+    }
+}

@@ -1,0 +1,500 @@
+//! The values of one component in a snapshot.
+//!
+//! Values lie in the order of the entities, without gaps, so that most of them are copied a table at a time.
+
+#[cfg(feature = "serde")]
+use super::bytes::Bytes;
+#[cfg(feature = "serde")]
+use super::error::SnapshotError;
+use super::layout::{Layout, table_of};
+#[cfg(not(feature = "serde"))]
+use super::no_bytes::Bytes;
+use super::renaming::Renaming;
+use super::target::{NOWHERE, Rows, Target};
+use bevy_ecs::change_detection::{ContiguousRef, Tick};
+use bevy_ecs::component::{ComponentId, Components, Mutable, StorageType};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::name::Name;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use std::any::TypeId;
+use std::fmt::Debug;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// The run does not have the component.
+const NONE: usize = usize::MAX;
+
+/// A component that users may read: it is marked as changed if it differs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Marked;
+
+/// A component that stages write without change detection.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Silent;
+
+/// A component that can only be replaced.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Replaced;
+
+/// A component without a value.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Valueless;
+
+/// A value that was written since the last step, whose change tick says so to the next one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Edit {
+    row: usize,
+    /// Whether the component was added.
+    added: bool,
+}
+
+/// The values of a component. The last type says how they are written.
+#[derive(Clone, Debug)]
+pub(super) struct Column<T, How> {
+    values: Vec<T>,
+    /// By run: the index of its first value.
+    starts: Vec<usize>,
+    edits: Vec<Edit>,
+    /// Those of a component that is not kept in tables. Only markers are.
+    sparse: Vec<(Entity, T)>,
+    how: PhantomData<How>,
+}
+
+impl<T, How> Default for Column<T, How> {
+    fn default() -> Self {
+        Self {
+            values: Vec::new(),
+            starts: Vec::new(),
+            edits: Vec::new(),
+            sparse: Vec::new(),
+            how: PhantomData,
+        }
+    }
+}
+
+/// The values of some component.
+pub(super) trait AnyColumn: Debug + Send + Sync {
+    fn name(&self) -> &'static str;
+
+    /// Whether it is a component of Bevy, which other entities have as well.
+    fn is_shared(&self) -> bool;
+
+    /// The component, if the world knows it and keeps it in tables.
+    fn id(&self, components: &Components) -> Option<ComponentId>;
+
+    /// Takes the values of a world. `since` is the tick of the last step, if there was one.
+    fn take(&mut self, world: &World, layout: &Layout, since: Option<Tick>);
+
+    /// Inserts the component into entities that do not have it, by row.
+    fn insert(&self, world: &mut World, rows: &[usize], on: On, to: &mut Renaming);
+
+    /// Removes the component from an entity.
+    fn remove(&self, entity: &mut EntityWorldMut);
+
+    /// Replaces values that cannot be written in place.
+    fn replace(&self, world: &mut World, on: On, to: &mut Renaming);
+
+    /// Writes the values into a world whose entities have the components.
+    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming);
+
+    /// The value of an entity, in its row, as `Debug` writes it.
+    fn text(
+        &self,
+        layout: &Layout,
+        row: usize,
+        entity: Entity,
+        to: &mut Renaming,
+    ) -> Option<String>;
+
+    fn boxed(&self) -> Box<dyn AnyColumn>;
+
+    /// Appends the values to bytes.
+    #[cfg(feature = "serde")]
+    fn encode(&self, layout: &Layout, out: &mut Vec<u8>) -> Result<(), SnapshotError>;
+
+    /// Takes the values from the front of bytes.
+    #[cfg(feature = "serde")]
+    fn decode(
+        &mut self,
+        kind: usize,
+        layout: &Layout,
+        from: &mut &[u8],
+    ) -> Result<(), SnapshotError>;
+}
+
+/// The entities of a snapshot, and those of the world by row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct On<'a> {
+    pub layout: &'a Layout,
+    pub entities: &'a [Entity],
+}
+
+impl<T, How> Column<T, How> {
+    /// The indices of the values of a run.
+    fn of_run(&self, layout: &Layout, run: usize) -> Option<Range<usize>> {
+        let start = *self.starts.get(run)?;
+        (start != NONE).then(|| start..start + layout.runs[run].len)
+    }
+
+    /// The value of a row of a run.
+    fn of_row(&self, layout: &Layout, run: usize, row: usize) -> Option<&T> {
+        let start = *self.starts.get(run)?;
+        (start != NONE).then(|| &self.values[start + row - layout.runs[run].start])
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<T: Clone, How> Column<T, How> {
+    /// The values in the order of the runs that have them.
+    pub fn in_order(&self, layout: &Layout) -> impl Iterator<Item = &T> {
+        let runs = 0..layout.runs.len();
+        let ranges = runs.filter_map(|run| self.of_run(layout, run));
+        ranges.flat_map(|range| &self.values[range])
+    }
+
+    /// Sets the values in the order of the runs that have them.
+    pub fn fill<E>(
+        &mut self,
+        kind: usize,
+        layout: &Layout,
+        mut next: impl FnMut() -> Result<T, E>,
+    ) -> Result<(), E> {
+        *self = Self::default();
+        for run in &layout.runs {
+            let has = run.kinds.contains(kind);
+            self.starts.push(if has { self.values.len() } else { NONE });
+            for _ in 0..if has { run.len } else { 0 } {
+                self.values.push(next()?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The edits, and the values that are not kept in tables.
+    pub fn besides(&self) -> (&[Edit], &[(Entity, T)]) {
+        (&self.edits, &self.sparse)
+    }
+
+    /// Sets what [`besides`](Self::besides) returns. Returns false if it does not fit.
+    pub fn set_besides(&mut self, layout: &Layout, of: (Vec<Edit>, Vec<(Entity, T)>)) -> bool {
+        (self.edits, self.sparse) = of;
+        self.edits
+            .iter()
+            .all(|edit| edit.row < layout.entities.len())
+    }
+}
+
+impl<T: Component + Clone, How> Column<T, How> {
+    const SPARSE: bool = matches!(T::STORAGE_TYPE, StorageType::SparseSet);
+
+    fn take_sparse(&mut self, world: &World) {
+        self.sparse.clear();
+        if let Some(mut query) = world.try_query::<(Entity, &T, Has<Disabled>)>() {
+            let values = query.iter(world);
+            let values = values.map(|(entity, value, _)| (entity, value.clone()));
+            self.sparse.extend(values);
+        }
+    }
+
+    /// Adds the values of a run after the first `len`. The memory of old values is used again.
+    fn overwrite(&mut self, len: usize, with: &[T]) {
+        let old = self.values.len().saturating_sub(len).min(with.len());
+        self.values[len..len + old].clone_from_slice(&with[..old]);
+        self.values.extend_from_slice(&with[old..]);
+    }
+
+    /// Notes which values of a run were written since the last step.
+    fn note_edits(
+        &mut self,
+        [added, changed]: [&[Tick]; 2],
+        first: usize,
+        is_new: impl Fn(Tick) -> bool,
+    ) {
+        if changed.iter().any(|&tick| is_new(tick)) {
+            let rows = changed.iter().zip(added).zip(first..);
+            let edits = rows.filter(|((changed, _), _)| is_new(**changed));
+            self.edits.extend(edits.map(|((_, &added), row)| Edit {
+                row,
+                added: is_new(added),
+            }));
+        }
+    }
+}
+
+impl<T: Component + Clone + Debug, How: Debug + Send + Sync + 'static> AnyColumn for Column<T, How>
+where
+    Self: Write + Bytes,
+{
+    fn name(&self) -> &'static str {
+        std::any::type_name::<T>()
+    }
+
+    fn is_shared(&self) -> bool {
+        let of_bevy = [
+            TypeId::of::<Transform>(),
+            TypeId::of::<ChildOf>(),
+            TypeId::of::<Name>(),
+            TypeId::of::<Disabled>(),
+        ];
+        of_bevy.contains(&TypeId::of::<T>())
+    }
+
+    fn id(&self, components: &Components) -> Option<ComponentId> {
+        components.component_id::<T>().filter(|_| !Self::SPARSE)
+    }
+
+    fn take(&mut self, world: &World, layout: &Layout, since: Option<Tick>) {
+        if Self::SPARSE {
+            return self.take_sparse(world);
+        }
+        self.starts.clear();
+        self.edits.clear();
+        let now = world.read_change_tick();
+        let is_new = |tick: Tick| since.is_none_or(|since| tick.is_newer_than(since, now));
+        let mut len = 0;
+        let query = world.try_query::<(Entity, Ref<T>, Has<Disabled>)>();
+        if let Some(mut query) = query {
+            self.starts.resize(layout.runs.len(), NONE);
+            let tables = query.contiguous_iter(world);
+            for (entities, column, _) in tables.expect("it is kept in tables") {
+                let table = entities.first().and_then(|&first| table_of(world, first));
+                let Some(run) = table.and_then(|table| layout.run_of(table)) else {
+                    continue;
+                };
+                self.starts[run] = len;
+                let ticks = [column.added_ticks_slice(), column.changed_ticks_slice()];
+                self.note_edits(ticks, layout.runs[run].start, is_new);
+                let (values, _) = ContiguousRef::split(column);
+                self.overwrite(len, values);
+                len += values.len();
+            }
+            if self.is_shared() {
+                for (run, entity) in layout.ancestors() {
+                    if let Ok((_, value, _)) = query.get(world, entity) {
+                        self.starts[run] = len;
+                        let ticks = [[value.added()], [value.last_changed()]];
+                        let ticks = [&ticks[0][..], &ticks[1][..]];
+                        self.note_edits(ticks, layout.runs[run].start, is_new);
+                        self.overwrite(len, std::slice::from_ref(&*value));
+                        len += 1;
+                    }
+                }
+            }
+        }
+        self.values.truncate(len);
+    }
+
+    fn insert(&self, world: &mut World, rows: &[usize], on: On, to: &mut Renaming) {
+        let missing = rows.iter().filter_map(|&row| {
+            let run = on.layout.run_of_row(row);
+            let mut value = self.of_row(on.layout, run, row)?.clone();
+            let entity = on.entities[row];
+            let lacks = world.get_entity(entity).is_ok_and(|it| !it.contains::<T>());
+            lacks.then(|| {
+                to.apply(&mut value);
+                (entity, value)
+            })
+        });
+        let missing: Vec<(Entity, T)> = missing.collect();
+        if !missing.is_empty() {
+            world.insert_batch(missing);
+        }
+    }
+
+    fn remove(&self, entity: &mut EntityWorldMut) {
+        entity.remove::<T>();
+    }
+
+    fn replace(&self, world: &mut World, on: On, to: &mut Renaming) {
+        Write::replace(self, world, on, to);
+    }
+
+    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
+        if !Self::SPARSE {
+            return Write::write(self, world, target, to);
+        }
+        let mut holders = world.query::<(Entity, &T, Has<Disabled>)>();
+        let holders: Vec<Entity> = holders.iter(world).map(|(entity, ..)| entity).collect();
+        for entity in holders {
+            world.entity_mut(entity).remove::<T>();
+        }
+        for (entity, value) in &self.sparse {
+            let mut value = value.clone();
+            to.apply(&mut value);
+            if let Ok(mut entity) = world.get_entity_mut(to.get_mapped(*entity)) {
+                entity.insert(value);
+            }
+        }
+    }
+
+    fn text(
+        &self,
+        layout: &Layout,
+        row: usize,
+        entity: Entity,
+        to: &mut Renaming,
+    ) -> Option<String> {
+        let sparse = self.sparse.iter().find(|(holder, _)| *holder == entity);
+        let value = match sparse {
+            Some((_, value)) => Some(value),
+            None => self.of_row(layout, layout.run_of_row(row), row),
+        };
+        let mut value = value?.clone();
+        to.apply(&mut value);
+        Some(format!("{value:#?}"))
+    }
+
+    fn boxed(&self) -> Box<dyn AnyColumn> {
+        Box::new(Self {
+            values: self.values.clone(),
+            starts: self.starts.clone(),
+            edits: self.edits.clone(),
+            sparse: self.sparse.clone(),
+            how: PhantomData,
+        })
+    }
+
+    #[cfg(feature = "serde")]
+    fn encode(&self, layout: &Layout, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
+        Bytes::encode(self, layout, out)
+    }
+
+    #[cfg(feature = "serde")]
+    fn decode(
+        &mut self,
+        kind: usize,
+        layout: &Layout,
+        from: &mut &[u8],
+    ) -> Result<(), SnapshotError> {
+        Bytes::decode(self, kind, layout, from)
+    }
+}
+
+/// How values are written where entities have the component already.
+pub(super) trait Write {
+    fn replace(&self, _world: &mut World, _on: On, _to: &mut Renaming) {}
+
+    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming);
+}
+
+impl<T: Component<Mutability = Mutable> + Clone + PartialEq> Write for Column<T, Marked> {
+    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
+        self.write_in_place(world, target, to, |before, after| before != after);
+    }
+}
+
+impl<T: Component<Mutability = Mutable> + Clone> Write for Column<T, Silent> {
+    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
+        self.write_in_place(world, target, to, |_, _| false);
+    }
+}
+
+impl<T: Component<Mutability = Mutable> + Clone> Write for Column<T, Valueless> {
+    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
+        self.write_in_place(world, target, to, |_, _| false);
+    }
+}
+
+impl<T: Component + Clone + PartialEq> Write for Column<T, Replaced> {
+    fn replace(&self, world: &mut World, on: On, to: &mut Renaming) {
+        for (number, run) in on.layout.runs.iter().enumerate() {
+            let Some(range) = self.of_run(on.layout, number) else {
+                continue;
+            };
+            for (value, row) in self.values[range].iter().zip(run.rows()) {
+                let mut value = value.clone();
+                to.apply(&mut value);
+                if let Ok(mut entity) = world.get_entity_mut(on.entities[row])
+                    && entity.get::<T>() != Some(&value)
+                {
+                    entity.insert(value);
+                }
+            }
+        }
+    }
+
+    // `replace` has done it.
+    fn write(&self, _: &mut World, _: &Target, _: &mut Renaming) {}
+}
+
+impl<T: Component<Mutability = Mutable> + Clone, How> Column<T, How> {
+    fn write_in_place(
+        &self,
+        world: &mut World,
+        target: &Target,
+        to: &mut Renaming,
+        differ: impl Fn(&T, &T) -> bool,
+    ) {
+        let layout = target.layout;
+        let mut set = |value: &mut T, from: &T| {
+            if to.is_nothing() {
+                let differs = differ(value, from);
+                value.clone_from(from);
+                return differs;
+            }
+            let mut from = from.clone();
+            to.apply(&mut from);
+            let differs = differ(value, &from);
+            *value = from;
+            differs
+        };
+        let mut query = world.query::<(Entity, &mut T, Has<Disabled>)>();
+        let mut changed: Vec<Entity> = Vec::new();
+        let tables = query.contiguous_iter_mut(world);
+        for (entities, mut column, _) in tables.expect("it is kept in tables") {
+            let values = column.bypass_change_detection();
+            match target.rows_of(entities) {
+                Some(&Rows::Run(run)) => {
+                    let Some(range) = self.of_run(layout, run) else {
+                        continue;
+                    };
+                    for ((value, from), &entity) in
+                        values.iter_mut().zip(&self.values[range]).zip(entities)
+                    {
+                        if set(value, from) {
+                            changed.push(entity);
+                        }
+                    }
+                }
+                Some(Rows::Each(rows)) => {
+                    for ((value, &row), &entity) in values.iter_mut().zip(rows).zip(entities) {
+                        if row != NOWHERE
+                            && let run = target.run_of(row)
+                            && let Some(from) = self.of_row(layout, run, row as usize)
+                            && set(value, from)
+                        {
+                            changed.push(entity);
+                        }
+                    }
+                }
+                None => (),
+            }
+        }
+        for (run, _) in layout.ancestors() {
+            let row = layout.runs[run].start;
+            let entity = target.entities[row];
+            if let Some(from) = self.of_row(layout, run, row)
+                && let Ok((_, mut value, _)) = query.get_mut(world, entity)
+                && set(value.bypass_change_detection(), from)
+            {
+                changed.push(entity);
+            }
+        }
+        for entity in changed {
+            if let Ok((_, mut value, _)) = query.get_mut(world, entity) {
+                value.set_changed();
+            }
+        }
+        for edit in &self.edits {
+            if let Ok((_, mut value, _)) = query.get_mut(world, target.entities[edit.row]) {
+                match edit.added {
+                    true => value.set_added(),
+                    false => value.set_changed(),
+                }
+            }
+        }
+    }
+}

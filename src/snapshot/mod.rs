@@ -1,0 +1,309 @@
+//! Snapshots: the whole state of a world, kept in memory and restored to the same bits.
+//!
+//! A [`Snapshot`] holds everything that is on the list of the [state](crate::state): bodies, contacts, joints, hands, and what the simulation
+//! remembers of the last step. A world that is restored continues as it did, bitwise: awake or asleep, on any number of threads. So a game
+//! can go back in time, a client can predict and correct, and a test can repeat a step.
+//!
+//! ```
+//! use bevy_app::App;
+//! use bevy_transform::components::Transform;
+//! use drystone::prelude::*;
+//! use drystone::snapshot::Snapshot;
+//!
+//! let mut app = App::new();
+//! app.add_plugins(DrystonePlugins::default());
+//! let world = app.world_mut();
+//! world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+//! let at = Transform::from_xyz(0.0, 2.0, 0.0);
+//! let ball = world.spawn((RigidBody::Dynamic, Collider::ball(0.5), at)).id();
+//! drystone::step(world, 1.0 / 60.0).unwrap();
+//!
+//! let snapshot = Snapshot::take(world);
+//! let mut steps = |world: &mut bevy_ecs::world::World| {
+//!     for _ in 0..60 {
+//!         drystone::step(world, 1.0 / 60.0).unwrap();
+//!     }
+//!     *world.get::<Transform>(ball).unwrap()
+//! };
+//! let first = steps(world);
+//! snapshot.restore(world).unwrap();
+//! assert_eq!(steps(world), first);
+//! ```
+//!
+//! # What is restored
+//!
+//! - *Entities* with a component of drystone: bodies, colliders, joints, hands, sensors, contacts. Of these, all components on the list, and no
+//!   other: components of your game stay as they are. Entities above them in the hierarchy keep their place too.
+//! - Entities that were spawned since are despawned. Entities that were despawned since are spawned anew, with new ids and only the components on the
+//!   list; every reference among them follows. [`Snapshot::restore`] returns the new ids, so that you can give them their meshes, and update references
+//!   of your own.
+//! - In another world every entity is a new one, and those of drystone that were there are despawned. That world needs the same plugins.
+//! - *Settings*, the clock of the step, and the hook of contacts.
+//! - Not messages: those that were sent and not read yet stay.
+//!
+//! # Speed
+//!
+//! Values are copied a table of the ECS at a time. [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the
+//! allocations. A component is marked as changed only if its value differs, or if you had written it after the last step. The first step after a restore
+//! derives the problems of islands anew; the result is bitwise equal.
+
+#[cfg(feature = "serde")]
+mod bytes;
+mod column;
+mod difference;
+mod error;
+mod layout;
+#[cfg(not(feature = "serde"))]
+mod no_bytes;
+mod renaming;
+mod resource;
+mod structure;
+mod target;
+mod text;
+
+pub use difference::Difference;
+pub use error::SnapshotError;
+
+use crate::body::BodyTable;
+use crate::state::{self, Stored, Visitor};
+use bevy_ecs::component::Mutable;
+use bevy_ecs::entity::{Entity, EntityHashMap, SceneEntityMapper};
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::WorldId;
+use column::{AnyColumn, Column, Marked, On, Replaced, Silent, Valueless};
+use layout::{KnownKinds, Layout, own_tables};
+use renaming::Renaming;
+use resource::{AnyResource, Code, Kept, Plain};
+use std::fmt;
+use structure::Differences;
+use target::Target;
+
+/// Where a snapshot is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Origin {
+    /// It is empty.
+    Nothing,
+    World(WorldId),
+    /// Its entities are those of no world.
+    #[cfg(feature = "serde")]
+    Bytes,
+}
+
+/// The state of a world. See the [module](self).
+pub struct Snapshot {
+    origin: Origin,
+    layout: Layout,
+    /// By kind.
+    columns: Vec<Box<dyn AnyColumn>>,
+    resources: Vec<Box<dyn AnyResource>>,
+}
+
+/// An empty snapshot, which cannot be restored. It is there for [`Snapshot::take_into`].
+impl Default for Snapshot {
+    fn default() -> Self {
+        let mut list = List::default();
+        state::visit(&mut list);
+        Self {
+            origin: Origin::Nothing,
+            layout: Layout::default(),
+            columns: list.columns,
+            resources: list.resources,
+        }
+    }
+}
+
+impl Clone for Snapshot {
+    fn clone(&self) -> Self {
+        Self {
+            origin: self.origin,
+            layout: self.layout.clone(),
+            columns: self.columns.iter().map(|column| column.boxed()).collect(),
+            resources: self.resources.iter().map(|kept| kept.boxed()).collect(),
+        }
+    }
+}
+
+impl fmt::Debug for Snapshot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Snapshot")
+            .field("origin", &self.origin)
+            .field("entities", &self.layout.entities.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Snapshot {
+    /// Takes the state of a world between two steps.
+    pub fn take(world: &World) -> Self {
+        let mut snapshot = Self::default();
+        snapshot.take_into(world);
+        snapshot
+    }
+
+    /// Replaces this snapshot by the state of a world, and uses its memory again.
+    pub fn take_into(&mut self, world: &World) {
+        let known = KnownKinds::of_world(world, &self.columns);
+        let table = world.get_resource::<BodyTable>();
+        self.origin = table.map_or(Origin::Nothing, |_| Origin::World(world.id()));
+        self.layout.find(world, &known);
+        let since = table.and_then(BodyTable::visited_at);
+        for column in &mut self.columns {
+            column.take(world, &self.layout, since);
+        }
+        for kept in &mut self.resources {
+            kept.take(world);
+        }
+    }
+
+    /// Makes the state of a world that of this snapshot. Call it between two steps.
+    ///
+    /// Returns the entities of the snapshot that have other ids in the world, with the new ones: those that were despawned since the snapshot was taken,
+    /// or all of them if it was taken of another world.
+    ///
+    /// # Errors
+    /// If the snapshot is empty, or the world lacks a plugin. Nothing has changed then.
+    pub fn restore(&self, world: &mut World) -> Result<EntityHashMap<Entity>, SnapshotError> {
+        if self.origin == Origin::Nothing {
+            return Err(SnapshotError::Empty);
+        }
+        let missing = self.resources.iter().find(|kept| kept.is_missing(world));
+        if let Some(missing) = missing {
+            return Err(SnapshotError::MissingPlugin(missing.name()));
+        }
+        world.flush();
+        match self.origin == Origin::World(world.id()) {
+            true => Ok(self.restore_here(world)),
+            false => Ok(self.restore_elsewhere(world)),
+        }
+    }
+
+    /// The entities that the snapshot holds, in no particular order.
+    pub fn entities(&self) -> &[Entity] {
+        &self.layout.entities
+    }
+
+    fn restore_here(&self, world: &mut World) -> EntityHashMap<Entity> {
+        let layout = &self.layout;
+        let mut entities = layout.entities.clone();
+        let on = On {
+            layout,
+            entities: &layout.entities,
+        };
+        let gone = Differences::find(world, &KnownKinds::of_world(world, &self.columns), on).gone;
+        let new = world.spawn_batch(gone.iter().map(|_| ()));
+        let new: Vec<Entity> = new.collect();
+        let mut map = EntityHashMap::default();
+        for (row, new) in gone.into_iter().zip(new) {
+            map.insert(entities[row], new);
+            entities[row] = new;
+        }
+        let mut to = match map.is_empty() {
+            true => Renaming::Nothing,
+            false => Renaming::Some(&map),
+        };
+        self.write(world, &entities, &mut to);
+        map
+    }
+
+    fn restore_elsewhere(&self, world: &mut World) -> EntityHashMap<Entity> {
+        let known = KnownKinds::of_world(world, &self.columns);
+        let old = own_tables(world, &known);
+        let old: Vec<Entity> = old
+            .flat_map(|(_, table, _)| table.entities())
+            .copied()
+            .collect();
+        for entity in old {
+            // It may have been a child of the last one.
+            world.try_despawn(entity).ok();
+        }
+        let originals = &self.layout.entities;
+        let entities = world.spawn_batch(originals.iter().map(|_| ()));
+        let entities: Vec<Entity> = entities.collect();
+        let pairs = || originals.iter().copied().zip(entities.iter().copied());
+        let mut map: EntityHashMap<Entity> = pairs().collect();
+        SceneEntityMapper::world_scope(&mut map, world, |world, mapper| {
+            self.write(world, &entities, &mut Renaming::All(mapper));
+        });
+        // Without entities that the snapshot refers to and does not hold.
+        pairs().collect()
+    }
+
+    /// Makes the state of a world that of the snapshot. `entities` are those of the world by row; all of them exist.
+    fn write(&self, world: &mut World, entities: &[Entity], to: &mut Renaming) {
+        let layout = &self.layout;
+        let on = On { layout, entities };
+        structure::restore(world, &self.columns, on, to);
+        // What is written from here on has changed since the last step, so far as the next one can tell.
+        let now = world.increment_change_tick();
+        let known = KnownKinds::of_world(world, &self.columns);
+        let target = Target::find(layout, entities, world, &known);
+        for column in &self.columns {
+            column.write(world, &target, to);
+        }
+        for kept in &self.resources {
+            kept.write(world, to);
+        }
+        world.resource_mut::<BodyTable>().set_visited_at(now);
+        state::visit(&mut Reset(world));
+    }
+}
+
+/// Makes an empty column of each component on the list.
+#[derive(Default)]
+struct List {
+    columns: Vec<Box<dyn AnyColumn>>,
+    resources: Vec<Box<dyn AnyResource>>,
+}
+
+impl Visitor for List {
+    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
+        self.columns.push(Box::new(Column::<T, Marked>::default()));
+    }
+
+    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
+        self.columns.push(Box::new(Column::<T, Silent>::default()));
+    }
+
+    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
+        self.columns
+            .push(Box::new(Column::<T, Replaced>::default()));
+    }
+
+    fn marker<T: Component<Mutability = Mutable> + Clone + fmt::Debug + Default>(&mut self) {
+        self.columns
+            .push(Box::new(Column::<T, Valueless>::default()));
+    }
+
+    fn code<T: Resource + Component<Mutability = Mutable> + Clone + fmt::Debug>(&mut self) {
+        self.resources.push(Box::new(Kept::<T, Code>::default()));
+    }
+
+    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
+        self.resources.push(Box::new(Kept::<T, Plain>::default()));
+    }
+
+    fn derived<T: Resource + Default>(&mut self) {}
+}
+
+/// Resets what is derived from the state.
+struct Reset<'a>(&'a mut World);
+
+impl Visitor for Reset<'_> {
+    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {}
+
+    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {}
+
+    fn immutable<T: Component + Stored + PartialEq>(&mut self) {}
+
+    fn marker<T: Component<Mutability = Mutable> + Clone + fmt::Debug + Default>(&mut self) {}
+
+    fn code<T: Resource + Component<Mutability = Mutable> + Clone + fmt::Debug>(&mut self) {}
+
+    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {}
+
+    fn derived<T: Resource + Default>(&mut self) {
+        if self.0.contains_resource::<T>() {
+            self.0.insert_resource(T::default());
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! New ids for the entities of a snapshot.
+
+use bevy_ecs::component::Component;
+use bevy_ecs::entity::{Entity, EntityHashMap, EntityMapper, SceneEntityMapper};
+
+/// The entities that those of a snapshot have become.
+pub(super) enum Renaming<'a, 'm> {
+    /// They are the same.
+    Nothing,
+    /// Some were despawned, and have been spawned anew.
+    Some(&'a EntityHashMap<Entity>),
+    /// All are new, because the world is another one. Entities that the snapshot does not hold become ones that do not exist.
+    All(&'a mut SceneEntityMapper<'m>),
+}
+
+impl Renaming<'_, '_> {
+    /// Renames the entities that a component or resource refers to.
+    #[inline]
+    pub fn apply<T: Component>(&mut self, value: &mut T) {
+        if !self.is_nothing() {
+            T::map_entities(value, self);
+        }
+    }
+
+    #[inline]
+    pub fn is_nothing(&self) -> bool {
+        matches!(self, Self::Nothing)
+    }
+}
+
+impl EntityMapper for Renaming<'_, '_> {
+    fn get_mapped(&mut self, source: Entity) -> Entity {
+        match self {
+            Self::Nothing => source,
+            Self::Some(map) => map.get(&source).copied().unwrap_or(source),
+            Self::All(mapper) => mapper.get_mapped(source),
+        }
+    }
+
+    fn set_mapped(&mut self, source: Entity, target: Entity) {
+        if let Self::All(mapper) = self {
+            mapper.set_mapped(source, target);
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! How types of other crates are written to bytes, and shared data (feature `serde`).
+
+/// A shared value.
+pub(crate) mod shared {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::sync::Arc;
+
+    pub fn serialize<T: Serialize, S: Serializer>(
+        value: &Arc<T>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        T::serialize(value, to)
+    }
+
+    pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Arc<T>, D::Error> {
+        T::deserialize(from).map(Arc::new)
+    }
+}
+
+/// A shared value that may be missing.
+pub(crate) mod maybe_shared {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::sync::Arc;
+
+    pub fn serialize<T: Serialize, S: Serializer>(
+        value: &Option<Arc<T>>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        value.as_deref().serialize(to)
+    }
+
+    pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<Arc<T>>, D::Error> {
+        Ok(Option::<T>::deserialize(from)?.map(Arc::new))
+    }
+}
+
+/// A shared list.
+pub(crate) mod shared_list {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::sync::Arc;
+
+    pub fn serialize<T: Serialize, S: Serializer>(
+        list: &Arc<[T]>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        list.as_ref().serialize(to)
+    }
+
+    pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Arc<[T]>, D::Error> {
+        Ok(Vec::<T>::deserialize(from)?.into())
+    }
+}
+
+/// Boxes, some of which are missing.
+pub(crate) mod boxes {
+    use glam::Vec3;
+    use parry3d::bounding_volume::Aabb;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(list: &[Option<Aabb>], to: S) -> Result<S::Ok, S::Error> {
+        let corners = list.iter();
+        to.collect_seq(corners.map(|of| of.as_ref().map(|of| [of.mins, of.maxs])))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Option<Aabb>>, D::Error> {
+        let corners = Vec::<Option<[Vec3; 2]>>::deserialize(from)?;
+        let boxes = corners.into_iter();
+        Ok(boxes
+            .map(|of| of.map(|[mins, maxs]| Aabb::new(mins, maxs)))
+            .collect())
+    }
+}
+
+/// A set of small numbers.
+pub(crate) mod bits {
+    use fixedbitset::FixedBitSet;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(set: &FixedBitSet, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(set.ones().map(|one| one as u32))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<FixedBitSet, D::Error> {
+        let ones = Vec::<u32>::deserialize(from)?;
+        Ok(ones.into_iter().map(|one| one as usize).collect())
+    }
+}
+
+/// A pose of parry.
+pub(crate) mod parry_pose {
+    use glam::{Quat, Vec3};
+    use parry3d::math::Pose;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(pose: &Pose, to: S) -> Result<S::Ok, S::Error> {
+        (pose.translation, pose.rotation).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Pose, D::Error> {
+        let (translation, rotation) = <(Vec3, Quat)>::deserialize(from)?;
+        Ok(Pose::from_parts(translation, rotation))
+    }
+}
+
+/// A tree of boxes: its leaves. It is built anew, and may get another shape.
+pub(crate) mod tree {
+    use glam::Vec3;
+    use parry3d::bounding_volume::Aabb;
+    use parry3d::partitioning::{Bvh, BvhBuildStrategy};
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(tree: &Bvh, to: S) -> Result<S::Ok, S::Error> {
+        let mut leaves: Vec<u32> = tree.leaves(|_| true).collect();
+        leaves.sort_unstable();
+        to.collect_seq(leaves.into_iter().filter_map(|leaf| {
+            let node = tree.leaf_node(leaf)?;
+            Some((leaf, node.mins(), node.maxs()))
+        }))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Bvh, D::Error> {
+        let leaves = Vec::<(u32, Vec3, Vec3)>::deserialize(from)?;
+        let leaves = leaves.into_iter();
+        let leaves = leaves.map(|(leaf, mins, maxs)| (leaf as usize, Aabb::new(mins, maxs)));
+        Ok(Bvh::from_iter(BvhBuildStrategy::Binned, leaves))
+    }
+}

@@ -1,0 +1,112 @@
+//! Snapshots that were written to bytes and read again.
+
+use super::*;
+use bevy_ecs::entity::EntityHashMap;
+use drystone::snapshot::SnapshotError;
+use drystone::solver::{Pgs, PointSolver};
+
+/// Writes a snapshot of a world, reads it into another world, and takes steps in both.
+#[track_caller]
+fn goes_on_from_bytes(name: &str, world: &mut World) {
+    let bytes = Snapshot::take(world).to_bytes().unwrap();
+    let read = Snapshot::from_bytes(&bytes).unwrap();
+    assert_eq!(read.to_bytes().unwrap(), bytes, "{name}");
+    let mut other = floor();
+    steps(&mut other, 3);
+    let map = read.restore(&mut other).unwrap();
+    let now = Snapshot::take(&other);
+    assert_eq!(read.first_difference(&now, &map), None, "{name}");
+    let first = go_on(world, NOTHING, &|entity| entity);
+    let again = go_on(&mut other, NOTHING, &|entity| map[&entity]);
+    assert_same(name, &first, &again);
+}
+
+#[test]
+fn a_heap_a_wall_and_a_bridge_go_on_from_bytes() {
+    for (name, number) in [
+        ("heap:20", 40),
+        ("wall:6x4", 29),
+        ("wall:6x4", 150),
+        ("bridge:9", 20),
+    ] {
+        let (mut world, _) = scene(name);
+        steps(&mut world, number);
+        goes_on_from_bytes(name, &mut world);
+    }
+}
+
+/// Hulls are told apart by their place in memory, and so are meshes.
+#[test]
+fn shapes_that_many_bodies_share_go_on_from_bytes() {
+    let mut world = empty();
+    let corners = [(-6.0, -6.0), (6.0, -6.0), (6.0, 6.0), (-6.0, 6.0)];
+    let corners = corners.map(|(x, z)| Vec3::new(x, 0.0, z));
+    let mesh = Collider::trimesh(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]).unwrap();
+    world.spawn((RigidBody::Static, mesh));
+    let peak = [(0.3, -0.3), (0.3, 0.3), (-0.3, -0.3), (-0.3, 0.3)];
+    let mut points: Vec<Vec3> = peak.iter().map(|&(x, z)| Vec3::new(x, -0.2, z)).collect();
+    points.push(Vec3::Y * 0.4);
+    let hull = Collider::convex_hull(points).unwrap();
+    for i in 0..4 {
+        body(&mut world, hull.clone(), 1.5 * i as f32, 0.5, ());
+    }
+    let cube = Collider::cuboid(0.5, 0.5, 0.5);
+    let parent = body(&mut world, cube.clone(), -2.0, 0.3, ());
+    world.spawn((cube, place(0.5, 0.0), bevy_ecs::hierarchy::ChildOf(parent)));
+    steps(&mut world, 30);
+    goes_on_from_bytes("hulls", &mut world);
+}
+
+/// Every byte that is changed, and every byte that is missing, is noticed. The world stays as it was.
+#[test]
+fn damaged_and_foreign_bytes_are_errors() {
+    let (mut world, _) = scene("wall:4x3");
+    steps(&mut world, 40);
+    let before = Snapshot::take(&world);
+    let good = before.to_bytes().unwrap();
+    let fails = |bytes: &[u8]| Snapshot::from_bytes(bytes).unwrap_err();
+    fastrand::seed(7);
+    for _ in 0..2_000 {
+        let mut bytes = good.clone();
+        let at = fastrand::usize(..bytes.len());
+        bytes[at] ^= 1 << fastrand::u8(..8);
+        fails(&bytes);
+        bytes = good[..at].to_vec();
+        fails(&bytes);
+    }
+    for at in 0..64 {
+        let mut bytes = good.clone();
+        bytes[at] ^= 0x55;
+        fails(&bytes);
+        fails(&good[..at]);
+    }
+    assert_eq!(fails(&[&good[..], &[0]].concat()), SnapshotError::Damaged);
+    assert_eq!(
+        fails(b"not one of ours, but long enough"),
+        SnapshotError::Foreign
+    );
+    assert_eq!(fails(&[]), SnapshotError::Foreign);
+    let mut other = good.clone();
+    other[8] = 99;
+    assert_eq!(
+        fails(&other),
+        SnapshotError::Version("format 99".to_owned())
+    );
+    let now = Snapshot::take(&world);
+    assert_eq!(
+        before.first_difference(&now, &EntityHashMap::default()),
+        None
+    );
+}
+
+/// A solver of the user is code.
+#[test]
+fn code_is_not_written() {
+    let (mut world, _) = scene("wall:3x2");
+    let mine: ContactSolver =
+        std::sync::Arc::new(Pgs::default()) as std::sync::Arc<dyn PointSolver>;
+    world.resource_mut::<SolverSettings>().solver = mine;
+    let error = Snapshot::take(&world).to_bytes().unwrap_err();
+    assert!(error.to_string().contains("SolverSettings"), "{error}");
+    assert_eq!(Snapshot::default().to_bytes(), Err(SnapshotError::Empty));
+}

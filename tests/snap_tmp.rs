@@ -1,0 +1,2 @@
+#[path = "all/snapshot/mod.rs"]
+mod snapshot;

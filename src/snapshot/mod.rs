@@ -158,7 +158,8 @@ impl Snapshot {
     /// Makes the state of a world that of this snapshot. Call it between two steps.
     ///
     /// Returns the entities of the snapshot that have other ids in the world, with the new ones: those that were despawned since the snapshot was taken,
-    /// or all of them if it was taken of another world.
+    /// or all of them if it was taken of another world. Then it has also those that the snapshot refers to although they were despawned before; their new ids
+    /// are of no entity either.
     ///
     /// # Errors
     /// If the snapshot is empty, or the world lacks a plugin. Nothing has changed then.
@@ -219,13 +220,12 @@ impl Snapshot {
         let originals = &self.layout.entities;
         let entities = world.spawn_batch(originals.iter().map(|_| ()));
         let entities: Vec<Entity> = entities.collect();
-        let pairs = || originals.iter().copied().zip(entities.iter().copied());
-        let mut map: EntityHashMap<Entity> = pairs().collect();
+        let pairs = originals.iter().copied().zip(entities.iter().copied());
+        let mut map: EntityHashMap<Entity> = pairs.collect();
         SceneEntityMapper::world_scope(&mut map, world, |world, mapper| {
             self.write(world, &entities, &mut Renaming::All(mapper));
         });
-        // Without entities that the snapshot refers to and does not hold.
-        pairs().collect()
+        map
     }
 
     /// Makes the state of a world that of the snapshot. `entities` are those of the world by row; all of them exist.

@@ -95,7 +95,8 @@ where
 
     fn text(&self, to: &mut Renaming) -> Option<String> {
         let mut value = self.value.clone()?;
-        to.apply(&mut value);
+        // As in `write`.
+        T::map_entities(&mut value, to);
         Some(format!("{value:#?}"))
     }
 

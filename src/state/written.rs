@@ -80,10 +80,12 @@ pub(crate) mod boxes {
 /// A set of small numbers.
 pub(crate) mod bits {
     use fixedbitset::FixedBitSet;
-    use serde::{Deserialize, Deserializer, Serializer};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     pub fn serialize<S: Serializer>(set: &FixedBitSet, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_seq(set.ones().map(|one| one as u32))
+        // Compact formats need the length in advance.
+        let ones: Vec<u32> = set.ones().map(|one| one as u32).collect();
+        ones.serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<FixedBitSet, D::Error> {
@@ -113,15 +115,17 @@ pub(crate) mod tree {
     use glam::Vec3;
     use parry3d::bounding_volume::Aabb;
     use parry3d::partitioning::{Bvh, BvhBuildStrategy};
-    use serde::{Deserialize, Deserializer, Serializer};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     pub fn serialize<S: Serializer>(tree: &Bvh, to: S) -> Result<S::Ok, S::Error> {
         let mut leaves: Vec<u32> = tree.leaves(|_| true).collect();
         leaves.sort_unstable();
-        to.collect_seq(leaves.into_iter().filter_map(|leaf| {
+        let boxes = leaves.into_iter().filter_map(|leaf| {
             let node = tree.leaf_node(leaf)?;
             Some((leaf, node.mins(), node.maxs()))
-        }))
+        });
+        // Compact formats need the length in advance.
+        boxes.collect::<Vec<_>>().serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Bvh, D::Error> {

@@ -46,7 +46,7 @@ fn shapes_that_many_bodies_share_go_on_from_bytes() {
     let peak = [(0.3, -0.3), (0.3, 0.3), (-0.3, -0.3), (-0.3, 0.3)];
     let mut points: Vec<Vec3> = peak.iter().map(|&(x, z)| Vec3::new(x, -0.2, z)).collect();
     points.push(Vec3::Y * 0.4);
-    let hull = Collider::convex_hull(points).unwrap();
+    let hull = Collider::convex_hull(&points).unwrap();
     for i in 0..4 {
         body(&mut world, hull.clone(), 1.5 * i as f32, 0.5, ());
     }
@@ -103,8 +103,9 @@ fn damaged_and_foreign_bytes_are_errors() {
 #[test]
 fn code_is_not_written() {
     let (mut world, _) = scene("wall:3x2");
-    let mine: ContactSolver =
-        std::sync::Arc::new(Pgs::default()) as std::sync::Arc<dyn PointSolver>;
+    let mine: ContactSolver = ContactSolver::Points(
+        std::sync::Arc::new(Pgs::default()) as std::sync::Arc<dyn PointSolver>
+    );
     world.resource_mut::<SolverSettings>().solver = mine;
     let error = Snapshot::take(&world).to_bytes().unwrap_err();
     assert!(error.to_string().contains("SolverSettings"), "{error}");

@@ -42,7 +42,7 @@ fn row(name: &str, sleeping: bool, run: &mut Run) {
     let mut times: [Vec<Duration>; 5] = Default::default();
     let mut kept = Snapshot::take(&run.world);
     for _ in 0..TIMES {
-        times[0].push(time(|| run.step()));
+        times[0].push(time(|| _ = run.step()));
         times[1].push(time(|| drop(Snapshot::take(&run.world))));
         times[2].push(time(|| kept.take_into(&run.world)));
         run.step();

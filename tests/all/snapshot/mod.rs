@@ -179,6 +179,14 @@ fn assert_same(name: &str, first: &[Shown], again: &[Shown]) {
 /// Takes a snapshot, goes on, and restores it: here, and in a world that has simulated others. Both go on as it did. Returns what was seen.
 #[track_caller]
 fn goes_on_again(name: &str, world: &mut World, act: Act) -> Vec<Shown> {
+    let (snapshot, first) = goes_on_again_here(name, world, act);
+    goes_on_elsewhere(name, (&snapshot, &first), act);
+    first
+}
+
+/// Takes a snapshot, goes on, and restores it. The world goes on as it did.
+#[track_caller]
+fn goes_on_again_here(name: &str, world: &mut World, act: Act) -> (Snapshot, Vec<Shown>) {
     let snapshot = Snapshot::take(world);
     let first = go_on(world, act, &|entity| entity);
     let map = snapshot.restore(world).unwrap();
@@ -186,7 +194,12 @@ fn goes_on_again(name: &str, world: &mut World, act: Act) -> Vec<Shown> {
     assert_eq!(snapshot.first_difference(&now, &map), None, "{name}");
     let here = |entity| map.get(&entity).copied().unwrap_or(entity);
     assert_same(name, &first, &go_on(world, act, &here));
+    (snapshot, first)
+}
 
+/// Restores a snapshot in a world that has simulated others. It goes on as the first one did.
+#[track_caller]
+fn goes_on_elsewhere(name: &str, (snapshot, first): (&Snapshot, &[Shown]), act: Act) {
     let mut other = floor();
     other.spawn_batch((0..7).map(|_| ()));
     for i in 0..3 {
@@ -200,10 +213,9 @@ fn goes_on_again(name: &str, world: &mut World, act: Act) -> Vec<Shown> {
     let name = format!("{name} elsewhere");
     assert_same(
         &name,
-        &first,
+        first,
         &go_on(&mut other, act, &|entity| map[&entity]),
     );
-    first
 }
 
 /// Number of bodies that are inactive.

@@ -275,8 +275,8 @@ fn a_wall_of_mortar() {
     assert!(count(&shown, "mortar") > 0);
 }
 
-#[test]
-fn a_collapse_that_is_watched() {
+/// A wall at rest from which two bricks were taken since the last step.
+fn undermined() -> World {
     let (mut world, bodies) = scene("wall:6x5");
     for &body in &bodies {
         world
@@ -288,12 +288,24 @@ fn a_collapse_that_is_watched() {
     for &corner in &bodies[..2] {
         world.despawn(corner);
     }
+    world
+}
+
+#[test]
+fn a_collapse_that_is_watched() {
     // Before it is told.
-    let shown = goes_on_again("collapse", &mut world, NOTHING);
+    let (_, shown) = goes_on_again_here("collapse", &mut undermined(), NOTHING);
     assert_eq!(
         [count(&shown, "collapse"), count(&shown, "collapsed")],
         [1; 2]
     );
+}
+
+#[test]
+#[ignore = "in the first step elsewhere, the load of a sleeping brick beside those that were taken differs"]
+fn a_collapse_goes_on_elsewhere() {
+    let (snapshot, shown) = goes_on_again_here("collapse", &mut undermined(), NOTHING);
+    goes_on_elsewhere("collapse", (&snapshot, &shown), NOTHING);
 }
 
 /// Half of a sleeping wall is out, and its neighbours rest on what is not there.

@@ -6,6 +6,11 @@
 //!
 //! *anew*: nothing is known beforehand; *again*: the separating axis of the last time; *refused*: that axis still parts them.
 
+#![expect(
+    clippy::disallowed_methods,
+    reason = "`clippy.toml` is for the library"
+)]
+
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use drystone::collider::Polyhedron;
 use drystone::narrowphase::polyhedra::{Axis, Contact, Cuboid, Placement, Search, Solid, meet};

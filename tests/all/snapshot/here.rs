@@ -67,7 +67,7 @@ fn steps_that_are_taken_back_again_and_again() {
     steps(&mut world, 20);
     let push = |world: &mut World, step: usize| {
         let mut body = world.get_mut::<ExternalImpulse>(bodies[step % 20]).unwrap();
-        body.linear.z = if step % 3 == 0 { 40.0 } else { 0.0 };
+        body.linear.z = if step.is_multiple_of(3) { 40.0 } else { 0.0 };
     };
     let mut straight = Vec::new();
     let start = Snapshot::take(&world);

@@ -91,6 +91,10 @@
 #![deny(missing_debug_implementations)]
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
+#![cfg_attr(
+    test,
+    allow(clippy::disallowed_methods, reason = "tests compare with tolerances")
+)]
 #![expect(
     clippy::type_complexity,
     reason = "queries are tuples of the components that a system reads and writes"

@@ -14,7 +14,7 @@ use std::error::Error;
 const DISTANCES: [f32; 8] = [0.0, 1.0, 10.0, 30.0, 100.0, 200.0, 300.0, 1000.0];
 
 /// Angle of the wall about the vertical, rad.
-const TURN: f32 = 0.5236;
+const TURN: f32 = std::f32::consts::FRAC_PI_6;
 
 /// How long a wall stands, s.
 const TIME: f32 = 20.0;

@@ -1,6 +1,6 @@
 //! Snapshots: the whole state of a world, kept in memory and restored to the same bits.
 //!
-//! A [`Snapshot`] holds everything that is on the list of the [state](crate::state): bodies, contacts, joints, hands, and what the simulation
+//! A [`Snapshot`] holds everything that is on the list of the [state]: bodies, contacts, joints, hands, and what the simulation
 //! remembers of the last step. A world that is restored continues as it did, bitwise: awake or asleep, on any number of threads. So a game
 //! can go back in time, a client can predict and correct, and a test can repeat a step.
 //!

@@ -1,2 +1,0 @@
-#[path = "all/snapshot/mod.rs"]
-mod snapshot;

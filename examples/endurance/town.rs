@@ -5,14 +5,16 @@ use super::flat::{PARTS, Parts};
 use bevy_app::App;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
-use drystone::masonry::{Bond, Wall};
 use drystone::prelude::*;
-use drystone::streaming::spawn_asleep;
 use drystone_lab::play::Player;
+use drystone_lab::town;
 use std::error::Error;
 
 /// Bricks in a course, and courses.
 const WALL: [u32; 2] = [40, 25];
+
+/// Distance between the walls of a street, m. Balls come to rest between them.
+const APART: f32 = 6.0;
 
 /// Time between two visits of the player, s.
 const HOUR: f32 = 3600.0;
@@ -29,13 +31,9 @@ pub fn run(hours: f32, walls: u32) -> Result<(), Box<dyn Error>> {
     app.add_plugins(DrystonePlugins::default());
     let world = app.world_mut();
     world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
-    let bricks = build(world, walls)?;
+    let bricks = town::build(world, WALL, walls, APART)?;
     drystone::step(world, DT)?;
-    let town: EntityHashSet = world
-        .query::<EntityRef>()
-        .iter(world)
-        .map(|e| e.id())
-        .collect();
+    let town = bodies(world).into_iter().collect();
     let places: Vec<Pose> = poses(world, &bricks);
 
     println!("{} bricks, {hours} h\n", bricks.len());
@@ -56,31 +54,15 @@ pub fn run(hours: f32, walls: u32) -> Result<(), Box<dyn Error>> {
             }
             drystone::step(world, DT)?;
         }
-        let bodies = world.query::<&RigidBody>().iter(world).count();
-        parts.end(steps, bodies)?;
+        parts.end(steps, bodies(world).len())?;
     }
     compare(world, &bricks, &places)?;
     parts.are_flat()
 }
 
-/// Spawns walls asleep on a square, the first of them at the origin.
-fn build(world: &mut World, walls: u32) -> Result<Vec<Entity>, Box<dyn Error>> {
-    let wall = Wall {
-        length: WALL[0] as f32,
-        courses: WALL[1],
-        ..Wall::new(Bond::Running)
-    };
-    let blocks = wall.blocks()?;
-    let side = f64::from(walls).sqrt().ceil() as u32;
-    let town = (0..walls).flat_map(|i| {
-        let frame = Pose {
-            position: Vec3::new(50.0 * (i / side) as f32, 0.0, -6.0 * (i % side) as f32),
-            ..Pose::default()
-        };
-        let wall = blocks.iter().cloned();
-        wall.map(move |block| block.moved(&frame).bundle())
-    });
-    Ok(spawn_asleep(world, town))
+fn bodies(world: &mut World) -> Vec<Entity> {
+    let mut bodies = world.query_filtered::<Entity, With<RigidBody>>();
+    bodies.iter(world).collect()
 }
 
 fn poses(world: &World, bricks: &[Entity]) -> Vec<Pose> {
@@ -90,9 +72,8 @@ fn poses(world: &World, bricks: &[Entity]) -> Vec<Pose> {
 
 /// Removes all bodies that are not the town's.
 fn clear(world: &mut World, town: &EntityHashSet) {
-    let mut bodies = world.query_filtered::<Entity, With<RigidBody>>();
-    let brought: Vec<Entity> = bodies
-        .iter(world)
+    let brought: Vec<Entity> = bodies(world)
+        .into_iter()
         .filter(|body| !town.contains(body))
         .collect();
     for body in brought {

@@ -5,13 +5,13 @@
 
 use super::{Arguments, Site};
 use bevy_ecs::entity::Entity;
-use drystone::masonry::{Bond, Wall};
 use drystone::prelude::*;
 use drystone::settings::PhysicsThreads;
 use drystone::streaming;
 use drystone_lab::memory;
 use drystone_lab::play::{Script, Session};
 use drystone_lab::plots::{Canvas, bring_font};
+use drystone_lab::town;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::error::Error;
@@ -26,6 +26,9 @@ const TOWNS: [u32; 5] = [0, 1, 10, 100, 1000];
 /// Bricks in a course, and courses.
 const WALL: [u32; 2] = [40, 25];
 const SMALL: [u32; 2] = [10, 10];
+
+/// Distance between the walls of a street, m.
+const APART: f32 = 3.0;
 
 /// Names of the columns.
 const HEAD: &str = "bricks,spawn_ms,first_step_ms,later_steps_ms,kilobytes_a_brick,peak_kilobytes_a_brick,step_ms,ray_us,play_ms,play_p99_ms,play_longest_ms,play_awake,out_and_in_ms";
@@ -91,7 +94,7 @@ pub fn measure_one(walls: u32, arguments: &Arguments) -> Result<(), Box<dyn Erro
     let walls = walls.max(1);
     let mut site = Site::new(arguments.threads.unwrap_or(0), true)?;
     let start = Instant::now();
-    let bricks = build(&mut site, wall, walls)?;
+    let bricks = town::build(site.app.world_mut(), wall, walls, APART)?;
     let spawn = 1e3 * start.elapsed().as_secs_f64();
     let count = bricks.len() as f64;
     let first = site.step();
@@ -127,56 +130,6 @@ pub fn measure_one(walls: u32, arguments: &Arguments) -> Result<(), Box<dyn Erro
     let row: Vec<String> = row.iter().map(f64::to_string).collect();
     println!("{}", row.join(","));
     Ok(())
-}
-
-/// Spawns walls asleep on a square, the first of them at the origin.
-fn build(
-    site: &mut Site,
-    [columns, courses]: [u32; 2],
-    walls: u32,
-) -> Result<Vec<Entity>, Box<dyn Error>> {
-    let wall = Wall {
-        length: columns as f32,
-        courses,
-        ..Wall::new(Bond::Running)
-    };
-    let blocks = wall.blocks()?;
-    let side = f64::from(walls).sqrt().ceil() as u32;
-    let town = (0..walls).flat_map(|i| {
-        let (street, place) = (i / side, i % side);
-        let frame = Pose {
-            position: Vec3::new(50.0 * street as f32, 0.0, -3.0 * place as f32),
-            ..Pose::default()
-        };
-        let wall = blocks.iter().cloned();
-        wall.map(move |block| block.moved(&frame).bundle())
-    });
-    let count = blocks.len() * walls as usize;
-    let mut bricks = Vec::with_capacity(count);
-    bricks.extend(streaming::spawn_asleep(
-        site.app.world_mut(),
-        Counted { left: count, town },
-    ));
-    Ok(bricks)
-}
-
-/// An iterator of known length, so that the ECS makes room once.
-struct Counted<I> {
-    left: usize,
-    town: I,
-}
-
-impl<I: Iterator> Iterator for Counted<I> {
-    type Item = I::Item;
-
-    fn next(&mut self) -> Option<I::Item> {
-        self.left = self.left.saturating_sub(1);
-        self.town.next()
-    }
-
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        (self.left, Some(self.left))
-    }
 }
 
 /// The mean time of a ray through the first wall, µs.

@@ -25,6 +25,7 @@
 //! | [`report`] | the result of an experiment as JSON |
 //! | [`solvers`] | solvers from the literature, as baselines |
 //! | [`slopes`] | mixed bodies dropped on hills, and who of them does not come to rest |
+//! | [`town`] | many walls that stand asleep |
 //! | [`tilt`] | the slope at which a box slides, and at which a block and a column topple |
 //! | [`output`] | where an example writes |
 //! | `plots` | a canvas with a font, and legends |
@@ -54,3 +55,4 @@ pub mod scenes;
 pub mod slopes;
 pub mod solvers;
 pub mod tilt;
+pub mod town;

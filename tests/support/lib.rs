@@ -14,7 +14,9 @@ use drystone::collider::{Collider, Friction};
 use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::diagnosis::BodyError;
 use drystone::schedule::PhysicsSchedule;
-use drystone::settings::{Preset, SleepSettings, SolverSettings, StabilizationSettings};
+use drystone::settings::{
+    ContactSolver, Preset, SleepSettings, SolverSettings, StabilizationSettings,
+};
 use drystone::solver::Nncg;
 use glam::{Quat, Vec3};
 
@@ -62,13 +64,18 @@ impl Lab {
     /// The default settings with NNCG, which converges: to compare with closed forms, what counts is the model, not how
     /// many sweeps a game can afford. No sleeping; one substep, so that impulses are those of a whole step.
     pub fn exact(dt: f32) -> Self {
-        let mut lab = Self::shipped(dt);
         let solver = Nncg {
             iterations: 300,
             warm_start: 0.3,
             tolerance: 1e-6,
             ..Default::default()
         };
+        Self::solved_by(dt, solver)
+    }
+
+    /// As [`Self::shipped`], with another solver.
+    pub fn solved_by(dt: f32, solver: impl Into<ContactSolver>) -> Self {
+        let mut lab = Self::shipped(dt);
         lab.world.insert_resource(SolverSettings::new(solver));
         lab
     }

@@ -47,7 +47,6 @@ pub use tipping::*;
 pub use value::*;
 
 use crate::{Lab, narrow};
-use drystone::settings::SolverSettings;
 use drystone::solver::Pgs;
 
 /// A laboratory for steps of so many seconds.
@@ -55,15 +54,13 @@ pub type Settings = fn(f32) -> Lab;
 
 /// As [`Lab::exact`], with projected Gauss–Seidel.
 pub fn gauss_seidel(dt: f32) -> Lab {
-    let mut lab = Lab::shipped(dt);
     let solver = Pgs {
         iterations: 300,
         warm_start: 0.3,
         tolerance: 1e-6,
         ..Default::default()
     };
-    lab.world.insert_resource(SolverSettings::new(solver));
-    lab
+    Lab::solved_by(dt, solver)
 }
 
 /// The parameter between what holds and what gives way, as [`bisect`](crate::bisect) finds it. `None` if the first end does not hold or the

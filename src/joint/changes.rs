@@ -13,6 +13,7 @@ use super::{
 };
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
+use crate::mortar::MortarJoint;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
@@ -90,11 +91,21 @@ pub(crate) fn update(world: &mut World, joint: Entity) {
             detach(world, joint);
             world.entity_mut(joint).remove::<QuarantinedJoint>();
         }
+        Finding::Invalid(JointProblem::NotABody { entity })
+            if is_bond_of_despawned(world, joint, entity) =>
+        {
+            world.despawn(joint);
+        }
         Finding::Invalid(problem) => {
             detach(world, joint);
             report(world, joint, problem);
         }
     }
+}
+
+/// Returns true if the joint is a bond of mortar and the body was despawned. Drystone made the bond, so nobody else would despawn it.
+fn is_bond_of_despawned(world: &World, joint: Entity, body: Entity) -> bool {
+    world.get_entity(body).is_err() && world.entity(joint).contains::<MortarJoint>()
 }
 
 /// Finds out whether a joint can take part in the simulation.

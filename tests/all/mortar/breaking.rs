@@ -1,7 +1,9 @@
 //! What breaks, what is left, and what wakes.
 
 use super::*;
+use bevy_ecs::message::Messages;
 use drystone::body::{ExternalForce, Inactive, Sleeping};
+use drystone::joint::JointError;
 use drystone::masonry::{Bond, Wall};
 
 /// A cantilever at twice its limit breaks at its root alone, and falls in one piece.
@@ -142,6 +144,37 @@ fn a_hand_breaks_a_sleeping_cantilever() {
         .insert(Grab::gentle(3_000.0, Vec3::ZERO, down));
     lab.run(0.5);
     assert_eq!(broken(&mut lab)[0].body, all[0]);
+}
+
+/// Nobody else knows the bonds of a brick. If they stayed, each of them would be looked at in every step from then on.
+#[test]
+fn bricks_that_are_despawned_take_their_bonds_along() {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    lab.ground();
+    let bricks = Wall::new(Bond::Running).blocks().unwrap().into_iter();
+    let bricks: Vec<Entity> = bricks
+        .map(|brick| lab.spawn((brick.bundle(), Mortar::default())))
+        .collect();
+    lab.run(0.2);
+    let all = bonds(&mut lab);
+    for &brick in &bricks[10..] {
+        lab.world.despawn(brick);
+    }
+    lab.step();
+    let left = bonds(&mut lab);
+    assert!((1..all).contains(&left), "{left} of {all}");
+    let mut joints = lab.world.query::<&MortarJoint>();
+    for joint in joints.iter(&lab.world) {
+        let ends = [joint.body1, joint.body2];
+        let lives = |body: Option<Entity>| body.is_some_and(|it| lab.world.get_entity(it).is_ok());
+        assert!(ends.into_iter().all(lives));
+    }
+    for &brick in &bricks[..10] {
+        lab.world.despawn(brick);
+    }
+    lab.step();
+    assert_eq!(bonds(&mut lab), 0);
+    assert!(lab.world.resource::<Messages<JointError>>().is_empty());
 }
 
 /// The user despawns a bond: the bricks wake and are dry.

@@ -108,6 +108,8 @@ pub struct Materials {
     pub asleep: Handle<StandardMaterial>,
     /// See `asleep`.
     pub awake: Handle<StandardMaterial>,
+    /// Sleeping bodies that awake ones have touched, which wake if the forces on them change by some more.
+    pub touched: Handle<StandardMaterial>,
     /// The material of a ghost that could be laid; the next is that of one that could not.
     pub fits: Handle<StandardMaterial>,
     /// See `fits`.
@@ -138,6 +140,7 @@ impl FromWorld for Materials {
         let gives = plain(Color::srgb(0.98, 0.62, 0.10));
         let asleep = plain(Color::srgb(0.42, 0.48, 0.58));
         let awake = plain(Color::srgb(0.98, 0.80, 0.30));
+        let touched = plain(Color::srgb(0.25, 0.62, 0.88));
         let fits = plain(Color::srgba(0.35, 0.95, 0.45, 0.55));
         let blocked = plain(Color::srgba(0.98, 0.25, 0.20, 0.55));
         let tints = Finish::ALL.map(|finish| {
@@ -153,6 +156,7 @@ impl FromWorld for Materials {
             gives,
             asleep,
             awake,
+            touched,
             fits,
             blocked,
         }

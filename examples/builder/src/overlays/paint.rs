@@ -17,6 +17,30 @@ type Painted = (
     &'static mut MeshMaterial3d<StandardMaterial>,
 );
 
+/// Whether a dynamic body sleeps.
+#[derive(Clone, Copy)]
+enum Rest {
+    Awake,
+    /// It sleeps beside bodies that are awake or were, and wakes if the forces on it change by some more.
+    Touched,
+    Asleep,
+}
+
+impl Rest {
+    fn of(
+        kind: RigidBody,
+        index: BodyIndex,
+        sleeping: &Sleeping,
+        islands: &Islands,
+    ) -> Option<Self> {
+        (kind == RigidBody::Dynamic).then(|| match sleeping.asleep {
+            false => Self::Awake,
+            true if islands.has_open_account(index.0) => Self::Touched,
+            true => Self::Asleep,
+        })
+    }
+}
+
 /// Bodies that would fall have precedence over the chosen colours, and these over bodies that fail first.
 pub(super) fn paint(
     overlays: Res<Overlays>,
@@ -32,7 +56,18 @@ pub(super) fn paint(
         Paint::Loads => Some(format!("0 to {:.1} kN carried", 1e-3 * most)),
         Paint::Friction => Some("0 to all of the friction used".into()),
         Paint::Islands => Some("a colour for each island that is awake".into()),
-        Paint::Sleep => Some("grey sleeps, yellow is awake".into()),
+        Paint::Sleep => {
+            let mut counts = [0; 3];
+            for (_, kind, index, sleeping, ..) in &bodies {
+                if let Some(rest) = Rest::of(*kind, *index, sleeping, &islands) {
+                    counts[rest as usize] += 1;
+                }
+            }
+            let [awake, touched, asleep] = counts;
+            Some(format!(
+                "{awake} awake: yellow\n{touched} asleep that awake ones have touched: blue\n{asleep} others asleep: grey"
+            ))
+        }
         Paint::Own => None,
     };
     legend.set_if_neq(Legend(text));
@@ -51,8 +86,12 @@ pub(super) fn paint(
                     Some(island) => &materials.hues[island % materials.hues.len()],
                     None => &materials.asleep,
                 },
-                Paint::Sleep if sleeping.asleep => &materials.asleep,
-                Paint::Sleep if is_dynamic => &materials.awake,
+                Paint::Sleep => match Rest::of(*kind, *index, sleeping, &islands) {
+                    Some(Rest::Awake) => &materials.awake,
+                    Some(Rest::Touched) => &materials.touched,
+                    Some(Rest::Asleep) => &materials.asleep,
+                    None => &own.0,
+                },
                 Paint::Own if margins.moves(entity) => &materials.gives,
                 _ => &own.0,
             }

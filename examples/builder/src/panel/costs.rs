@@ -8,7 +8,8 @@ use drystone::prelude::*;
 /// Milliseconds of each stage, smoothed.
 #[derive(Resource, Default)]
 pub(super) struct Costs {
-    step: f32,
+    /// The whole step.
+    pub step: f32,
     stages: Vec<(&'static str, f32)>,
 }
 

@@ -64,6 +64,7 @@ struct Known<'w, 's> {
     comparison: Res<'w, Comparison>,
     supports: Supports<'w, 's>,
     bodies: Query<'w, 's, (&'static Load, &'static MassProperties, &'static Sleeping)>,
+    costs: Res<'w, costs::Costs>,
 }
 
 /// A value that is written only if it was changed, so that showing it does not trigger change detection.
@@ -251,6 +252,9 @@ fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {
                 scale(ui);
             }
             ui.small(text);
+        }
+        if overlays.paint == Paint::Sleep {
+            ui.small(format!("{:.2} ms a step", known.costs.step));
         }
         ui.horizontal_wrapped(|ui| {
             ui.toggle_value(&mut overlays.contacts, "contacts");

@@ -1,7 +1,7 @@
 //! Drystone beside other engines: the same scenes, each engine at its default settings, in the same run.
 //!
 //! ```text
-//! cargo run --release --manifest-path peers/Cargo.toml -- --scene wall:40x25 --scene stack:20 --steps 600
+//! cargo run --release --package drystone-peers -- --scene wall:40x25 --scene stack:20 --steps 600
 //! ```
 
 #![deny(unsafe_code)]

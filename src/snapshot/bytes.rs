@@ -11,7 +11,7 @@
 //! Ids of entities mean nothing elsewhere, so a snapshot from bytes is restored as one of another world. Revisions are new ones. Trees are built
 //! anew from their boxes: no result depends on their shape.
 
-use super::column::{Column, Marked, Replaced, Silent, Valueless};
+use super::column::{Column, Marked, Output, Replaced, Silent, Valueless};
 use super::error::SnapshotError;
 use super::layout::{Kinds, Layout, Run};
 use super::resource::{Code, Kept, Plain};
@@ -180,7 +180,7 @@ macro_rules! stored {
         }
     )+};
 }
-stored!(Marked, Silent, Replaced);
+stored!(Marked, Output, Silent, Replaced);
 
 impl<T: Clone + Default> Bytes for Column<T, Valueless> {
     fn encode(&self, _: &Layout, _: &mut Vec<u8>) -> Result<(), SnapshotError> {

@@ -11,7 +11,7 @@ use super::layout::{Layout, table_of};
 use super::no_bytes::Bytes;
 use super::renaming::Renaming;
 use super::target::{NOWHERE, Rows, Target};
-use bevy_ecs::change_detection::{ContiguousRef, Tick};
+use bevy_ecs::change_detection::{ContiguousMut, ContiguousRef, MAX_CHANGE_AGE, Tick};
 use bevy_ecs::component::{ComponentId, Components, Mutable, StorageType};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
@@ -30,7 +30,12 @@ const NONE: usize = usize::MAX;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Marked;
 
-/// A component that stages write without change detection.
+/// A component that stages write and users read: it is marked as changed if it differs, but stages do not take it for one that a user has
+/// added.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Output;
+
+/// A component that stages write without change detection: they take its ticks for edits by users.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Silent;
 
@@ -382,19 +387,32 @@ pub(super) trait Write {
 
 impl<T: Component<Mutability = Mutable> + Clone + PartialEq> Write for Column<T, Marked> {
     fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
-        self.write_in_place(world, target, to, |before, after| before != after);
+        let keep = |_: &mut ContiguousMut<T>, _| ();
+        self.write_in_place(world, target, to, |before, after| before != after, keep);
+    }
+}
+
+impl<T: Component<Mutability = Mutable> + Clone + PartialEq> Write for Column<T, Output> {
+    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
+        let age = |column: &mut ContiguousMut<T>, old| column.added_ticks_slice_mut().fill(old);
+        self.write_in_place(world, target, to, |before, after| before != after, age);
     }
 }
 
 impl<T: Component<Mutability = Mutable> + Clone> Write for Column<T, Silent> {
     fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
-        self.write_in_place(world, target, to, |_, _| false);
+        let age = |column: &mut ContiguousMut<T>, old| {
+            column.added_ticks_slice_mut().fill(old);
+            column.changed_ticks_slice_mut().fill(old);
+        };
+        self.write_in_place(world, target, to, |_, _| false, age);
     }
 }
 
 impl<T: Component<Mutability = Mutable> + Clone> Write for Column<T, Valueless> {
     fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
-        self.write_in_place(world, target, to, |_, _| false);
+        let keep = |_: &mut ContiguousMut<T>, _| ();
+        self.write_in_place(world, target, to, |_, _| false, keep);
     }
 }
 
@@ -421,14 +439,17 @@ impl<T: Component + Clone + PartialEq> Write for Column<T, Replaced> {
 }
 
 impl<T: Component<Mutability = Mutable> + Clone, How> Column<T, How> {
+    /// Writes the values. `age` may set the ticks of a table to one that is older than the last run of any system.
     fn write_in_place(
         &self,
         world: &mut World,
         target: &Target,
         to: &mut Renaming,
         differ: impl Fn(&T, &T) -> bool,
+        age: impl Fn(&mut ContiguousMut<T>, Tick),
     ) {
         let layout = target.layout;
+        let old = Tick::new(world.change_tick().get().wrapping_sub(MAX_CHANGE_AGE));
         let mut set = |value: &mut T, from: &T| {
             if to.is_nothing() {
                 let differs = differ(value, from);
@@ -445,6 +466,7 @@ impl<T: Component<Mutability = Mutable> + Clone, How> Column<T, How> {
         let mut changed: Vec<Entity> = Vec::new();
         let tables = query.contiguous_iter_mut(world);
         for (entities, mut column, _) in tables.expect("it is kept in tables") {
+            age(&mut column, old);
             let values = column.bypass_change_detection();
             match target.rows_of(entities) {
                 Some(&Rows::Run(run)) => {

@@ -70,7 +70,7 @@ use bevy_ecs::component::Mutable;
 use bevy_ecs::entity::{Entity, EntityHashMap, SceneEntityMapper};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::WorldId;
-use column::{AnyColumn, Column, Marked, On, Replaced, Silent, Valueless};
+use column::{AnyColumn, Column, Marked, On, Output, Replaced, Silent, Valueless};
 use layout::{KnownKinds, Layout, own_tables};
 use renaming::Renaming;
 use resource::{AnyResource, Code, Kept, Plain};
@@ -258,6 +258,10 @@ struct List {
 impl Visitor for List {
     fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
         self.columns.push(Box::new(Column::<T, Marked>::default()));
+    }
+
+    fn output<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
+        self.columns.push(Box::new(Column::<T, Output>::default()));
     }
 
     fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {

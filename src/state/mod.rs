@@ -58,7 +58,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     body::visit(visitor);
     list!(internal: Inactive);
     list!(component: Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
-    list!(component: CollidingEntities, ContactForceEvents, Load, Watch, Stands);
+    list!(component: CollidingEntities, ContactForceEvents, Watch, Stands);
+    list!(output: Load);
     // Colliders.
     list!(component: ColliderOf, ImplicitBody, Sensor, SensorOverlaps);
     // Entities of a scene that was just loaded.

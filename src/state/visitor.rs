@@ -23,6 +23,11 @@ pub trait Visitor {
     /// A component that is part of the state, and that users may read and write.
     fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self);
 
+    /// A component that is part of the state, that stages write, and that users add and read.
+    fn output<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
+        self.component::<T>();
+    }
+
     /// A component that is part of the state, and that stages write without change detection.
     fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self);
 

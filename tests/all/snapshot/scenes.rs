@@ -302,7 +302,6 @@ fn a_collapse_that_is_watched() {
 }
 
 #[test]
-#[ignore = "in the first step elsewhere, the load of a sleeping brick beside those that were taken differs"]
 fn a_collapse_goes_on_elsewhere() {
     let (snapshot, shown) = goes_on_again_here("collapse", &mut undermined(), NOTHING);
     goes_on_elsewhere("collapse", (&snapshot, &shown), NOTHING);

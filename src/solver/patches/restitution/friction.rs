@@ -51,29 +51,26 @@ impl Friction {
         at(a, self.arms[0]) - at(b, self.arms[1])
     }
 
-    /// Slows the slip as far as the cone allows. `bounce` is the normal impulse that the bounce has added so far, N·s. Returns the change of
-    /// velocity, m/s.
-    pub fn slow(&mut self, bounce: f32, bodies: &mut [Body]) -> f32 {
+    /// Slows the slip as far as the cone allows. `bounce` is the normal impulse that the bounce adds, N·s.
+    pub fn slow(&mut self, bounce: f32, bodies: &mut [Body]) {
         let ends = self.bodies.map(|body| &bodies[body]);
         let velocity = self.velocity(ends.map(|end| [end.linear, end.angular])) - self.demanded;
         let slip = velocity.reject_from_normalized(self.normal);
         let Some(direction) = slip.try_normalize() else {
-            return 0.0;
+            return;
         };
         let responses = [0, 1].map(|i| ends[i].response(direction, self.arms[i]));
         let response = responses[0] + responses[1];
         if response <= 0.0 {
-            return 0.0;
+            return;
         }
         // What the substeps have given stays within the cone whatever the bounce adds, so a bounce that takes impulses off gives nothing back.
         let most = self.coefficient * (self.normal_impulse + bounce.max(0.0));
         let most = most.max(self.tangential.length());
-        let all = self.tangential + self.impulse - slip / response;
+        let all = self.tangential - slip / response;
         let found = all.clamp_length_max(most) - self.tangential;
-        let given = found - self.impulse;
         self.impulse = found;
-        bodies[self.bodies[0]].apply(given, self.arms[0]);
-        bodies[self.bodies[1]].apply(-given, self.arms[1]);
-        given.length() * response
+        bodies[self.bodies[0]].apply(found, self.arms[0]);
+        bodies[self.bodies[1]].apply(-found, self.arms[1]);
     }
 }

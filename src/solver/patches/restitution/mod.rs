@@ -14,7 +14,7 @@ use crate::solver::{Body, PatchPoint, PatchProblem};
 use friction::Friction;
 use glam::{DVec3, Vec3};
 
-/// Upper bound of visits to all points of a group.
+/// Upper bound of visits to all points of a group in a row.
 const VISITS: usize = 50;
 
 /// Visits end when none has changed a velocity by more than this share of the fastest bounce.
@@ -207,21 +207,15 @@ fn throw(
     for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
         throw_together(patch, points, bodies);
     }
-    for _ in 0..VISITS {
-        let mut change = 0.0f32;
-        for row in group.iter_mut() {
-            let missing = row.leave - row.speed(bodies);
-            let given = row.give(missing / row.response, bodies);
-            change = change.max(given.abs() * row.response);
-        }
-        for friction in frictions.iter_mut() {
-            let rows = group.iter().filter(|row| row.patch == friction.patch);
-            let bounce = rows.map(|row| row.impulse).sum();
-            change = change.max(friction.slow(bounce, bodies));
-        }
-        if change < SETTLED * fastest {
-            break;
-        }
+    settle(group, bodies, fastest);
+    // Once, because friction that is sought together with normal impulses need not converge.
+    for friction in frictions.iter_mut() {
+        let rows = group.iter().filter(|row| row.patch == friction.patch);
+        let bounce = rows.map(|row| row.impulse).sum();
+        friction.slow(bounce, bodies);
+    }
+    if !frictions.is_empty() {
+        settle(group, bodies, fastest);
     }
     let share = affordable(group, frictions, bodies, (&ends, &before), pushes);
     if share < 1.0 {
@@ -235,6 +229,21 @@ fn throw(
         }
         for friction in frictions {
             friction.impulse *= share;
+        }
+    }
+}
+
+/// Finds normal impulses with which the points of a group leave as they should. `fastest` is the speed of the fastest, m/s.
+fn settle(group: &mut [Row], bodies: &mut [Body], fastest: f32) {
+    for _ in 0..VISITS {
+        let mut change = 0.0f32;
+        for row in group.iter_mut() {
+            let missing = row.leave - row.speed(bodies);
+            let given = row.give(missing / row.response, bodies);
+            change = change.max(given.abs() * row.response);
+        }
+        if change < SETTLED * fastest {
+            break;
         }
     }
 }

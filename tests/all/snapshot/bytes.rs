@@ -57,6 +57,45 @@ fn shapes_that_many_bodies_share_go_on_from_bytes() {
     goes_on_from_bytes("hulls", &mut world);
 }
 
+/// A wall that sleeps, at which a brick is pushed, another spawned, and another despawned.
+#[test]
+fn a_difference_takes_what_has_changed() {
+    let (mut world, bricks) = scene("wall:12x8");
+    steps(&mut world, 300);
+    let mut earlier = Snapshot::take(&world);
+    let whole = earlier.to_bytes().unwrap();
+    let mut read = Snapshot::from_bytes(&whole).unwrap();
+    let nothing = Snapshot::take(&world).to_bytes_after(&earlier).unwrap();
+    println!("{} bytes, {} if nothing changes", whole.len(), nothing.len());
+    assert!(20 * nothing.len() < whole.len());
+    for step in 0..6 {
+        match step {
+            1 => world.get_mut::<Velocity>(bricks[40]).unwrap().linear.z = 0.5,
+            3 => _ = body(&mut world, Collider::cuboid(1.0, 0.5, 0.5), 9.0, 0.25, ()),
+            4 => _ = world.despawn(bricks[90]),
+            _ => (),
+        }
+        steps(&mut world, 1);
+        let now = Snapshot::take(&world);
+        let bytes = now.to_bytes_after(&earlier).unwrap();
+        println!("step {step}: {} bytes", bytes.len());
+        assert!(3 * bytes.len() < whole.len(), "{}", bytes.len());
+        // Another snapshot than the one before gives an error, not another state.
+        if step > 0 {
+            let error = Snapshot::from_bytes_after(&bytes, &Snapshot::from_bytes(&whole).unwrap());
+            assert_eq!(error.unwrap_err(), SnapshotError::OtherEarlier, "{step}");
+        }
+        read = Snapshot::from_bytes_after(&bytes, &read).unwrap();
+        assert_eq!(read.to_bytes().unwrap(), now.to_bytes().unwrap(), "{step}");
+        earlier = now;
+    }
+    let mut other = floor();
+    let map = read.restore(&mut other).unwrap();
+    let first = go_on(&mut world, NOTHING, &|entity| entity);
+    let again = go_on(&mut other, NOTHING, &|entity| map[&entity]);
+    assert_same("differences", &first, &again);
+}
+
 /// Every byte that is changed, and every byte that is missing, is noticed. The world stays as it was.
 #[test]
 fn damaged_and_foreign_bytes_are_errors() {

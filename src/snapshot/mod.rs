@@ -46,6 +46,11 @@
 //! Values are copied a table of the ECS at a time. [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the
 //! allocations. A component is marked as changed only if its value differs, or if you had written it after the last step. The first step after a restore
 //! derives the problems of islands anew; the result is bitwise equal.
+//!
+//! # Bytes
+//!
+//! With the feature `serde`, `Snapshot::to_bytes` writes a snapshot to bytes, and `to_bytes_after` what differs from an earlier one: of a structure of which
+//! little moves, that is little.
 
 #[cfg(feature = "serde")]
 mod bytes;

@@ -51,7 +51,7 @@ pub(super) struct Valueless;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Edit {
-    row: usize,
+    pub row: usize,
     /// Whether the component was added.
     added: bool,
 }
@@ -62,9 +62,9 @@ pub(super) struct Column<T, How> {
     values: Vec<T>,
     /// By run: the index of its first value.
     starts: Vec<usize>,
-    edits: Vec<Edit>,
+    pub edits: Vec<Edit>,
     /// Those of a component that is not kept in tables. Only markers are.
-    sparse: Vec<(Entity, T)>,
+    pub sparse: Vec<(Entity, T)>,
     how: PhantomData<How>,
 }
 
@@ -192,19 +192,6 @@ impl<T: Clone, How> Column<T, How> {
             }
         }
         Ok(())
-    }
-
-    /// The edits, and the values that are not kept in tables.
-    pub fn besides(&self) -> (&[Edit], &[(Entity, T)]) {
-        (&self.edits, &self.sparse)
-    }
-
-    /// Sets what [`besides`](Self::besides) returns. Returns false if it does not fit.
-    pub fn set_besides(&mut self, layout: &Layout, of: (Vec<Edit>, Vec<(Entity, T)>)) -> bool {
-        (self.edits, self.sparse) = of;
-        self.edits
-            .iter()
-            .all(|edit| edit.row < layout.entities.len())
     }
 }
 

@@ -60,11 +60,8 @@ pub(super) trait AnyResource: Any + Debug + Send + Sync {
 
     /// Takes the resource from the front of bytes.
     #[cfg(feature = "serde")]
-    fn decode(
-        &mut self,
-        earlier: &dyn AnyResource,
-        from: &mut Reader,
-    ) -> Result<(), SnapshotError>;
+    fn decode(&mut self, earlier: &dyn AnyResource, from: &mut Reader)
+    -> Result<(), SnapshotError>;
 }
 
 impl<T, Kind> AnyResource for Kept<T, Kind>

@@ -2,7 +2,7 @@
 
 /// FNV-1a of 64 bits. It finds every change of one byte, because each of its steps can be undone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Checksum(u64);
+pub(in super::super) struct Checksum(u64);
 
 impl Default for Checksum {
     fn default() -> Self {

@@ -18,7 +18,7 @@ mod stream;
 pub(super) use earlier::Earlier;
 pub(super) use stream::{Reader, Writer};
 
-use super::column::{Column, Marked, Output, Replaced, Silent, Valueless};
+use super::column::{Column, Edit, Marked, Output, Replaced, Silent, Valueless};
 use super::error::SnapshotError;
 use super::layout::{Kinds, Layout, Run};
 use super::resource::{Code, Kept, Plain};
@@ -97,11 +97,15 @@ impl Snapshot {
         if version != VERSION {
             return Err(SnapshotError::Version(format!("format {version}")));
         }
-        let (sum, rest) = rest.split_first_chunk::<8>().ok_or(SnapshotError::Damaged)?;
+        let (sum, rest) = rest
+            .split_first_chunk::<8>()
+            .ok_or(SnapshotError::Damaged)?;
         if *sum != Checksum::of(rest).to_bytes() {
             return Err(SnapshotError::Damaged);
         }
-        let (sum, rest) = rest.split_first_chunk::<8>().ok_or(SnapshotError::Damaged)?;
+        let (sum, rest) = rest
+            .split_first_chunk::<8>()
+            .ok_or(SnapshotError::Damaged)?;
         let values = lz4_flex::decompress_size_prepended(rest);
         let values = values.map_err(|_| SnapshotError::Damaged)?;
         let mut from = Reader::new(&values);
@@ -194,7 +198,7 @@ pub(super) trait Bytes {
 
 macro_rules! stored {
     ($($How:ty),+) => {$(
-        impl<T: Stored> Bytes for Column<T, $How> {
+        impl<T: Stored + 'static> Bytes for Column<T, $How> {
             fn encode(&self, layout: &Layout, earlier: Earlier, to: &mut Writer) -> Result<(), SnapshotError> {
                 let name = std::any::type_name::<T>();
                 let old = earlier.column::<Self>();
@@ -202,7 +206,8 @@ macro_rules! stored {
                     let old = earlier.row(row).and_then(|(layout, row)| old.value_of(layout, row));
                     to.put(value, old, name)?;
                 }
-                to.put(&self.besides(), Some(&old.besides()), name)
+                to.put(&self.edits, Some(&old.edits), name)?;
+                to.put(&self.sparse, Some(&old.sparse), name)
             }
 
             fn decode(
@@ -218,8 +223,10 @@ macro_rules! stored {
                     let old = earlier.row(row).and_then(|(layout, row)| old.value_of(layout, row));
                     from.take(old, name)
                 })?;
-                let besides = from.take(Some(&old.besides().to_owned()), name)?;
-                match self.set_besides(layout, besides) {
+                self.edits = from.take(Some(&old.edits), name)?;
+                self.sparse = from.take(Some(&old.sparse), name)?;
+                let is_row = |edit: &Edit| edit.row < layout.entities.len();
+                match self.edits.iter().all(is_row) {
                     true => Ok(()),
                     false => Err(SnapshotError::Damaged),
                 }

@@ -66,7 +66,11 @@ fn a_difference_takes_what_has_changed() {
     let whole = earlier.to_bytes().unwrap();
     let mut read = Snapshot::from_bytes(&whole).unwrap();
     let nothing = Snapshot::take(&world).to_bytes_after(&earlier).unwrap();
-    println!("{} bytes, {} if nothing changes", whole.len(), nothing.len());
+    println!(
+        "{} bytes, {} if nothing changes",
+        whole.len(),
+        nothing.len()
+    );
     assert!(20 * nothing.len() < whole.len());
     for step in 0..6 {
         match step {

@@ -282,6 +282,10 @@ pub struct BodyTable {
     /// their [dominance](super::Dominance) have changed.
     pub(crate) solved_anew: Vec<u32>,
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted")
+    )]
     not_colliding: HashMap<[u32; 2], u32>,
     /// The properties of the body that was added last.
     #[cfg_attr(feature = "serde", serde(with = "crate::state::written::maybe_shared"))]

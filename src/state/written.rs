@@ -135,3 +135,32 @@ pub(crate) mod tree {
         Ok(Bvh::from_iter(BvhBuildStrategy::Binned, leaves))
     }
 }
+
+/// A map, in the order of its keys: that of a hash map depends on its history, and equal states must give equal bytes.
+pub(crate) fn sorted<K, V, H, S>(
+    map: &bevy_platform::collections::HashMap<K, V, H>,
+    to: S,
+) -> Result<S::Ok, S::Error>
+where
+    K: serde::Serialize + Ord,
+    V: serde::Serialize,
+    S: serde::Serializer,
+{
+    let mut entries: Vec<(&K, &V)> = map.iter().collect();
+    entries.sort_unstable_by_key(|&(key, _)| key);
+    to.collect_map(entries)
+}
+
+/// A set, in order; see [`sorted`].
+pub(crate) fn sorted_set<K, H, S>(
+    set: &bevy_platform::collections::HashSet<K, H>,
+    to: S,
+) -> Result<S::Ok, S::Error>
+where
+    K: serde::Serialize + Ord,
+    S: serde::Serializer,
+{
+    let mut entries: Vec<&K> = set.iter().collect();
+    entries.sort_unstable();
+    to.collect_seq(entries)
+}

@@ -1,0 +1,34 @@
+//! One game that is rolled back in every frame: whether each frame ends with the same bits again, and how long that takes.
+
+use crate::input::{Input, PLAYERS};
+use crate::machine::{Machine, Net};
+use crate::player::WINDOW;
+use crate::rollback::Rollback;
+use ggrs::{Frame, GgrsError, SessionBuilder};
+
+/// Plays so many frames. From the tenth on, each begins with a rollback of [`WINDOW`] frames, whose checksums are compared with those of
+/// the first time.
+///
+/// # Errors
+/// [`GgrsError::MismatchedChecksum`] if they differ.
+pub fn sync_test<G: Rollback>(
+    game: G,
+    frames: Frame,
+    inputs: impl Fn(Frame) -> [Input; PLAYERS],
+) -> Result<Machine<G>, GgrsError> {
+    // `ggrs` wants a window that is larger than the distance.
+    let window = WINDOW + 1;
+    let mut session = SessionBuilder::<Net>::new()
+        .with_num_players(PLAYERS)?
+        .with_max_prediction_window(window)
+        .with_check_distance(WINDOW)
+        .start_synctest_session()?;
+    let mut machine = Machine::new(game, window);
+    for frame in 0..frames {
+        for (player, input) in inputs(frame).into_iter().enumerate() {
+            session.add_local_input(player, input)?;
+        }
+        machine.fulfil(session.advance_frame()?);
+    }
+    Ok(machine)
+}

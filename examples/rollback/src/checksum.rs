@@ -13,12 +13,17 @@ impl Fnv {
     }
 }
 
-type Row = (SpawnOrder, Pose, Velocity);
+type Row = (SpawnOrder, Pose, Velocity, Sleeping);
 
 /// Computes the hash. It keeps the query and a list from one time to the next.
 #[derive(Debug)]
 pub struct Checksum {
-    bodies: QueryState<(&'static SpawnOrder, &'static Pose, &'static Velocity)>,
+    bodies: QueryState<(
+        &'static SpawnOrder,
+        &'static Pose,
+        &'static Velocity,
+        &'static Sleeping,
+    )>,
     rows: Vec<Row>,
 }
 
@@ -31,7 +36,9 @@ impl Checksum {
         }
     }
 
-    /// The hash of the bits of pose and velocity of every body.
+    /// The hash of the bits of pose and velocity of every body, and of how long it has been still.
+    ///
+    /// The last is not seen, but a difference in it becomes one in the poses later.
     ///
     /// Bodies are taken by their [`SpawnOrder`]. The order of a query depends on the history of the world, and an `Entity` means nothing in
     /// the world of another player.
@@ -39,13 +46,15 @@ impl Checksum {
         self.rows.clear();
         let bodies = self.bodies.iter(world);
         self.rows
-            .extend(bodies.map(|(&order, &pose, &velocity)| (order, pose, velocity)));
+            .extend(bodies.map(|(&order, &pose, &velocity, &rest)| (order, pose, velocity, rest)));
         self.rows.sort_unstable_by_key(|row| row.0);
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        for (order, pose, velocity) in &self.rows {
+        for (order, pose, velocity, rest) in &self.rows {
             hash.add(order.0);
+            hash.add(rest.asleep.into());
             let vectors = [pose.position, velocity.linear, velocity.angular];
             let numbers = vectors.iter().flat_map(|vector| vector.to_array());
+            let numbers = numbers.chain([rest.still_for]);
             for number in numbers.chain(pose.rotation.to_array()) {
                 hash.add(number.to_bits().into());
             }

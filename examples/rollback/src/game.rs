@@ -24,7 +24,7 @@ const SPEED: f32 = 15.0;
 const DISTANCE: f32 = 6.0;
 
 /// Frames after which a ball is despawned.
-const LIFE: u64 = 180;
+const LIFE: u64 = 120;
 
 /// Height above its support at which a brick is laid, m.
 const DROP: f32 = 0.01;

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Two players build and shoot one wall of 1 012 bricks over a bad connection, with rollback. Fails if their worlds differ.
 #[derive(Parser)]
 struct Arguments {
-    /// Rolls one game back by 8 frames in every frame instead, awake, asleep and played on, and prints how long that takes.
+    /// Rolls one game back by 8 frames in every frame instead, at rest and played on, and prints how long that takes.
     #[arg(long)]
     sync_test: bool,
     /// How long is played, s of simulated time.

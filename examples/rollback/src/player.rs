@@ -11,13 +11,18 @@ use std::net::SocketAddr;
 use std::rc::Rc;
 use std::time::Duration;
 
+/// Frames of the longest rollback. Eight frames are 133 ms.
+pub const LONGEST: usize = 8;
+
 /// Frames that a player may be ahead of the last input it has of the other. Beyond that it waits.
-pub const WINDOW: usize = 8;
+///
+/// `ggrs` never rolls back the first frame of the window: its inputs are known.
+pub const WINDOW: usize = LONGEST + 1;
 
 /// Frames between the moment in which a player acts and the frame in which it takes effect.
 ///
-/// A frame is not felt, and makes every rollback one frame shorter.
-pub const INPUT_DELAY: usize = 1;
+/// Two frames are hardly felt, and make every rollback two frames shorter. With fewer, players would wait often on this connection.
+pub const INPUT_DELAY: usize = 2;
 
 /// Frames between two checksums that the players compare.
 const CHECK: u32 = 10;

@@ -61,7 +61,7 @@ impl fmt::Display for Outcome {
             let share = 100.0 * traffic.lost as f64 / traffic.packets.max(1) as f64;
             writeln!(
                 f,
-                "player {number}: {} packets sent, {} lost ({share:.1} %), {} bytes a packet; waited in {} of {} frames; frame {} has the checksum {:016x}",
+                "player {number}: {} packets sent, {} lost ({share:.1} %), {} bytes a packet; waited {} times in {} frames; frame {} has the checksum {:016x}",
                 traffic.packets,
                 traffic.lost,
                 traffic.bytes / traffic.packets.max(1),

@@ -16,6 +16,6 @@ pub trait Rollback {
     /// Takes one step with the inputs of all players.
     fn advance(&mut self, inputs: [Input; PLAYERS]);
 
-    /// A hash of the state. It differs if anything differs that the players would see.
+    /// A hash of the state. It differs if anything differs that the players see, or will see.
     fn checksum(&mut self) -> u64;
 }

@@ -2,11 +2,11 @@
 
 use crate::input::{Input, PLAYERS};
 use crate::machine::{Machine, Net};
-use crate::player::WINDOW;
+use crate::player::{LONGEST, WINDOW};
 use crate::rollback::Rollback;
 use ggrs::{Frame, GgrsError, SessionBuilder};
 
-/// Plays so many frames. From the tenth on, each begins with a rollback of [`WINDOW`] frames, whose checksums are compared with those of
+/// Plays so many frames. From the tenth on, each begins with a rollback of [`LONGEST`] frames, whose checksums are compared with those of
 /// the first time.
 ///
 /// # Errors
@@ -16,14 +16,12 @@ pub fn sync_test<G: Rollback>(
     frames: Frame,
     inputs: impl Fn(Frame) -> [Input; PLAYERS],
 ) -> Result<Machine<G>, GgrsError> {
-    // `ggrs` wants a window that is larger than the distance.
-    let window = WINDOW + 1;
     let mut session = SessionBuilder::<Net>::new()
         .with_num_players(PLAYERS)?
-        .with_max_prediction_window(window)
-        .with_check_distance(WINDOW)
+        .with_max_prediction_window(WINDOW)
+        .with_check_distance(LONGEST)
         .start_synctest_session()?;
-    let mut machine = Machine::new(game, window);
+    let mut machine = Machine::new(game, WINDOW);
     for frame in 0..frames {
         for (player, input) in inputs(frame).into_iter().enumerate() {
             session.add_local_input(player, input)?;

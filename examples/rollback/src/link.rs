@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// How bad the connection is, one way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weather {
+pub struct Conditions {
     /// Time that every packet takes.
     pub delay: Duration,
     /// The most that a packet takes longer than that. Packets overtake each other.
@@ -20,7 +20,7 @@ pub struct Weather {
 }
 
 /// 100 ms of delay, 20 ms of jitter, 5 % of loss.
-impl Default for Weather {
+impl Default for Conditions {
     fn default() -> Self {
         Self {
             delay: Duration::from_millis(100),
@@ -54,7 +54,7 @@ struct Packet {
 pub struct BadLink {
     socket: UdpSocket,
     clock: Clock,
-    weather: Weather,
+    conditions: Conditions,
     rng: fastrand::Rng,
     held: Vec<Packet>,
     /// The session owns the link, so others read its counters here.
@@ -69,13 +69,13 @@ impl BadLink {
     ///
     /// # Errors
     /// If the system gives no socket.
-    pub fn open(clock: Clock, weather: Weather, seed: u64) -> io::Result<Self> {
+    pub fn open(clock: Clock, conditions: Conditions, seed: u64) -> io::Result<Self> {
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))?;
         socket.set_nonblocking(true)?;
         Ok(Self {
             socket,
             clock,
-            weather,
+            conditions,
             rng: fastrand::Rng::with_seed(seed),
             held: Vec::new(),
             traffic: Rc::default(),
@@ -121,8 +121,8 @@ impl BadLink {
 impl NonBlockingSocket<SocketAddr> for BadLink {
     fn send_to(&mut self, message: &Message, to: &SocketAddr) {
         let bytes = bincode::serialize(message).expect("messages can be written");
-        let is_lost = self.rng.f32() < self.weather.loss;
-        let late = self.weather.jitter.mul_f32(self.rng.f32());
+        let is_lost = self.rng.f32() < self.conditions.loss;
+        let late = self.conditions.jitter.mul_f32(self.rng.f32());
         self.count(|traffic| {
             traffic.packets += 1;
             traffic.bytes += bytes.len();
@@ -130,7 +130,7 @@ impl NonBlockingSocket<SocketAddr> for BadLink {
             traffic.under_way += usize::from(!is_lost);
         });
         if !is_lost {
-            let due = self.clock.now() + self.weather.delay + late;
+            let due = self.clock.now() + self.conditions.delay + late;
             let to = *to;
             self.held.push(Packet { due, bytes, to });
         }

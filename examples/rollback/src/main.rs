@@ -4,7 +4,7 @@ use clap::Parser;
 use drystone_rollback::duel::Duel;
 use drystone_rollback::game::{Setup, WallGame};
 use drystone_rollback::input::Input;
-use drystone_rollback::link::Weather;
+use drystone_rollback::link::Conditions;
 use drystone_rollback::report::{HEAD, Times};
 use drystone_rollback::script::Script;
 use drystone_rollback::sync_test::sync_test;
@@ -52,7 +52,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 fn play(frames: Frame, arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let duel = Duel {
         frames,
-        weather: Weather {
+        conditions: Conditions {
             delay: Duration::from_millis(arguments.delay),
             jitter: Duration::from_millis(arguments.jitter),
             loss: arguments.loss,
@@ -84,9 +84,9 @@ fn test(frames: Frame, seed: u64) -> Result<bool, Box<dyn Error>> {
             false => [Input::default(); 2],
         };
         match sync_test(WallGame::new(setup), frames, inputs) {
-            Ok(mut machine) => {
-                let [awake, all] = machine.game.awake();
-                let times = Times::of(&machine.rollbacks);
+            Ok(mut driver) => {
+                let [awake, all] = driver.game.awake();
+                let times = Times::of(&driver.rollbacks);
                 println!("| {name}: {awake} of {all} awake at the end | {times} |");
             }
             Err(error @ GgrsError::MismatchedChecksum { .. }) => {

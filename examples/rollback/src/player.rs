@@ -1,8 +1,8 @@
 //! One player: a session of `ggrs` and a game.
 
+use crate::driver::{Driver, Net};
 use crate::input::PLAYERS;
 use crate::link::{BadLink, Traffic};
-use crate::machine::{Machine, Net};
 use crate::rollback::Rollback;
 use crate::script::Script;
 use ggrs::{DesyncDetection, Frame, GgrsError, GgrsEvent, P2PSession, PlayerType, SessionBuilder};
@@ -44,7 +44,7 @@ pub struct Desync {
 /// A player.
 pub struct Player<G: Rollback> {
     /// The game.
-    pub machine: Machine<G>,
+    pub driver: Driver<G>,
     /// Number of ticks in which it waited for the other, since the game began.
     pub waited: usize,
     /// The first difference that `ggrs` has reported.
@@ -80,7 +80,7 @@ impl<G: Rollback> Player<G> {
             builder = builder.add_player(place, handle)?;
         }
         Ok(Self {
-            machine: Machine::new(game, WINDOW),
+            driver: Driver::new(game, WINDOW),
             waited: 0,
             desync: None,
             session: builder.start_p2p_session(link)?,
@@ -94,16 +94,16 @@ impl<G: Rollback> Player<G> {
     /// # Errors
     /// If the other player is gone, or `ggrs` refuses something.
     pub fn tick(&mut self, script: &Script) -> Result<bool, GgrsError> {
-        let before = self.machine.frame();
+        let before = self.driver.frame();
         let input = script.pressed(self.number, before);
         self.session.add_local_input(self.number, input)?;
         match self.session.advance_frame() {
-            Ok(requests) => self.machine.fulfil(requests),
+            Ok(requests) => self.driver.fulfil(requests),
             Err(GgrsError::NotSynchronized) => return Ok(false),
             Err(GgrsError::PredictionThreshold) => (),
             Err(error) => return Err(error),
         }
-        let has_advanced = self.machine.frame() > before;
+        let has_advanced = self.driver.frame() > before;
         self.waited += usize::from(!has_advanced);
         self.read_events()?;
         Ok(has_advanced)

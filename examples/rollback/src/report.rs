@@ -1,7 +1,7 @@
 //! What is printed.
 
+use crate::driver::RolledBack;
 use crate::duel::Outcome;
-use crate::machine::RolledBack;
 use std::fmt;
 use std::time::Duration;
 
@@ -71,7 +71,7 @@ impl fmt::Display for Outcome {
                 player.checksum,
             )?;
         }
-        writeln!(f, "straight on: {:016x}", self.straight)?;
+        writeln!(f, "without network and rollbacks: {:016x}", self.reference)?;
         for (number, player) in self.players.iter().enumerate() {
             if let Some(desync) = player.desync {
                 let frame = desync.frame;
@@ -83,7 +83,7 @@ impl fmt::Display for Outcome {
         }
         match self.differs {
             Some(frame) => write!(f, "DESYNC: the players differ from frame {frame} on"),
-            None if !self.is_in_sync() => write!(f, "DESYNC: the game played straight on differs"),
+            None if !self.is_in_sync() => write!(f, "DESYNC: the game without rollbacks differs"),
             None => write!(f, "in sync: all checksums of both players are equal"),
         }
     }

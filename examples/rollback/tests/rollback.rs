@@ -6,7 +6,7 @@ use drystone::prelude::*;
 use drystone_rollback::duel::{Duel, Outcome};
 use drystone_rollback::game::{SavedWall, Setup, WallGame};
 use drystone_rollback::input::{Action, Input, PLAYERS};
-use drystone_rollback::link::Weather;
+use drystone_rollback::link::Conditions;
 use drystone_rollback::player::LONGEST;
 use drystone_rollback::rollback::Rollback;
 use drystone_rollback::script::Script;
@@ -23,7 +23,7 @@ const SETUP: Setup = Setup {
 
 const DUEL: Duel = Duel {
     frames: 120,
-    weather: Weather {
+    conditions: Conditions {
         delay: std::time::Duration::from_millis(100),
         jitter: std::time::Duration::from_millis(20),
         loss: 0.05,
@@ -116,15 +116,15 @@ fn duel(duel: Duel, lose: fn(&mut World)) -> Outcome {
 fn a_game_that_is_rolled_back_in_every_frame() {
     const FRAMES: Frame = 100;
     let game = WallGame::new(SETUP);
-    let mut machine = sync_test(game, FRAMES, |frame| SCRIPT.inputs(frame)).unwrap();
-    assert_eq!(machine.rollbacks.len(), FRAMES as usize - LONGEST - 1);
+    let mut driver = sync_test(game, FRAMES, |frame| SCRIPT.inputs(frame)).unwrap();
+    assert_eq!(driver.rollbacks.len(), FRAMES as usize - LONGEST - 1);
     assert!(
-        machine
+        driver
             .rollbacks
             .iter()
             .all(|back| back.frames == LONGEST as Frame)
     );
-    let [_, bodies] = machine.game.awake();
+    let [_, bodies] = driver.game.awake();
     let [_, before] = WallGame::new(SETUP).awake();
     assert!(bodies > before + 2, "{bodies} bodies, {before} before");
 }
@@ -137,8 +137,8 @@ fn balls_that_were_despawned_come_back() {
         2 | 5 => [shoot; PLAYERS],
         _ => [Input::default(); PLAYERS],
     };
-    let mut machine = sync_test(WallGame::new(SETUP), 140, inputs).unwrap();
-    let [_, bodies] = machine.game.awake();
+    let mut driver = sync_test(WallGame::new(SETUP), 140, inputs).unwrap();
+    let [_, bodies] = driver.game.awake();
     assert_eq!(bodies, WallGame::new(SETUP).awake()[1]);
 }
 
@@ -163,7 +163,7 @@ fn two_players_over_a_bad_connection_end_with_the_same_bits() {
 fn a_connection_that_is_hardly_one() {
     let mut bad = DUEL;
     bad.frames = 60;
-    bad.weather.loss = 0.5;
+    bad.conditions.loss = 0.5;
     let outcome = duel(bad, lose_nothing);
     assert!(outcome.is_in_sync(), "{outcome}");
     assert!(outcome.players.iter().all(|player| player.waited > 0));
@@ -186,6 +186,6 @@ fn players_find_it_out_if_one_of_them_loses_something() {
     assert!(outcome.differs.is_some(), "{outcome}");
     let [a, b] = &outcome.players;
     assert_ne!(a.checksum, b.checksum);
-    assert_eq!(a.checksum, outcome.straight);
+    assert_eq!(a.checksum, outcome.reference);
     assert!(a.desync.is_some() && b.desync.is_some(), "{outcome}");
 }

@@ -31,7 +31,7 @@ pub struct RolledBack {
 }
 
 /// A game that is driven by the requests of `ggrs`.
-pub struct Machine<G: Rollback> {
+pub struct Driver<G: Rollback> {
     /// The game.
     pub game: G,
     /// Rollbacks so far.
@@ -43,8 +43,8 @@ pub struct Machine<G: Rollback> {
     frame: Frame,
 }
 
-impl<G: Rollback> Machine<G> {
-    /// A machine for a session that predicts at most `window` frames.
+impl<G: Rollback> Driver<G> {
+    /// A driver for a session that predicts at most `window` frames.
     pub fn new(game: G, window: usize) -> Self {
         Self {
             game,

@@ -15,8 +15,8 @@ use ggrs::{Frame, GgrsError};
 
 /// Small, because the tests are compiled without optimization.
 const SETUP: Setup = Setup {
-    columns: 6,
-    courses: 5,
+    columns: 5,
+    courses: 4,
     sleeping: true,
     settle: 60,
 };
@@ -114,7 +114,7 @@ fn duel(duel: Duel, lose: fn(&mut World)) -> Outcome {
 
 #[test]
 fn a_game_that_is_rolled_back_in_every_frame() {
-    const FRAMES: Frame = 100;
+    const FRAMES: Frame = 80;
     let game = WallGame::new(SETUP);
     let mut driver = sync_test(game, FRAMES, |frame| SCRIPT.inputs(frame)).unwrap();
     assert_eq!(driver.rollbacks.len(), FRAMES as usize - LONGEST - 1);
@@ -150,7 +150,7 @@ fn two_players_over_a_bad_connection_end_with_the_same_bits() {
     assert_eq!(a.checksum, b.checksum);
     for player in [a, b] {
         let longest = player.rollbacks.iter().map(|back| back.frames).max();
-        assert!(player.rollbacks.len() >= 5, "{outcome}");
+        assert!(player.rollbacks.len() >= 3, "{outcome}");
         assert!(longest >= Some(5), "{outcome}");
         assert!(player.traffic.lost > 0, "{outcome}");
         // The connection is bad, and yet it is a game.

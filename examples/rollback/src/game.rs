@@ -14,11 +14,8 @@ use drystone::snapshot::Snapshot;
 /// Length of a frame, s.
 pub const DT: f32 = 1.0 / 60.0;
 
-/// Radius of a ball, m.
-const RADIUS: f32 = 0.25;
-
 /// Speed of a ball, m/s.
-const SPEED: f32 = 15.0;
+const SPEED: f32 = 20.0;
 
 /// Distance of the players from the wall, m.
 const DISTANCE: f32 = 6.0;
@@ -39,18 +36,21 @@ pub struct Setup {
     pub columns: u8,
     /// Courses.
     pub courses: u8,
+    /// Radius of the balls, m. They weigh 1 000 kg/m³, as bricks do.
+    pub ball: f32,
     /// Whether bodies may fall asleep.
     pub sleeping: bool,
     /// Steps before the first frame.
     pub settle: u32,
 }
 
-/// A wall of 40 × 25 bricks, which is 1 012 with the half ones. It sleeps when the game begins.
+/// A wall of 40 × 25 bricks, which is 1 012 with the half ones, and balls of 14 kg. The wall sleeps when the game begins.
 impl Default for Setup {
     fn default() -> Self {
         Self {
             columns: 40,
             courses: 25,
+            ball: 0.15,
             sleeping: true,
             settle: 120,
         }
@@ -185,7 +185,7 @@ impl WallGame {
         let from = Vec3::new(0.5 * target.x, 0.5 * height + 1.0, side * DISTANCE);
         let ball = (
             RigidBody::Dynamic,
-            Collider::ball(RADIUS),
+            Collider::ball(self.setup.ball),
             Transform::from_translation(from),
             Velocity::linear(SPEED * (target - from).normalize()),
             self.number(player),

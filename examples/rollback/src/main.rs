@@ -31,6 +31,9 @@ struct Arguments {
     /// The most that a packet takes longer, ms.
     #[arg(long, default_value_t = 20)]
     jitter: u64,
+    /// Radius of the balls, m. Those of 0.15 m knock off single bricks, and those of 0.3 m bring down the wall.
+    #[arg(long, default_value_t = 0.15)]
+    ball: f32,
     /// Share of packets that are lost, 0 to 1.
     #[arg(long, default_value_t = 0.05)]
     loss: f32,
@@ -40,7 +43,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arguments = Arguments::parse();
     let frames = (60.0 * arguments.seconds).round() as Frame;
     let is_in_sync = match arguments.sync_test {
-        true => test(frames, arguments.seed)?,
+        true => test(frames, &arguments)?,
         false => play(frames, &arguments)?,
     };
     Ok(match is_in_sync {
@@ -59,15 +62,25 @@ fn play(frames: Frame, arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
         },
         seed: arguments.seed,
     };
-    let game = || WallGame::new(Setup::default());
+    let game = || WallGame::new(setup(arguments));
     let outcome = duel.play([game(), game()], game())?;
     println!("{outcome}");
     Ok(outcome.is_in_sync())
 }
 
-fn test(frames: Frame, seed: u64) -> Result<bool, Box<dyn Error>> {
-    let script = Script { seed, delay: 0 };
-    let asleep = Setup::default();
+fn setup(arguments: &Arguments) -> Setup {
+    Setup {
+        ball: arguments.ball,
+        ..Setup::default()
+    }
+}
+
+fn test(frames: Frame, arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
+    let script = Script {
+        seed: arguments.seed,
+        delay: 0,
+    };
+    let asleep = setup(arguments);
     let awake = Setup {
         sleeping: false,
         ..asleep

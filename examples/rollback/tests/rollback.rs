@@ -17,6 +17,7 @@ use ggrs::{Frame, GgrsError};
 const SETUP: Setup = Setup {
     columns: 5,
     courses: 4,
+    ball: 0.25,
     sleeping: true,
     settle: 60,
 };

@@ -27,6 +27,7 @@
 //! | [`town`] | A town of which only a part is in |
 //! | [`smooth`] | Smooth motion between steps |
 //! | [`server`] | A server without a window |
+//! | [`netcode`] | Rollback netcode, peer to peer or with a server |
 //! | [`bad_input`] | Bad input |
 //! | [`settings`] | Which settings for which game |
 //! | [`from_avian`] | From Avian |
@@ -106,6 +107,9 @@ pub mod smooth {}
 
 #[doc = include_str!("server.md")]
 pub mod server {}
+
+#[doc = include_str!("netcode.md")]
+pub mod netcode {}
 
 #[doc = include_str!("bad_input.md")]
 pub mod bad_input {}

@@ -123,7 +123,7 @@ fn read_layout(from: &mut &[u8]) -> Result<Layout, SnapshotError> {
 }
 
 /// Appends a value.
-fn write<T: Serialize + ?Sized>(
+pub(crate) fn write<T: Serialize + ?Sized>(
     value: &T,
     name: &'static str,
     out: &mut Vec<u8>,
@@ -134,7 +134,7 @@ fn write<T: Serialize + ?Sized>(
 }
 
 /// Takes a value from the front.
-fn read<T: DeserializeOwned>(from: &mut &[u8]) -> Result<T, SnapshotError> {
+pub(crate) fn read<T: DeserializeOwned>(from: &mut &[u8]) -> Result<T, SnapshotError> {
     let (value, rest) = postcard::take_from_bytes(from).map_err(|_| SnapshotError::Damaged)?;
     *from = rest;
     Ok(value)

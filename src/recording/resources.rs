@@ -2,9 +2,10 @@
 
 use crate::body::{BodyTable, Noted};
 use crate::broadphase::Broadphase;
+use crate::children::Unassembled;
 use crate::contact::{LostPairs, Untriggered};
 use crate::graph::{ConstraintGraph, Islands};
-use crate::joint::BrokenJoints;
+use crate::joint::{BrokenJoints, JointChanges};
 use crate::mortar::BrokenMortar;
 use crate::sensor::UntriggeredSensorEvents;
 use crate::snapshot::SnapshotError;
@@ -28,6 +29,9 @@ pub(super) trait AnyResource: Send + Sync {
     /// Whether only stages write it. If it is written between two steps, the state was replaced, a part of it was taken out or put back, or a pair was
     /// despawned.
     fn is_of_stages(&self) -> bool;
+
+    /// Whether hooks note in it what users have changed. It is recorded with every change, because the hooks of a replay may have noted something else.
+    fn is_of_hooks(&self) -> bool;
 
     /// Appends the value to bytes.
     fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError>;
@@ -60,6 +64,11 @@ impl<T: Resource + Component<Mutability = Mutable> + Stored> AnyResource for Kep
             TypeId::of::<Suspended>(),
         ];
         of_stages.contains(&TypeId::of::<T>())
+    }
+
+    fn is_of_hooks(&self) -> bool {
+        let of_hooks = [TypeId::of::<JointChanges>(), TypeId::of::<Unassembled>()];
+        of_hooks.contains(&TypeId::of::<T>())
     }
 
     fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
@@ -95,6 +104,10 @@ impl AnyResource for Table {
 
     fn is_of_stages(&self) -> bool {
         false
+    }
+
+    fn is_of_hooks(&self) -> bool {
+        true
     }
 
     fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError> {

@@ -7,14 +7,18 @@
 use super::edits::{Row, Touched};
 use super::kinds::{self, AnyKind};
 use super::resources::{self, AnyResource};
-use crate::body::SpawnOrder;
+use crate::body::{Pose, Quarantined, RigidBodyDisabled, SpawnOrder};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::layout::Kinds;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::component::{ComponentId, StorageType};
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_ecs::storage::Table;
+use bevy_transform::components::Transform;
+use glam::{Quat, Vec3};
 
 /// What was changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +53,7 @@ pub(super) struct Watch {
     kinds: Vec<Box<dyn AnyKind>>,
     /// By kind.
     ids: Vec<ComponentId>,
+    transform: ComponentId,
     /// Those that are not kept in tables.
     sparse: Kinds,
     resources: Vec<Box<dyn AnyResource>>,
@@ -79,6 +84,7 @@ impl Watch {
         }
         Self {
             ids,
+            transform: world.register_component::<Transform>(),
             kinds,
             sparse,
             resources: resources::all(),
@@ -135,7 +141,7 @@ impl Watch {
 
     /// Finds what was changed since the last step ended, and appends it to bytes.
     pub fn find(&mut self, world: &World, out: &mut Vec<u8>) -> Result<Found, SnapshotError> {
-        let written = self.written_resources(world);
+        let mut written = self.written_resources(world);
         if written.iter().any(|&at| self.resources[at].is_of_stages()) {
             return Ok(Found::Replaced);
         }
@@ -148,6 +154,13 @@ impl Watch {
         self.find_removed(world);
         if self.touched.is_empty() && written.is_empty() {
             return Ok(Found::Nothing);
+        }
+        if !self.touched.is_empty() {
+            let noted = self.resources.iter().enumerate();
+            let noted = noted.filter(|(_, resource)| resource.is_of_hooks());
+            written.extend(noted.map(|(number, _)| number));
+            written.sort_unstable();
+            written.dedup();
         }
         let mut values = Vec::new();
         // What is written refers to entities that may have to be recorded themselves.
@@ -206,8 +219,39 @@ impl Watch {
             }
         }
         for (kind, entity) in all {
-            self.touch(world, entity, Some(kind));
+            let is_transform = self.ids[kind] == self.transform;
+            if !(is_transform && self.is_put_back(world, entity)) {
+                self.touch(world, entity, Some(kind));
+            }
         }
+    }
+
+    /// Whether the `Transform` of a body is where the last step left it. Interpolation writes the transforms of all bodies in every frame, and puts them
+    /// back before the next step.
+    fn is_put_back(&self, world: &World, entity: Entity) -> bool {
+        let Ok(body) = world.get_entity(entity) else {
+            return false;
+        };
+        let (Some(pose), Some(drawn)) = (body.get_ref::<Pose>(), body.get::<Transform>()) else {
+            return false;
+        };
+        let bits = |position: Vec3, rotation: Quat| {
+            (
+                position.to_array().map(f32::to_bits),
+                rotation.to_array().map(f32::to_bits),
+            )
+        };
+        let is_excepted = body.contains::<Quarantined>()
+            || body.contains::<RigidBodyDisabled>()
+            || body.contains::<Disabled>()
+            || body.contains::<ChildOf>();
+        bits(pose.position, pose.rotation) == bits(drawn.translation, drawn.rotation)
+            && drawn.scale == Vec3::ONE
+            && self.known.contains(&entity)
+            && !is_excepted
+            && !pose
+                .last_changed()
+                .is_newer_than(self.since, world.read_change_tick())
     }
 
     fn columns_of(&self, table: &Table) -> Columns {

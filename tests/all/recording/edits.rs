@@ -251,3 +251,42 @@ fn systems_write() {
         }
     });
 }
+
+/// Interpolation draws bodies elsewhere between two steps, and puts them back: nothing is recorded. What the game moves is.
+#[test]
+fn what_is_drawn_between_steps_does_not_count() {
+    let (mut world, bodies) = wall();
+    let falls = brick(&mut world, 0.2, 4.0);
+    steps(&mut world, 1);
+    let last = *bodies.last().unwrap();
+    let recorded = record(world, 40, |world, step| {
+        let mut all = world.query::<(&Pose, &mut Transform)>();
+        for (pose, mut transform) in all.iter_mut(world) {
+            transform.translation += 0.1;
+            *transform = Transform::from_translation(pose.position).with_rotation(pose.rotation);
+        }
+        match step {
+            10 => world.get_mut::<Transform>(falls).unwrap().translation.x += 0.1,
+            // Both, so that the one says nothing about the other.
+            20 => {
+                let to = Vec3::new(0.5, 4.0, 0.0);
+                world.get_mut::<Transform>(last).unwrap().translation = to;
+                world.get_mut::<Pose>(last).unwrap().position = to;
+            }
+            30 => world.get_mut::<Transform>(last).unwrap().translation.x = f32::NAN,
+            35 => {
+                let pose = *world.get::<Pose>(last).unwrap();
+                world.get_mut::<Transform>(last).unwrap().translation = pose.position;
+            }
+            _ => (),
+        }
+    });
+    // Where the input is invalid, all is recorded.
+    let expected = [10, 20, 30].into_iter().chain(31..40);
+    assert!(
+        changes(&recorded)
+            .iter()
+            .all(|step| expected.clone().any(|of| of == *step))
+    );
+    replays("drawn", &recorded);
+}

@@ -46,8 +46,7 @@ fn the_body_that_differs_is_named() {
         let name = Name::new(format!("ball {i}"));
         body(&mut world, Collider::ball(0.3), 2.0 * i as f32, 50.0, name);
     }
-    let balls = world.query_filtered::<Entity, With<Name>>();
-    let mut balls = balls;
+    let mut balls = world.query_filtered::<Entity, With<Name>>();
     let balls: Vec<Entity> = balls.iter(&world).collect();
     let recorded = record(world, 10, |world, step| {
         if step == 4 {

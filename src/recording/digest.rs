@@ -121,3 +121,70 @@ fn hash(order: SpawnOrder, pose: &Pose, velocity: &Velocity) -> u32 {
     let hash = words.into_iter().fold(order.0, mix);
     hash as u32 ^ (hash >> 32) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+
+    fn world(x: [f32; 3]) -> World {
+        let mut world = World::new();
+        for (slot, x) in x.into_iter().enumerate() {
+            let pose = Pose {
+                position: Vec3::new(x, 1.0, 2.0),
+                rotation: Quat::from_rotation_y(0.3),
+            };
+            // In another order than that of the slots.
+            let slot = 2 - slot as u32;
+            let order = SpawnOrder(u64::from(slot) + 10);
+            world.spawn((
+                BodyIndex(slot),
+                order,
+                pose,
+                Velocity::default(),
+                RigidBody::Dynamic,
+            ));
+        }
+        world
+    }
+
+    fn digest(world: &mut World) -> Digest {
+        let mut bytes = Vec::new();
+        Hasher::new(world).write(world, &mut bytes).unwrap();
+        let mut rest = &bytes[..];
+        let digest = Digest::read(&mut rest).unwrap();
+        assert!(rest.is_empty());
+        for len in 0..bytes.len() {
+            assert!(Digest::read(&mut &bytes[..len]).is_err(), "{len}");
+        }
+        digest
+    }
+
+    #[test]
+    fn every_bit_counts_and_the_first_body_is_found() {
+        let known = digest(&mut world([0.0, 1.0, 2.0]));
+        assert_eq!(known.bodies.len(), 3);
+        for (x, first) in [
+            ([0.0, 1.0, 2.0], None),
+            ([-0.0, 1.0, 2.0], Some(2)),
+            ([0.0, 1.0 + f32::EPSILON, 2.0], Some(1)),
+            ([0.5, 1.5, 2.5], Some(0)),
+        ] {
+            let mut world = world(x);
+            let mut hasher = Hasher::new(&mut world);
+            let found = hasher.first_difference(&world, &known);
+            let slot = found.map(|body| world.get::<BodyIndex>(body.unwrap()).unwrap().0);
+            assert_eq!(slot, first, "{x:?}");
+        }
+        let mut fewer = world([0.0, 1.0, 2.0]);
+        let last = digest(&mut fewer);
+        let bodies: Vec<Entity> = fewer
+            .query::<(Entity, &BodyIndex)>()
+            .iter(&fewer)
+            .map(|of| of.0)
+            .collect();
+        fewer.despawn(bodies[0]);
+        let mut hasher = Hasher::new(&mut fewer);
+        assert_eq!(hasher.first_difference(&fewer, &last), Some(None));
+    }
+}

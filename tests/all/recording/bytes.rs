@@ -134,7 +134,7 @@ fn a_recording_goes_to_a_file_and_is_read_from_it() {
             brick(world, 0.0, 3.0);
         }
     });
-    assert_eq!(recorded.bytes, []);
+    assert!(recorded.bytes.is_empty());
     let bytes = std::fs::read(&path).unwrap();
     let recorded = Recorded { bytes, ..recorded };
     replays("file", &recorded);

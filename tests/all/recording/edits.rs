@@ -17,7 +17,7 @@ fn nothing_is_changed() {
     let (world, _) = wall();
     let recorded = record(world, 30, |_, _| ());
     replays("nothing", &recorded);
-    assert_eq!(changes(&recorded), []);
+    assert_eq!(changes(&recorded), [0; 0]);
     let recording = Recording::from_bytes(&recorded.bytes).unwrap();
     assert_eq!(recording.length_of(29), Some(DT));
     assert_eq!(recording.length_of(30), None);
@@ -228,7 +228,7 @@ fn changes_before_the_recording_begins_count() {
     brick(&mut world, 0.0, 3.0);
     let recorded = record(world, 30, |_, _| ());
     replays("before", &recorded);
-    assert_eq!(changes(&recorded), []);
+    assert_eq!(changes(&recorded), [0; 0]);
 }
 
 /// What systems of the game write between steps counts, and so do commands.

@@ -19,7 +19,7 @@ fn a_change_that_is_left_out_is_found() {
             velocity.bypass_change_detection().linear.y = 1e-3;
         }
     });
-    assert_eq!(changes(&recorded), []);
+    assert_eq!(changes(&recorded), [0; 0]);
     let recording = Recording::from_bytes(&recorded.bytes).unwrap();
     let mut other = other_world(1);
     let mut replay = Replay::start(&recording, &mut other).unwrap();

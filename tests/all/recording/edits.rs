@@ -247,7 +247,7 @@ fn systems_write() {
         if step % 10 == 3 {
             push.initialize(world);
             push.run((), world).unwrap();
-            world.commands().entity(bodies[step]).despawn();
+            world.commands().entity(bodies[step / 10]).despawn();
         }
     });
 }

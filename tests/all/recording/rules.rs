@@ -150,6 +150,9 @@ fn code_ends_a_recording() {
     let start = |world: &mut World| Recorder::start(world, RecorderSettings::default());
     assert!(start(&mut world).is_err());
     world.insert_resource(SolverSettings::default());
+    // The settings of the last step belong to the state.
+    assert!(start(&mut world).is_err());
+    steps(&mut world, 1);
     assert_eq!(start(&mut world), Ok(()));
 }
 

@@ -57,6 +57,23 @@ fn shapes_that_many_bodies_share_go_on_from_bytes() {
     goes_on_from_bytes("hulls", &mut world);
 }
 
+/// The tree of one or two boxes, whose numbers are not the first ones.
+#[test]
+fn a_few_bodies_go_on_from_bytes() {
+    for count in 0..4 {
+        let mut world = floor();
+        for i in 0..count {
+            brick(&mut world, 0.2 * i as f32, 0.5 + i as f32);
+        }
+        steps(&mut world, 10);
+        goes_on_from_bytes("few", &mut world);
+        brick(&mut world, 0.0, 5.0);
+        world.spawn((RigidBody::Static, Collider::half_space(Vec3::X)));
+        steps(&mut world, 2);
+        goes_on_from_bytes("one more", &mut world);
+    }
+}
+
 /// Every byte that is changed, and every byte that is missing, is noticed. The world stays as it was.
 #[test]
 fn damaged_and_foreign_bytes_are_errors() {

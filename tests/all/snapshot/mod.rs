@@ -27,7 +27,7 @@ type Act<'a> = &'a dyn Fn(&mut World, &dyn Fn(Entity) -> Entity, usize);
 
 const NOTHING: Act = &|_, _, _| {};
 
-pub(crate) fn empty() -> World {
+fn empty() -> World {
     let mut app = App::new();
     app.add_plugins((DrystonePlugins::default(), HandPlugin, CollapsePlugin));
     std::mem::take(app.world_mut())

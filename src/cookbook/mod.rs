@@ -24,6 +24,7 @@
 //! | [`drag`] | Drag bodies with the pointer |
 //! | [`explosion`] | An explosion |
 //! | [`save`] | Save and load |
+//! | [`replay`] | A recording for a bug report |
 //! | [`town`] | A town of which only a part is in |
 //! | [`smooth`] | Smooth motion between steps |
 //! | [`server`] | A server without a window |
@@ -98,6 +99,9 @@ pub mod explosion {}
 
 #[doc = include_str!("save.md")]
 pub mod save {}
+
+#[doc = include_str!("replay.md")]
+pub mod replay {}
 
 #[doc = include_str!("town.md")]
 pub mod town {}

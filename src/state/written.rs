@@ -129,7 +129,16 @@ pub(crate) mod tree {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Bvh, D::Error> {
+        /// With fewer leaves, `Bvh::from_iter` takes their places for their numbers.
+        const FEW: usize = 3;
         let leaves = Vec::<(u32, Vec3, Vec3)>::deserialize(from)?;
+        if leaves.len() < FEW {
+            let mut tree = Bvh::new();
+            for (leaf, mins, maxs) in leaves {
+                tree.insert(Aabb::new(mins, maxs), leaf);
+            }
+            return Ok(tree);
+        }
         let leaves = leaves.into_iter();
         let leaves = leaves.map(|(leaf, mins, maxs)| (leaf as usize, Aabb::new(mins, maxs)));
         Ok(Bvh::from_iter(BvhBuildStrategy::Binned, leaves))

@@ -14,9 +14,11 @@
 mod checksum;
 mod earlier;
 mod stream;
+mod value;
 
 pub(super) use earlier::Earlier;
 pub(super) use stream::{Reader, Writer};
+pub(crate) use value::{read, write};
 
 use super::column::{Column, Edit, Marked, Output, Replaced, Silent, Valueless};
 use super::error::SnapshotError;

@@ -5,6 +5,7 @@
 
 use super::super::error::SnapshotError;
 use super::checksum::Checksum;
+use super::value::{read, write};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -87,9 +88,11 @@ impl<'a> Reader<'a> {
             }
         }
         self.sum.add(&self.value);
-        match postcard::take_from_bytes(&self.value) {
-            Ok((value, [])) => Ok(value),
-            _ => Err(SnapshotError::Damaged),
+        let mut bytes = self.value.as_slice();
+        let value = read(&mut bytes)?;
+        match bytes.is_empty() {
+            true => Ok(value),
+            false => Err(SnapshotError::Damaged),
         }
     }
 
@@ -122,9 +125,5 @@ fn replace<T: Serialize + ?Sized>(
     name: &'static str,
 ) -> Result<(), SnapshotError> {
     bytes.clear();
-    if let Some(value) = value {
-        let empty = std::mem::take(bytes);
-        *bytes = postcard::to_extend(value, empty).map_err(|_| SnapshotError::NotWritable(name))?;
-    }
-    Ok(())
+    value.map_or(Ok(()), |value| write(value, name, bytes))
 }

@@ -67,7 +67,11 @@ fn a_difference_takes_what_has_changed() {
     let first = Snapshot::from_bytes(&whole).unwrap();
     let mut read = first.clone();
     let nothing = Snapshot::take(&world).to_bytes_after(&earlier).unwrap();
-    println!("{} bytes, {} if nothing changes", whole.len(), nothing.len());
+    println!(
+        "{} bytes, {} if nothing changes",
+        whole.len(),
+        nothing.len()
+    );
     assert!(nothing.len() < 200);
     for step in 0..6 {
         match step {
@@ -81,7 +85,10 @@ fn a_difference_takes_what_has_changed() {
         let bytes = now.to_bytes_after(&earlier).unwrap();
         let awake = |&&brick: &&Entity| world.get::<Sleeping>(brick).is_some_and(|it| !it.asleep);
         let awake = bricks.iter().filter(awake).count();
-        println!("step {step}: {} bytes, {awake} bricks are awake", bytes.len());
+        println!(
+            "step {step}: {} bytes, {awake} bricks are awake",
+            bytes.len()
+        );
         assert!(awake > 100 || 4 * bytes.len() < whole.len());
         if step > 0 {
             let other = Snapshot::from_bytes_after(&bytes, &first);
@@ -97,6 +104,23 @@ fn a_difference_takes_what_has_changed() {
     let first = go_on(&mut world, NOTHING, &|entity| entity);
     let again = go_on(&mut other, NOTHING, &|entity| map[&entity]);
     assert_same("differences", &first, &again);
+}
+
+/// The tree of one or two boxes, whose numbers are not the first ones.
+#[test]
+fn a_few_bodies_go_on_from_bytes() {
+    for count in 0..4 {
+        let mut world = floor();
+        for i in 0..count {
+            brick(&mut world, 0.2 * i as f32, 0.5 + i as f32);
+        }
+        steps(&mut world, 10);
+        goes_on_from_bytes("few", &mut world);
+        brick(&mut world, 0.0, 5.0);
+        world.spawn((RigidBody::Static, Collider::half_space(Vec3::X)));
+        steps(&mut world, 2);
+        goes_on_from_bytes("one more", &mut world);
+    }
 }
 
 /// Every byte that is changed, and every byte that is missing, is noticed. The world stays as it was.

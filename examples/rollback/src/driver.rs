@@ -26,8 +26,20 @@ impl Config for Net {
 pub struct RolledBack {
     /// Number of frames that were simulated again.
     pub frames: Frame,
-    /// Time to load the old state, to simulate the frames, and to save and hash the states between them.
+    /// Time to load the old state, to simulate the frames, and to save the states between them.
     pub time: Duration,
+    /// The part of it in which the old state was loaded.
+    pub load: Duration,
+    /// The part of it in which states were saved and hashed.
+    pub save: Duration,
+}
+
+/// A rollback that is being done.
+struct UnderWay {
+    /// The frame to which it leads back.
+    to: Frame,
+    start: Instant,
+    so_far: RolledBack,
 }
 
 /// A game that is driven by the requests of `ggrs`.
@@ -65,22 +77,31 @@ impl<G: Rollback> Driver<G> {
     /// # Panics
     /// If a state is to be loaded that was not saved. `ggrs` does not ask for one.
     pub fn fulfil(&mut self, requests: Vec<GgrsRequest<Net>>) {
-        // The frame to which a rollback leads back, and when it began.
-        let mut under_way: Option<(Frame, Frame, Instant)> = None;
+        let mut under_way: Option<UnderWay> = None;
         for request in requests {
+            let start = Instant::now();
             match request {
                 GgrsRequest::SaveGameState { cell, frame } => {
                     self.game.save(self.ring.replace(frame));
                     let checksum = self.game.checksum();
                     self.checksums.insert(frame, checksum);
                     cell.save(frame, None, Some(checksum.into()));
+                    if let Some(rollback) = &mut under_way {
+                        rollback.so_far.save += start.elapsed();
+                    }
                 }
                 GgrsRequest::LoadGameState { frame, .. } => {
-                    under_way = Some((frame, self.frame, Instant::now()));
                     let state = self.ring.get(frame);
                     self.game
                         .load(state.expect("the state of this frame was saved"));
-                    self.frame = frame;
+                    let to = std::mem::replace(&mut self.frame, frame);
+                    let so_far = RolledBack {
+                        frames: to - frame,
+                        time: Duration::ZERO,
+                        load: start.elapsed(),
+                        save: Duration::ZERO,
+                    };
+                    under_way = Some(UnderWay { to, start, so_far });
                 }
                 GgrsRequest::AdvanceFrame { inputs } => {
                     let inputs = std::array::from_fn(|player| inputs[player].0);
@@ -88,14 +109,11 @@ impl<G: Rollback> Driver<G> {
                     self.frame += 1;
                 }
             }
-            if let Some((from, to, start)) = under_way
-                && self.frame == to
-            {
+            if let Some(rollback) = under_way.take_if(|rollback| rollback.to == self.frame) {
                 self.rollbacks.push(RolledBack {
-                    frames: to - from,
-                    time: start.elapsed(),
+                    time: rollback.start.elapsed(),
+                    ..rollback.so_far
                 });
-                under_way = None;
             }
         }
     }

@@ -44,13 +44,13 @@ pub struct Setup {
     pub settle: u32,
 }
 
-/// A wall of 40 × 25 bricks, which is 1 012 with the half ones, and balls of 14 kg. The wall sleeps when the game begins.
+/// A wall of 40 × 25 bricks, which is 1 012 with the half ones, and balls of 4 kg. The wall sleeps when the game begins.
 impl Default for Setup {
     fn default() -> Self {
         Self {
             columns: 40,
             courses: 25,
-            ball: 0.15,
+            ball: 0.1,
             sleeping: true,
             settle: 120,
         }

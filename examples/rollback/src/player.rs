@@ -104,7 +104,9 @@ impl<G: Rollback> Player<G> {
             Err(error) => return Err(error),
         }
         let has_advanced = self.driver.frame() > before;
-        self.waited += usize::from(!has_advanced);
+        // Before it has heard anything, the other is still shaking hands.
+        let has_begun = self.session.confirmed_frame() >= 0;
+        self.waited += usize::from(has_begun && !has_advanced);
         self.read_events()?;
         Ok(has_advanced)
     }

@@ -18,6 +18,8 @@ pub struct Times {
     pub p99: Duration,
     /// The longest time.
     pub max: Duration,
+    /// Mean time to load, to save, and to simulate.
+    pub parts: [Duration; 3],
 }
 
 impl Times {
@@ -27,27 +29,42 @@ impl Times {
         let mut times: Vec<Duration> = rollbacks.iter().map(|back| back.time).collect();
         times.sort_unstable();
         let count = times.len();
+        let mean = |of: fn(&RolledBack) -> Duration| {
+            let total: Duration = rollbacks.iter().map(|back| of(back)).sum();
+            total / count.max(1) as u32
+        };
+        let parts = [
+            mean(|back| back.load),
+            mean(|back| back.save),
+            mean(|back| back.time - back.load - back.save),
+        ];
         Self {
             count,
+            parts,
             longest: rollbacks.iter().map(|back| back.frames).max().unwrap_or(0),
-            mean: times.iter().sum::<Duration>() / count.max(1) as u32,
+            mean: mean(|back| back.time),
             p99: times.get(count * 99 / 100).copied().unwrap_or_default(),
             max: times.last().copied().unwrap_or_default(),
         }
     }
 }
 
-/// `number | frames | mean, ms | 99th percentile, ms | longest, ms`
+/// `number | frames | mean, ms | of that load + save + simulate | 99th percentile, ms | longest, ms`
 impl fmt::Display for Times {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [mean, p99, max] = [self.mean, self.p99, self.max].map(|t| 1e3 * t.as_secs_f64());
+        let ms = |time: Duration| 1e3 * time.as_secs_f64();
+        let [mean, p99, max] = [self.mean, self.p99, self.max].map(ms);
+        let [load, save, steps] = self.parts.map(ms);
         let Self { count, longest, .. } = self;
-        write!(f, "{count} | {longest} | {mean:.2} | {p99:.2} | {max:.2}")
+        write!(
+            f,
+            "{count} | {longest} | {mean:.2} | {load:.2} + {save:.2} + {steps:.2} | {p99:.2} | {max:.2}"
+        )
     }
 }
 
 /// The head of a table of rollbacks.
-pub const HEAD: &str = "| | rollbacks | frames of the longest | mean, ms | 99th percentile, ms | longest, ms |\n|---|---|---|---|---|---|";
+pub const HEAD: &str = "| | rollbacks | frames of the longest | mean, ms | of that: load + save + simulate | 99th percentile, ms | longest, ms |\n|---|---|---|---|---|---|---|";
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -37,11 +37,11 @@ const SCRIPT: Script = Script { seed: 5, delay: 0 };
 /// A game that loses something each time it is loaded.
 struct Broken {
     game: WallGame,
-    lose: fn(&mut World),
+    lose: Fault,
 }
 
 impl Broken {
-    fn new(lose: fn(&mut World)) -> Self {
+    fn new(lose: Fault) -> Self {
         Self {
             game: WallGame::new(SETUP),
             lose,
@@ -101,14 +101,16 @@ fn lose_a_bit(world: &mut World) {
     }
 }
 
-const FAULTS: [(&str, fn(&mut World)); 3] = [
+type Fault = fn(&mut World);
+
+const FAULTS: [(&str, Fault); 3] = [
     ("forces", lose_forces),
     ("rest", lose_rest),
     ("a bit", lose_a_bit),
 ];
 
 /// A duel in which the second player loses something in each rollback.
-fn duel(duel: Duel, lose: fn(&mut World)) -> Outcome {
+fn duel(duel: Duel, lose: Fault) -> Outcome {
     let games = [Broken::new(lose_nothing), Broken::new(lose)];
     duel.play(games, WallGame::new(SETUP)).unwrap()
 }

@@ -4,9 +4,10 @@ use super::*;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_transform::components::Transform;
+use drystone::streaming;
 use fastrand::Rng;
 
-const SEEDS: u64 = 8;
+const SEEDS: u64 = 24;
 
 const STEPS: usize = 80;
 
@@ -34,8 +35,69 @@ fn act(world: &mut World, rng: &mut Rng, all: &mut Vec<Entity>) {
         return;
     }
     let vector = Vec3::new(rng.f32() - 0.5, rng.f32(), rng.f32() - 0.5);
+    match rng.u8(..32) {
+        0 => world.resource_mut::<Gravity>().0.x = 0.5 * vector.x,
+        1 => {
+            let bricks = (0..3).map(|number| {
+                let at = place(20.0 + 2.0 * rng.f32(), 0.25 + 0.5 * number as f32);
+                (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), at)
+            });
+            all.extend(streaming::spawn_asleep(world, bricks));
+        }
+        2 => drystone::refresh(world),
+        3 => {
+            let mut pairs = world.query_filtered::<Entity, With<ContactPair>>();
+            let pairs: Vec<Entity> = pairs.iter(world).collect();
+            if rng.u8(..4) == 0 && !pairs.is_empty() {
+                world.despawn(pairs[rng.usize(..pairs.len())]);
+            }
+        }
+        4 => {
+            let mut bonds = world.query_filtered::<Entity, With<MortarJoint>>();
+            let bonds: Vec<Entity> = bonds.iter(world).collect();
+            if !bonds.is_empty() {
+                world.despawn(bonds[rng.usize(..bonds.len())]);
+            }
+        }
+        5 => {
+            let ray = Some(Ray3d::new(
+                Vec3::new(6.0 * rng.f32(), 0.4, 5.0),
+                Dir3::NEG_Z,
+            ));
+            let closed = true;
+            let hand = Hand {
+                ray,
+                closed,
+                ..Hand::new(5_000.0)
+            };
+            all.push(world.spawn(hand).id());
+        }
+        6 => {
+            let mut hands = world.query::<&mut Hand>();
+            for mut hand in hands.iter_mut(world) {
+                hand.closed ^= rng.bool();
+            }
+        }
+        7 => {
+            let mut bodies = world.query::<&mut Sleeping>();
+            for mut sleeping in bodies.iter_mut(world) {
+                sleeping.asleep |= rng.u8(..8) == 0;
+            }
+        }
+        _ => act_on(world, rng, all, [one, other], vector),
+    }
+}
+
+fn act_on(
+    world: &mut World,
+    rng: &mut Rng,
+    all: &mut Vec<Entity>,
+    [one, other]: [Entity; 2],
+    vector: Vec3,
+) {
+    let may_join = one != other && !world.entity(other).contains::<ChildOf>();
     let mut entity = world.entity_mut(one);
-    match rng.u8(..20) {
+    match rng.u8(..24) {
         0 | 1 => all.push(spawn(world, rng)),
         2 => entity.despawn(),
         3 => {
@@ -73,6 +135,11 @@ fn act(world: &mut World, rng: &mut Rng, all: &mut Vec<Entity>) {
             }
         }
         19 => _ = entity.insert(Mortar::default()),
+        20 => _ = entity.insert(LockedAxes::ROTATION_LOCKED),
+        21 => _ = entity.remove::<(LockedAxes, Sleeping, Velocity)>(),
+        // Nobody is below itself.
+        22 if may_join => _ = entity.insert(ChildOf(other)),
+        23 => _ = entity.insert(Sensor),
         _ => (),
     }
 }

@@ -220,7 +220,6 @@ impl State {
     }
 
     fn begin(&mut self, world: &mut World, dt: f32) -> Result<(), RecordingError> {
-        world.flush();
         self.edits.clear();
         let found = self.watch.find(world, &mut self.edits)?;
         let every = self.key_frames_every;
@@ -352,6 +351,10 @@ fn put_back(world: &mut World, mut state: Box<State>, result: Result<usize, Reco
 
 /// A step of `dt` s begins.
 pub(crate) fn begin(world: &mut World, dt: f32) {
+    if world.contains_resource::<Recorder>() {
+        // Commands that wait belong to what was changed, so they come before the recorder is taken out: it notes what they remove.
+        world.flush();
+    }
     if let Some(mut state) = take(world) {
         let result = state.begin(world, dt);
         put_back(world, state, result.map(|()| 0));

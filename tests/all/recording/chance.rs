@@ -35,7 +35,10 @@ fn act(world: &mut World, rng: &mut Rng, all: &mut Vec<Entity>) {
         return;
     }
     let vector = Vec3::new(rng.f32() - 0.5, rng.f32(), rng.f32() - 0.5);
-    match rng.u8(..32) {
+    let action = rng.u8(..32);
+    // It is shown if the replay fails.
+    println!("{action} to {one} and {other}");
+    match action {
         0 => world.resource_mut::<Gravity>().0.x = 0.5 * vector.x,
         1 => {
             let bricks = (0..3).map(|number| {
@@ -97,7 +100,9 @@ fn act_on(
 ) {
     let may_join = one != other && !world.entity(other).contains::<ChildOf>();
     let mut entity = world.entity_mut(one);
-    match rng.u8(..24) {
+    let action = rng.u8(..24);
+    println!("    namely {action}");
+    match action {
         0 | 1 => all.push(spawn(world, rng)),
         2 => entity.despawn(),
         3 => {
@@ -152,7 +157,8 @@ fn whatever_is_changed_replays() {
         let mut all: Vec<Entity> = (0..12).map(|_| spawn(&mut world, &mut rng)).collect();
         steps(&mut world, 20);
         let name = format!("seed {seed}");
-        goes_again(&name, world, STEPS, |world, _| {
+        goes_again(&name, world, STEPS, |world, step| {
+            println!("{name}, step {step}");
             for _ in 0..rng.usize(..4) {
                 act(world, &mut rng, &mut all);
             }

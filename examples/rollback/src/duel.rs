@@ -13,9 +13,6 @@ use std::time::Duration;
 /// Length of a tick of both players.
 const TICK: Duration = Duration::from_nanos(1_000_000_000 / 60);
 
-/// Real time to wait for if nothing is under way.
-const PAUSE: Duration = Duration::from_millis(10);
-
 /// A game of two players.
 #[derive(Clone, Copy, Debug)]
 pub struct Duel {
@@ -102,10 +99,11 @@ impl Duel {
                 .iter()
                 .map(|p| p.confirmed().min(p.driver.frame() - 1));
             confirmed = frames.min().unwrap_or_default();
-            // `ggrs` sends again what was not confirmed, by a clock of its own that shows real time.
+            // If the last packets of both were lost, both wait until `ggrs` sends again, 200 ms later by a clock of its own that shows real
+            // time. Such a tick lasts as long as in reality.
             let under_way = players.iter().map(|p| p.traffic().under_way).sum::<usize>();
             if !goes_on && under_way == 0 {
-                std::thread::sleep(PAUSE);
+                std::thread::sleep(TICK);
             }
         }
         let frame = self.frames;

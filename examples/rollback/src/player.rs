@@ -21,7 +21,8 @@ pub const WINDOW: usize = LONGEST + 1;
 
 /// Frames between the moment in which a player acts and the frame in which it takes effect.
 ///
-/// Two frames are hardly felt, and make every rollback two frames shorter. With fewer, players would wait often on this connection.
+/// Two frames are hardly felt, and make every rollback two frames shorter. Without, a player waits in every twentieth
+/// frame on this connection.
 pub const INPUT_DELAY: usize = 2;
 
 /// Frames between two checksums that the players compare.

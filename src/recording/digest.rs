@@ -58,15 +58,18 @@ impl Hasher {
         self.find(world);
         out.extend(self.all().to_le_bytes());
         write(&self.found.len(), "digest", out)?;
-        let bodies = self.found.iter();
-        out.extend(bodies.flat_map(|&(_, hash, _)| (hash as u16).to_le_bytes()));
+        out.reserve(2 * self.found.len());
+        for &(_, hash, _) in &self.found {
+            out.extend_from_slice(&(hash as u16).to_le_bytes());
+        }
         Ok(())
     }
 
     fn all(&self) -> u64 {
         let bodies = self.found.iter();
+        // Sums do not wait for each other.
         bodies.fold(self.found.len() as u64, |all, &(slot, hash, _)| {
-            mix(all, u64::from(slot) << 32 | u64::from(hash))
+            all.wrapping_add(mix(0, u64::from(slot) << 32 | u64::from(hash)))
         })
     }
 
@@ -109,18 +112,28 @@ fn hash(order: SpawnOrder, pose: &Pose, velocity: &Velocity) -> u32 {
     let pair = |a: f32, b: f32| u64::from(a.to_bits()) << 32 | u64::from(b.to_bits());
     let (at, turn) = (pose.position, pose.rotation);
     let (linear, angular) = (velocity.linear, velocity.angular);
+    // Four products that do not wait for each other, because thousands of bodies are hashed in a step.
     let words = [
-        pair(at.x, at.y),
-        pair(at.z, turn.x),
-        pair(turn.y, turn.z),
-        pair(turn.w, linear.x),
-        pair(linear.y, linear.z),
-        pair(angular.x, angular.y),
-        u64::from(angular.z.to_bits()),
+        [pair(at.x, at.y), pair(at.z, turn.x)],
+        [pair(turn.y, turn.z), pair(turn.w, linear.x)],
+        [pair(linear.y, linear.z), pair(angular.x, angular.y)],
+        [u64::from(angular.z.to_bits()), order.0],
     ];
-    let hash = words.into_iter().fold(order.0, mix);
+    let products = words.into_iter().zip(KEYS).map(|([a, b], [k, l])| {
+        let product = u128::from(a ^ k) * u128::from(b ^ l);
+        product as u64 ^ (product >> 64) as u64
+    });
+    let hash = mix(0, products.fold(0, u64::wrapping_add));
     hash as u32 ^ (hash >> 32) as u32
 }
+
+/// Random numbers, so that no two products are alike: digits of π.
+const KEYS: [[u64; 2]; 4] = [
+    [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344],
+    [0xa409_3822_299f_31d0, 0x082e_fa98_ec4e_6c89],
+    [0x4528_21e6_38d0_1377, 0xbe54_66cf_34e9_0c6c],
+    [0xc0ac_29b7_c97c_50dd, 0x3f84_d5b5_b547_0917],
+];
 
 #[cfg(test)]
 mod tests {

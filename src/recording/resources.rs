@@ -13,8 +13,7 @@ use crate::snapshot::bytes::{read, write};
 use crate::snapshot::renaming::Renaming;
 use crate::state::{self, Stored, Visitor};
 use crate::streaming::Suspended;
-use bevy_ecs::change_detection::Tick;
-use bevy_ecs::component::Mutable;
+use bevy_ecs::component::{ComponentId, Mutable};
 use bevy_ecs::entity::MapEntities;
 use bevy_ecs::prelude::*;
 use std::any::TypeId;
@@ -23,8 +22,8 @@ use std::marker::PhantomData;
 
 /// Some resource on the list.
 pub(super) trait AnyResource: Send + Sync {
-    /// Whether it was written after `since`.
-    fn is_written(&self, world: &World, since: Tick) -> bool;
+    /// Makes the world know the resource.
+    fn register(&self, world: &mut World) -> ComponentId;
 
     /// Whether only stages write it. If it is written between two steps, the state was replaced, a part of it was taken out or put back, or a pair was
     /// despawned.
@@ -49,10 +48,8 @@ pub(super) trait Value: Debug + Send + Sync {
 struct Kept<T>(PhantomData<T>);
 
 impl<T: Resource + Component<Mutability = Mutable> + Stored> AnyResource for Kept<T> {
-    fn is_written(&self, world: &World, since: Tick) -> bool {
-        let value = world.get_resource_ref::<T>();
-        let now = world.read_change_tick();
-        value.is_some_and(|value| value.last_changed().is_newer_than(since, now))
+    fn register(&self, world: &mut World) -> ComponentId {
+        world.register_component::<T>()
     }
 
     fn is_of_stages(&self) -> bool {
@@ -98,8 +95,8 @@ impl<T: Resource + Component<Mutability = Mutable> + Stored> Value for Read<T> {
 struct Table;
 
 impl AnyResource for Table {
-    fn is_written(&self, world: &World, since: Tick) -> bool {
-        Kept::<BodyTable>(PhantomData).is_written(world, since)
+    fn register(&self, world: &mut World) -> ComponentId {
+        world.register_component::<BodyTable>()
     }
 
     fn is_of_stages(&self) -> bool {

@@ -57,6 +57,7 @@ pub(super) struct Watch {
     /// Those that are not kept in tables.
     sparse: Kinds,
     resources: Vec<Box<dyn AnyResource>>,
+    resource_ids: Vec<ComponentId>,
     /// By table.
     tables: Vec<Columns>,
     /// All entities of the recording that may still exist.
@@ -75,6 +76,7 @@ impl Watch {
     pub fn new(world: &mut World) -> Self {
         let kinds = kinds::all();
         let ids: Vec<ComponentId> = kinds.iter().map(|kind| kind.register(world)).collect();
+        let resources = resources::all();
         let mut sparse = Kinds::default();
         for (number, &id) in ids.iter().enumerate() {
             let info = world.components().get_info(id);
@@ -87,7 +89,8 @@ impl Watch {
             transform: world.register_component::<Transform>(),
             kinds,
             sparse,
-            resources: resources::all(),
+            resource_ids: resources.iter().map(|of| of.register(world)).collect(),
+            resources,
             tables: Vec::new(),
             known: EntityHashSet::default(),
             others: Vec::new(),
@@ -179,8 +182,12 @@ impl Watch {
     }
 
     fn written_resources(&self, world: &World) -> Vec<usize> {
-        let all = self.resources.iter().enumerate();
-        let written = all.filter(|(_, resource)| resource.is_written(world, self.since));
+        let all = self.resource_ids.iter().enumerate();
+        let now = world.read_change_tick();
+        let written = all.filter(|&(_, &id)| {
+            let ticks = world.get_resource_change_ticks_by_id(id);
+            ticks.is_some_and(|ticks| ticks.is_changed(self.since, now))
+        });
         written.map(|(number, _)| number).collect()
     }
 

@@ -160,16 +160,12 @@ where
     to.collect_map(entries)
 }
 
-/// A set, in order; see [`sorted`].
-pub(crate) fn sorted_set<K, H, S>(
-    set: &bevy_platform::collections::HashSet<K, H>,
+/// A set of entities, in order (see [`sorted`]), in the form in which Bevy writes it.
+pub(crate) fn sorted_set<S: serde::Serializer>(
+    set: &bevy_ecs::entity::EntityHashSet,
     to: S,
-) -> Result<S::Ok, S::Error>
-where
-    K: serde::Serialize + Ord,
-    S: serde::Serializer,
-{
-    let mut entries: Vec<&K> = set.iter().collect();
+) -> Result<S::Ok, S::Error> {
+    let mut entries: Vec<bevy_ecs::entity::Entity> = set.iter().copied().collect();
     entries.sort_unstable();
-    to.collect_seq(entries)
+    to.serialize_newtype_struct("EntityEquivalentHashSet", &entries)
 }

@@ -48,13 +48,6 @@ fn act(world: &mut World, rng: &mut Rng, all: &mut Vec<Entity>) {
             all.extend(streaming::spawn_asleep(world, bricks));
         }
         2 => drystone::refresh(world),
-        3 => {
-            let mut pairs = world.query_filtered::<Entity, With<ContactPair>>();
-            let pairs: Vec<Entity> = pairs.iter(world).collect();
-            if rng.u8(..4) == 0 && !pairs.is_empty() {
-                world.despawn(pairs[rng.usize(..pairs.len())]);
-            }
-        }
         4 => {
             let mut bonds = world.query_filtered::<Entity, With<MortarJoint>>();
             let bonds: Vec<Entity> = bonds.iter(world).collect();

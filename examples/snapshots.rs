@@ -23,7 +23,7 @@ const FRAMES: usize = 8;
 
 fn main() {
     println!(
-        "| scene | bodies | a step, ms | take, ms | take into an old one, ms | restore the last step, ms | restore {FRAMES} steps and take them again, ms | bytes a body |\n|---|---|---|---|---|---|---|---|"
+        "| scene | bodies | a step, ms | take, ms | take into an old one, ms | restore the last step, ms | restore {FRAMES} steps and take them again, ms | bytes a body | of the difference a step makes | written, ms |\n|---|---|---|---|---|---|---|---|---|---|"
     );
     for (name, sleeping, steps) in SCENES {
         let scene: Scene = name.parse().expect("the name of a scene");
@@ -58,11 +58,18 @@ fn row(name: &str, sleeping: bool, run: &mut Run) {
         }));
     }
     let bodies = run.bodies.len();
-    let bytes = kept.to_bytes().expect("it holds no code").len() as f64 / bodies as f64;
+    restore(&kept, run);
+    run.step();
+    let next = Snapshot::take(&run.world);
+    let difference = next.to_bytes_after(&kept);
+    let [bytes, difference] = [kept.to_bytes(), difference]
+        .map(|bytes| bytes.expect("it holds no code").len() as f64 / bodies as f64);
+    let write = time(|| drop(next.to_bytes_after(&kept)));
     let [step, take, again, back, frames] = times.map(median);
     let rest = if sleeping { "asleep" } else { "awake" };
     println!(
-        "| `{name}`, {rest} | {bodies} | {step:.3} | {take:.3} | {again:.3} | {back:.3} | {frames:.2} | {bytes:.0} |"
+        "| `{name}`, {rest} | {bodies} | {step:.3} | {take:.3} | {again:.3} | {back:.3} | {frames:.2} | {bytes:.0} | {difference:.0} | {:.1} |",
+        1e3 * write.as_secs_f64()
     );
 }
 

@@ -199,6 +199,10 @@ pub struct Structures {
     /// s
     now: f64,
     /// Who was pulled out of each, and when.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted")
+    )]
     pulled: HashMap<u64, Pulled>,
     /// Bonds that broke, and when, s.
     broken: Vec<(f64, MortarBroke)>,

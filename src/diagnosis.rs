@@ -258,8 +258,16 @@ pub struct Told {
     /// There is a [crowd](crate::narrowphase::crowd()).
     pub(crate) crowded: bool,
     /// Hands whose numbers are invalid, so that their grabs stay as they were.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted_set")
+    )]
     pub(crate) hands: EntityHashSet,
     /// Colliders that were left out of the body above them.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted_set")
+    )]
     pub(crate) strays: EntityHashSet,
 }
 

@@ -127,6 +127,8 @@ mod plugin;
 pub mod preview;
 pub mod profile;
 pub mod query;
+#[cfg(feature = "serde")]
+pub mod recording;
 mod reflection;
 pub mod revision;
 pub mod saving;

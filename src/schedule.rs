@@ -162,6 +162,8 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
         return Err(error);
     }
     let start = Instant::now();
+    #[cfg(feature = "serde")]
+    crate::recording::begin(world, dt);
     settings::check(world);
     let substeps = world.resource::<SolverSettings>().outer_substeps;
     for substep in 0..substeps {
@@ -169,6 +171,8 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
         *time = time.next(dt, substep, substeps);
         world.run_schedule(PhysicsSchedule);
     }
+    #[cfg(feature = "serde")]
+    crate::recording::end(world);
     crate::contact::trigger(world);
     crate::joint::trigger(world);
     crate::mortar::trigger(world);

@@ -70,6 +70,8 @@ pub(crate) use rows::look;
 pub use sleeping::Sleeping;
 pub use solver_effort::SolverEffort;
 pub use spawn_order::SpawnOrder;
+#[cfg(feature = "serde")]
+pub(crate) use table::Noted;
 pub use table::{BodyIndex, BodyState, BodyTable};
 pub(crate) use table::{is_body, lost_description, lost_parent};
 

@@ -282,6 +282,10 @@ pub struct BodyTable {
     /// their [dominance](super::Dominance) have changed.
     pub(crate) solved_anew: Vec<u32>,
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted")
+    )]
     not_colliding: HashMap<[u32; 2], u32>,
     /// The properties of the body that was added last.
     #[cfg_attr(feature = "serde", serde(with = "crate::state::written::maybe_shared"))]
@@ -311,6 +315,25 @@ clone_fields!(BodyTable {
     visits,
     visited_at,
 });
+
+/// What hooks note in a [`BodyTable`] between two steps, when users spawn, change and despawn bodies.
+#[cfg(feature = "serde")]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Noted {
+    reduced: Vec<Entity>,
+    left: Vec<(Entity, BodyIndex)>,
+    spawn_orders: u64,
+}
+
+#[cfg(feature = "serde")]
+impl MapEntities for Noted {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.reduced.map_entities(mapper);
+        for (body, _) in &mut self.left {
+            body.map_entities(mapper);
+        }
+    }
+}
 
 impl MapEntities for BodyState {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
@@ -469,6 +492,24 @@ impl BodyTable {
     /// Sets the change tick after which what is written counts as written since the last step: after the state was replaced.
     pub(crate) fn set_visited_at(&mut self, tick: Tick) {
         self.visited_at = Some(tick);
+    }
+
+    /// What hooks have noted since the last step.
+    #[cfg(feature = "serde")]
+    pub(crate) fn noted(&self) -> Noted {
+        Noted {
+            reduced: self.reduced.clone(),
+            left: self.left.clone(),
+            spawn_orders: self.spawn_orders,
+        }
+    }
+
+    /// Replaces what hooks have noted since the last step.
+    #[cfg(feature = "serde")]
+    pub(crate) fn set_noted(&mut self, noted: Noted) {
+        self.reduced = noted.reduced;
+        self.left = noted.left;
+        self.spawn_orders = noted.spawn_orders;
     }
 
     /// Bodies that lost a component that describes them, or their parent, since the last *prepare*.

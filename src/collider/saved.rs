@@ -11,14 +11,20 @@ thread_local! {
     static KNOWN: RefCell<Option<HashMap<Vec<u8>, Collider>>> = const { RefCell::new(None) };
 }
 
-/// As long as it lives, colliders that this thread reads with equal descriptions are one in memory, as they were when they were written.
+/// As long as it lives, colliders that this thread reads with equal descriptions are one in memory, as they were when they were written. One that is
+/// made while another lives adds to the other's shapes.
 #[derive(Debug)]
-pub(crate) struct SharedShapes(());
+pub(crate) struct SharedShapes {
+    is_first: bool,
+}
 
 impl SharedShapes {
     pub fn new() -> Self {
-        KNOWN.set(Some(HashMap::default()));
-        Self(())
+        let is_first = KNOWN.with_borrow(Option::is_none);
+        if is_first {
+            KNOWN.set(Some(HashMap::default()));
+        }
+        Self { is_first }
     }
 
     /// The bits of a description, if shapes are shared.
@@ -43,7 +49,9 @@ impl SharedShapes {
 
 impl Drop for SharedShapes {
     fn drop(&mut self) {
-        KNOWN.set(None);
+        if self.is_first {
+            KNOWN.set(None);
+        }
     }
 }
 

@@ -36,7 +36,13 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[component(map_entities)]
-pub struct CollidingEntities(pub EntityHashSet);
+pub struct CollidingEntities(
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted_set")
+    )]
+    pub EntityHashSet,
+);
 
 impl std::ops::Deref for CollidingEntities {
     type Target = EntityHashSet;

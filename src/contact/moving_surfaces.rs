@@ -11,7 +11,13 @@ use glam::Vec3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(opaque)]
 #[doc(hidden)]
-pub struct MovingSurfaces(HashMap<u32, Vec3>);
+pub struct MovingSurfaces(
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted")
+    )]
+    HashMap<u32, Vec3>,
+);
 
 impl MovingSurfaces {
     #[inline]

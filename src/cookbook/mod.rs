@@ -24,9 +24,11 @@
 //! | [`drag`] | Drag bodies with the pointer |
 //! | [`explosion`] | An explosion |
 //! | [`save`] | Save and load |
+//! | [`replay`] | A recording for a bug report |
 //! | [`town`] | A town of which only a part is in |
 //! | [`smooth`] | Smooth motion between steps |
 //! | [`server`] | A server without a window |
+//! | [`netcode`] | Rollback netcode, peer to peer or with a server |
 //! | [`bad_input`] | Bad input |
 //! | [`settings`] | Which settings for which game |
 //! | [`from_avian`] | From Avian |
@@ -98,6 +100,9 @@ pub mod explosion {}
 #[doc = include_str!("save.md")]
 pub mod save {}
 
+#[doc = include_str!("replay.md")]
+pub mod replay {}
+
 #[doc = include_str!("town.md")]
 pub mod town {}
 
@@ -106,6 +111,9 @@ pub mod smooth {}
 
 #[doc = include_str!("server.md")]
 pub mod server {}
+
+#[doc = include_str!("netcode.md")]
+pub mod netcode {}
 
 #[doc = include_str!("bad_input.md")]
 pub mod bad_input {}

@@ -8,7 +8,13 @@ use glam::Vec3;
 /// The forces with which sleeping bodies fell asleep, for those that awake bodies touch or have touched; by slot.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Accounts(HashMap<u32, Wrench>);
+pub(super) struct Accounts(
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted")
+    )]
+    HashMap<u32, Wrench>,
+);
 
 impl Clone for Accounts {
     fn clone(&self) -> Self {

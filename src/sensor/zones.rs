@@ -82,6 +82,10 @@ pub struct Sensors {
     pub(super) zones: Vec<Option<Tracked>>,
     free: Vec<u32>,
     /// By the entity of the sensor.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted")
+    )]
     known: EntityHashMap<u32>,
     #[cfg_attr(feature = "serde", serde(with = "crate::state::written::tree"))]
     tree: Bvh,
@@ -90,6 +94,10 @@ pub struct Sensors {
     changed_boxes: usize,
     /// Zones without a box: half-spaces.
     unbounded: Vec<u32>,
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted")
+    )]
     inside: HashMap<u32, SmallVec<[u32; 2]>>,
     /// The revision of the removal of bodies that the contents follow.
     pub(super) departures: Option<Revision>,

@@ -3,7 +3,7 @@
 //! Values lie in the order of the entities, without gaps, so that most of them are copied a table at a time.
 
 #[cfg(feature = "serde")]
-use super::bytes::Bytes;
+use super::bytes::{Bytes, Earlier, Reader, Writer};
 #[cfg(feature = "serde")]
 use super::error::SnapshotError;
 use super::layout::{Layout, table_of};
@@ -18,7 +18,7 @@ use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use std::any::TypeId;
+use std::any::{Any, TypeId};
 use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -51,7 +51,7 @@ pub(super) struct Valueless;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Edit {
-    row: usize,
+    pub row: usize,
     /// Whether the component was added.
     added: bool,
 }
@@ -62,9 +62,9 @@ pub(super) struct Column<T, How> {
     values: Vec<T>,
     /// By run: the index of its first value.
     starts: Vec<usize>,
-    edits: Vec<Edit>,
+    pub edits: Vec<Edit>,
     /// Those of a component that is not kept in tables. Only markers are.
-    sparse: Vec<(Entity, T)>,
+    pub sparse: Vec<(Entity, T)>,
     how: PhantomData<How>,
 }
 
@@ -81,7 +81,7 @@ impl<T, How> Default for Column<T, How> {
 }
 
 /// The values of some component.
-pub(super) trait AnyColumn: Debug + Send + Sync {
+pub(super) trait AnyColumn: Any + Debug + Send + Sync {
     fn name(&self) -> &'static str;
 
     /// Whether it is a component of Bevy, which other entities have as well.
@@ -118,7 +118,12 @@ pub(super) trait AnyColumn: Debug + Send + Sync {
 
     /// Appends the values to bytes.
     #[cfg(feature = "serde")]
-    fn encode(&self, layout: &Layout, out: &mut Vec<u8>) -> Result<(), SnapshotError>;
+    fn encode(
+        &self,
+        layout: &Layout,
+        earlier: Earlier,
+        to: &mut Writer,
+    ) -> Result<(), SnapshotError>;
 
     /// Takes the values from the front of bytes.
     #[cfg(feature = "serde")]
@@ -126,7 +131,8 @@ pub(super) trait AnyColumn: Debug + Send + Sync {
         &mut self,
         kind: usize,
         layout: &Layout,
-        from: &mut &[u8],
+        earlier: Earlier,
+        from: &mut Reader,
     ) -> Result<(), SnapshotError>;
 }
 
@@ -153,42 +159,39 @@ impl<T, How> Column<T, How> {
 
 #[cfg(feature = "serde")]
 impl<T: Clone, How> Column<T, How> {
-    /// The values in the order of the runs that have them.
-    pub fn in_order(&self, layout: &Layout) -> impl Iterator<Item = &T> {
-        let runs = 0..layout.runs.len();
-        let ranges = runs.filter_map(|run| self.of_run(layout, run));
-        ranges.flat_map(|range| &self.values[range])
+    /// The values in the order of the runs that have them, each with its row.
+    pub fn in_order(&self, layout: &Layout) -> impl Iterator<Item = (usize, &T)> {
+        let runs = layout.runs.iter().enumerate();
+        let ranges = runs.filter_map(|(number, run)| {
+            let range = self.of_run(layout, number)?;
+            Some(run.rows().zip(&self.values[range]))
+        });
+        ranges.flatten()
     }
 
-    /// Sets the values in the order of the runs that have them.
+    /// The value of a row.
+    pub fn value_of(&self, layout: &Layout, row: usize) -> Option<&T> {
+        self.of_row(layout, layout.run_of_row(row), row)
+    }
+
+    /// Sets the values in the order of the runs that have them, each by its row.
     pub fn fill<E>(
         &mut self,
         kind: usize,
         layout: &Layout,
-        mut next: impl FnMut() -> Result<T, E>,
+        mut next: impl FnMut(usize) -> Result<T, E>,
     ) -> Result<(), E> {
         *self = Self::default();
         for run in &layout.runs {
             let has = run.kinds.contains(kind);
             self.starts.push(if has { self.values.len() } else { NONE });
-            for _ in 0..if has { run.len } else { 0 } {
-                self.values.push(next()?);
+            if has {
+                for row in run.rows() {
+                    self.values.push(next(row)?);
+                }
             }
         }
         Ok(())
-    }
-
-    /// The edits, and the values that are not kept in tables.
-    pub fn besides(&self) -> (&[Edit], &[(Entity, T)]) {
-        (&self.edits, &self.sparse)
-    }
-
-    /// Sets what [`besides`](Self::besides) returns. Returns false if it does not fit.
-    pub fn set_besides(&mut self, layout: &Layout, of: (Vec<Edit>, Vec<(Entity, T)>)) -> bool {
-        (self.edits, self.sparse) = of;
-        self.edits
-            .iter()
-            .all(|edit| edit.row < layout.entities.len())
     }
 }
 
@@ -363,8 +366,13 @@ where
     }
 
     #[cfg(feature = "serde")]
-    fn encode(&self, layout: &Layout, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
-        Bytes::encode(self, layout, out)
+    fn encode(
+        &self,
+        layout: &Layout,
+        earlier: Earlier,
+        to: &mut Writer,
+    ) -> Result<(), SnapshotError> {
+        Bytes::encode(self, layout, earlier, to)
     }
 
     #[cfg(feature = "serde")]
@@ -372,9 +380,10 @@ where
         &mut self,
         kind: usize,
         layout: &Layout,
-        from: &mut &[u8],
+        earlier: Earlier,
+        from: &mut Reader,
     ) -> Result<(), SnapshotError> {
-        Bytes::decode(self, kind, layout, from)
+        Bytes::decode(self, kind, layout, earlier, from)
     }
 }
 

@@ -25,4 +25,9 @@ pub enum SnapshotError {
     /// The bytes are not those that were written.
     #[error("the bytes of the snapshot are incomplete or damaged: get them again")]
     Damaged,
+    /// The bytes were written after another earlier snapshot.
+    #[error(
+        "the bytes hold what has changed since another snapshot: give the one after which they were written"
+    )]
+    OtherEarlier,
 }

@@ -12,7 +12,7 @@ use bevy_ecs::world::{EntityRef, World};
 
 /// Components on the list, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Kinds(u128);
+pub(crate) struct Kinds(u128);
 
 impl Kinds {
     #[cfg(feature = "serde")]
@@ -31,6 +31,12 @@ impl Kinds {
 
     pub fn insert(&mut self, kind: usize) {
         self.0 |= 1 << kind;
+    }
+
+    /// Adds those of another.
+    #[cfg(feature = "serde")]
+    pub fn extend(&mut self, other: Self) {
+        self.0 |= other.0;
     }
 
     /// Returns true if the two have a component in common.
@@ -143,6 +149,21 @@ impl Layout {
         self.tables = self.runs.len();
         if has_parents {
             self.find_ancestors(world, known);
+        }
+    }
+
+    /// Adds entities that belong to the snapshot only because something refers to them.
+    pub fn add(&mut self, world: &World, known: &KnownKinds, others: &[Entity]) {
+        if others.is_empty() {
+            return;
+        }
+        let mut seen: EntityHashSet = self.entities.iter().copied().collect();
+        for &other in others {
+            if seen.insert(other)
+                && let Ok(entity) = world.get_entity(other)
+            {
+                self.push(&[other], known.of_entity(entity));
+            }
         }
     }
 

@@ -46,16 +46,21 @@
 //! Values are copied a table of the ECS at a time. [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the
 //! allocations. A component is marked as changed only if its value differs, or if you had written it after the last step. The first step after a restore
 //! derives the problems of islands anew; the result is bitwise equal.
+//!
+//! # Bytes
+//!
+//! With the feature `serde`, `Snapshot::to_bytes` writes a snapshot to bytes, and `to_bytes_after` what differs from an earlier one: of a structure of which
+//! little moves, that is little.
 
 #[cfg(feature = "serde")]
-mod bytes;
+pub(crate) mod bytes;
 mod column;
 mod difference;
 mod error;
-mod layout;
+pub(crate) mod layout;
 #[cfg(not(feature = "serde"))]
 mod no_bytes;
-mod renaming;
+pub(crate) mod renaming;
 mod resource;
 mod structure;
 mod target;
@@ -142,10 +147,16 @@ impl Snapshot {
 
     /// Replaces this snapshot by the state of a world, and uses its memory again.
     pub fn take_into(&mut self, world: &World) {
+        self.take_with(world, &[]);
+    }
+
+    /// Takes the state of a world, and other entities to which components refer.
+    pub(crate) fn take_with(&mut self, world: &World, others: &[Entity]) {
         let known = KnownKinds::of_world(world, &self.columns);
         let table = world.get_resource::<BodyTable>();
         self.origin = table.map_or(Origin::Nothing, |_| Origin::World(world.id()));
         self.layout.find(world, &known);
+        self.layout.add(world, &known, others);
         let since = table.and_then(BodyTable::visited_at);
         for column in &mut self.columns {
             column.take(world, &self.layout, since);

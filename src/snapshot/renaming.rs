@@ -4,7 +4,7 @@ use bevy_ecs::component::Component;
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityMapper, SceneEntityMapper};
 
 /// The entities that those of a snapshot have become.
-pub(super) enum Renaming<'a, 'm> {
+pub(crate) enum Renaming<'a, 'm> {
     /// They are the same.
     Nothing,
     /// Some were despawned, and have been spawned anew.

@@ -1,7 +1,7 @@
 //! A resource in a snapshot.
 
 #[cfg(feature = "serde")]
-use super::bytes::ResourceBytes as Bytes;
+use super::bytes::{Reader, ResourceBytes as Bytes, Writer};
 #[cfg(feature = "serde")]
 use super::error::SnapshotError;
 #[cfg(not(feature = "serde"))]
@@ -9,6 +9,7 @@ use super::no_bytes::Bytes;
 use super::renaming::Renaming;
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
+use std::any::Any;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
@@ -38,7 +39,7 @@ impl<T, Kind> Default for Kept<T, Kind> {
 }
 
 /// Some resource.
-pub(super) trait AnyResource: Debug + Send + Sync {
+pub(super) trait AnyResource: Any + Debug + Send + Sync {
     fn name(&self) -> &'static str;
 
     fn take(&mut self, world: &World);
@@ -55,11 +56,12 @@ pub(super) trait AnyResource: Debug + Send + Sync {
 
     /// Appends the resource to bytes.
     #[cfg(feature = "serde")]
-    fn encode(&self, out: &mut Vec<u8>) -> Result<(), SnapshotError>;
+    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError>;
 
     /// Takes the resource from the front of bytes.
     #[cfg(feature = "serde")]
-    fn decode(&mut self, from: &mut &[u8]) -> Result<(), SnapshotError>;
+    fn decode(&mut self, earlier: &dyn AnyResource, from: &mut Reader)
+    -> Result<(), SnapshotError>;
 }
 
 impl<T, Kind> AnyResource for Kept<T, Kind>
@@ -108,12 +110,25 @@ where
     }
 
     #[cfg(feature = "serde")]
-    fn encode(&self, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
-        Bytes::encode(self, out)
+    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError> {
+        Bytes::encode(self, same_type(earlier), to)
     }
 
     #[cfg(feature = "serde")]
-    fn decode(&mut self, from: &mut &[u8]) -> Result<(), SnapshotError> {
-        Bytes::decode(self, from)
+    fn decode(
+        &mut self,
+        earlier: &dyn AnyResource,
+        from: &mut Reader,
+    ) -> Result<(), SnapshotError> {
+        Bytes::decode(self, same_type(earlier), from)
     }
+}
+
+/// The resource of an earlier snapshot, whose type is that of the later one.
+#[cfg(feature = "serde")]
+fn same_type<K: 'static>(earlier: &dyn AnyResource) -> &K {
+    let earlier: &dyn Any = earlier;
+    earlier
+        .downcast_ref()
+        .expect("all snapshots have the same resources")
 }

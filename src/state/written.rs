@@ -129,9 +129,43 @@ pub(crate) mod tree {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Bvh, D::Error> {
+        /// With fewer leaves, `Bvh::from_iter` takes their places for their numbers.
+        const FEW: usize = 3;
         let leaves = Vec::<(u32, Vec3, Vec3)>::deserialize(from)?;
+        if leaves.len() < FEW {
+            let mut tree = Bvh::new();
+            for (leaf, mins, maxs) in leaves {
+                tree.insert(Aabb::new(mins, maxs), leaf);
+            }
+            return Ok(tree);
+        }
         let leaves = leaves.into_iter();
         let leaves = leaves.map(|(leaf, mins, maxs)| (leaf as usize, Aabb::new(mins, maxs)));
         Ok(Bvh::from_iter(BvhBuildStrategy::Binned, leaves))
     }
+}
+
+/// A map, in the order of its keys: that of a hash map depends on its history, and equal states must give equal bytes.
+pub(crate) fn sorted<K, V, H, S>(
+    map: &bevy_platform::collections::HashMap<K, V, H>,
+    to: S,
+) -> Result<S::Ok, S::Error>
+where
+    K: serde::Serialize + Ord,
+    V: serde::Serialize,
+    S: serde::Serializer,
+{
+    let mut entries: Vec<(&K, &V)> = map.iter().collect();
+    entries.sort_unstable_by_key(|&(key, _)| key);
+    to.collect_map(entries)
+}
+
+/// A set of entities, in order (see [`sorted`]), in the form in which Bevy writes it.
+pub(crate) fn sorted_set<S: serde::Serializer>(
+    set: &bevy_ecs::entity::EntityHashSet,
+    to: S,
+) -> Result<S::Ok, S::Error> {
+    let mut entries: Vec<bevy_ecs::entity::Entity> = set.iter().copied().collect();
+    entries.sort_unstable();
+    to.serialize_newtype_struct("EntityEquivalentHashSet", &entries)
 }

@@ -40,6 +40,8 @@ mod plays;
 mod preview;
 mod query;
 mod quiet;
+#[cfg(feature = "serde")]
+mod recording;
 mod reference;
 mod reflection;
 mod refresh;

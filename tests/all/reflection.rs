@@ -14,7 +14,11 @@ use std::any::TypeId;
 use std::fmt::Debug;
 
 /// Types that are not registered, and why.
-const INTERNAL: [(&str, &str); 19] = [
+const INTERNAL: [(&str, &str); 20] = [
+    (
+        "recording::recorder::Recorder",
+        "a file and what it watches; no state",
+    ),
     ("body::pending::Pending", "derived, for queries"),
     (
         "warm_start::problems::IslandProblems",

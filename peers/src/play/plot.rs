@@ -109,6 +109,7 @@ impl Quantity {
             .label_style(("sans-serif", 15))
             .axis_desc_style(("sans-serif", 16))
             .light_line_style(WHITE)
+            .x_label_formatter(&bricks)
             .y_label_formatter(&|y: &f64| y.to_string())
             .draw()?;
         for ((r, g, b), line) in lines {
@@ -127,6 +128,18 @@ impl Quantity {
             }
         }
         Ok(())
+    }
+}
+
+/// The label of a number of bricks: of one, two and five times a power of ten, for others there is no room.
+fn bricks(number: &f64) -> String {
+    let digit = number / 10f64.powf(number.log10().floor());
+    match [1.0, 2.0, 5.0]
+        .iter()
+        .any(|wanted| (digit - wanted).abs() < 0.01)
+    {
+        true => format!("{number:.0}"),
+        false => String::new(),
     }
 }
 

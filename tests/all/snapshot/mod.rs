@@ -17,7 +17,7 @@ use drystone::prelude::*;
 use drystone::snapshot::Snapshot;
 use drystone_lab::scenes::{Scene, SceneOptions};
 
-const DT: f32 = 1.0 / 60.0;
+pub(crate) const DT: f32 = 1.0 / 60.0;
 
 /// How long a world goes on, steps.
 const ON: usize = 60;
@@ -34,40 +34,46 @@ fn empty() -> World {
 }
 
 /// A world with a floor.
-fn floor() -> World {
+pub(crate) fn floor() -> World {
     let mut world = empty();
     world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
     world
 }
 
-fn scene(name: &str) -> (World, Vec<Entity>) {
+pub(crate) fn scene(name: &str) -> (World, Vec<Entity>) {
     let mut world = empty();
     let scene: Scene = name.parse().unwrap();
     let bodies = scene.build(&mut world, &SceneOptions::default()).bodies;
     (world, bodies)
 }
 
-fn place(x: f32, y: f32) -> Transform {
+pub(crate) fn place(x: f32, y: f32) -> Transform {
     Transform::from_xyz(x, y, 0.0)
 }
 
-fn body(world: &mut World, collider: Collider, x: f32, y: f32, more: impl Bundle) -> Entity {
+pub(crate) fn body(
+    world: &mut World,
+    collider: Collider,
+    x: f32,
+    y: f32,
+    more: impl Bundle,
+) -> Entity {
     let body = (RigidBody::Dynamic, collider, place(x, y), more);
     world.spawn(body).id()
 }
 
-fn brick(world: &mut World, x: f32, y: f32) -> Entity {
+pub(crate) fn brick(world: &mut World, x: f32, y: f32) -> Entity {
     body(world, Collider::cuboid(1.0, 0.5, 0.5), x, y, ())
 }
 
-fn steps(world: &mut World, steps: usize) {
+pub(crate) fn steps(world: &mut World, steps: usize) {
     for _ in 0..steps {
         drystone::step(world, DT).unwrap();
     }
 }
 
 /// The bits of all that is seen of a world, and of what decides its future: bodies, joints and contacts, in spawn order.
-fn bits(world: &mut World) -> Vec<(Vec<SpawnOrder>, Vec<u32>)> {
+pub(crate) fn bits(world: &mut World) -> Vec<(Vec<SpawnOrder>, Vec<u32>)> {
     type Body<'a> = (
         &'a SpawnOrder,
         (&'a Pose, &'a Velocity, &'a Sleeping, &'a Transform),
@@ -219,7 +225,7 @@ fn goes_on_elsewhere(name: &str, (snapshot, first): (&Snapshot, &[Shown]), act: 
 }
 
 /// Number of bodies that are inactive.
-fn resting(world: &mut World) -> usize {
+pub(crate) fn resting(world: &mut World) -> usize {
     let mut bodies = world.query_filtered::<(), With<Inactive>>();
     bodies.iter(world).count()
 }

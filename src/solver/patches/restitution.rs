@@ -4,17 +4,12 @@
 //! share 1 − e² of the energy that the contacts have taken out of the approach, however many bodies have a part in it, and none at e = 1:
 //! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn do not satisfy this, so a bounce that would
 //! gain energy is weakened.
-//!
-//! A bounce presses the surfaces together, so it has its own [friction].
-
-mod friction;
 
 use crate::solver::groups::Groups;
 use crate::solver::{Body, PatchPoint, PatchProblem};
-use friction::Friction;
 use glam::{DVec3, Vec3};
 
-/// Upper bound of visits to all points of a group in a row.
+/// Upper bound of visits to all points of a group.
 const VISITS: usize = 50;
 
 /// Visits end when none has changed a velocity by more than this share of the fastest bounce.
@@ -141,21 +136,7 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     group(&mut rows, problem.bodies);
     for group in rows.chunk_by_mut(|a, b| a.group == b.group) {
         if group.iter().any(|row| row.leave > 0.0) {
-            let patches = group.chunk_by(|a, b| a.patch == b.patch);
-            let bounce = patches.filter(|patch| patch.iter().any(|row| row.leave > 0.0));
-            let mut frictions: Vec<Friction> = bounce
-                .filter_map(|patch| Friction::of(patch, problem))
-                .collect();
-            throw(
-                group,
-                &mut frictions,
-                problem.points,
-                problem.bodies,
-                &bounces.pushes,
-            );
-            for friction in frictions {
-                problem.patches[friction.patch].tangential += friction.impulse;
-            }
+            throw(group, problem.points, problem.bodies, &bounces.pushes);
         }
     }
     for row in rows {
@@ -188,14 +169,8 @@ fn group(rows: &mut [Row], bodies: &[Body]) {
     rows.sort_by_key(|row| row.group);
 }
 
-/// Bounces one group. `frictions` are those of its patches.
-fn throw(
-    group: &mut [Row],
-    frictions: &mut [Friction],
-    points: &[PatchPoint],
-    bodies: &mut [Body],
-    pushes: &[[Vec3; 2]],
-) {
+/// Bounces one group.
+fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
     let mut ends: Vec<usize> = group.iter().flat_map(|row| row.bodies).collect();
     ends.sort_unstable();
     ends.dedup();
@@ -207,34 +182,6 @@ fn throw(
     for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
         throw_together(patch, points, bodies);
     }
-    settle(group, bodies, fastest);
-    // Once, because friction that is sought together with normal impulses need not converge.
-    for friction in frictions.iter_mut() {
-        let rows = group.iter().filter(|row| row.patch == friction.patch);
-        let bounce = rows.map(|row| row.impulse).sum();
-        friction.slow(bounce, bodies);
-    }
-    if !frictions.is_empty() {
-        settle(group, bodies, fastest);
-    }
-    let share = affordable(group, frictions, bodies, (&ends, &before), pushes);
-    if share < 1.0 {
-        for (&end, before) in ends.iter().zip(&before) {
-            let body = &mut bodies[end];
-            body.linear = before[0] + share * (body.linear - before[0]);
-            body.angular = before[1] + share * (body.angular - before[1]);
-        }
-        for row in group {
-            row.impulse *= share;
-        }
-        for friction in frictions {
-            friction.impulse *= share;
-        }
-    }
-}
-
-/// Finds normal impulses with which the points of a group leave as they should. `fastest` is the speed of the fastest, m/s.
-fn settle(group: &mut [Row], bodies: &mut [Body], fastest: f32) {
     for _ in 0..VISITS {
         let mut change = 0.0f32;
         for row in group.iter_mut() {
@@ -244,6 +191,17 @@ fn settle(group: &mut [Row], bodies: &mut [Body], fastest: f32) {
         }
         if change < SETTLED * fastest {
             break;
+        }
+    }
+    let share = affordable(group, bodies, &ends, &before, pushes);
+    if share < 1.0 {
+        for (&end, before) in ends.iter().zip(&before) {
+            let body = &mut bodies[end];
+            body.linear = before[0] + share * (body.linear - before[0]);
+            body.angular = before[1] + share * (body.angular - before[1]);
+        }
+        for row in group {
+            row.impulse *= share;
         }
     }
 }
@@ -315,36 +273,27 @@ fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body])
 /// bodies in `ends` before the bounce.
 fn affordable(
     group: &[Row],
-    frictions: &[Friction],
     bodies: &[Body],
-    (ends, before): (&[usize], &[[Vec3; 2]]),
+    ends: &[usize],
+    before: &[[Vec3; 2]],
     pushes: &[[Vec3; 2]],
 ) -> f32 {
     let moves = |end: &Body| end.inverse_mass > 0.0;
     let driven = |end: &Body| !moves(end) && end.start != [Vec3::ZERO; 2];
-    let moving_surface = |friction: &Friction| friction.demanded != Vec3::ZERO;
-    if ends.iter().any(|&end| driven(&bodies[end])) || frictions.iter().any(moving_surface) {
-        // A driven body or surface does work.
+    if ends.iter().any(|&end| driven(&bodies[end])) {
+        // A driven body does work.
         return 1.0;
     }
     // E(s) = E(0) + s d + s² q.
     let (mut d, mut q) = (0.0f64, 0.0f64);
-    let velocity_before = |body: usize| {
-        let end = ends.binary_search(&body).expect("all ends were collected");
-        before[end]
-    };
     for row in group {
-        let was = approach(row.bodies.map(velocity_before), &row.arms, row.normal);
+        let was = row.bodies.map(|body| {
+            let end = ends.binary_search(&body).expect("all ends were collected");
+            before[end]
+        });
+        let was = approach(was, &row.arms, row.normal);
         d += (row.impulse * was) as f64;
         q += (0.5 * row.impulse * (row.speed(bodies) - was)) as f64;
-    }
-    for friction in frictions {
-        let was = friction.velocity(friction.bodies.map(velocity_before));
-        let velocities = friction
-            .bodies
-            .map(|body| [bodies[body].linear, bodies[body].angular]);
-        d += friction.impulse.dot(was) as f64;
-        q += 0.5 * friction.impulse.dot(friction.velocity(velocities) - was) as f64;
     }
     let spare: f64 = ends
         .iter()

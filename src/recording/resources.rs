@@ -1,0 +1,164 @@
+//! What recording and replay do with each resource on the list of the [state](crate::state).
+
+use crate::body::{BodyTable, Noted};
+use crate::broadphase::Broadphase;
+use crate::children::Unassembled;
+use crate::contact::{LostPairs, Untriggered};
+use crate::graph::{ConstraintGraph, Islands};
+use crate::joint::{BrokenJoints, JointChanges};
+use crate::mortar::BrokenMortar;
+use crate::sensor::UntriggeredSensorEvents;
+use crate::snapshot::SnapshotError;
+use crate::snapshot::bytes::{read, write};
+use crate::snapshot::renaming::Renaming;
+use crate::state::{self, Stored, Visitor};
+use crate::streaming::Suspended;
+use bevy_ecs::component::{ComponentId, Mutable};
+use bevy_ecs::entity::MapEntities;
+use bevy_ecs::prelude::*;
+use std::any::TypeId;
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+/// Some resource on the list.
+pub(super) trait AnyResource: Send + Sync {
+    /// Makes the world know the resource.
+    fn register(&self, world: &mut World) -> ComponentId;
+
+    /// Whether only stages write it. If it is written between two steps, the state was replaced, a part of it was taken out or put back, or a pair was
+    /// despawned.
+    fn is_of_stages(&self) -> bool;
+
+    /// Whether hooks note in it what users have changed. It is recorded with every change, because the hooks of a replay may have noted something else.
+    fn is_of_hooks(&self) -> bool;
+
+    /// Appends the value to bytes.
+    fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError>;
+
+    /// Takes a value from the front of bytes.
+    fn read(&self, from: &mut &[u8]) -> Result<Box<dyn Value>, SnapshotError>;
+}
+
+/// The value of a resource that was read.
+pub(super) trait Value: Debug + Send + Sync {
+    /// Gives the resource of the world this value.
+    fn put(&self, world: &mut World, to: &mut Renaming);
+}
+
+struct Kept<T>(PhantomData<T>);
+
+impl<T: Resource + Component<Mutability = Mutable> + Stored> AnyResource for Kept<T> {
+    fn register(&self, world: &mut World) -> ComponentId {
+        world.register_component::<T>()
+    }
+
+    fn is_of_stages(&self) -> bool {
+        let of_stages = [
+            TypeId::of::<Broadphase>(),
+            TypeId::of::<ConstraintGraph>(),
+            TypeId::of::<Islands>(),
+            TypeId::of::<LostPairs>(),
+            TypeId::of::<Suspended>(),
+        ];
+        of_stages.contains(&TypeId::of::<T>())
+    }
+
+    fn is_of_hooks(&self) -> bool {
+        let of_hooks = [TypeId::of::<JointChanges>(), TypeId::of::<Unassembled>()];
+        of_hooks.contains(&TypeId::of::<T>())
+    }
+
+    fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
+        let name = std::any::type_name::<T>();
+        let value = world.get_resource::<T>();
+        let value = value.ok_or(SnapshotError::MissingPlugin(name))?;
+        write(value, name, out)
+    }
+
+    fn read(&self, from: &mut &[u8]) -> Result<Box<dyn Value>, SnapshotError> {
+        Ok(Box::new(Read::<T>(read(from)?)))
+    }
+}
+
+#[derive(Debug)]
+struct Read<T>(T);
+
+impl<T: Resource + Component<Mutability = Mutable> + Stored> Value for Read<T> {
+    fn put(&self, world: &mut World, to: &mut Renaming) {
+        let mut value = self.0.clone();
+        T::map_entities(&mut value, to);
+        world.insert_resource(value);
+    }
+}
+
+/// Of the table of bodies, hooks write only these lists between two steps.
+struct Table;
+
+impl AnyResource for Table {
+    fn register(&self, world: &mut World) -> ComponentId {
+        world.register_component::<BodyTable>()
+    }
+
+    fn is_of_stages(&self) -> bool {
+        false
+    }
+
+    fn is_of_hooks(&self) -> bool {
+        true
+    }
+
+    fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
+        write(&world.resource::<BodyTable>().noted(), "BodyTable", out)
+    }
+
+    fn read(&self, from: &mut &[u8]) -> Result<Box<dyn Value>, SnapshotError> {
+        Ok(Box::new(read::<Noted>(from)?))
+    }
+}
+
+impl Value for Noted {
+    fn put(&self, world: &mut World, to: &mut Renaming) {
+        let mut noted = self.clone();
+        noted.map_entities(to);
+        world.resource_mut::<BodyTable>().set_noted(noted);
+    }
+}
+
+/// All resources on the list that may be written between two steps, in its order.
+pub(super) fn all() -> Vec<Box<dyn AnyResource>> {
+    let mut list = List(Vec::new());
+    state::visit(&mut list);
+    list.0
+}
+
+struct List(Vec<Box<dyn AnyResource>>);
+
+impl Visitor for List {
+    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {}
+
+    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {}
+
+    fn immutable<T: Component + Stored + PartialEq>(&mut self) {}
+
+    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {}
+
+    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
+        // They are emptied when their events are triggered, after the stages; in a replay too.
+        let of_events = [
+            TypeId::of::<Untriggered>(),
+            TypeId::of::<UntriggeredSensorEvents>(),
+            TypeId::of::<BrokenJoints>(),
+            TypeId::of::<BrokenMortar>(),
+        ];
+        let id = TypeId::of::<T>();
+        if id == TypeId::of::<BodyTable>() {
+            self.0.push(Box::new(Table));
+        } else if !of_events.contains(&id) {
+            self.0.push(Box::new(Kept::<T>(PhantomData)));
+        }
+    }
+
+    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {}
+
+    fn derived<T: Resource + Default>(&mut self) {}
+}

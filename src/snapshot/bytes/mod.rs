@@ -1,0 +1,286 @@
+//! Snapshots as bytes (feature `serde`), whole or as what has changed since an earlier one.
+//!
+//! | part | bytes |
+//! |---|---|
+//! | `DRYSTONE` | 8 |
+//! | [`VERSION`] of the format, which every change of the state raises | 4 |
+//! | checksum of all that follows | 8 |
+//! | checksum of the values | 8 |
+//! | version of the crate, entities, runs, columns and resources as a [stream], compressed (LZ4) | |
+//!
+//! Ids of entities mean nothing elsewhere, so a snapshot from bytes is restored as one of another world. Revisions are new ones. Trees are built
+//! anew from their boxes: no result depends on their shape.
+
+mod checksum;
+mod earlier;
+mod stream;
+mod value;
+
+pub(super) use earlier::Earlier;
+pub(super) use stream::{Reader, Writer};
+pub(crate) use value::{read, write};
+
+use super::column::{Column, Edit, Marked, Output, Replaced, Silent, Valueless};
+use super::error::SnapshotError;
+use super::layout::{Kinds, Layout, Run};
+use super::resource::{Code, Kept, Plain};
+use super::{Origin, Snapshot};
+use crate::collider::SharedShapes;
+use crate::state::Stored;
+use bevy_ecs::entity::{Entity, EntityHashSet};
+use checksum::Checksum;
+
+/// The first bytes of every snapshot.
+const NAME: &[u8; 8] = b"DRYSTONE";
+
+/// The version of the format.
+const VERSION: u32 = 2;
+
+impl Snapshot {
+    /// Writes the snapshot to bytes, for a file or another computer.
+    ///
+    /// # Errors
+    /// If it holds code: a solver of your own, or a collider of a kind that has no [description](crate::collider::Collider::description).
+    pub fn to_bytes(&self) -> Result<Vec<u8>, SnapshotError> {
+        self.to_bytes_after(&Self::default())
+    }
+
+    /// Writes to bytes what differs from an earlier snapshot of the same world. So few that changed take few bytes.
+    ///
+    /// A server sends a client the [bytes](Self::to_bytes) of a whole snapshot once, and then those of the differences.
+    ///
+    /// # Errors
+    /// Like [`to_bytes`](Self::to_bytes).
+    pub fn to_bytes_after(&self, earlier: &Self) -> Result<Vec<u8>, SnapshotError> {
+        if self.origin == Origin::Nothing {
+            return Err(SnapshotError::Empty);
+        }
+        let mut to = Writer::default();
+        to.put(env!("CARGO_PKG_VERSION"), None, "version")?;
+        put_layout(&self.layout, &earlier.layout, &mut to)?;
+        let rows = earlier::rows(&self.layout, &earlier.layout);
+        for (column, old) in self.columns.iter().zip(&earlier.columns) {
+            let earlier = Earlier::new(old.as_ref(), &earlier.layout, &rows);
+            column.encode(&self.layout, earlier, &mut to)?;
+        }
+        for (kept, old) in self.resources.iter().zip(&earlier.resources) {
+            kept.encode(old.as_ref(), &mut to)?;
+        }
+        let (values, sum) = to.finish();
+        let mut rest = sum.to_bytes().to_vec();
+        rest.extend(lz4_flex::compress_prepend_size(&values));
+        let parts = [
+            &NAME[..],
+            &VERSION.to_le_bytes(),
+            &Checksum::of(&rest).to_bytes(),
+            &rest,
+        ];
+        Ok(parts.concat())
+    }
+
+    /// Reads a snapshot from bytes.
+    ///
+    /// # Errors
+    /// If the bytes are not a snapshot, are of another version, or are damaged. The checksum finds damage; it does not protect from bytes that were made
+    /// on purpose, so read only those that you trust.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        Self::from_bytes_after(bytes, &Self::default())
+    }
+
+    /// Reads a snapshot from the bytes that [`to_bytes_after`](Self::to_bytes_after) returned. `earlier` is the same earlier snapshot, or one that was
+    /// read from its bytes.
+    ///
+    /// # Errors
+    /// Like [`from_bytes`](Self::from_bytes), or if `earlier` is another snapshot.
+    pub fn from_bytes_after(bytes: &[u8], earlier: &Self) -> Result<Self, SnapshotError> {
+        let rest = bytes.strip_prefix(NAME).ok_or(SnapshotError::Foreign)?;
+        let (version, rest) = rest.split_first_chunk().ok_or(SnapshotError::Damaged)?;
+        let version = u32::from_le_bytes(*version);
+        if version != VERSION {
+            return Err(SnapshotError::Version(format!("format {version}")));
+        }
+        let (sum, rest) = rest
+            .split_first_chunk::<8>()
+            .ok_or(SnapshotError::Damaged)?;
+        if *sum != Checksum::of(rest).to_bytes() {
+            return Err(SnapshotError::Damaged);
+        }
+        let (sum, rest) = rest
+            .split_first_chunk::<8>()
+            .ok_or(SnapshotError::Damaged)?;
+        let values = lz4_flex::decompress_size_prepended(rest);
+        let values = values.map_err(|_| SnapshotError::Damaged)?;
+        let mut from = Reader::new(&values);
+        let version: String = from.take(None, "version")?;
+        if version != env!("CARGO_PKG_VERSION") {
+            return Err(SnapshotError::Version(format!("drystone {version}")));
+        }
+        // The bytes are undamaged from here on, so what does not fit was written after another snapshot.
+        let snapshot = Self::read(&mut from, earlier).map_err(|_| SnapshotError::OtherEarlier)?;
+        match from.finish() {
+            Ok(found) if found.to_bytes() == *sum => Ok(snapshot),
+            _ => Err(SnapshotError::OtherEarlier),
+        }
+    }
+
+    fn read(from: &mut Reader, earlier: &Self) -> Result<Self, SnapshotError> {
+        // Equal shapes are one again, because a body knows its shape by its place in memory.
+        let _shared = SharedShapes::new();
+        let mut snapshot = Self {
+            origin: Origin::Bytes,
+            layout: read_layout(from, &earlier.layout)?,
+            ..Self::default()
+        };
+        let layout = &snapshot.layout;
+        let rows = earlier::rows(layout, &earlier.layout);
+        let columns = snapshot.columns.iter_mut().zip(&earlier.columns);
+        for (kind, (column, old)) in columns.enumerate() {
+            let earlier = Earlier::new(old.as_ref(), &earlier.layout, &rows);
+            column.decode(kind, layout, earlier, from)?;
+        }
+        for (kept, old) in snapshot.resources.iter_mut().zip(&earlier.resources) {
+            kept.decode(old.as_ref(), from)?;
+        }
+        Ok(snapshot)
+    }
+}
+
+/// A run, as it is written: its length and the bits of its kinds.
+type Written = (usize, u128);
+
+fn runs(layout: &Layout) -> Vec<Written> {
+    let runs = layout.runs.iter();
+    runs.map(|run| (run.len, run.kinds.bits())).collect()
+}
+
+fn put_layout(layout: &Layout, earlier: &Layout, to: &mut Writer) -> Result<(), SnapshotError> {
+    to.put(&layout.entities, Some(&earlier.entities), "entities")?;
+    to.put(&layout.tables, Some(&earlier.tables), "tables")?;
+    to.put(&runs(layout), Some(&runs(earlier)), "runs")
+}
+
+fn read_layout(from: &mut Reader, earlier: &Layout) -> Result<Layout, SnapshotError> {
+    let entities: Vec<Entity> = from.take(Some(&earlier.entities), "entities")?;
+    let tables = from.take(Some(&earlier.tables), "tables")?;
+    let runs: Vec<Written> = from.take(Some(&runs(earlier)), "runs")?;
+    let mut start = 0_usize;
+    let mut all = Vec::new();
+    for (len, kinds) in runs {
+        let kinds = Kinds::from_bits(kinds);
+        all.push(Run { start, len, kinds });
+        start = start.checked_add(len).ok_or(SnapshotError::Damaged)?;
+    }
+    let unique: EntityHashSet = entities.iter().copied().collect();
+    let (first, last) = all.split_at_checked(tables).ok_or(SnapshotError::Damaged)?;
+    let is_valid = start == entities.len()
+        && unique.len() == entities.len()
+        && first.iter().all(|run| run.len > 0)
+        && last.iter().all(|run| run.len == 1);
+    let layout = Layout::new(entities, all, tables);
+    is_valid.then_some(layout).ok_or(SnapshotError::Damaged)
+}
+
+/// A column or a resource that can be written.
+pub(super) trait Bytes {
+    fn encode(
+        &self,
+        layout: &Layout,
+        earlier: Earlier,
+        to: &mut Writer,
+    ) -> Result<(), SnapshotError>;
+
+    fn decode(
+        &mut self,
+        kind: usize,
+        layout: &Layout,
+        earlier: Earlier,
+        from: &mut Reader,
+    ) -> Result<(), SnapshotError>;
+}
+
+macro_rules! stored {
+    ($($How:ty),+) => {$(
+        impl<T: Stored + 'static> Bytes for Column<T, $How> {
+            fn encode(&self, layout: &Layout, earlier: Earlier, to: &mut Writer) -> Result<(), SnapshotError> {
+                let name = std::any::type_name::<T>();
+                let old = earlier.column::<Self>();
+                for (row, value) in self.in_order(layout) {
+                    let old = earlier.row(row).and_then(|(layout, row)| old.value_of(layout, row));
+                    to.put(value, old, name)?;
+                }
+                to.put(&self.edits, Some(&old.edits), name)?;
+                to.put(&self.sparse, Some(&old.sparse), name)
+            }
+
+            fn decode(
+                &mut self,
+                kind: usize,
+                layout: &Layout,
+                earlier: Earlier,
+                from: &mut Reader,
+            ) -> Result<(), SnapshotError> {
+                let name = std::any::type_name::<T>();
+                let old = earlier.column::<Self>();
+                self.fill(kind, layout, |row| {
+                    let old = earlier.row(row).and_then(|(layout, row)| old.value_of(layout, row));
+                    from.take(old, name)
+                })?;
+                self.edits = from.take(Some(&old.edits), name)?;
+                self.sparse = from.take(Some(&old.sparse), name)?;
+                let is_row = |edit: &Edit| edit.row < layout.entities.len();
+                match self.edits.iter().all(is_row) {
+                    true => Ok(()),
+                    false => Err(SnapshotError::Damaged),
+                }
+            }
+        }
+    )+};
+}
+stored!(Marked, Output, Silent, Replaced);
+
+impl<T: Clone + Default> Bytes for Column<T, Valueless> {
+    fn encode(&self, _: &Layout, _: Earlier, _: &mut Writer) -> Result<(), SnapshotError> {
+        Ok(())
+    }
+
+    fn decode(
+        &mut self,
+        kind: usize,
+        layout: &Layout,
+        _: Earlier,
+        _: &mut Reader,
+    ) -> Result<(), SnapshotError> {
+        self.fill(kind, layout, |_| Ok(T::default()))
+    }
+}
+
+/// A resource that can be written, or is left out.
+pub(super) trait ResourceBytes: Sized {
+    fn encode(&self, earlier: &Self, to: &mut Writer) -> Result<(), SnapshotError>;
+
+    fn decode(&mut self, earlier: &Self, from: &mut Reader) -> Result<(), SnapshotError>;
+}
+
+impl<T: Stored> ResourceBytes for Kept<T, Plain> {
+    fn encode(&self, earlier: &Self, to: &mut Writer) -> Result<(), SnapshotError> {
+        let name = std::any::type_name::<T>();
+        to.put(&self.value, Some(&earlier.value), name)
+    }
+
+    fn decode(&mut self, earlier: &Self, from: &mut Reader) -> Result<(), SnapshotError> {
+        let name = std::any::type_name::<T>();
+        self.value = from.take(Some(&earlier.value), name)?;
+        Ok(())
+    }
+}
+
+/// The world keeps what it has.
+impl<T> ResourceBytes for Kept<T, Code> {
+    fn encode(&self, _: &Self, _: &mut Writer) -> Result<(), SnapshotError> {
+        Ok(())
+    }
+
+    fn decode(&mut self, _: &Self, _: &mut Reader) -> Result<(), SnapshotError> {
+        Ok(())
+    }
+}

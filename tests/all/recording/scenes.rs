@@ -1,0 +1,287 @@
+//! Scenes in which much is changed.
+
+use super::*;
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_transform::components::Transform;
+use drystone::masonry::{Bond, Wall};
+use drystone::snapshot::Snapshot;
+use drystone::streaming;
+
+#[test]
+fn a_wall_that_sleeps_is_undermined() {
+    let (mut world, bodies) = scene("wall:8x6");
+    steps(&mut world, 180);
+    assert!(resting(&mut world) > 40);
+    goes_again("sleepers", world, 90, |world, step| match step {
+        5 => _ = world.despawn(bodies[3]),
+        // A value that it has already: it sleeps on.
+        20 => *world.get_mut::<Friction>(bodies[20]).unwrap() = *world.get(bodies[20]).unwrap(),
+        60 => world.get_mut::<Velocity>(bodies[30]).unwrap().linear.z = 2.0,
+        _ => (),
+    });
+}
+
+#[test]
+fn bodies_fall_asleep_and_are_spawned_asleep() {
+    let (world, _) = scene("wall:5x4");
+    let mut far = Vec::new();
+    let mut count = 0;
+    let recorded = record(world, 90, |world, step| {
+        let at = |number: usize, x: f32| {
+            let place = place(x, 0.25 + 0.5 * number as f32);
+            (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), place)
+        };
+        match step {
+            50 => far = streaming::spawn_asleep(world, (0..5).map(|number| at(number, 20.0))),
+            55 => {
+                _ = world.spawn((
+                    at(0, 30.0),
+                    Sleeping {
+                        asleep: true,
+                        ..default()
+                    },
+                ))
+            }
+            70 => _ = world.despawn(far[0]),
+            _ => (),
+        }
+        count = count.max(resting(world));
+    });
+    assert!(count > 20, "{count}");
+    replays("asleep", &recorded);
+}
+
+fn default<T: Default>() -> T {
+    T::default()
+}
+
+#[test]
+fn joints_are_edited_and_break() {
+    let mut world = floor();
+    let ball = |world: &mut World, x: f32| body(world, Collider::ball(0.2), x, 3.0, ());
+    let weight = ball(&mut world, 1.0);
+    let rope = SphericalJoint::new(None, weight).with_anchor(Vec3::Y * 3.0);
+    world.spawn((rope, BreakForce::new(600.0)));
+    let wheel = ball(&mut world, 5.0);
+    let motor = RevoluteJoint::new(None, wheel).with_motor(JointMotor::velocity(4.0, 500.0));
+    let motor = world.spawn(motor).id();
+    let [a, b] = [8.0, 9.0].map(|x| ball(&mut world, x));
+    steps(&mut world, 10);
+    goes_again("joints", world, 60, |world, step| match step {
+        5 => _ = world.spawn(DistanceJoint::new(a, b)),
+        10 => {
+            let mut of = world.get_mut::<RevoluteJoint>(motor).unwrap();
+            *of = of.clone().with_motor(JointMotor::velocity(-9.0, 500.0));
+        }
+        20 => _ = world.entity_mut(motor).insert(JointDisabled),
+        30 => _ = world.entity_mut(motor).remove::<JointDisabled>(),
+        40 => _ = world.despawn(motor),
+        // The joint waits for it in vain.
+        50 => _ = world.despawn(a),
+        _ => (),
+    });
+}
+
+/// A joint that was there before its body: the replay knows which entity it waits for.
+#[test]
+fn joints_wait_for_their_bodies() {
+    let mut world = floor();
+    let later = world.spawn_empty().id();
+    let hook = SphericalJoint::new(None, later).with_anchor(Vec3::Y * 3.0);
+    world.spawn(hook);
+    steps(&mut world, 5);
+    let mut last = None;
+    goes_again("waits", world, 40, |world, step| match step {
+        10 => {
+            let ball = (RigidBody::Dynamic, Collider::ball(0.2), place(0.5, 3.0));
+            world.entity_mut(later).insert(ball);
+        }
+        15 => {
+            let empty = world.spawn_empty().id();
+            world.spawn(DistanceJoint::new(later, empty));
+            last = Some(empty);
+        }
+        20 => {
+            let ball = (RigidBody::Dynamic, Collider::ball(0.2), place(1.0, 3.0));
+            world.entity_mut(last.unwrap()).insert(ball);
+        }
+        _ => (),
+    });
+}
+
+#[test]
+fn hands_hold_bodies() {
+    let (mut world, bodies) = scene("wall:4x3");
+    steps(&mut world, 20);
+    let above = brick(&mut world, 0.0, 3.0);
+    let ray = |x: f32, y: f32| Some(Ray3d::new(Vec3::new(x, y, 5.0), Dir3::NEG_Z));
+    let mut hand = None;
+    let last = *bodies.last().unwrap();
+    let recorded = record(world, 80, |world, step| {
+        match step {
+            2 => {
+                let ray = ray(0.0, world.get::<Transform>(above).unwrap().translation.y);
+                let closed = true;
+                hand = Some(
+                    world
+                        .spawn(Hand {
+                            ray,
+                            closed,
+                            ..Hand::new(10_000.0)
+                        })
+                        .id(),
+                );
+            }
+            50 => _ = world.despawn(hand.take().unwrap()),
+            60 => {
+                let grab = Grab::gentle(1_000.0, Vec3::ZERO, Vec3::Y * 3.0);
+                world.entity_mut(last).insert(grab);
+            }
+            70 => _ = world.entity_mut(last).remove::<Grab>(),
+            _ => (),
+        }
+        if let Some(hand) = hand.filter(|_| step > 10) {
+            let state = world.get::<HandState>(hand).unwrap().held();
+            assert_eq!(state, (step < 41).then_some(above), "{step}");
+            let mut hand = world.get_mut::<Hand>(hand).unwrap();
+            let down = 0.02 * step as f32;
+            hand.ray = ray(down, 3.0 - down);
+            hand.closed = step < 40;
+        }
+    });
+    replays("hands", &recorded);
+}
+
+#[test]
+fn children_and_sensors() {
+    let mut world = floor();
+    let cube = || Collider::cuboid(0.5, 0.5, 0.5);
+    let (mut bodies, mut parts) = (Vec::new(), Vec::new());
+    for i in 0..3 {
+        let body = body(&mut world, cube(), 3.0 * i as f32, 1.5, Friction::new(0.8));
+        let arm = (cube(), Density(300.0), place(0.5, 0.5), ChildOf(body));
+        parts.push(world.spawn(arm).id());
+        world.spawn((cube(), Sensor, place(0.0, -0.5), ChildOf(body)));
+        bodies.push(body);
+    }
+    let zone = (Collider::cuboid(20.0, 1.0, 1.0), Sensor, place(0.0, 0.5));
+    let zone = world.spawn(zone).id();
+    steps(&mut world, 25);
+    goes_again("children", world, 60, |world, step| match step {
+        5 => _ = world.spawn((Collider::ball(0.2), place(-0.5, 0.5), ChildOf(bodies[0]))),
+        6 => world.get_mut::<Transform>(parts[1]).unwrap().translation.x = -0.5,
+        7 => _ = world.despawn(parts[2]),
+        15 => world.get_mut::<Transform>(zone).unwrap().translation.x = 12.0,
+        // Queries between two steps assemble bodies.
+        29 => drystone::refresh(world),
+        30 => {
+            world.spawn((Collider::ball(0.4), place(0.0, -0.4), ChildOf(bodies[0])));
+            drystone::refresh(world);
+        }
+        40 => _ = world.despawn(parts[0]),
+        45 => _ = world.entity_mut(parts[1]).insert(ChildOf(bodies[2])),
+        50 => _ = world.despawn(bodies[1]),
+        _ => (),
+    });
+}
+
+/// Bonds are spawned by a stage, in the replay too; a user may despawn one.
+#[test]
+fn bonds_of_mortar_are_broken_by_hand() {
+    let mut world = floor();
+    for block in Wall::new(Bond::Running).blocks().unwrap() {
+        world.spawn((block.bundle(), Mortar::default()));
+    }
+    let recorded = record(world, 60, |world, step| {
+        let mut bonds = world.query_filtered::<Entity, With<MortarJoint>>();
+        let bonds: Vec<Entity> = bonds.iter(world).collect();
+        match step {
+            10 => _ = world.despawn(bonds[3]),
+            15 => _ = world.entity_mut(bonds[5]).insert(JointDisabled),
+            18 => _ = world.entity_mut(bonds[5]).remove::<JointDisabled>(),
+            20 => {
+                let at = Transform::from_xyz(0.2, 1.8, 1.5);
+                let ball = (Collider::ball(0.4), Mass(2_000.0), RigidBody::Dynamic, at);
+                world.spawn((ball, Velocity::linear(Vec3::Z * -20.0)));
+            }
+            _ => (),
+        }
+    });
+    replays("mortar", &recorded);
+}
+
+/// What observers do when the events of a step are triggered belongs to the next step.
+#[test]
+fn observers_of_contacts_write() {
+    let mut world = floor();
+    for i in 0..4 {
+        let ball = Collider::ball(0.3);
+        body(
+            &mut world,
+            ball,
+            i as f32,
+            1.0 + 0.3 * i as f32,
+            ContactEvents,
+        );
+    }
+    world.add_observer(
+        |hit: On<ContactStarted>, mut bodies: Query<&mut Velocity>, mut commands: Commands| {
+            bodies.get_mut(hit.body).unwrap().linear.y += 3.0;
+            let at = Transform::from_translation(hit.point + Vec3::Y * 4.0);
+            commands.spawn((RigidBody::Dynamic, Collider::ball(0.1), at));
+        },
+    );
+    // What is seen before the next step includes that already.
+    let mut seen = Vec::new();
+    let mut recorded = record(world, 90, |world, _| seen.push(all(world)));
+    let count = changes(&recorded).len();
+    assert!((4..40).contains(&count), "{count}");
+    recorded.seen.clear();
+    let recording = Recording::from_bytes(&recorded.bytes).unwrap();
+    let mut other = other_world(1);
+    let mut replay = Replay::start(&recording, &mut other).unwrap();
+    for (step, seen) in seen.iter().enumerate() {
+        let known = all(&mut other);
+        assert!(known.iter().all(|body| seen.contains(body)), "{step}");
+        replay.step(&mut other).unwrap();
+        assert_eq!(replay.divergence(), None);
+    }
+    assert!(all(&mut other).len() >= 5 + 4);
+}
+
+/// The bodies and their heights, in the order of spawning.
+fn all(world: &mut World) -> Vec<(SpawnOrder, u32)> {
+    let mut bodies = world.query::<(&SpawnOrder, &Transform)>();
+    let bodies = bodies.iter(world);
+    bodies
+        .map(|(order, at)| (*order, at.translation.y.to_bits()))
+        .collect()
+}
+
+/// More than components is changed: the recording has a snapshot of that.
+#[test]
+fn the_state_is_replaced() {
+    let (mut world, _) = scene("wall:4x3");
+    let far = (0..3).map(|i| brick(&mut world, 20.0, 0.25 + 0.5 * i as f32));
+    let far: Vec<Entity> = far.collect();
+    steps(&mut world, 200);
+    let (mut snapshot, mut region) = (None, None);
+    let recorded = record(world, 80, |world, step| match step {
+        10 => snapshot = Some(Snapshot::take(world)),
+        11 => _ = brick(world, 0.2, 3.0),
+        30 => _ = snapshot.take().unwrap().restore(world).unwrap(),
+        40 => region = Some(streaming::take_out(world, far.iter().copied()).unwrap()),
+        45 => _ = brick(world, 0.1, 2.5),
+        60 => _ = streaming::put_back(world, region.take().unwrap()),
+        65 => world.get_mut::<Velocity>(far[2]).unwrap().linear.x = 1.0,
+        // A contact.
+        70 => {
+            let mut pairs = world.query_filtered::<Entity, With<ContactPair>>();
+            let pair = pairs.iter(world).next().unwrap();
+            world.despawn(pair);
+        }
+        _ => (),
+    });
+    assert_eq!(changes(&recorded), [11, 30, 40, 45, 60, 65, 70]);
+    replays("replaced", &recorded);
+}

@@ -19,6 +19,8 @@
 //! A file is written from front to back, so that it is of use up to the last whole chunk if the game ends in the middle of one. The checksum of the
 //! head tells a length that was damaged from a chunk that was cut off.
 
+use crate::snapshot::bytes::Checksum;
+
 /// The first bytes of every recording.
 pub(super) const NAME: &[u8; 8] = b"DRYSTREC";
 
@@ -64,9 +66,9 @@ pub(super) fn push<E>(
     let (head, contents) = out[start..].split_at_mut(HEAD);
     head[0] = tag as u8;
     head[1..5].copy_from_slice(&(contents.len() as u32).to_le_bytes());
-    head[5..13].copy_from_slice(&checksum(contents).to_le_bytes());
-    let sum = checksum(&head[..13]) as u32;
-    head[13..].copy_from_slice(&sum.to_le_bytes());
+    head[5..13].copy_from_slice(&Checksum::of(contents).to_bytes());
+    let sum = of_head(&head[..13]);
+    head[13..].copy_from_slice(&sum);
     Ok(())
 }
 
@@ -89,36 +91,23 @@ pub(super) fn next<'a>(from: &mut &'a [u8]) -> Result<(Tag, &'a [u8]), Missing> 
     let (head, rest) = from.split_first_chunk::<HEAD>().ok_or(Missing::CutOff)?;
     let [tag, l0, l1, l2, l3, ..] = *head;
     let (first, last) = (&head[..13], &head[13..]);
-    if (checksum(first) as u32).to_le_bytes() != *last {
+    if of_head(first) != *last {
         return Err(Missing::Damaged);
     }
     let tag = Tag::of(tag).ok_or(Missing::Damaged)?;
     let len = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
     let (contents, rest) = rest.split_at_checked(len).ok_or(Missing::CutOff)?;
-    if checksum(contents).to_le_bytes() != head[5..13] {
+    if Checksum::of(contents).to_bytes() != head[5..13] {
         return Err(Missing::Damaged);
     }
     *from = rest;
     Ok((tag, contents))
 }
 
-/// Adds a number to a hash.
-#[inline]
-pub(super) fn mix(hash: u64, number: u64) -> u64 {
-    /// Odd, with about as many ones as zeros.
-    const FACTOR: u128 = 0x9e37_79b9_7f4a_7c15;
-    let product = u128::from(hash ^ number) * FACTOR;
-    product as u64 ^ (product >> 64) as u64
-}
-
-/// The hash of bytes: eight of them at a time, because a chunk may be a whole snapshot.
-fn checksum(bytes: &[u8]) -> u64 {
-    let (words, rest) = bytes.as_chunks::<8>();
-    let sum = words.iter().fold(bytes.len() as u64, |sum, word| {
-        mix(sum, u64::from_le_bytes(*word)).rotate_left(23)
-    });
-    rest.iter()
-        .fold(sum, |sum, &byte| mix(sum, u64::from(byte)).rotate_left(23))
+/// The checksum of the head of a chunk: half of the bytes are enough.
+fn of_head(head: &[u8]) -> [u8; 4] {
+    let [a, b, c, d, ..] = Checksum::of(head).to_bytes();
+    [a, b, c, d]
 }
 
 #[cfg(test)]

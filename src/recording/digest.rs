@@ -1,9 +1,8 @@
 //! The hashes of all bodies after a step, by which a replay is compared with what was recorded.
 
-use super::chunk::mix;
 use crate::body::{BodyIndex, Inactive, Pose, RigidBody, SpawnOrder, Velocity};
 use crate::snapshot::SnapshotError;
-use crate::snapshot::bytes::{read, write};
+use crate::snapshot::bytes::{mix, read, write};
 use bevy_ecs::prelude::*;
 
 /// The hashes of the active bodies, in the order of their slots. Inactive bodies do not change.

@@ -12,10 +12,7 @@ use bevy_ecs::change_detection::Tick;
 use bevy_ecs::component::{ComponentId, Mutable, StorageType};
 use bevy_ecs::entity::EntityMapper;
 use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::hierarchy::ChildOf;
-use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
-use bevy_transform::components::Transform;
 use std::any::TypeId;
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -46,14 +43,21 @@ struct Replaced;
 #[derive(Debug)]
 struct Valueless;
 
-impl<T: Component<Mutability = Mutable> + Stored + PartialEq> How<T> for Marked {
-    fn write(value: &T, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
-        write(value, std::any::type_name::<T>(), out)
-    }
+/// Writes and reads values that can be stored.
+macro_rules! stored {
+    () => {
+        fn write(value: &T, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
+            write(value, std::any::type_name::<T>(), out)
+        }
 
-    fn read(from: &mut &[u8]) -> Result<T, SnapshotError> {
-        read(from)
-    }
+        fn read(from: &mut &[u8]) -> Result<T, SnapshotError> {
+            read(from)
+        }
+    };
+}
+
+impl<T: Component<Mutability = Mutable> + Stored + PartialEq> How<T> for Marked {
+    stored!();
 
     fn put(entity: &mut EntityWorldMut, value: T) {
         let Some(mut known) = entity.get_mut::<T>() else {
@@ -70,13 +74,7 @@ impl<T: Component<Mutability = Mutable> + Stored + PartialEq> How<T> for Marked 
 }
 
 impl<T: Component<Mutability = Mutable> + Stored> How<T> for Silent {
-    fn write(value: &T, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
-        write(value, std::any::type_name::<T>(), out)
-    }
-
-    fn read(from: &mut &[u8]) -> Result<T, SnapshotError> {
-        read(from)
-    }
+    stored!();
 
     fn put(entity: &mut EntityWorldMut, value: T) {
         match entity.get_mut::<T>() {
@@ -87,13 +85,7 @@ impl<T: Component<Mutability = Mutable> + Stored> How<T> for Silent {
 }
 
 impl<T: Component + Stored + PartialEq> How<T> for Replaced {
-    fn write(value: &T, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
-        write(value, std::any::type_name::<T>(), out)
-    }
-
-    fn read(from: &mut &[u8]) -> Result<T, SnapshotError> {
-        read(from)
-    }
+    stored!();
 
     fn put(entity: &mut EntityWorldMut, value: T) {
         if entity.get::<T>() != Some(&value) {
@@ -187,13 +179,7 @@ impl<T: Component, H> Default for Kind<T, H> {
 
 impl<T: Component + Clone + Debug, H: How<T>> AnyKind for Kind<T, H> {
     fn is_shared(&self) -> bool {
-        let of_bevy = [
-            TypeId::of::<Transform>(),
-            TypeId::of::<ChildOf>(),
-            TypeId::of::<Name>(),
-            TypeId::of::<Disabled>(),
-        ];
-        of_bevy.contains(&TypeId::of::<T>())
+        state::is_of_bevy::<T>()
     }
 
     fn is_of_pair(&self) -> bool {
@@ -317,19 +303,7 @@ struct Read<T, H> {
 
 impl<T: Component + Clone + Debug, H: How<T>> Values for Read<T, H> {
     fn insert(&self, world: &mut World, entities: &[Entity], to: &mut Renaming) {
-        let values = self.values.iter().zip(entities);
-        let missing = values.filter_map(|(value, &entity)| {
-            let lacks = world.get_entity(entity).is_ok_and(|it| !it.contains::<T>());
-            lacks.then(|| {
-                let mut value = value.clone();
-                to.apply(&mut value);
-                (entity, value)
-            })
-        });
-        let missing: Vec<(Entity, T)> = missing.collect();
-        if !missing.is_empty() {
-            world.insert_batch(missing);
-        }
+        to.insert_missing(world, entities.iter().copied().zip(&self.values));
     }
 
     fn put(&self, world: &mut World, entities: &[Entity], to: &mut Renaming) {

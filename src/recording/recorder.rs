@@ -44,7 +44,7 @@ pub struct RecorderSettings {
     /// second is missing.
     pub path: Option<PathBuf>,
     /// A snapshot is taken after so many steps, so that a replay gets to the end of a long recording in less time. None by default: a snapshot of
-    /// 1 000 bricks takes milliseconds and about two megabytes.
+    /// 1 000 bricks takes milliseconds and about half a megabyte.
     pub key_frames_every: Option<NonZeroU32>,
 }
 
@@ -229,8 +229,7 @@ impl State {
             Found::Edits => flags::EDITS,
             Found::Replaced => flags::KEY_FRAME | flags::REPLACED,
         };
-        // A structure from which a body was just taken is not restored elsewhere to the last bit.
-        if is_due && !self.watch.has_lost() {
+        if is_due {
             flags |= flags::KEY_FRAME;
         }
         if self.dt.to_bits() != dt.to_bits() {

@@ -176,11 +176,6 @@ impl Watch {
         Ok(Found::Edits)
     }
 
-    /// Whether one of the changes that were found last is that an entity was despawned.
-    pub fn has_lost(&self) -> bool {
-        !self.touched.gone.is_empty()
-    }
-
     fn written_resources(&self, world: &World) -> Vec<usize> {
         let all = self.resource_ids.iter().enumerate();
         let now = world.read_change_tick();

@@ -3,22 +3,18 @@
 //! Values lie in the order of the entities, without gaps, so that most of them are copied a table at a time.
 
 #[cfg(feature = "serde")]
-use super::bytes::{Bytes, Earlier, Reader, Writer};
-#[cfg(feature = "serde")]
-use super::error::SnapshotError;
+use super::bytes::Bytes;
 use super::layout::{Layout, table_of};
 #[cfg(not(feature = "serde"))]
 use super::no_bytes::Bytes;
 use super::renaming::Renaming;
 use super::target::{NOWHERE, Rows, Target};
+use crate::state;
 use bevy_ecs::change_detection::{ContiguousMut, ContiguousRef, MAX_CHANGE_AGE, Tick};
 use bevy_ecs::component::{ComponentId, Components, Mutable, StorageType};
 use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::hierarchy::ChildOf;
-use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
-use bevy_transform::components::Transform;
-use std::any::{Any, TypeId};
+use std::any::Any;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -81,7 +77,7 @@ impl<T, How> Default for Column<T, How> {
 }
 
 /// The values of some component.
-pub(super) trait AnyColumn: Any + Debug + Send + Sync {
+pub(super) trait AnyColumn: Any + Bytes + Debug + Send + Sync {
     fn name(&self) -> &'static str;
 
     /// Whether it is a component of Bevy, which other entities have as well.
@@ -115,25 +111,6 @@ pub(super) trait AnyColumn: Any + Debug + Send + Sync {
     ) -> Option<String>;
 
     fn boxed(&self) -> Box<dyn AnyColumn>;
-
-    /// Appends the values to bytes.
-    #[cfg(feature = "serde")]
-    fn encode(
-        &self,
-        layout: &Layout,
-        earlier: Earlier,
-        to: &mut Writer,
-    ) -> Result<(), SnapshotError>;
-
-    /// Takes the values from the front of bytes.
-    #[cfg(feature = "serde")]
-    fn decode(
-        &mut self,
-        kind: usize,
-        layout: &Layout,
-        earlier: Earlier,
-        from: &mut Reader,
-    ) -> Result<(), SnapshotError>;
 }
 
 /// The entities of a snapshot, and those of the world by row.
@@ -241,13 +218,7 @@ where
     }
 
     fn is_shared(&self) -> bool {
-        let of_bevy = [
-            TypeId::of::<Transform>(),
-            TypeId::of::<ChildOf>(),
-            TypeId::of::<Name>(),
-            TypeId::of::<Disabled>(),
-        ];
-        of_bevy.contains(&TypeId::of::<T>())
+        state::is_of_bevy::<T>()
     }
 
     fn id(&self, components: &Components) -> Option<ComponentId> {
@@ -296,20 +267,11 @@ where
     }
 
     fn insert(&self, world: &mut World, rows: &[usize], on: On, to: &mut Renaming) {
-        let missing = rows.iter().filter_map(|&row| {
-            let run = on.layout.run_of_row(row);
-            let mut value = self.of_row(on.layout, run, row)?.clone();
-            let entity = on.entities[row];
-            let lacks = world.get_entity(entity).is_ok_and(|it| !it.contains::<T>());
-            lacks.then(|| {
-                to.apply(&mut value);
-                (entity, value)
-            })
+        let values = rows.iter().filter_map(|&row| {
+            let value = self.of_row(on.layout, on.layout.run_of_row(row), row)?;
+            Some((on.entities[row], value))
         });
-        let missing: Vec<(Entity, T)> = missing.collect();
-        if !missing.is_empty() {
-            world.insert_batch(missing);
-        }
+        to.insert_missing(world, values);
     }
 
     fn remove(&self, entity: &mut EntityWorldMut) {
@@ -363,27 +325,6 @@ where
             sparse: self.sparse.clone(),
             how: PhantomData,
         })
-    }
-
-    #[cfg(feature = "serde")]
-    fn encode(
-        &self,
-        layout: &Layout,
-        earlier: Earlier,
-        to: &mut Writer,
-    ) -> Result<(), SnapshotError> {
-        Bytes::encode(self, layout, earlier, to)
-    }
-
-    #[cfg(feature = "serde")]
-    fn decode(
-        &mut self,
-        kind: usize,
-        layout: &Layout,
-        earlier: Earlier,
-        from: &mut Reader,
-    ) -> Result<(), SnapshotError> {
-        Bytes::decode(self, kind, layout, earlier, from)
     }
 }
 

@@ -49,8 +49,8 @@
 //!
 //! # Bytes
 //!
-//! With the feature `serde`, `Snapshot::to_bytes` writes a snapshot to bytes, and `to_bytes_after` what differs from an earlier one: of a structure of which
-//! little moves, that is little.
+//! With the feature `serde`, `Snapshot::to_bytes` writes a snapshot to bytes, and `to_bytes_after` what differs from an earlier one. That is little
+//! if little has moved.
 
 #[cfg(feature = "serde")]
 pub(crate) mod bytes;

@@ -2,6 +2,7 @@
 
 use bevy_ecs::component::Component;
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityMapper, SceneEntityMapper};
+use bevy_ecs::world::World;
 
 /// The entities that those of a snapshot have become.
 pub(crate) enum Renaming<'a, 'm> {
@@ -19,6 +20,26 @@ impl Renaming<'_, '_> {
     pub fn apply<T: Component>(&mut self, value: &mut T) {
         if !self.is_nothing() {
             T::map_entities(value, self);
+        }
+    }
+
+    /// Inserts values into those of the entities that lack the component.
+    pub fn insert_missing<'v, T: Component + Clone>(
+        &mut self,
+        world: &mut World,
+        values: impl Iterator<Item = (Entity, &'v T)>,
+    ) {
+        let missing = values.filter_map(|(entity, value)| {
+            let lacks = world.get_entity(entity).is_ok_and(|it| !it.contains::<T>());
+            lacks.then(|| {
+                let mut value = value.clone();
+                self.apply(&mut value);
+                (entity, value)
+            })
+        });
+        let missing: Vec<(Entity, T)> = missing.collect();
+        if !missing.is_empty() {
+            world.insert_batch(missing);
         }
     }
 

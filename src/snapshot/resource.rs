@@ -1,9 +1,7 @@
 //! A resource in a snapshot.
 
 #[cfg(feature = "serde")]
-use super::bytes::{Reader, ResourceBytes as Bytes, Writer};
-#[cfg(feature = "serde")]
-use super::error::SnapshotError;
+use super::bytes::ResourceBytes as Bytes;
 #[cfg(not(feature = "serde"))]
 use super::no_bytes::Bytes;
 use super::renaming::Renaming;
@@ -39,7 +37,7 @@ impl<T, Kind> Default for Kept<T, Kind> {
 }
 
 /// Some resource.
-pub(super) trait AnyResource: Any + Debug + Send + Sync {
+pub(super) trait AnyResource: Any + Bytes + Debug + Send + Sync {
     fn name(&self) -> &'static str;
 
     fn take(&mut self, world: &World);
@@ -53,15 +51,6 @@ pub(super) trait AnyResource: Any + Debug + Send + Sync {
     fn text(&self, to: &mut Renaming) -> Option<String>;
 
     fn boxed(&self) -> Box<dyn AnyResource>;
-
-    /// Appends the resource to bytes.
-    #[cfg(feature = "serde")]
-    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError>;
-
-    /// Takes the resource from the front of bytes.
-    #[cfg(feature = "serde")]
-    fn decode(&mut self, earlier: &dyn AnyResource, from: &mut Reader)
-    -> Result<(), SnapshotError>;
 }
 
 impl<T, Kind> AnyResource for Kept<T, Kind>
@@ -108,27 +97,4 @@ where
             kind: PhantomData,
         })
     }
-
-    #[cfg(feature = "serde")]
-    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError> {
-        Bytes::encode(self, same_type(earlier), to)
-    }
-
-    #[cfg(feature = "serde")]
-    fn decode(
-        &mut self,
-        earlier: &dyn AnyResource,
-        from: &mut Reader,
-    ) -> Result<(), SnapshotError> {
-        Bytes::decode(self, same_type(earlier), from)
-    }
-}
-
-/// The resource of an earlier snapshot, whose type is that of the later one.
-#[cfg(feature = "serde")]
-fn same_type<K: 'static>(earlier: &dyn AnyResource) -> &K {
-    let earlier: &dyn Any = earlier;
-    earlier
-        .downcast_ref()
-        .expect("all snapshots have the same resources")
 }

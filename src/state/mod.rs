@@ -45,6 +45,18 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
+use std::any::TypeId;
+
+/// Returns true for a component of Bevy, which entities have that have nothing to do with drystone.
+pub(crate) fn is_of_bevy<T: 'static>() -> bool {
+    let of_bevy = [
+        TypeId::of::<Transform>(),
+        TypeId::of::<ChildOf>(),
+        TypeId::of::<Name>(),
+        TypeId::of::<Disabled>(),
+    ];
+    of_bevy.contains(&TypeId::of::<T>())
+}
 
 /// Passes every type on the list to a visitor. Components come before resources, because inserting some components changes counters in
 /// resources.

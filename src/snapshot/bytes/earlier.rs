@@ -1,9 +1,9 @@
 //! The values of an earlier snapshot, entity by entity.
 
-use super::super::column::AnyColumn;
+use super::super::column::{AnyColumn, Column};
 use super::super::layout::Layout;
 use super::super::target::{NOWHERE, RowsByIndex};
-use std::any::Any;
+use super::same_type;
 
 /// A column of an earlier snapshot.
 #[derive(Clone, Copy)]
@@ -25,16 +25,15 @@ impl<'a> Earlier<'a> {
 
     /// The column, whose type is that of the later one.
     pub fn column<C: 'static>(&self) -> &'a C {
-        let column: &dyn Any = self.column;
-        column
-            .downcast_ref()
-            .expect("all snapshots have the same columns")
+        same_type(self.column)
     }
 
-    /// The earlier row of an entity.
-    pub fn row(&self, row: usize) -> Option<(&'a Layout, usize)> {
-        let row = self.rows[row];
-        (row != NOWHERE).then_some((self.layout, row as usize))
+    /// The earlier value of an entity, given the column.
+    pub fn value<T: Clone, How>(&self, column: &'a Column<T, How>, row: usize) -> Option<&'a T> {
+        match self.rows[row] {
+            NOWHERE => None,
+            row => column.value_of(self.layout, row as usize),
+        }
     }
 }
 

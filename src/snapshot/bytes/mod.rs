@@ -16,6 +16,7 @@ mod earlier;
 mod stream;
 mod value;
 
+pub(crate) use checksum::{Checksum, mix};
 pub(super) use earlier::Earlier;
 pub(super) use stream::{Reader, Writer};
 pub(crate) use value::{read, write};
@@ -23,12 +24,12 @@ pub(crate) use value::{read, write};
 use super::column::{Column, Edit, Marked, Output, Replaced, Silent, Valueless};
 use super::error::SnapshotError;
 use super::layout::{Kinds, Layout, Run};
-use super::resource::{Code, Kept, Plain};
+use super::resource::{AnyResource, Code, Kept, Plain};
 use super::{Origin, Snapshot};
 use crate::collider::SharedShapes;
 use crate::state::Stored;
 use bevy_ecs::entity::{Entity, EntityHashSet};
-use checksum::Checksum;
+use std::any::Any;
 
 /// The first bytes of every snapshot.
 const NAME: &[u8; 8] = b"DRYSTONE";
@@ -180,8 +181,9 @@ fn read_layout(from: &mut Reader, earlier: &Layout) -> Result<Layout, SnapshotEr
     is_valid.then_some(layout).ok_or(SnapshotError::Damaged)
 }
 
-/// A column or a resource that can be written.
+/// A column that can be written.
 pub(super) trait Bytes {
+    /// Writes the values.
     fn encode(
         &self,
         layout: &Layout,
@@ -189,6 +191,7 @@ pub(super) trait Bytes {
         to: &mut Writer,
     ) -> Result<(), SnapshotError>;
 
+    /// Reads the values of a component, by its number on the list.
     fn decode(
         &mut self,
         kind: usize,
@@ -205,8 +208,7 @@ macro_rules! stored {
                 let name = std::any::type_name::<T>();
                 let old = earlier.column::<Self>();
                 for (row, value) in self.in_order(layout) {
-                    let old = earlier.row(row).and_then(|(layout, row)| old.value_of(layout, row));
-                    to.put(value, old, name)?;
+                    to.put(value, earlier.value(old, row), name)?;
                 }
                 to.put(&self.edits, Some(&old.edits), name)?;
                 to.put(&self.sparse, Some(&old.sparse), name)
@@ -221,10 +223,7 @@ macro_rules! stored {
             ) -> Result<(), SnapshotError> {
                 let name = std::any::type_name::<T>();
                 let old = earlier.column::<Self>();
-                self.fill(kind, layout, |row| {
-                    let old = earlier.row(row).and_then(|(layout, row)| old.value_of(layout, row));
-                    from.take(old, name)
-                })?;
+                self.fill(kind, layout, |row| from.take(earlier.value(old, row), name))?;
                 self.edits = from.take(Some(&old.edits), name)?;
                 self.sparse = from.take(Some(&old.sparse), name)?;
                 let is_row = |edit: &Edit| edit.row < layout.entities.len();
@@ -254,20 +253,29 @@ impl<T: Clone + Default> Bytes for Column<T, Valueless> {
     }
 }
 
-/// A resource that can be written, or is left out.
-pub(super) trait ResourceBytes: Sized {
-    fn encode(&self, earlier: &Self, to: &mut Writer) -> Result<(), SnapshotError>;
+/// A resource that can be written, or is left out. `earlier` has the same type.
+pub(super) trait ResourceBytes {
+    /// Writes the resource.
+    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError>;
 
-    fn decode(&mut self, earlier: &Self, from: &mut Reader) -> Result<(), SnapshotError>;
+    /// Reads the resource.
+    fn decode(&mut self, earlier: &dyn AnyResource, from: &mut Reader)
+    -> Result<(), SnapshotError>;
 }
 
-impl<T: Stored> ResourceBytes for Kept<T, Plain> {
-    fn encode(&self, earlier: &Self, to: &mut Writer) -> Result<(), SnapshotError> {
+impl<T: Stored + 'static> ResourceBytes for Kept<T, Plain> {
+    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError> {
+        let earlier: &Self = same_type(earlier);
         let name = std::any::type_name::<T>();
         to.put(&self.value, Some(&earlier.value), name)
     }
 
-    fn decode(&mut self, earlier: &Self, from: &mut Reader) -> Result<(), SnapshotError> {
+    fn decode(
+        &mut self,
+        earlier: &dyn AnyResource,
+        from: &mut Reader,
+    ) -> Result<(), SnapshotError> {
+        let earlier: &Self = same_type(earlier);
         let name = std::any::type_name::<T>();
         self.value = from.take(Some(&earlier.value), name)?;
         Ok(())
@@ -276,11 +284,18 @@ impl<T: Stored> ResourceBytes for Kept<T, Plain> {
 
 /// The world keeps what it has.
 impl<T> ResourceBytes for Kept<T, Code> {
-    fn encode(&self, _: &Self, _: &mut Writer) -> Result<(), SnapshotError> {
+    fn encode(&self, _: &dyn AnyResource, _: &mut Writer) -> Result<(), SnapshotError> {
         Ok(())
     }
 
-    fn decode(&mut self, _: &Self, _: &mut Reader) -> Result<(), SnapshotError> {
+    fn decode(&mut self, _: &dyn AnyResource, _: &mut Reader) -> Result<(), SnapshotError> {
         Ok(())
     }
+}
+
+/// The column or resource of an earlier snapshot, whose type is that of the later one.
+fn same_type<K: 'static>(earlier: &dyn Any) -> &K {
+    earlier
+        .downcast_ref()
+        .expect("all snapshots have the same list")
 }

@@ -27,8 +27,8 @@ fn hull() -> Vec<Vec3> {
     base.chain([Vec3::Y * 0.4]).collect()
 }
 
-/// Changes something about one of the entities, which may have been despawned already.
-fn act(world: &mut World, rng: &mut Rng, all: &mut Vec<Entity>) {
+/// Changes something about one of the entities, which may have been despawned already; `contacts` too, if it is true.
+fn act(world: &mut World, rng: &mut Rng, all: &mut Vec<Entity>, contacts: bool) {
     let [one, other] = [(); 2].map(|()| all[rng.usize(..all.len())]);
     if world.get_entity(one).is_err() || world.get_entity(other).is_err() {
         all.push(spawn(world, rng));
@@ -48,6 +48,13 @@ fn act(world: &mut World, rng: &mut Rng, all: &mut Vec<Entity>) {
             all.extend(streaming::spawn_asleep(world, bricks));
         }
         2 => drystone::refresh(world),
+        3 if contacts => {
+            let mut pairs = world.query_filtered::<Entity, With<ContactPair>>();
+            let pairs: Vec<Entity> = pairs.iter(world).collect();
+            if rng.u8(..4) == 0 && !pairs.is_empty() {
+                world.despawn(pairs[rng.usize(..pairs.len())]);
+            }
+        }
         4 => {
             let mut bonds = world.query_filtered::<Entity, With<MortarJoint>>();
             let bonds: Vec<Entity> = bonds.iter(world).collect();
@@ -144,6 +151,16 @@ fn act_on(
 
 #[test]
 fn whatever_is_changed_replays() {
+    changes_replay(false);
+}
+
+#[test]
+#[ignore = "seed 9 differs in step 66, after a contact was despawned; the cause is unknown"]
+fn whatever_is_changed_replays_contacts_too() {
+    changes_replay(true);
+}
+
+fn changes_replay(contacts: bool) {
     for seed in 0..SEEDS {
         let mut rng = Rng::with_seed(seed);
         let mut world = floor();
@@ -153,7 +170,7 @@ fn whatever_is_changed_replays() {
         goes_again(&name, world, STEPS, |world, step| {
             println!("{name}, step {step}");
             for _ in 0..rng.usize(..4) {
-                act(world, &mut rng, &mut all);
+                act(world, &mut rng, &mut all, contacts);
             }
         });
     }

@@ -154,19 +154,7 @@ fn hands_hold_bodies() {
 
 #[test]
 fn children_and_sensors() {
-    let mut world = floor();
-    let cube = || Collider::cuboid(0.5, 0.5, 0.5);
-    let (mut bodies, mut parts) = (Vec::new(), Vec::new());
-    for i in 0..3 {
-        let body = body(&mut world, cube(), 3.0 * i as f32, 1.5, Friction::new(0.8));
-        let arm = (cube(), Density(300.0), place(0.5, 0.5), ChildOf(body));
-        parts.push(world.spawn(arm).id());
-        world.spawn((cube(), Sensor, place(0.0, -0.5), ChildOf(body)));
-        bodies.push(body);
-    }
-    let zone = (Collider::cuboid(20.0, 1.0, 1.0), Sensor, place(0.0, 0.5));
-    let zone = world.spawn(zone).id();
-    steps(&mut world, 25);
+    let (world, bodies, parts, zone) = bodies_of_parts();
     goes_again("children", world, 60, |world, step| match step {
         5 => _ = world.spawn((Collider::ball(0.2), place(-0.5, 0.5), ChildOf(bodies[0]))),
         6 => world.get_mut::<Transform>(parts[1]).unwrap().translation.x = -0.5,

@@ -8,6 +8,7 @@ mod scenes;
 
 use bevy_app::App;
 use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -64,6 +65,25 @@ pub(crate) fn body(
 
 pub(crate) fn brick(world: &mut World, x: f32, y: f32) -> Entity {
     body(world, Collider::cuboid(1.0, 0.5, 0.5), x, y, ())
+}
+
+/// Three bodies of two colliders and a sensor each, and a zone in which all of them lie: the world, the bodies, their second colliders, and the
+/// zone.
+pub(crate) fn bodies_of_parts() -> (World, Vec<Entity>, Vec<Entity>, Entity) {
+    let mut world = floor();
+    let cube = || Collider::cuboid(0.5, 0.5, 0.5);
+    let (mut bodies, mut parts) = (Vec::new(), Vec::new());
+    for i in 0..3 {
+        let body = body(&mut world, cube(), 3.0 * i as f32, 1.5, Friction::new(0.8));
+        let arm = (cube(), Density(300.0), place(0.5, 0.5), ChildOf(body));
+        parts.push(world.spawn(arm).id());
+        world.spawn((cube(), Sensor, place(0.0, -0.5), ChildOf(body)));
+        bodies.push(body);
+    }
+    let zone = (Collider::cuboid(20.0, 1.0, 1.0), Sensor, place(0.0, 0.5));
+    let zone = world.spawn(zone).id();
+    steps(&mut world, 25);
+    (world, bodies, parts, zone)
 }
 
 pub(crate) fn steps(world: &mut World, steps: usize) {

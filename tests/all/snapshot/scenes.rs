@@ -1,7 +1,6 @@
 //! One scene of each kind.
 
 use super::*;
-use bevy_ecs::hierarchy::ChildOf;
 use drystone::collapse::CollapseSettings;
 use drystone::masonry::{Bond, Wall};
 use drystone::settings::Preset;
@@ -145,19 +144,7 @@ fn bodies_that_are_disabled_or_have_invalid_input() {
 /// Bodies of several colliders and sensors, with edits that the last step has not seen, and edits later on.
 #[test]
 fn children_and_sensors() {
-    let mut world = floor();
-    let cube = || Collider::cuboid(0.5, 0.5, 0.5);
-    let (mut bodies, mut parts) = (Vec::new(), Vec::new());
-    for i in 0..3 {
-        let body = body(&mut world, cube(), 3.0 * i as f32, 1.5, Friction::new(0.8));
-        let arm = (cube(), Density(300.0), place(0.5, 0.5), ChildOf(body));
-        parts.push(world.spawn(arm).id());
-        world.spawn((cube(), Sensor, place(0.0, -0.5), ChildOf(body)));
-        bodies.push(body);
-    }
-    let zone = (Collider::cuboid(20.0, 1.0, 1.0), Sensor, place(0.0, 0.5));
-    let zone = world.spawn(zone).id();
-    steps(&mut world, 25);
+    let (mut world, bodies, parts, zone) = bodies_of_parts();
     let nail = (Collider::ball(0.2), place(-0.5, 0.5), ChildOf(bodies[0]));
     world.spawn(nail);
     world.get_mut::<Transform>(parts[1]).unwrap().translation.x = -0.5;

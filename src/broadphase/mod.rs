@@ -1,4 +1,5 @@
-//! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap. This module finds
+//! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap; that of a
+//! fast body begins when it comes [near](far) to the other. This module finds
 //! the boxes that overlap, and those that may have ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
 //!
 //! The tight box of a body contains its shape, the collision envelope, and its possible motion in the step. The tree stores a fatter box. As
@@ -6,6 +7,7 @@
 //! are kept beside the tree and tested against every body that moved.
 
 mod escaped_aabb;
+mod far;
 
 pub use escaped_aabb::escaped_aabb;
 
@@ -52,6 +54,8 @@ pub struct Broadphase {
     unbounded: Vec<u32>,
     /// The changes of this step, until the pairs are updated.
     pub(crate) found: Found,
+    /// Slots of bodies that overlap and are [far](far) apart, the one spawned first in front. They have no pair yet.
+    pub(crate) waiting: Vec<[u32; 2]>,
     /// Number of boxes that were changed since the tree was last refitted.
     changed_boxes: usize,
     /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
@@ -65,6 +69,7 @@ clone_fields!(Broadphase {
     fat,
     unbounded,
     found,
+    waiting,
     changed_boxes,
     escaped_aabb,
 });
@@ -85,8 +90,7 @@ impl fmt::Debug for Broadphase {
 pub(crate) struct Found {
     /// Slots of bodies that left their box or were removed, so that their pairs may have ended.
     pub disturbed: Vec<u32>,
-    /// Slots of bodies that overlap, the one spawned first in front: all overlaps of bodies that left their box, whether new or not. Some
-    /// occur twice.
+    /// Slots of bodies that overlap, the one spawned first in front: all overlaps of bodies that left their box, whether new or not.
     pub overlaps: Vec<[u32; 2]>,
     /// Slots that become free once no pair refers to them.
     pub removed: Vec<u32>,
@@ -130,12 +134,13 @@ impl Broadphase {
     /// Removes the boxes of bodies whose pairs are gone already, and the overlaps that were found with them: the slots may hold other bodies when
     /// the pairs are updated.
     pub(crate) fn take_boxes(&mut self, slots: &[u32]) {
-        if !self.found.is_empty() {
+        if !self.found.is_empty() || !self.waiting.is_empty() {
             let taken: FixedBitSet = slots.iter().map(|&slot| slot as usize).collect();
             let stays = |slot: &u32| !taken.contains(*slot as usize);
             self.found.disturbed.retain(stays);
-            let overlaps = &mut self.found.overlaps;
-            overlaps.retain(|pair| pair.iter().all(stays));
+            for overlaps in [&mut self.found.overlaps, &mut self.waiting] {
+                overlaps.retain(|pair| pair.iter().all(stays));
+            }
         }
         for &slot in slots {
             if let Some(fat) = self.fat.get_mut(slot as usize) {
@@ -229,6 +234,18 @@ impl Broadphase {
         })
     }
 
+    fn boxes_of(&self, [a, b]: [u32; 2]) -> (Option<&Aabb>, Option<&Aabb>) {
+        (self.fat[a as usize].as_ref(), self.fat[b as usize].as_ref())
+    }
+
+    /// Returns true if the boxes of two bodies overlap which may collide now if they could before, as far as can be said without more of
+    /// their data.
+    pub(crate) fn still_overlap(&self, table: &BodyTable, slots: [u32; 2]) -> bool {
+        let is_known = |slot| table.get(slot).is_some_and(|body| !body.renewed);
+        matches!(self.boxes_of(slots), (Some(a), Some(b)) if a.intersects(b))
+            && slots.into_iter().all(is_known)
+    }
+
     /// Returns true if two bodies may collide and their boxes overlap.
     pub(crate) fn overlap(&self, table: &BodyTable, [a, b]: [u32; 2]) -> bool {
         let (Some(one), Some(two)) = (table.get(a), table.get(b)) else {
@@ -237,7 +254,7 @@ impl Broadphase {
         if table.joints_except([a, b]) || !may_collide(one, two) {
             return false;
         }
-        match (&self.fat[a as usize], &self.fat[b as usize]) {
+        match self.boxes_of([a, b]) {
             (Some(a), Some(b)) => a.intersects(b),
             (Some(fat), None) => below(two, fat),
             (None, Some(fat)) => below(one, fat),
@@ -291,6 +308,7 @@ pub fn broadphase(
         fat,
         unbounded,
         found,
+        waiting,
         has_workspace,
         changed_boxes,
         escaped_aabb: _,
@@ -350,6 +368,11 @@ pub fn broadphase(
             moved.push(slot);
         }
     }
+    disturbed.extend(&moved);
+    let is_moved: FixedBitSet = moved.iter().map(|&slot| slot as usize).collect();
+    // The overlaps of bodies that moved are found anew; other bodies may be gone.
+    let stays = |&slot: &u32| !is_moved[slot as usize] && fat[slot as usize].is_some();
+    waiting.retain(|pair| pair.iter().all(stays));
     if moved.is_empty() {
         // It is as large as the tree.
         if std::mem::take(has_workspace) {
@@ -357,7 +380,6 @@ pub fn broadphase(
         }
         return;
     }
-    disturbed.extend(&moved);
     *changed_boxes += moved.len();
     if *changed_boxes * REFIT_SHARE >= tree.leaf_count() as usize {
         *changed_boxes = 0;
@@ -366,7 +388,12 @@ pub fn broadphase(
         tree.optimize_incremental(workspace);
     }
 
-    let mut consider = |a: u32, b: u32| overlaps.extend(pair_of(&table, a, b));
+    // An overlap of two bodies that moved is found from the one with the lower slot.
+    let mut consider = |a: u32, b: u32| {
+        if a < b || !is_moved[b as usize] {
+            overlaps.extend(pair_of(&table, a, b));
+        }
+    };
     for &slot in &moved {
         match &fat[slot as usize] {
             Some(fat) => {
@@ -378,6 +405,7 @@ pub fn broadphase(
                     }
                 }
             }
+            // A half-space.
             None => {
                 let plane = table.get(slot).expect("only live bodies move");
                 for (other, fat) in fat.iter().enumerate() {

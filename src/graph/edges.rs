@@ -417,6 +417,11 @@ impl ConstraintGraph {
         })
     }
 
+    /// The entities of a body's contacts, each with the slots of its bodies.
+    pub(super) fn contact_ends(&self, slot: u32) -> impl Iterator<Item = (Entity, [u32; 2])> {
+        self.contacts_of(slot).map(|edge| (edge.entity, edge.slots))
+    }
+
     /// The contacts of a body.
     fn contacts_of(&self, slot: u32) -> impl Iterator<Item = &Edge> {
         let node = self.nodes.get(slot as usize);

@@ -16,6 +16,7 @@ use crate::contact::{
     NarrowphaseCache,
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use crate::narrowphase::Reach;
 use crate::revision::Revision;
 use crate::saving::{Restored, RestoredContacts};
 use bevy_ecs::entity::EntityHashSet;
@@ -53,7 +54,8 @@ pub fn pair_changes(
     let restored = world.resource_mut::<Restored>().take_contacts();
     ending.clear();
     ending.extend(broken.iter(world));
-    let is_same = world.resource::<Broadphase>().found.is_empty();
+    let broadphase = world.resource::<Broadphase>();
+    let is_same = broadphase.found.is_empty() && broadphase.waiting.is_empty();
     if is_same && world.resource::<LostPairs>().0.is_empty() && ending.is_empty() {
         find_active_rows(world);
         return;
@@ -72,9 +74,11 @@ pub fn pair_changes(
         lives(pair, 0) && lives(pair, 1) && broadphase.overlap(table, pair.slots)
     };
     let disturbed = found.disturbed.iter();
-    let disturbed = disturbed.flat_map(|&slot| graph.edges_of(slot));
-    let disturbed = pairs.query(world).iter_many_inner(disturbed).flatten();
-    let ended = disturbed.filter(|(_, pair)| !goes_on(pair));
+    let disturbed = disturbed.flat_map(|&slot| graph.contact_ends(slot));
+    let doubtful = disturbed.filter(|&(_, slots)| !broadphase.still_overlap(table, slots));
+    let doubtful = doubtful.map(|(pair, _)| pair);
+    let doubtful = pairs.query(world).iter_many_inner(doubtful).flatten();
+    let ended = doubtful.filter(|(_, pair)| !goes_on(pair));
     ending.extend(ended.map(|(entity, _)| entity));
     for pair in ending.drain(..) {
         world.try_despawn(pair).ok();
@@ -92,7 +96,8 @@ pub fn pair_changes(
             world.resource_mut::<BodyTable>().recycle(slot);
             graph.changes.gone.push(slot);
         }
-        let overlaps = found.overlaps.into_iter().chain(again);
+        let waiting = std::mem::take(&mut world.resource_mut::<Broadphase>().waiting);
+        let overlaps = found.overlaps.into_iter().chain(waiting).chain(again);
         begin(world, &mut graph, overlaps, restored);
     });
     tell(world, &lost);
@@ -152,22 +157,33 @@ fn give_up(
     again
 }
 
-/// Spawns pairs and their edges for overlaps that have none.
+/// Spawns pairs and their edges for overlaps that have none. Those of fast bodies that are far apart wait.
 fn begin(
     world: &mut World,
     graph: &mut ConstraintGraph,
     overlaps: impl Iterator<Item = [u32; 2]>,
     restored: RestoredContacts,
 ) {
+    let reach = Reach::of(world);
     let table = world.resource::<BodyTable>();
-    let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = graph
-        .unknown(overlaps)
+    let broadphase = world.resource::<Broadphase>();
+    let mut waiting = Vec::new();
+    let near = graph.unknown(overlaps).filter(|&slots| {
+        let is_far = broadphase.is_far(table, slots, &reach);
+        if is_far {
+            waiting.push(slots);
+        }
+        !is_far
+    });
+    let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = near
         .filter_map(|slots| Some((table.both(slots)?.map(|body| body.spawn_order), slots)))
         .collect();
+    world.resource_mut::<Broadphase>().waiting = waiting;
     if overlaps.is_empty() {
         return;
     }
-    // The tree's shape depends on its history; the order of pairs must not. Two bodies that have both left their boxes are there twice.
+    let table = world.resource::<BodyTable>();
+    // The tree's shape depends on its history; the order of pairs must not. A pair that a user has despawned may be there twice.
     overlaps.sort_unstable();
     overlaps.dedup();
     graph.reserve(overlaps.len());

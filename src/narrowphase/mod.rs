@@ -80,7 +80,7 @@ pub fn narrowphase(
                 stabilization: &stabilization,
                 manifolds: &manifolds,
                 time: &time,
-                fall: gravity.0.length() * time.dt,
+                reach: Reach::new(&stabilization, &manifolds, &time, &gravity),
                 edited: revise_edited!(pair, manifold),
                 revision,
             };
@@ -116,23 +116,75 @@ pub fn narrowphase(
     graph.report(changed.into_inner().unwrap_or_else(PoisonError::into_inner));
 }
 
+/// How far from each other two bodies may be to have contacts in this step.
+#[derive(Clone, Copy)]
+pub(crate) struct Reach {
+    /// Thickness of the collision envelope, m.
+    outer: f32,
+    /// Change of speed by gravity in the step, m/s.
+    fall: f32,
+    /// Length of the step, s.
+    pub dt: f32,
+    recycle_share: f32,
+}
+
+impl Reach {
+    fn new(
+        stabilization: &StabilizationSettings,
+        manifolds: &NarrowphaseSettings,
+        time: &StepTime,
+        gravity: &Gravity,
+    ) -> Self {
+        Self {
+            outer: stabilization.outer_distance(),
+            fall: gravity.0.length() * time.dt,
+            dt: time.dt,
+            recycle_share: manifolds.recycle_share,
+        }
+    }
+
+    pub fn of(world: &World) -> Self {
+        Self::new(
+            world.resource(),
+            world.resource(),
+            world.resource(),
+            world.resource(),
+        )
+    }
+
+    /// The distance within which surfaces may meet in this step, m.
+    fn meeting(&self, a: &BodyState, b: &BodyState) -> f32 {
+        self.outer.max(0.0) + approach(a, b, self.dt) + self.fall * self.dt
+    }
+
+    /// The motion within which a manifold is kept, m.
+    fn little(&self, a: &BodyState, b: &BodyState) -> f32 {
+        self.recycle_share * a.size.min(b.size)
+    }
+
+    /// The distance beyond which the contacts of two bodies are not even searched, m. It is larger than that of a search: a body that is hit
+    /// in this step moves farther than it was expected to.
+    pub fn search(&self, a: &BodyState, b: &BodyState) -> f32 {
+        self.meeting(a, b) + self.little(a, b)
+    }
+}
+
 /// Finds the contacts of new pairs outside the stage.
 pub(crate) struct Detector {
     stabilization: StabilizationSettings,
     manifolds: NarrowphaseSettings,
     time: StepTime,
-    fall: f32,
+    reach: Reach,
     pub revision: Revision,
 }
 
 impl Detector {
     pub fn new(world: &World) -> Self {
-        let time = *world.resource::<StepTime>();
         Self {
             stabilization: *world.resource::<StabilizationSettings>(),
             manifolds: *world.resource::<NarrowphaseSettings>(),
-            time,
-            fall: world.resource::<Gravity>().0.length() * time.dt,
+            time: *world.resource::<StepTime>(),
+            reach: Reach::of(world),
             revision: Revision::next(),
         }
     }
@@ -149,7 +201,7 @@ impl Detector {
             stabilization: &self.stabilization,
             manifolds: &self.manifolds,
             time: &self.time,
-            fall: self.fall,
+            reach: self.reach,
             edited: false,
             revision: self.revision,
         };
@@ -162,8 +214,7 @@ struct Rules<'a> {
     stabilization: &'a StabilizationSettings,
     manifolds: &'a NarrowphaseSettings,
     time: &'a StepTime,
-    /// Change of speed by gravity in the step, m/s.
-    fall: f32,
+    reach: Reach,
     /// Whether the user has edited a manifold.
     edited: bool,
     /// The revision of the pairs whose contacts are detected anew.
@@ -187,8 +238,8 @@ fn look(
     cache: &mut NarrowphaseCache,
     (manifold, impulses, anchors, targets): Kept,
 ) -> Option<bool> {
-    let (time, fall) = (rules.time, rules.fall);
-    let outer = rules.stabilization.outer_distance();
+    let time = rules.time;
+    let Reach { outer, fall, .. } = rules.reach;
     let restored = pair.state == PairState::Restored;
     if (a.renewed || b.renewed) && !restored {
         pair.combine([a, b]);
@@ -208,11 +259,10 @@ fn look(
         pair.waits -= 1;
         return None;
     }
-    let reach = outer.max(0.0) + approach(a, b, time.dt) + fall * time.dt;
-    let little = rules.manifolds.recycle_share * a.size.min(b.size);
-    // In a falling heap most pairs end here, and read no more of their columns. The distance is larger than that of a search: a body
-    // that is hit in this step moves farther than it was expected to.
-    let search = reach + little;
+    let reach = rules.reach.meeting(a, b);
+    let little = rules.reach.little(a, b);
+    // Bodies that fall beside each other end here, and read no more of their columns.
+    let search = rules.reach.search(a, b);
     let last = cache.last_pose;
     if pair.is_apart() && last.is_apart(a, b, search, || last.since(a, b)) {
         return None;

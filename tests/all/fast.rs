@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::*;
 use drystone::collider::Collider;
+use drystone::contact::ContactPair;
 use fastrand::Rng;
 use glam::{Quat, Vec3};
 use support::Lab;
@@ -115,4 +116,34 @@ fn bodies_do_not_pass_bodies() {
         lab.world.entity_mut(ball).insert(Mass(1.0));
         ball
     });
+}
+
+/// The boxes of fast bodies overlap far around them, but only bodies that may touch within a step need a pair.
+#[test]
+fn bodies_that_fly_beside_each_other_have_no_pair_until_one_turns_to_the_other() {
+    let mut lab = lab(1.0 / 60.0);
+    let cube = Collider::cuboid(0.5, 0.5, 0.5);
+    let [a, b] = [-0.5, 0.5].map(|x| lab.body(cube.clone(), Vec3::X * x));
+    let pairs = |lab: &mut Lab| lab.world.query::<&ContactPair>().iter(&lab.world).count();
+    for body in [a, b] {
+        lab.set_velocity(body, Vec3::NEG_Y * 20.0, Vec3::ZERO);
+    }
+    for _ in 0..10 {
+        lab.step();
+        assert_eq!(pairs(&mut lab), 0);
+    }
+    lab.set_velocity(a, Vec3::new(20.0, -20.0, 0.0), Vec3::ZERO);
+    let mut met = false;
+    for _ in 0..10 {
+        lab.step();
+        met |= pairs(&mut lab) == 1;
+        let gap = lab.position(b).x - lab.position(a).x - 0.5;
+        assert!(gap > -0.005, "the cubes overlap by {} m", -gap);
+    }
+    assert!(met);
+    let [one, other] = [a, b].map(|body| lab.velocity(body).linear.x);
+    assert!(
+        (one - 10.0).abs() < 0.1 && (other - 10.0).abs() < 0.1,
+        "{one} {other}"
+    );
 }

@@ -35,7 +35,7 @@ use std::any::Any;
 const NAME: &[u8; 8] = b"DRYSTONE";
 
 /// The version of the format.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 impl Snapshot {
     /// Writes the snapshot to bytes, for a file or another computer.

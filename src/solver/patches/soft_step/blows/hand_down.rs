@@ -210,15 +210,27 @@ impl HandDown {
         let up = up(problem);
         self.stops.clear();
         self.stops.resize(problem.bodies.len(), false);
-        let mut any = false;
-        for (body, before) in (0..problem.bodies.len() as u32).zip(&island.before) {
-            let velocity = before[0].truncate();
+        let falls = |body: u32| {
+            let velocity = island.before[body as usize][0].truncate();
             let down = -velocity.dot(up);
             let falls = down > BLOW && down * down > DOWNWARDS * velocity.length_squared();
-            if falls && problem.bodies[body as usize].inverse_mass > 0.0 {
-                let onto_hot = || beneath(hot, problem, body).any(|(_, below)| hot.is(below));
-                self.stops[body as usize] = hot.is(body) || onto_hot();
-                any |= self.stops[body as usize];
+            falls && problem.bodies[body as usize].inverse_mass > 0.0
+        };
+        let mut any = false;
+        let mut stop = |body: u32| {
+            if falls(body) {
+                self.stops[body as usize] = true;
+                any = true;
+            }
+        };
+        for &body in &hot.bodies {
+            stop(body);
+            for place in hot.places_of(body) {
+                let patch = &problem.patches[place.patch as usize];
+                let above = 1 - place.side as usize;
+                if upper(patch, up) == Some(above) {
+                    stop(patch.bodies[above]);
+                }
             }
         }
         any

@@ -9,7 +9,7 @@ use glam::Vec3;
 /// Upper bound of visits to the supports of one body, which share its load.
 const VISITS: usize = 200;
 
-/// Visits end when they change less than this share of the body's load.
+/// Visits end when they change less than this share of the body's new load or of its weight, whichever is larger.
 const SHARED: f32 = 1e-5;
 
 /// A body is in balance if it moves by less than this share of its motion under gravity. Rotations count on an arm of a metre.
@@ -267,6 +267,7 @@ fn share(
 ) {
     let body = &problem.bodies[index];
     let pressed = motion[0].dot(down) / body.inverse_mass;
+    let weight = problem.gravity.length() * problem.dt / body.inverse_mass;
     // Added load is first divided equally, and removed load in proportion. Visits alone would give the first foot the most, or the least.
     let rows = || feet.iter().flat_map(|foot| &foot.normals);
     let equal = pressed.max(0.0) / rows().count() as f32;
@@ -290,7 +291,7 @@ fn share(
                     changed = changed.max(foot.hold(friction, body, motion));
                 }
             }
-            if changed <= SHARED * pressed.abs() {
+            if changed <= SHARED * pressed.abs().max(weight) {
                 break;
             }
         }

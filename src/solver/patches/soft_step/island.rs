@@ -4,7 +4,7 @@ use super::block::{Block, Pass, Points};
 use super::grabs::GrabPlaces;
 use super::joints::Joints;
 use super::kinds::{Kinds, Rigid, Soft};
-use super::pipeline::{Pipeline, Work};
+use super::pipeline::{self, Pipeline, Work};
 use crate::revision::Revision;
 use crate::solver::batches::Batches;
 use crate::solver::grab::ActiveGrab;
@@ -266,21 +266,22 @@ impl<L: F32xN> Island<L> {
 
     /// Runs all sweeps over blocks that are not skewed. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
     pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
-        let pipeline = self.pipeline.take();
-        // Sweeps in both directions cannot be pipelined.
-        let straight = self.joints.is_empty() && !passes.iter().any(|pass| pass.down);
-        let overlap = problem.threads > 1 && self.alone && straight;
-        let pipeline = match overlap {
-            true => pipeline.or_else(|| Some(self.find_pipeline(problem))),
-            false => None,
-        };
-        if let Some(pipeline) = &pipeline
-            && let Some(shares) = pipeline.share(problem.threads, passes.len(), self.bytes())
-        {
-            let changes = pipeline.run(passes, self.work(), shares);
-            changes.iter().for_each(|change| tell(change.sum()));
-        } else {
-            passes.iter().for_each(|pass| tell(self.sweep_alone(pass)));
+        let kept = self.pipeline.take();
+        let bytes = self.bytes();
+        let overlaps =
+            pipeline::is_worthwhile(problem.threads, bytes) && self.alone && self.joints.is_empty();
+        let pipeline = overlaps.then(|| kept.unwrap_or_else(|| self.find_pipeline(problem)));
+        // A sweep down begins where the one before ends, so only sweeps up follow each other.
+        for passes in passes.chunk_by(|before, after| !before.down && !after.down) {
+            let shares = pipeline.as_ref().and_then(|pipeline| {
+                let shares = pipeline.share(problem.threads, passes.len(), bytes)?;
+                Some((pipeline, shares))
+            });
+            if let Some((pipeline, shares)) = shares {
+                pipeline.run(passes, self.work(), shares, &mut tell);
+            } else {
+                passes.iter().for_each(|pass| tell(self.sweep_alone(pass)));
+            }
         }
         self.pipeline = pipeline;
     }

@@ -1,4 +1,4 @@
-//! Pipelined sweeps: they follow each other through the blocks, on several threads.
+//! Pipelined sweeps: they follow each other through the blocks, on several threads, or on one where the blocks are larger than its caches.
 //!
 //! The *reach* of a block is the last block that holds any moving body which this block holds as well. Sweep k + 1 may visit a block as
 //! soon as sweep k is past its reach: no block that sweep k has yet to visit shares a body with it, so the visit finds the values that it
@@ -37,6 +37,9 @@ const SWEEPS: std::ops::RangeInclusive<usize> = 2..=6;
 /// there takes longer than reading it later. Two threads that followed closely both took half as long again, and in blocks that fit the
 /// caches of two cores nothing was gained.
 const APART: usize = 2 << 20;
+
+/// Size of all blocks from which on sweeps follow each other on one thread too, bytes: each sweep would read all blocks from memory.
+const LARGE: usize = 64 << 20;
 
 /// Number of blocks that a sweep visits before the next sweep of the group continues.
 const TURN: usize = 32;
@@ -78,6 +81,11 @@ pub struct Work<'a, L: F32xN> {
     pub fastest: f32,
 }
 
+/// Returns true if sweeps over `bytes` bytes of blocks may be faster if they follow each other.
+pub fn is_worthwhile(threads: usize, bytes: usize) -> bool {
+    threads > 1 || bytes > LARGE
+}
+
 impl Pipeline {
     /// `blocks` yields the bodies of each block; `moves` says whether contacts can change a body.
     pub fn new<Bodies: Iterator<Item = u32>>(
@@ -113,13 +121,18 @@ impl Pipeline {
         }
     }
 
-    /// The distribution of these sweeps over at most `threads` threads, for blocks of `bytes` bytes in all; none if a single thread is as
-    /// fast.
+    /// The distribution of these sweeps over at most `threads` threads, for blocks of `bytes` bytes in all; none if it is as fast to take
+    /// one after the other.
     pub fn share(&self, threads: usize, sweeps: usize, bytes: usize) -> Option<Shares> {
+        if sweeps < *SWEEPS.start() {
+            return None;
+        }
         let blocks = self.reach.len();
         let apart = APART * blocks / bytes.max(1);
-        (2..=threads).rev().find_map(|threads| {
-            let group = sweeps.div_ceil(2 * threads);
+        let least = if bytes > LARGE { 1 } else { 2 };
+        (least..=threads).rev().find_map(|threads| {
+            let groups = if threads > 1 { 2 * threads } else { 1 };
+            let group = sweeps.div_ceil(groups);
             let group = group.clamp(*SWEEPS.start(), *SWEEPS.end());
             let window = group * self.lag.max(TURN);
             let needed = threads * window + (threads - 1) * apart;
@@ -131,15 +144,37 @@ impl Pipeline {
         })
     }
 
-    /// Runs all sweeps. Returns Σ Wᵢᵢ Δλᵢ² of each, J, in their order.
-    pub fn run<L: F32xN>(&self, passes: &[Pass], work: Work<L>, shares: Shares) -> Vec<L> {
-        self.run_in_groups(passes, work, shares, || ())
+    /// Runs all sweeps. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J, in their order.
+    pub fn run<L: F32xN>(
+        &self,
+        passes: &[Pass],
+        mut work: Work<L>,
+        shares: Shares,
+        mut tell: impl FnMut(f32),
+    ) {
+        if shares.threads == 1 {
+            for passes in passes.chunks(shares.group) {
+                let mut changes = [L::ZERO; MOST];
+                let groups = [Group::new(passes, &mut changes[..passes.len()])];
+                L::run(PipelinedSweeps {
+                    shared: &Shared::new(self, &mut work, &groups, shares),
+                    number: 0,
+                    delay: &|| (),
+                });
+                let changes = &changes[..passes.len()];
+                changes.iter().for_each(|change| tell(change.sum()));
+            }
+        } else {
+            let changes = self.run_in_groups(passes, work, shares, || ());
+            changes.iter().for_each(|change| tell(change.sum()));
+        }
     }
 
+    /// Runs all sweeps on several threads. Returns Σ Wᵢᵢ Δλᵢ² of each, J, in their order.
     fn run_in_groups<L: F32xN>(
         &self,
         passes: &[Pass],
-        work: Work<L>,
+        mut work: Work<L>,
         shares: Shares,
         delay: impl Fn() + Sync,
     ) -> Vec<L> {
@@ -147,25 +182,9 @@ impl Pipeline {
         let groups = passes.chunks(shares.group);
         let groups = groups.zip(changes.chunks_mut(shares.group));
         let groups: Vec<_> = groups
-            .map(|(passes, changes)| Group {
-                passes,
-                changes: Handed::new(changes),
-                done: AtomicUsize::new(0),
-            })
+            .map(|(passes, changes)| Group::new(passes, changes))
             .collect();
-        let shared = Shared {
-            pipeline: self,
-            blocks: Handed::new(work.blocks),
-            points: Handed::new(work.points),
-            velocities: Handed::new(work.velocities),
-            before: Handed::new(work.before),
-            motions: Handed::new(work.motions),
-            grab_places: work.grab_places,
-            grabs: Handed::new(work.grabs),
-            fastest: work.fastest,
-            groups: &groups,
-            apart: shares.apart,
-        };
+        let shared = Shared::new(self, &mut work, &groups, shares);
         let next = AtomicUsize::new(0);
         let work = || {
             loop {
@@ -238,6 +257,16 @@ struct Group<'a, L> {
     done: AtomicUsize,
 }
 
+impl<'a, L> Group<'a, L> {
+    fn new(passes: &'a [Pass], changes: &'a mut [L]) -> Self {
+        Self {
+            passes,
+            changes: Handed::new(changes),
+            done: AtomicUsize::new(0),
+        }
+    }
+}
+
 struct Shared<'a, L: F32xN> {
     pipeline: &'a Pipeline,
     blocks: Handed<'a, Block<L>>,
@@ -250,6 +279,29 @@ struct Shared<'a, L: F32xN> {
     fastest: f32,
     groups: &'a [Group<'a, L>],
     apart: usize,
+}
+
+impl<'a, L: F32xN> Shared<'a, L> {
+    fn new(
+        pipeline: &'a Pipeline,
+        work: &'a mut Work<L>,
+        groups: &'a [Group<'a, L>],
+        shares: Shares,
+    ) -> Self {
+        Self {
+            pipeline,
+            blocks: Handed::new(work.blocks),
+            points: Handed::new(work.points),
+            velocities: Handed::new(work.velocities),
+            before: Handed::new(work.before),
+            motions: Handed::new(work.motions),
+            grab_places: work.grab_places,
+            grabs: Handed::new(work.grabs),
+            fastest: work.fastest,
+            groups,
+            apart: shares.apart,
+        }
+    }
 }
 
 /// One group, from its first visit to its last.

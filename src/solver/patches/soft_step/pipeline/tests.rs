@@ -111,6 +111,27 @@ fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
 }
 
 #[test]
+fn sweeps_on_one_thread_follow_each_other_in_groups_and_are_sweeps_one_by_one() {
+    let mut masonry = Masonry::wall(40, 12, 0.1).held([5, 100]).shaken();
+    let mut memory = Memory::default();
+    let problem = masonry.problem(&mut memory);
+    let count = problem.bodies.len();
+    let (mut alone, passes) = started::<F32x4>(&problem, batches(F32x4::LANES, &problem));
+    passes.iter().for_each(|pass| _ = alone.sweep_alone(pass));
+    let (mut island, _) = started::<F32x4>(&problem, batches(F32x4::LANES, &problem));
+    let pipeline = island.find_pipeline(&problem);
+    let shares = Shares {
+        threads: 1,
+        group: 3,
+        apart: 0,
+    };
+    let mut told = 0;
+    pipeline.run(&passes, island.work(), shares, |_| told += 1);
+    assert_eq!(told, passes.len());
+    assert!(bits(&island, count, &[]) == bits(&alone, count, &[]));
+}
+
+#[test]
 fn a_long_wall_gains_by_threads_and_one_that_fits_their_caches_does_not() {
     let mut wall = Masonry::wall(200, 20, 0.0);
     let mut memory = Memory::default();
@@ -121,5 +142,9 @@ fn a_long_wall_gains_by_threads_and_one_that_fits_their_caches_does_not() {
     let shares = pipeline.share(2, sweeps, island.bytes()).unwrap();
     assert_eq!((shares.threads, shares.group), (2, sweeps.div_ceil(4)));
     assert_eq!(pipeline.share(1, sweeps, island.bytes()), None);
+    // The same wall with blocks that fit no cache.
+    let shares = pipeline.share(1, 3, LARGE + 1).unwrap();
+    assert_eq!((shares.threads, shares.group), (1, 3));
+    assert_eq!(pipeline.share(1, 1, LARGE + 1), None);
     assert_eq!(pipeline.share(2, sweeps, APART), None);
 }

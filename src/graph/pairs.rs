@@ -206,7 +206,8 @@ fn begin(
         let kept = (ContactTargets::default(), NarrowphaseCache::default());
         (pair, Manifold::default(), rest, kept)
     });
-    let spawned: Vec<Entity> = world.spawn_batch(with_room(new, 0)).collect();
+    let count = new.len();
+    let spawned: Vec<Entity> = world.spawn_batch(with_room(new, count)).collect();
     restored.fill(world, &spawned);
     let table = world.resource::<BodyTable>();
     for ((edge, slots), pair) in edges.into_iter().zip(spawned) {

@@ -9,13 +9,9 @@ const SHARE: usize = 16;
 /// Number of pairs from which on more rows are reserved. A smaller table holds less than 3 MB, which are copied quickly.
 const MANY: usize = 1 << 12;
 
-/// Bundles to be spawned, of which `following` more are spawned soon. The table reserves rows for all of them at once, and for
-/// some more if they are many.
-pub(crate) fn with_room<I: ExactSizeIterator>(
-    bundles: I,
-    following: usize,
-) -> impl Iterator<Item = I::Item> {
-    let count = bundles.len() + following;
+/// Bundles to be spawned. The table reserves rows for `count` at once, which are these and those that are spawned soon, and for some more if
+/// they are many.
+pub(crate) fn with_room<I: Iterator>(bundles: I, count: usize) -> impl Iterator<Item = I::Item> {
     let more = match count < MANY {
         true => 0,
         false => count / SHARE,

@@ -101,8 +101,8 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
     !arrivals.0.is_empty()
 }
 
-/// Number of pairs whose contacts are found at a time, on all threads.
-const PORTION: usize = 1 << 15;
+/// Number of pairs whose contacts are found at a time by each thread. They pass through several lists, which stay in the caches.
+const PORTION: usize = 1 << 13;
 
 /// Takes up the bodies; a part of the stage *prepare*.
 pub fn arrive(
@@ -227,18 +227,19 @@ fn connect(
     let mut left = count;
     let mut warnings = Vec::new();
     let mut local = vec![u32::MAX; table.slots()];
-    for portion in groups.portions(PORTION) {
+    let portion = PORTION * world.resource::<PhysicsThreads>().count();
+    for groups in groups.portions(portion) {
         let found = {
             let context = context.get(world).expect("settings can always be read");
             let threads = &*context.threads;
             let detector = Contacts::new(world, table);
-            let mut found: Vec<_> = each(threads, PORTION, &portion, |group| detector.find(group));
+            let mut found: Vec<_> = each(threads, portion, &groups, |group| detector.find(group));
             for group in &found {
                 group.number(&mut local);
             }
             let load = |group: &mut contacts::Found| loads::load(group, table, &local, &context);
-            match threads.runs_in_parallel(PORTION) {
-                true => threads.run(PORTION, || found.par_iter_mut().for_each(load)),
+            match threads.runs_in_parallel(portion) {
+                true => threads.run(portion, || found.par_iter_mut().for_each(load)),
                 false => found.iter_mut().for_each(load),
             }
             found
@@ -254,23 +255,22 @@ fn connect(
         });
         let number: usize = found.iter().map(|group| group.contacts.len()).sum();
         let mut edges = Vec::with_capacity(number);
-        let mut bundles = Vec::with_capacity(number);
-        for mut group in found {
+        let contacts = found.into_iter().flat_map(|mut group| {
             warnings.append(&mut group.warnings);
-            for contact in group.contacts {
-                let Contact {
-                    mut pair,
-                    components,
-                    links,
-                } = contact;
-                pair.edge = graph.insert_inactive(pair.slots);
-                edges.push((pair.edge, links));
-                bundles.push((pair, components));
-            }
-        }
+            group.contacts
+        });
+        let bundles = contacts.map(|contact| {
+            let Contact {
+                mut pair,
+                components,
+                links,
+            } = contact;
+            pair.edge = graph.insert_inactive(pair.slots);
+            edges.push((pair.edge, links));
+            (pair, components)
+        });
+        let pairs: Vec<Entity> = world.spawn_batch(with_room(bundles, left)).collect();
         left -= number;
-        let bundles = with_room(bundles.into_iter(), left);
-        let pairs: Vec<Entity> = world.spawn_batch(bundles).collect();
         for ((edge, links), pair) in edges.into_iter().zip(pairs) {
             graph.name(edge, pair);
             graph.set_links(edge, links);

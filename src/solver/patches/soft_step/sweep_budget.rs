@@ -20,8 +20,8 @@ const SUBSTEPS_PER_RIGID_SWEEP_IF_TALL: usize = 2;
 /// A sweep up passes its changes on to all bodies above, and to one course below. With velocities extrapolated from substep to substep, a
 /// change that travels down therefore grows from course to course where bodies stand on several others: in a linear model (walls of 60 and
 /// 120 courses) by e¹¹ and e²⁶ before it leaves, so that rounding lets a tower of planks of 60 layers tremble by 11 mm/s. A sweep down
-/// before the next substep limits this growth to e¹ and e¹·⁵. Walls of 50 courses are steady without it, and only sweeps that all go up can
-/// be pipelined on several threads.
+/// before the next substep limits this growth to e¹ and e¹·⁵. Walls of 50 courses are steady without it, and only sweeps that go up can be
+/// pipelined.
 const VERY_TALL: usize = 52;
 
 /// Contacts per body from which on rigid sweeps may go down. Nothing grows in a single column, which stands better with sweeps that go up.

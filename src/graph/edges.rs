@@ -98,7 +98,21 @@ struct Node {
     links: u32,
 }
 
-clone_fields!(Node { edges, links });
+/// Copies the list as a block. There is one for each body, and a derived `Clone` copies it number by number.
+impl Clone for Node {
+    fn clone(&self) -> Self {
+        Self {
+            edges: SmallVec::from_slice(&self.edges),
+            links: self.links,
+        }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.edges.clear();
+        self.edges.extend_from_slice(&from.edges);
+        self.links = from.links;
+    }
+}
 
 /// Changes of the graph since the last update of the islands.
 #[derive(Debug, Default)]

@@ -87,7 +87,8 @@ pub(super) trait AnyColumn: Any + Bytes + Debug + Send + Sync {
     fn id(&self, components: &Components) -> Option<ComponentId>;
 
     /// Takes the values of a world. `since` is the tick of the last step, if there was one.
-    fn take(&mut self, world: &World, layout: &Layout, since: Option<Tick>);
+    /// `kind` is the number of the component on the list.
+    fn take(&mut self, kind: usize, world: &World, layout: &Layout, since: Option<Tick>);
 
     /// Inserts the component into entities that do not have it, by row.
     fn insert(&self, world: &mut World, rows: &[usize], on: On, to: &mut Renaming);
@@ -95,11 +96,11 @@ pub(super) trait AnyColumn: Any + Bytes + Debug + Send + Sync {
     /// Removes the component from an entity.
     fn remove(&self, entity: &mut EntityWorldMut);
 
-    /// Replaces values that cannot be written in place.
-    fn replace(&self, world: &mut World, on: On, to: &mut Renaming);
+    /// Replaces values that cannot be written in place. Returns true if there were any.
+    fn replace(&self, world: &mut World, on: On, to: &mut Renaming) -> bool;
 
-    /// Writes the values into a world whose entities have the components.
-    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming);
+    /// Writes the values into a world whose entities have the components. `kind` is the number of the component on the list.
+    fn write(&self, kind: usize, world: &mut World, target: &Target, to: &mut Renaming);
 
     /// The value of an entity, in its row, as `Debug` writes it.
     fn text(
@@ -225,7 +226,7 @@ where
         components.component_id::<T>().filter(|_| !Self::SPARSE)
     }
 
-    fn take(&mut self, world: &World, layout: &Layout, since: Option<Tick>) {
+    fn take(&mut self, kind: usize, world: &World, layout: &Layout, since: Option<Tick>) {
         if Self::SPARSE {
             return self.take_sparse(world);
         }
@@ -234,8 +235,10 @@ where
         let now = world.read_change_tick();
         let is_new = |tick: Tick| since.is_none_or(|since| tick.is_newer_than(since, now));
         let mut len = 0;
-        let query = world.try_query::<(Entity, Ref<T>, Has<Disabled>)>();
-        if let Some(mut query) = query {
+        // A query costs a microsecond to make, and most scenes lack most of the components.
+        let is_there = layout.has(kind);
+        let query = is_there.then(|| world.try_query::<(Entity, Ref<T>, Has<Disabled>)>());
+        if let Some(mut query) = query.flatten() {
             self.starts.resize(layout.runs.len(), NONE);
             let tables = query.contiguous_iter(world);
             for (entities, column, _) in tables.expect("it is kept in tables") {
@@ -278,13 +281,17 @@ where
         entity.remove::<T>();
     }
 
-    fn replace(&self, world: &mut World, on: On, to: &mut Renaming) {
-        Write::replace(self, world, on, to);
+    fn replace(&self, world: &mut World, on: On, to: &mut Renaming) -> bool {
+        Write::replace(self, world, on, to)
     }
 
-    fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
+    fn write(&self, kind: usize, world: &mut World, target: &Target, to: &mut Renaming) {
         if !Self::SPARSE {
-            return Write::write(self, world, target, to);
+            // No entity of drystone's has a component that none had in the snapshot.
+            if target.layout.has(kind) {
+                Write::write(self, world, target, to);
+            }
+            return;
         }
         let mut holders = world.query::<(Entity, &T, Has<Disabled>)>();
         let holders: Vec<Entity> = holders.iter(world).map(|(entity, ..)| entity).collect();
@@ -330,7 +337,9 @@ where
 
 /// How values are written where entities have the component already.
 pub(super) trait Write {
-    fn replace(&self, _world: &mut World, _on: On, _to: &mut Renaming) {}
+    fn replace(&self, _world: &mut World, _on: On, _to: &mut Renaming) -> bool {
+        false
+    }
 
     fn write(&self, world: &mut World, target: &Target, to: &mut Renaming);
 }
@@ -338,14 +347,14 @@ pub(super) trait Write {
 impl<T: Component<Mutability = Mutable> + Clone + PartialEq> Write for Column<T, Marked> {
     fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
         let keep = |_: &mut ContiguousMut<T>, _| ();
-        self.write_in_place(world, target, to, |before, after| before != after, keep);
+        self.write_in_place::<true>(world, target, to, |before, after| before != after, keep);
     }
 }
 
 impl<T: Component<Mutability = Mutable> + Clone + PartialEq> Write for Column<T, Output> {
     fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
         let age = |column: &mut ContiguousMut<T>, old| column.added_ticks_slice_mut().fill(old);
-        self.write_in_place(world, target, to, |before, after| before != after, age);
+        self.write_in_place::<true>(world, target, to, |before, after| before != after, age);
     }
 }
 
@@ -355,19 +364,20 @@ impl<T: Component<Mutability = Mutable> + Clone> Write for Column<T, Silent> {
             column.added_ticks_slice_mut().fill(old);
             column.changed_ticks_slice_mut().fill(old);
         };
-        self.write_in_place(world, target, to, |_, _| false, age);
+        self.write_in_place::<false>(world, target, to, |_, _| false, age);
     }
 }
 
 impl<T: Component<Mutability = Mutable> + Clone> Write for Column<T, Valueless> {
     fn write(&self, world: &mut World, target: &Target, to: &mut Renaming) {
         let keep = |_: &mut ContiguousMut<T>, _| ();
-        self.write_in_place(world, target, to, |_, _| false, keep);
+        self.write_in_place::<false>(world, target, to, |_, _| false, keep);
     }
 }
 
 impl<T: Component + Clone + PartialEq> Write for Column<T, Replaced> {
-    fn replace(&self, world: &mut World, on: On, to: &mut Renaming) {
+    fn replace(&self, world: &mut World, on: On, to: &mut Renaming) -> bool {
+        let mut any = false;
         for (number, run) in on.layout.runs.iter().enumerate() {
             let Some(range) = self.of_run(on.layout, number) else {
                 continue;
@@ -379,9 +389,11 @@ impl<T: Component + Clone + PartialEq> Write for Column<T, Replaced> {
                     && entity.get::<T>() != Some(&value)
                 {
                     entity.insert(value);
+                    any = true;
                 }
             }
         }
+        any
     }
 
     // `replace` has done it.
@@ -389,8 +401,9 @@ impl<T: Component + Clone + PartialEq> Write for Column<T, Replaced> {
 }
 
 impl<T: Component<Mutability = Mutable> + Clone, How> Column<T, How> {
-    /// Writes the values. `age` may set the ticks of a table to one that is older than the last run of any system.
-    fn write_in_place(
+    /// Writes the values. Those that `differ` are marked as changed, if they are to be `COMPARED`. `age` may set the ticks of a table to one that is
+    /// older than the last run of any system.
+    fn write_in_place<const COMPARED: bool>(
         &self,
         world: &mut World,
         target: &Target,
@@ -400,11 +413,18 @@ impl<T: Component<Mutability = Mutable> + Clone, How> Column<T, How> {
     ) {
         let layout = target.layout;
         let old = Tick::new(world.change_tick().get().wrapping_sub(MAX_CHANGE_AGE));
+        let is_nothing = to.is_nothing();
         let mut set = |value: &mut T, from: &T| {
-            if to.is_nothing() {
-                let differs = differ(value, from);
+            if is_nothing {
+                let differs = COMPARED && differ(value, from);
                 value.clone_from(from);
                 return differs;
+            }
+            if !COMPARED {
+                // In the memory that it has.
+                value.clone_from(from);
+                to.apply(value);
+                return false;
             }
             let mut from = from.clone();
             to.apply(&mut from);
@@ -412,37 +432,52 @@ impl<T: Component<Mutability = Mutable> + Clone, How> Column<T, How> {
             *value = from;
             differs
         };
+        let is_plain = is_nothing && !COMPARED;
         let mut query = world.query::<(Entity, &mut T, Has<Disabled>)>();
-        let mut changed: Vec<Entity> = Vec::new();
+        // One of each table in which some are marked: it has Bevy mark the whole column (its summary tick).
+        let mut marked: Vec<Entity> = Vec::new();
+        let mut changed: Vec<usize> = Vec::new();
         let tables = query.contiguous_iter_mut(world);
         for (entities, mut column, _) in tables.expect("it is kept in tables") {
             age(&mut column, old);
             let values = column.bypass_change_detection();
+            changed.clear();
             match target.rows_of(entities) {
                 Some(&Rows::Run(run)) => {
                     let Some(range) = self.of_run(layout, run) else {
                         continue;
                     };
-                    for ((value, from), &entity) in
-                        values.iter_mut().zip(&self.values[range]).zip(entities)
-                    {
+                    let from = &self.values[range];
+                    if is_plain {
+                        values.clone_from_slice(from);
+                        continue;
+                    }
+                    for (at, (value, from)) in values.iter_mut().zip(from).enumerate() {
                         if set(value, from) {
-                            changed.push(entity);
+                            changed.push(at);
                         }
                     }
                 }
                 Some(Rows::Each(rows)) => {
-                    for ((value, &row), &entity) in values.iter_mut().zip(rows).zip(entities) {
+                    for (at, (value, &row)) in values.iter_mut().zip(rows).enumerate() {
                         if row != NOWHERE
                             && let run = target.run_of(row)
                             && let Some(from) = self.of_row(layout, run, row as usize)
                             && set(value, from)
                         {
-                            changed.push(entity);
+                            changed.push(at);
                         }
                     }
                 }
                 None => (),
+            }
+            if let Some(&first) = changed.first() {
+                marked.push(entities[first]);
+                let now = column.this_run_tick();
+                let ticks = column.changed_ticks_slice_mut();
+                for &at in &changed {
+                    ticks[at] = now;
+                }
             }
         }
         for (run, _) in layout.ancestors() {
@@ -452,10 +487,10 @@ impl<T: Component<Mutability = Mutable> + Clone, How> Column<T, How> {
                 && let Ok((_, mut value, _)) = query.get_mut(world, entity)
                 && set(value.bypass_change_detection(), from)
             {
-                changed.push(entity);
+                marked.push(entity);
             }
         }
-        for entity in changed {
+        for entity in marked {
             if let Ok((_, mut value, _)) = query.get_mut(world, entity) {
                 value.set_changed();
             }

@@ -196,6 +196,11 @@ impl Layout {
         (run != NONE).then_some(run as usize)
     }
 
+    /// Returns true if some of the entities have the component with this number on the list.
+    pub fn has(&self, kind: usize) -> bool {
+        self.runs.iter().any(|run| run.kinds.contains(kind))
+    }
+
     /// The run of a row.
     pub fn run_of_row(&self, row: usize) -> usize {
         self.runs.partition_point(|run| run.start + run.len <= row)

@@ -158,8 +158,8 @@ impl Snapshot {
         self.layout.find(world, &known);
         self.layout.add(world, &known, others);
         let since = table.and_then(BodyTable::visited_at);
-        for column in &mut self.columns {
-            column.take(world, &self.layout, since);
+        for (kind, column) in self.columns.iter_mut().enumerate() {
+            column.take(kind, world, &self.layout, since);
         }
         for kept in &mut self.resources {
             kept.take(world);
@@ -201,7 +201,8 @@ impl Snapshot {
             layout,
             entities: &layout.entities,
         };
-        let gone = Differences::find(world, &KnownKinds::of_world(world, &self.columns), on).gone;
+        let all = Differences::find(world, &KnownKinds::of_world(world, &self.columns), on);
+        let (is_same, gone) = (all.is_empty(), all.gone);
         let new = world.spawn_batch(gone.iter().map(|_| ()));
         let new: Vec<Entity> = new.collect();
         let mut map = EntityHashMap::default();
@@ -213,7 +214,7 @@ impl Snapshot {
             true => Renaming::Nothing,
             false => Renaming::Some(&map),
         };
-        self.write(world, &entities, &mut to);
+        self.write(world, &entities, &mut to, is_same);
         map
     }
 
@@ -234,22 +235,23 @@ impl Snapshot {
         let pairs = originals.iter().copied().zip(entities.iter().copied());
         let mut map: EntityHashMap<Entity> = pairs.collect();
         SceneEntityMapper::world_scope(&mut map, world, |world, mapper| {
-            self.write(world, &entities, &mut Renaming::All(mapper));
+            self.write(world, &entities, &mut Renaming::All(mapper), false);
         });
         map
     }
 
-    /// Makes the state of a world that of the snapshot. `entities` are those of the world by row; all of them exist.
-    fn write(&self, world: &mut World, entities: &[Entity], to: &mut Renaming) {
+    /// Makes the state of a world that of the snapshot. `entities` are those of the world by row; all of them exist. `is_same` says that they have the
+    /// components of the snapshot, and that there are no others.
+    fn write(&self, world: &mut World, entities: &[Entity], to: &mut Renaming, is_same: bool) {
         let layout = &self.layout;
         let on = On { layout, entities };
-        structure::restore(world, &self.columns, on, to);
+        structure::restore(world, &self.columns, on, to, is_same);
         // What is written from here on has changed since the last step, so far as the next one can tell.
         let now = world.increment_change_tick();
         let known = KnownKinds::of_world(world, &self.columns);
         let target = Target::find(layout, entities, world, &known);
-        for column in &self.columns {
-            column.write(world, &target, to);
+        for (kind, column) in self.columns.iter().enumerate() {
+            column.write(kind, world, &target, to);
         }
         for kept in &self.resources {
             kept.write(world, to);

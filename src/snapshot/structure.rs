@@ -80,21 +80,27 @@ impl Differences {
         all
     }
 
-    fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.extra.is_empty() && self.other.is_empty() && self.gone.is_empty()
     }
 }
 
-/// Despawns entities that the snapshot does not hold, and inserts and removes components of the others.
+/// Despawns entities that the snapshot does not hold, and inserts and removes components of the others. `is_same` says that there are no
+/// differences, so far as is known.
 pub(super) fn restore(
     world: &mut World,
     columns: &[Box<dyn AnyColumn>],
     on: On,
     to: &mut Renaming,
+    is_same: bool,
 ) {
+    let mut any = false;
     // Before others are despawned: their children would be despawned with them.
     for column in columns {
-        column.replace(world, on, to);
+        any |= column.replace(world, on, to);
+    }
+    if is_same && !any {
+        return;
     }
     for _ in 0..ROUNDS {
         // Every round anew, because the world may not have known some of the components.

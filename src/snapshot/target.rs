@@ -1,7 +1,7 @@
 //! Where the entities of a snapshot are in the world that it is restored into.
 
 use super::layout::{KnownKinds, Layout, own_tables};
-use bevy_ecs::entity::Entity;
+use bevy_ecs::entity::{Entity, EntityHashMap};
 use bevy_ecs::world::World;
 
 /// No entity of the snapshot.
@@ -17,22 +17,36 @@ pub(super) enum Rows {
 }
 
 /// The rows of a snapshot by the index of their entity.
-#[derive(Debug, Default)]
-pub(super) struct RowsByIndex(Vec<u32>);
+#[derive(Debug)]
+pub(super) enum RowsByIndex {
+    List(Vec<u32>),
+    /// Few entities with large indices: those of damaged bytes may have any.
+    Map(EntityHashMap<u32>),
+}
+
+/// A list has at most so many entries for each entity, and so many more.
+const SPARSE: [usize; 2] = [64, 1 << 16];
 
 impl RowsByIndex {
     pub fn new(entities: &[Entity]) -> Self {
         let last = entities.iter().map(|entity| entity.index_u32()).max();
-        let mut rows = vec![NOWHERE; last.map_or(0, |last| last as usize + 1)];
+        let len = last.map_or(0, |last| last as usize + 1);
+        if len > SPARSE[0] * entities.len() + SPARSE[1] {
+            return Self::Map(entities.iter().copied().zip(0..).collect());
+        }
+        let mut rows = vec![NOWHERE; len];
         for (row, entity) in entities.iter().enumerate() {
             rows[entity.index_u32() as usize] = row as u32;
         }
-        Self(rows)
+        Self::List(rows)
     }
 
     /// The row of an entity, or [`NOWHERE`].
     pub fn of(&self, entity: Entity, entities: &[Entity]) -> u32 {
-        let row = self.0.get(entity.index_u32() as usize);
+        let row = match self {
+            Self::List(rows) => rows.get(entity.index_u32() as usize),
+            Self::Map(rows) => rows.get(&entity),
+        };
         let row = row.copied().unwrap_or(NOWHERE);
         match entities.get(row as usize) {
             Some(&known) if known == entity => row,

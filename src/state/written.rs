@@ -90,6 +90,7 @@ pub(crate) mod bits {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<FixedBitSet, D::Error> {
         let ones = Vec::<u32>::deserialize(from)?;
+        super::check_slots(ones.iter().copied())?;
         Ok(ones.into_iter().map(|one| one as usize).collect())
     }
 }
@@ -132,6 +133,7 @@ pub(crate) mod tree {
         /// With fewer leaves, `Bvh::from_iter` takes their places for their numbers.
         const FEW: usize = 3;
         let leaves = Vec::<(u32, Vec3, Vec3)>::deserialize(from)?;
+        super::check_slots(leaves.iter().map(|leaf| leaf.0))?;
         if leaves.len() < FEW {
             let mut tree = Bvh::new();
             for (leaf, mins, maxs) in leaves {
@@ -142,6 +144,16 @@ pub(crate) mod tree {
         let leaves = leaves.into_iter();
         let leaves = leaves.map(|(leaf, mins, maxs)| (leaf as usize, Aabb::new(mins, maxs)));
         Ok(Bvh::from_iter(BvhBuildStrategy::Binned, leaves))
+    }
+}
+
+/// No world has as many bodies. Memory is taken for as many slots as the largest one says, so larger ones are damage.
+const MAX_SLOTS: u32 = 1 << 24;
+
+fn check_slots<E: serde::de::Error>(mut slots: impl Iterator<Item = u32>) -> Result<(), E> {
+    match slots.all(|slot| slot < MAX_SLOTS) {
+        true => Ok(()),
+        false => Err(E::custom("a slot of a body that cannot be")),
     }
 }
 

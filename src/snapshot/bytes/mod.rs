@@ -109,8 +109,7 @@ impl Snapshot {
         let (sum, rest) = rest
             .split_first_chunk::<8>()
             .ok_or(SnapshotError::Damaged)?;
-        let values = lz4_flex::decompress_size_prepended(rest);
-        let values = values.map_err(|_| SnapshotError::Damaged)?;
+        let values = decompress(rest)?;
         let mut from = Reader::new(&values);
         let version: String = from.take(None, "version")?;
         if version != env!("CARGO_PKG_VERSION") {
@@ -127,11 +126,10 @@ impl Snapshot {
     fn read(from: &mut Reader, earlier: &Self) -> Result<Self, SnapshotError> {
         // Equal shapes are one again, because a body knows its shape by its place in memory.
         let _shared = SharedShapes::new();
-        let mut snapshot = Self {
-            origin: Origin::Bytes,
-            layout: read_layout(from, &earlier.layout)?,
-            ..Self::default()
-        };
+        let mut snapshot = Self::default();
+        let kinds = snapshot.columns.len() as u32;
+        snapshot.origin = Origin::Bytes;
+        snapshot.layout = read_layout(from, &earlier.layout, kinds)?;
         let layout = &snapshot.layout;
         let rows = earlier::rows(layout, &earlier.layout);
         let columns = snapshot.columns.iter_mut().zip(&earlier.columns);
@@ -144,6 +142,18 @@ impl Snapshot {
         }
         Ok(snapshot)
     }
+}
+
+/// Values cannot be compressed to fewer bytes than one in so many (LZ4), so a length above that is damage: no memory is taken for it.
+const MAX_RATIO: usize = 255;
+
+fn decompress(bytes: &[u8]) -> Result<Vec<u8>, SnapshotError> {
+    let (length, rest) = bytes.split_first_chunk().ok_or(SnapshotError::Damaged)?;
+    let length = u32::from_le_bytes(*length) as usize;
+    if length > rest.len().saturating_mul(MAX_RATIO) {
+        return Err(SnapshotError::Damaged);
+    }
+    lz4_flex::decompress(rest, length).map_err(|_| SnapshotError::Damaged)
 }
 
 /// A run, as it is written: its length and the bits of its kinds.
@@ -160,7 +170,12 @@ fn put_layout(layout: &Layout, earlier: &Layout, to: &mut Writer) -> Result<(), 
     to.put(&runs(layout), Some(&runs(earlier)), "runs")
 }
 
-fn read_layout(from: &mut Reader, earlier: &Layout) -> Result<Layout, SnapshotError> {
+/// `kinds_on_list` is the number of components on the list.
+fn read_layout(
+    from: &mut Reader,
+    earlier: &Layout,
+    kinds_on_list: u32,
+) -> Result<Layout, SnapshotError> {
     let entities: Vec<Entity> = from.take(Some(&earlier.entities), "entities")?;
     let tables = from.take(Some(&earlier.tables), "tables")?;
     let runs: Vec<Written> = from.take(Some(&runs(earlier)), "runs")?;
@@ -173,7 +188,10 @@ fn read_layout(from: &mut Reader, earlier: &Layout) -> Result<Layout, SnapshotEr
     }
     let unique: EntityHashSet = entities.iter().copied().collect();
     let (first, last) = all.split_at_checked(tables).ok_or(SnapshotError::Damaged)?;
+    let is_known =
+        |run: &Run| kinds_on_list >= u128::BITS || run.kinds.bits() >> kinds_on_list == 0;
     let is_valid = start == entities.len()
+        && all.iter().all(is_known)
         && unique.len() == entities.len()
         && first.iter().all(|run| run.len > 0)
         && last.iter().all(|run| run.len == 1);

@@ -2,6 +2,8 @@
 
 #[cfg(feature = "serde")]
 mod bytes;
+#[cfg(feature = "serde")]
+mod fuzz;
 mod here;
 mod rules;
 mod scenes;

@@ -1,5 +1,5 @@
 //! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap; that of a
-//! fast body begins when it comes [near](far) to the other. This module finds
+//! fast body begins when it comes near to the other (`far`). This module finds
 //! the boxes that overlap, and those that may have ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
 //!
 //! The tight box of a body contains its shape, the collision envelope, and its possible motion in the step. The tree stores a fatter box. As
@@ -54,7 +54,7 @@ pub struct Broadphase {
     unbounded: Vec<u32>,
     /// The changes of this step, until the pairs are updated.
     pub(crate) found: Found,
-    /// Slots of bodies that overlap and are [far](far) apart, the one spawned first in front. They have no pair yet.
+    /// Slots of bodies that overlap and are far apart (`far`), the one spawned first in front. They have no pair yet.
     pub(crate) waiting: Vec<[u32; 2]>,
     /// Number of boxes that were changed since the tree was last refitted.
     changed_boxes: usize,

@@ -205,6 +205,13 @@ impl BodyState {
         longest > SLENDER * other
     }
 
+    /// Returns true if the bounding spheres of two bodies are farther apart than `reach`, m. That of a half-space is infinite, so it never is.
+    #[inline]
+    pub(crate) fn spheres_are_apart(&self, other: &Self, reach: f32) -> bool {
+        let touching = self.radius + other.radius + reach;
+        (self.center - other.center).length_squared() > touching * touching
+    }
+
     /// Returns true if its contacts are changed after they were found: by hooks, or because its surface moves.
     pub(crate) fn asks_for_hooks(&self) -> bool {
         self.properties.hooks != Default::default()

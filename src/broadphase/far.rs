@@ -18,8 +18,7 @@ impl Broadphase {
             return false;
         }
         let search = reach.search(a, b);
-        let spheres = a.radius + b.radius + search;
-        if (a.center - b.center).length_squared() > spheres * spheres {
+        if a.spheres_are_apart(b, search) {
             return true;
         }
         let [Some(one), Some(two)] = [a, b].map(|body| {

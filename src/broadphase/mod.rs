@@ -1,6 +1,5 @@
-//! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap; that of a
-//! fast body begins when it comes near to the other (`far`). This module finds
-//! the boxes that overlap, and those that may have ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
+//! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap. If one of them is
+//! fast, the pair begins when they may touch within a step (`far`). This module finds the boxes that overlap, and those that may have ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
 //!
 //! The tight box of a body contains its shape, the collision envelope, and its possible motion in the step. The tree stores a fatter box. As
 //! long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison for each body. Half-spaces have no box: they
@@ -238,8 +237,8 @@ impl Broadphase {
         (self.fat[a as usize].as_ref(), self.fat[b as usize].as_ref())
     }
 
-    /// Returns true if the boxes of two bodies overlap which may collide now if they could before, as far as can be said without more of
-    /// their data.
+    /// Returns true if the boxes of the two bodies of a pair overlap, and nothing has changed about whether these may collide. It reads little:
+    /// if it returns false, the pair may still go on.
     pub(crate) fn still_overlap(&self, table: &BodyTable, slots: [u32; 2]) -> bool {
         let is_known = |slot| table.get(slot).is_some_and(|body| !body.renewed);
         matches!(self.boxes_of(slots), (Some(a), Some(b)) if a.intersects(b))

@@ -1,24 +1,9 @@
 //! Copies of the components of a pair, for [snapshots](crate::snapshot).
 //!
-//! Most lists lie in the component itself, and their entries are plain numbers. They are copied as a block, which a derived `Clone` does not do.
+//! Most lists lie in the component itself, and their entries are plain numbers. They are [copied as a block](copy).
 
 use super::{ContactAnchors, ContactImpulses, ContactTargets, Manifold};
-use smallvec::{Array, SmallVec};
-
-fn copy<A: Array<Item: Copy>>(list: &SmallVec<A>) -> SmallVec<A> {
-    SmallVec::from_slice(list)
-}
-
-/// Makes a list equal to another one, in the memory that it has.
-#[inline]
-fn copy_into<A: Array<Item: Copy>>(list: &mut SmallVec<A>, from: &SmallVec<A>) {
-    if list.len() == from.len() {
-        list.copy_from_slice(from);
-    } else {
-        list.clear();
-        list.extend_from_slice(from);
-    }
-}
+use crate::state::{copy, copy_into};
 
 impl Clone for Manifold {
     fn clone(&self) -> Self {

@@ -11,7 +11,7 @@
 //! The cost of every operation depends only on the number of neighbours of the bodies involved, not on the size of the graph.
 
 use super::active::ActiveRows;
-use crate::state::clone_fields;
+use crate::state::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
@@ -98,18 +98,17 @@ struct Node {
     links: u32,
 }
 
-/// Copies the list as a block. There is one for each body, and a derived `Clone` copies it number by number.
+/// Copies the list as a block: there is one for each body.
 impl Clone for Node {
     fn clone(&self) -> Self {
         Self {
-            edges: SmallVec::from_slice(&self.edges),
+            edges: copy(&self.edges),
             links: self.links,
         }
     }
 
     fn clone_from(&mut self, from: &Self) {
-        self.edges.clear();
-        self.edges.extend_from_slice(&from.edges);
+        copy_into(&mut self.edges, &from.edges);
         self.links = from.links;
     }
 }

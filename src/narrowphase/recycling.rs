@@ -80,10 +80,7 @@ impl CachedRelativePose {
         reach: f32,
         since: impl FnOnce() -> Since,
     ) -> bool {
-        // The bounding sphere of a half-space is infinite, so the first test never holds for it.
-        let touching = a.radius + b.radius + reach;
-        (a.center - b.center).length_squared() > touching * touching
-            || self.apart > reach && reach + since().way < self.apart
+        a.spheres_are_apart(b, reach) || self.apart > reach && reach + since().way < self.apart
     }
 }
 

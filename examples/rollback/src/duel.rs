@@ -86,7 +86,7 @@ impl Duel {
         let mut players = self.connect(games, &clock)?;
         let script = self.script();
         let mut confirmed = 0;
-        // The handshake takes a second or two; a player that waits takes longer, but not for ever.
+        // The handshake takes a second; a player that waits takes longer, but not for ever.
         let mut ticks_left = 4 * self.frames as usize + 3_000;
         while confirmed < self.frames {
             ticks_left = ticks_left.checked_sub(1).ok_or("the players are stuck")?;
@@ -94,6 +94,9 @@ impl Duel {
             let mut goes_on = false;
             for player in &mut players {
                 goes_on |= player.tick(&script)?;
+            }
+            if clock.played().is_none() && players.iter().all(Player::has_begun) {
+                clock.begin();
             }
             let frames = players
                 .iter()

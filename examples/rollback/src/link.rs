@@ -55,7 +55,7 @@ pub struct BadLink {
     socket: UdpSocket,
     clock: Clock,
     conditions: Conditions,
-    rng: fastrand::Rng,
+    seed: u64,
     held: Vec<Packet>,
     /// The session owns the link, so others read its counters here.
     traffic: Rc<Cell<Traffic>>,
@@ -65,7 +65,8 @@ pub struct BadLink {
 const LONGEST: usize = 4096;
 
 impl BadLink {
-    /// A link at a free port of loopback. The seed decides which packets are lost, and how long the others take.
+    /// A link at a free port of loopback. The seed decides which packets are lost, and how long the others take, once the game has begun.
+    /// Before that it is a good connection.
     ///
     /// # Errors
     /// If the system gives no socket.
@@ -76,7 +77,7 @@ impl BadLink {
             socket,
             clock,
             conditions,
-            rng: fastrand::Rng::with_seed(seed),
+            seed,
             held: Vec::new(),
             traffic: Rc::default(),
         })
@@ -101,6 +102,21 @@ impl BadLink {
         self.traffic.set(traffic);
     }
 
+    /// How much longer than [`delay`](Conditions::delay) a packet takes that is sent now; `None` if it is lost.
+    ///
+    /// It depends on the seed and the time since the game began, and on nothing else. `ggrs` sends more packets on a slow computer, since
+    /// some of its timers show real time. They must not change what becomes of the others.
+    fn late(&self) -> Option<Duration> {
+        let Some(played) = self.clock.played() else {
+            return Some(Duration::ZERO);
+        };
+        let seed = self.seed.wrapping_add(played.as_nanos() as u64);
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let is_lost = rng.f32() < self.conditions.loss;
+        let late = self.conditions.jitter.mul_f32(rng.f32());
+        (!is_lost).then_some(late)
+    }
+
     /// Sends the packets whose time has come.
     fn send_due(&mut self) {
         let now = self.clock.now();
@@ -121,15 +137,15 @@ impl BadLink {
 impl NonBlockingSocket<SocketAddr> for BadLink {
     fn send_to(&mut self, message: &Message, to: &SocketAddr) {
         let bytes = bincode::serialize(message).expect("messages can be written");
-        let is_lost = self.rng.f32() < self.conditions.loss;
-        let late = self.conditions.jitter.mul_f32(self.rng.f32());
+        let late = self.late();
+        let is_lost = late.is_none();
         self.count(|traffic| {
             traffic.packets += 1;
             traffic.bytes += bytes.len();
             traffic.lost += usize::from(is_lost);
             traffic.under_way += usize::from(!is_lost);
         });
-        if !is_lost {
+        if let Some(late) = late {
             let due = self.clock.now() + self.conditions.delay + late;
             let to = *to;
             self.held.push(Packet { due, bytes, to });

@@ -5,7 +5,10 @@ use crate::input::PLAYERS;
 use crate::link::{BadLink, Traffic};
 use crate::rollback::Rollback;
 use crate::script::Script;
-use ggrs::{DesyncDetection, Frame, GgrsError, GgrsEvent, P2PSession, PlayerType, SessionBuilder};
+use ggrs::{
+    DesyncDetection, Frame, GgrsError, GgrsEvent, P2PSession, PlayerType, SessionBuilder,
+    SessionState,
+};
 use std::cell::Cell;
 use std::net::SocketAddr;
 use std::rc::Rc;
@@ -136,6 +139,11 @@ impl<G: Rollback> Player<G> {
             }
         }
         Ok(())
+    }
+
+    /// Whether it has shaken hands with the other, and plays.
+    pub fn has_begun(&self) -> bool {
+        self.session.current_state() == SessionState::Running
     }
 
     /// The last frame of which all inputs are known, as of the last tick. Its state is final.

@@ -40,15 +40,25 @@ pub struct NarrowphaseCache {
     /// The axis along which two polyhedra were last found to be farthest apart.
     pub(crate) axis: Axis,
     /// Data of parry, for shapes that parry handles.
-    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) parry: Option<Box<ParryCache>>,
 }
 
 /// Data that parry keeps from one detection to the next.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ParryCache {
     pub manifolds: Vec<ParryManifold>,
+    /// The places of the manifolds by the parts that touch. It is not written: the order of its hash maps differs from process to process.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub workspace: Option<ContactManifoldsWorkspace>,
+    /// The manifolds were read from bytes, so the workspace does not know them.
+    #[cfg_attr(feature = "serde", serde(skip, default = "was_read"))]
+    pub is_read: bool,
+}
+
+#[cfg(feature = "serde")]
+fn was_read() -> bool {
+    true
 }
 
 impl fmt::Debug for NarrowphaseCache {

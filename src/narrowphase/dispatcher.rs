@@ -21,6 +21,8 @@ pub(super) struct Dispatcher<'a> {
     pub graze: f32,
     /// Maximum number of points of a patch.
     pub most: usize,
+    /// Manifolds of the last detection that parry does not know of.
+    pub kept: &'a [ParryManifold],
 }
 
 impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
@@ -92,6 +94,11 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         reach: f32,
         manifold: &mut ParryManifold,
     ) -> Result<(), Unsupported> {
+        let parts = |of: &ParryManifold| [of.subshape1, of.subshape2];
+        let known = parts(manifold);
+        if let Some(kept) = self.kept.iter().find(|kept| parts(kept) == known) {
+            manifold.clone_from(kept);
+        }
         if let [Some(a), Some(b)] = [a.as_capsule(), b.as_capsule()] {
             capsules::touch(place, a, b, reach, manifold);
             return Ok(());

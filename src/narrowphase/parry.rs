@@ -29,6 +29,7 @@ pub(super) fn detect(
     let ParryCache {
         manifolds,
         workspace,
+        is_read,
     } = &mut **cache.parry.get_or_insert_default();
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
         return;
@@ -40,7 +41,12 @@ pub(super) fn detect(
         manifolds.clear();
         *workspace = None;
     }
+    let kept = match std::mem::take(is_read) {
+        true => std::mem::take(manifolds),
+        false => Vec::new(),
+    };
     let dispatcher = Dispatcher {
+        kept: &kept,
         bodies: [a, b],
         graze: rules.stabilization.outer_distance(),
         most: max_points(rules),

@@ -152,6 +152,13 @@ impl<T: Clone, How> Column<T, How> {
         self.of_row(layout, layout.run_of_row(row), row)
     }
 
+    /// The value of a row.
+    pub fn value_of_mut(&mut self, layout: &Layout, row: usize) -> Option<&mut T> {
+        let run = layout.run_of_row(row);
+        let start = *self.starts.get(run)?;
+        (start != NONE).then(|| &mut self.values[start + row - layout.runs[run].start])
+    }
+
     /// Sets the values in the order of the runs that have them, each by its row.
     pub fn fill<E>(
         &mut self,

@@ -5,6 +5,7 @@ use crate::edits;
 use crate::journal::{Entry, Journal};
 use crate::look::Finish;
 use crate::pieces::{Piece, Shape};
+use crate::replay::Timeline;
 use bevy::prelude::*;
 use clap::ValueEnum;
 use drystone::body::MassProperties;
@@ -20,7 +21,11 @@ pub struct GalleryPlugin;
 impl Plugin for GalleryPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Scene>()
-            .add_systems(Update, open.run_if(resource_changed::<Scene>))
+            .add_systems(
+                Update,
+                open.run_if(resource_changed::<Scene>)
+                    .run_if(not(resource_exists::<Timeline>)),
+            )
             .add_systems(FixedUpdate, rope);
     }
 }

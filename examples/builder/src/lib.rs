@@ -11,6 +11,7 @@
 //! | [`tools`] | the tools of the left button: build with snapping, move, lift with a hand, press, remove, throw |
 //! | [`clock`] | pause, slow motion, single steps, the length of a step |
 //! | [`overlays`] | loads, friction, islands and sleep as colours; the load path, previews, the margin of a structure |
+//! | [`replay`] | a recording on a time line |
 //! | [`compare`] | the same scene twice, at 60 and at 10 Hz |
 //! | [`panel`] | buttons, settings, the cost of every stage |
 //! | [`journal`] | events, line by line, for scripts |
@@ -27,6 +28,7 @@ pub mod overlays;
 pub mod panel;
 pub mod pictures;
 pub mod pieces;
+pub mod replay;
 pub mod stage;
 pub mod tools;
 

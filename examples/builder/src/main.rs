@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy::winit::WinitSettings;
 use clap::Parser;
+use drystone::recording::{RecorderSettings, Recording, RecordingPlugin};
 use drystone_builder::BuilderPlugin;
 use drystone_builder::edits::SaveFile;
 use drystone_builder::gallery::Scene;
@@ -10,6 +11,7 @@ use drystone_builder::journal::Journal;
 use drystone_builder::overlays::{Overlays, Paint};
 use drystone_builder::panel::PanelPlugin;
 use drystone_builder::pictures::{FOLDER, Shot, film, shoot};
+use drystone_builder::replay::ReplayPlugin;
 use std::path::PathBuf;
 
 /// Walls, stacks and arches that one builds with the mouse; F1 for help.
@@ -25,6 +27,12 @@ struct Arguments {
     /// Where scenes are saved.
     #[arg(long, default_value = "builder.ron")]
     file: PathBuf,
+    /// Shows a recording of any game on a time line instead of a scene.
+    #[arg(long, value_name = "FILE", conflicts_with = "record")]
+    replay: Option<PathBuf>,
+    /// Records to this file what is built and done.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
     /// Prints events, line by line.
     #[arg(long)]
     journal: bool,
@@ -91,23 +99,34 @@ fn main() -> Result {
             path: named(&format!("{name}.png")),
         });
     }
+    // Before the window opens.
+    let recording = arguments.replay.map(Recording::read).transpose()?;
     let window = Window {
         title: "drystone builder".into(),
         resolution: arguments.size.into(),
         ..default()
     };
-    App::new()
-        .add_plugins(DefaultPlugins.set(WindowPlugin {
-            primary_window: Some(window),
+    let mut app = App::new();
+    app.add_plugins(DefaultPlugins.set(WindowPlugin {
+        primary_window: Some(window),
+        ..default()
+    }))
+    .add_plugins((BuilderPlugin, PanelPlugin))
+    .insert_resource(WinitSettings::continuous())
+    .insert_resource(arguments.scene)
+    .insert_resource(SaveFile(arguments.file))
+    .insert_resource(Journal {
+        on: arguments.journal,
+    });
+    if let Some(recording) = recording {
+        app.add_plugins(ReplayPlugin::new(recording));
+    }
+    if arguments.record.is_some() {
+        app.add_plugins(RecordingPlugin(RecorderSettings {
+            path: arguments.record,
             ..default()
-        }))
-        .add_plugins((BuilderPlugin, PanelPlugin))
-        .insert_resource(WinitSettings::continuous())
-        .insert_resource(arguments.scene)
-        .insert_resource(SaveFile(arguments.file))
-        .insert_resource(Journal {
-            on: arguments.journal,
-        })
-        .run();
+        }));
+    }
+    app.run();
     Ok(())
 }

@@ -6,13 +6,14 @@
 //! | [`VERSION`] of the format, which every change of the state raises | 4 |
 //! | checksum of all that follows | 8 |
 //! | checksum of the values | 8 |
-//! | version of the crate, entities, runs, columns and resources as a [stream], compressed (LZ4) | |
+//! | version of the crate, entities, runs, columns, valid slips and resources as a [stream], compressed (LZ4) | |
 //!
-//! Ids of entities mean nothing elsewhere, so a snapshot from bytes is restored as one of another world. Revisions are new ones. Trees are built
-//! anew from their boxes: no result depends on their shape.
+//! Ids of entities mean nothing elsewhere, so a snapshot from bytes is restored as one of another world. Revisions are new ones. [Slips](slips) that were valid
+//! are so again. Trees are built anew from their boxes: no result depends on their shape.
 
 mod checksum;
 mod earlier;
+mod slips;
 mod stream;
 mod value;
 
@@ -36,6 +37,9 @@ const NAME: &[u8; 8] = b"DRYSTONE";
 
 /// The version of the format.
 const VERSION: u32 = 3;
+
+/// The name of the [slips] in messages.
+const SLIPS: &str = "valid slips";
 
 impl Snapshot {
     /// Writes the snapshot to bytes, for a file or another computer.
@@ -64,6 +68,7 @@ impl Snapshot {
             let earlier = Earlier::new(old.as_ref(), &earlier.layout, &rows);
             column.encode(&self.layout, earlier, &mut to)?;
         }
+        to.put(&self.valid_slips(), Some(&earlier.valid_slips()), SLIPS)?;
         for (kept, old) in self.resources.iter().zip(&earlier.resources) {
             kept.encode(old.as_ref(), &mut to)?;
         }
@@ -137,6 +142,8 @@ impl Snapshot {
             let earlier = Earlier::new(old.as_ref(), &earlier.layout, &rows);
             column.decode(kind, layout, earlier, from)?;
         }
+        let valid: Vec<bool> = from.take(Some(&earlier.valid_slips()), SLIPS)?;
+        snapshot.set_valid_slips(&valid)?;
         for (kept, old) in snapshot.resources.iter_mut().zip(&earlier.resources) {
             kept.decode(old.as_ref(), from)?;
         }

@@ -57,6 +57,39 @@ fn shapes_that_many_bodies_share_go_on_from_bytes() {
     goes_on_from_bytes("hulls", &mut world);
 }
 
+/// Parry keeps which parts touch, and the axes between them.
+#[test]
+fn compounds_children_meshes_and_height_fields_go_on_from_bytes() {
+    let heights = vec![
+        vec![0.0, 0.2, 0.0],
+        vec![0.3, 0.0, 0.1],
+        vec![0.0, 0.1, 0.4],
+    ];
+    let field = Collider::height_field(&heights, Vec3::new(12.0, 1.0, 12.0)).unwrap();
+    let half_space = Collider::half_space(Vec3::Y);
+    for ground in [half_space, scenes::triangles(), field] {
+        for number in [20, 35, 50, 90] {
+            let mut world = scenes::compounds_on(ground.clone());
+            for i in 0..3 {
+                body(
+                    &mut world,
+                    Collider::cuboid(1.0, 0.5, 0.5),
+                    1.2 * i as f32 - 2.0,
+                    2.5,
+                    (),
+                );
+            }
+            steps(&mut world, number);
+            goes_on_from_bytes("compounds", &mut world);
+        }
+    }
+    let (mut world, ..) = bodies_of_parts();
+    for _ in 0..6 {
+        steps(&mut world, 7);
+        goes_on_from_bytes("children", &mut world);
+    }
+}
+
 /// A wall that sleeps, at which a brick is touched, another laid beside it, and another taken.
 #[test]
 fn a_difference_takes_what_has_changed() {

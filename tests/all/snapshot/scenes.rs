@@ -190,14 +190,10 @@ fn bodies_on_a_carrier_with_a_parent() {
     goes_on_again("carrier", &mut world, &act);
 }
 
-#[test]
-fn compounds_and_a_floor_of_triangles() {
+/// Compounds and balls that fall on the body of a ground.
+pub(super) fn compounds_on(ground: Collider) -> World {
     let mut world = empty();
-    let corner = |x: f32, z: f32| Vec3::new(6.0 * x, 0.3 * x * z, 6.0 * z);
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let corners = corners.map(|(x, z)| corner(x, z));
-    let mesh = Collider::trimesh(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]).unwrap();
-    world.spawn((RigidBody::Static, mesh));
+    world.spawn((RigidBody::Static, ground));
     let cube = Collider::cuboid(0.5, 0.5, 0.5);
     let part = |x: f32, y: f32| (Vec3::new(x, y, 0.0), Quat::IDENTITY, cube.clone());
     let angle = Collider::compound(vec![part(0.0, 0.0), part(0.5, 0.0), part(0.0, 0.5)]).unwrap();
@@ -206,6 +202,20 @@ fn compounds_and_a_floor_of_triangles() {
         body(&mut world, angle.clone(), x - 2.0, 1.5, ());
         body(&mut world, Collider::ball(0.3), x - 1.3, 1.5, ());
     }
+    world
+}
+
+/// A floor of two triangles that are not in one plane.
+pub(super) fn triangles() -> Collider {
+    let corner = |x: f32, z: f32| Vec3::new(6.0 * x, 0.3 * x * z, 6.0 * z);
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let corners = corners.map(|(x, z)| corner(x, z));
+    Collider::trimesh(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]).unwrap()
+}
+
+#[test]
+fn compounds_and_a_floor_of_triangles() {
+    let mut world = compounds_on(triangles());
     steps(&mut world, 50);
     goes_on_again("compounds on a mesh", &mut world, NOTHING);
 }

@@ -47,6 +47,15 @@ impl Finish {
         }
     }
 
+    /// The finish whose density is nearest, kg/m³.
+    pub fn of_density(density: f32) -> Self {
+        let distance = |finish: &Self| (finish.density() - density).abs();
+        let nearest = Self::ALL
+            .into_iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.unwrap_or(Self::Brick)
+    }
+
     /// Its tints, in hue (°), saturation and lightness.
     fn tints(self) -> &'static [[f32; 3]] {
         match self {

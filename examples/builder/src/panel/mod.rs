@@ -2,6 +2,7 @@
 
 mod costs;
 mod settings;
+mod timeline;
 
 pub use settings::Physics;
 
@@ -13,6 +14,7 @@ use crate::gallery::Scene;
 use crate::journal::Widgets;
 use crate::overlays::{Falls, Legend, Margins, Overlays, Paint};
 use crate::pieces::palette;
+use crate::replay::Timeline;
 use crate::tools::{Choice, Notice, Strength, Tool, attempt, keys::HELP};
 use bevy::ecs::component::Mutable;
 use bevy::ecs::system::SystemParam;
@@ -34,7 +36,7 @@ impl Plugin for PanelPlugin {
             .add_systems(Update, (settings::apply, costs::follow))
             .add_systems(
                 EguiPrimaryContextPass,
-                (side, costs::window, banner, help).chain(),
+                (side, timeline::window, costs::window, banner, help).chain(),
             );
     }
 }
@@ -63,6 +65,7 @@ struct Known<'w, 's> {
     legend: Res<'w, Legend>,
     comparison: Res<'w, Comparison>,
     supports: Supports<'w, 's>,
+    timeline: Option<Res<'w, Timeline>>,
     bodies: Query<'w, 's, (&'static Load, &'static MassProperties, &'static Sleeping)>,
     costs: Res<'w, costs::Costs>,
 }
@@ -93,6 +96,11 @@ fn side(mut contexts: EguiContexts, mut commands: Commands, mut set: Set, known:
     let panel = egui::Panel::left("side").exact_size(236.0).resizable(false);
     let panel = panel.show(&mut whole, |ui| {
         egui::ScrollArea::vertical().show(ui, |ui| {
+            // Whoever changes a world that is replayed sees something that was not recorded.
+            if known.timeline.is_some() {
+                overlays(ui, &mut set, &known);
+                return;
+            }
             scenes(ui, &mut set);
             tools(ui, &mut set);
             history(ui, &mut commands, &known.log);
@@ -332,6 +340,7 @@ fn banner(
     mut collapses: MessageReader<Collapse>,
     mut told: Local<Option<(String, f32)>>,
     (notice, time): (Res<Notice>, Res<Time<Real>>),
+    timeline: Option<Res<Timeline>>,
     poses: Query<&Pose>,
 ) -> Result {
     let now = time.elapsed_secs();
@@ -355,10 +364,15 @@ fn banner(
     };
     let texts: Vec<String> = [&*told, &notice.0].into_iter().filter_map(fresh).collect();
     if !texts.is_empty() {
+        let above = if timeline.is_some() {
+            timeline::HEIGHT
+        } else {
+            0.0
+        };
         egui::Window::new("banner")
             .title_bar(false)
             .resizable(false)
-            .anchor(egui::Align2::CENTER_BOTTOM, [110.0, -16.0])
+            .anchor(egui::Align2::CENTER_BOTTOM, [110.0, -16.0 - above])
             .show(contexts.ctx_mut()?, |ui| {
                 for text in texts {
                     ui.strong(text);

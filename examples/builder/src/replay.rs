@@ -23,8 +23,10 @@ impl ReplayPlugin {
 
 impl Plugin for ReplayPlugin {
     fn build(&self, app: &mut App) {
+        // Steps are taken by the replay, and by nothing else, in the first frame too.
+        let mut time = app.world_mut().get_resource_or_init::<Time<Virtual>>();
+        time.pause();
         app.insert_resource(Timeline::new(self.0))
-            // Steps are taken by the replay, and by nothing else.
             .insert_resource(Clock {
                 paused: true,
                 ..default()

@@ -130,8 +130,14 @@ impl<T, How> Column<T, How> {
 
     /// The value of a row of a run.
     fn of_row(&self, layout: &Layout, run: usize, row: usize) -> Option<&T> {
+        let index = self.index_of(layout, run, row)?;
+        Some(&self.values[index])
+    }
+
+    /// The place of the value of a row of a run.
+    fn index_of(&self, layout: &Layout, run: usize, row: usize) -> Option<usize> {
         let start = *self.starts.get(run)?;
-        (start != NONE).then(|| &self.values[start + row - layout.runs[run].start])
+        (start != NONE).then(|| start + row - layout.runs[run].start)
     }
 }
 
@@ -152,11 +158,10 @@ impl<T: Clone, How> Column<T, How> {
         self.of_row(layout, layout.run_of_row(row), row)
     }
 
-    /// The value of a row.
+    /// The value of a row, to be changed.
     pub fn value_of_mut(&mut self, layout: &Layout, row: usize) -> Option<&mut T> {
-        let run = layout.run_of_row(row);
-        let start = *self.starts.get(run)?;
-        (start != NONE).then(|| &mut self.values[start + row - layout.runs[run].start])
+        let index = self.index_of(layout, layout.run_of_row(row), row)?;
+        Some(&mut self.values[index])
     }
 
     /// Sets the values in the order of the runs that have them, each by its row.

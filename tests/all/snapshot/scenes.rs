@@ -190,7 +190,7 @@ fn bodies_on_a_carrier_with_a_parent() {
     goes_on_again("carrier", &mut world, &act);
 }
 
-/// Compounds and balls that fall on the body of a ground.
+/// Compounds and balls that fall on a static body.
 pub(super) fn compounds_on(ground: Collider) -> World {
     let mut world = empty();
     world.spawn((RigidBody::Static, ground));

@@ -94,8 +94,17 @@ pub struct MassProperties {
 
 /// Hook of the components that mass properties depend on: recomputes them on insertion. The stage *prepare* validates the input.
 pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
-    if let Some(body) = children::body_of(&world, context.entity) {
-        weigh_body(&mut world, body);
+    weigh_above(&mut world, context.entity);
+}
+
+/// Recomputes the mass properties of the body that an entity is, or that it is a part of. A part may leave its body before the next step has seen it
+/// there, so that step weighs the body once more.
+pub(crate) fn weigh_above(world: &mut DeferredWorld, entity: Entity) {
+    if let Some(body) = children::body_of(world, entity) {
+        weigh_body(world, body);
+        if body != entity {
+            children::mark(world, body);
+        }
     }
 }
 

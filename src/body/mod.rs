@@ -55,7 +55,7 @@ pub(crate) use kept_property::KeptProperty;
 pub(crate) use listed::{copy_description, properties_of, register, visit};
 pub use locked_axes::LockedAxes;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
-pub(crate) use mass::{weigh, weigh_body};
+pub(crate) use mass::{weigh, weigh_above, weigh_body};
 pub use max_speed::{MaxAngularSpeed, MaxLinearSpeed};
 pub use motion::Motion;
 pub use pending::{Pending, refresh};

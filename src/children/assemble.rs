@@ -4,13 +4,14 @@ use super::carry::carry;
 use super::compound::{CompoundCollider, is_separate};
 use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
 use super::implicit::{ImplicitBody, make_body, take_body};
-use crate::body::{Density, Mass, RigidBody, look};
+use crate::body::{Density, Mass, RigidBody, look, weigh_body};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 use bevy_transform::components::Transform;
 use glam::Vec3;
 
@@ -197,11 +198,14 @@ fn rebuild(world: &mut World, body: Entity) {
             disown(world, body, &[]);
             world.entity_mut(body).remove::<CompoundCollider>();
         }
+        // A part that was here only between two steps has been weighed with it.
+        weigh_body(&mut DeferredWorld::from(world), body);
         return;
     };
     let compound = world.get::<CompoundCollider>(body);
     if compound.is_some_and(|known| known.kind == kind && *known.sources == *parts) {
         own(world, body, kind, &parts);
+        weigh_body(&mut DeferredWorld::from(world), body);
         return;
     }
     disown(world, body, &parts);

@@ -4,7 +4,7 @@ use super::assemble::Unassembled;
 use super::compound::CompoundCollider;
 use super::gather::{ColliderOf, scale_of};
 use super::implicit::ImplicitBody;
-use crate::body::{RigidBody, weigh, weigh_body};
+use crate::body::{RigidBody, weigh, weigh_above, weigh_body};
 use crate::collider::Collider;
 use crate::sensor::Sensor;
 use bevy_ecs::entity_disabling::Disabled;
@@ -67,9 +67,7 @@ pub(crate) fn lost_kind(mut world: DeferredWorld, context: HookContext) {
 /// Hook of [`Sensor`].
 pub(crate) fn sensor_changed(mut world: DeferredWorld, context: HookContext) {
     mark(&mut world, context.entity);
-    if let Some(body) = super::body_of(&world, context.entity) {
-        weigh_body(&mut world, body);
-    }
+    weigh_above(&mut world, context.entity);
 }
 
 /// Whether there may be colliders at or below an entity.
@@ -86,7 +84,9 @@ pub(crate) fn child_joined(joined: On<Insert<ChildOf>>, mut world: DeferredWorld
             // A first child is added to its parent's list only by a command.
             world.commands().queue(move |world: &mut World| {
                 if world.get::<RigidBody>(body).is_some() {
-                    weigh_body(&mut DeferredWorld::from(world), body);
+                    let mut world = DeferredWorld::from(world);
+                    weigh_body(&mut world, body);
+                    mark(&mut world, body);
                 }
             });
         }

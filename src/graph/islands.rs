@@ -23,7 +23,6 @@ use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use bevy_reflect::Reflect;
-use fixedbitset::FixedBitSet;
 use std::fmt;
 
 /// The island, the structure and the level of support of each body: views of the [`ConstraintGraph`].
@@ -51,9 +50,8 @@ pub struct Islands {
     pub(super) parted: Vec<u32>,
     /// Slots of bodies whose kind has changed, so that others may rest on them no longer.
     pub(super) changed_kind: Vec<u32>,
-    /// Sleeping bodies that get static loads in this step, by slot: those that were added, and those connected with them.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::bits"))]
-    pub(super) loading: FixedBitSet,
+    /// Slots of the sleeping bodies that get static loads in this step, in order: those that were added, and those connected with them.
+    pub(super) loading: Vec<u32>,
     /// By island: its bodies are among those. Empty if there is no such island.
     arriving: Vec<bool>,
     /// Sleeping bodies that awake bodies touch.
@@ -97,7 +95,7 @@ impl Default for Islands {
             deactivation: Deactivation::default(),
             parted: Vec::new(),
             changed_kind: Vec::new(),
-            loading: FixedBitSet::new(),
+            loading: Vec::new(),
             arriving: Vec::new(),
             boundary: Vec::new(),
             sleepers: 0,
@@ -637,14 +635,20 @@ impl Islands {
     /// Finds the islands of sleeping bodies that get static loads.
     fn find_arriving(&mut self) {
         self.arriving.clear();
-        if self.loading.is_clear() {
+        if self.loading.is_empty() {
             return;
         }
         let islands = self.partition.numbered().iter();
         let first = islands.map(|&island| self.partition.members(island)[0]);
         self.arriving
-            .extend(first.map(|slot| self.loading.contains(slot as usize)));
+            .extend(first.map(|slot| is_among(&self.loading, slot)));
     }
+}
+
+/// Whether a slot is among others that are in order.
+#[inline]
+pub(super) fn is_among(slots: &[u32], slot: u32) -> bool {
+    slots.binary_search(&slot).is_ok()
 }
 
 /// A body as islands see it. `solved` says whether it is in an island.
@@ -660,8 +664,8 @@ fn known(body: &BodyState, solved: bool) -> Known {
 
 /// An active body as islands see it, where these sleeping bodies get static loads.
 #[inline]
-fn member((slot, body): (u32, &BodyState), loading: &FixedBitSet) -> Member {
-    let solved = body.is_awake() || body.is_dynamic() && loading.contains(slot as usize);
+fn member((slot, body): (u32, &BodyState), loading: &[u32]) -> Member {
+    let solved = body.is_awake() || body.is_dynamic() && is_among(loading, slot);
     Member {
         slot,
         body: known(body, solved),

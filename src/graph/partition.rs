@@ -17,6 +17,7 @@ use super::edges::ConstraintGraph;
 use crate::revision::Revision;
 use crate::state::clone_fields;
 use std::collections::VecDeque;
+use std::fmt;
 
 /// The place of a body in the partition.
 #[derive(Clone, Copy, Debug)]
@@ -339,16 +340,22 @@ impl Partition {
     }
 }
 
-/// Several searches through the links of an island that run in turns.
-#[derive(Clone, Debug, Default)]
+/// Several searches through the links of an island that run in turns. Scratch.
+#[derive(Clone, Default)]
 struct Search {
     /// By slot: 1 + the search that has found the body; 0 if none has.
     found_by: Vec<u32>,
     searches: Vec<Front>,
 }
 
+impl fmt::Debug for Search {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Search").finish_non_exhaustive()
+    }
+}
+
 /// One search.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 struct Front {
     /// The search that this one was merged into after they met; itself if none.
     is: u32,

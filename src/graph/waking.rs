@@ -10,7 +10,7 @@
 use super::ConstraintGraph;
 use super::account::Wrench;
 use super::edges::EdgeKind;
-use super::islands::Islands;
+use super::islands::{Islands, is_among};
 use super::need::Need;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, Sleeping, Velocity};
@@ -182,19 +182,20 @@ impl Islands {
                     |body: &BodyState| arrives(body) && !restored.contains_key(&body.entity);
                 wakes.extend(slots.filter(|&slot| table.get(slot).is_some_and(is_new)));
             } else {
-                self.loading.grow(table.slots());
-                slots.for_each(|slot| self.loading.insert(slot as usize));
+                self.loading.extend(slots);
             }
         }
-        for slot in self.loading.ones() {
-            table.mark_dirty(slot as u32);
+        self.loading.sort_unstable();
+        self.loading.dedup();
+        for &slot in &self.loading {
+            table.mark_dirty(slot);
         }
         self.wake(table, wakes, sleepers);
     }
 
     /// Finds the bodies that may become inactive: sleeping bodies, and static and kinematic bodies that do not move.
     pub(super) fn find_deactivation(&mut self, table: &BodyTable) {
-        let is_loaded = |slot: u32| self.loading.contains(slot as usize);
+        let is_loaded = |slot: u32| is_among(&self.loading, slot);
         let rest = table.active();
         let rest = rest.filter(|&(slot, body)| body.may_rest() && !is_loaded(slot));
         let rest = rest.map(|(slot, body)| (slot, body.entity));

@@ -202,8 +202,7 @@ impl State {
         let observer = Observer::new(note_removed).with_components(watch.removable());
         let observer = world.spawn(observer).id();
         let hasher = Hasher::new(world);
-        // After this tick, all that is written was written by users.
-        watch.since = world.increment_change_tick();
+        watch.begin_outside(world);
         Ok(Self {
             out,
             watch,
@@ -269,7 +268,7 @@ impl State {
         })?;
         self.in_step = false;
         self.since_key_frame += 1;
-        self.watch.since = world.increment_change_tick();
+        self.watch.begin_outside(world);
         self.out.end_step()
     }
 

@@ -32,6 +32,9 @@ pub(super) trait AnyResource: Send + Sync {
     /// Whether hooks note in it what users have changed. It is recorded with every change, because the hooks of a replay may have noted something else.
     fn is_of_hooks(&self) -> bool;
 
+    /// A step has ended, or the recording begins: what is noted from here on comes from outside.
+    fn begin_outside(&mut self, _: &World) {}
+
     /// Appends the value to bytes.
     fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError>;
 
@@ -64,8 +67,7 @@ impl<T: Resource + Component<Mutability = Mutable> + Stored> AnyResource for Kep
     }
 
     fn is_of_hooks(&self) -> bool {
-        let of_hooks = [TypeId::of::<JointChanges>(), TypeId::of::<Unassembled>()];
-        of_hooks.contains(&TypeId::of::<T>())
+        TypeId::of::<T>() == TypeId::of::<Unassembled>()
     }
 
     fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
@@ -124,6 +126,71 @@ impl Value for Noted {
     }
 }
 
+/// Of the changes of joints, those that hooks have noted since the last step ended. Those before them are of stages. A replay has them too, and they may
+/// name bonds of mortar that were spawned and despawned by stages, of which the recording knows nothing.
+#[derive(Default)]
+struct Changes {
+    of_stages: ChangeCounts,
+}
+
+/// How many joints were written, and how many have lost their edge.
+type ChangeCounts = (usize, usize);
+
+/// The number of changes that stages have noted, and those that came after them.
+#[derive(Debug)]
+struct LaterChanges(ChangeCounts, JointChanges);
+
+impl AnyResource for Changes {
+    fn register(&self, world: &mut World) -> ComponentId {
+        world.register_component::<JointChanges>()
+    }
+
+    fn is_of_stages(&self) -> bool {
+        false
+    }
+
+    fn is_of_hooks(&self) -> bool {
+        true
+    }
+
+    fn begin_outside(&mut self, world: &World) {
+        let changes = world.get_resource::<JointChanges>();
+        let counts = changes.map(|changes| (changes.written.len(), changes.lost.len()));
+        self.of_stages = counts.unwrap_or_default();
+    }
+
+    fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
+        let changes = world.get_resource::<JointChanges>();
+        let name = std::any::type_name::<JointChanges>();
+        let changes = changes.ok_or(SnapshotError::MissingPlugin(name))?;
+        let (written, lost) = self.of_stages;
+        let written = changes.written.get(written..).unwrap_or_default();
+        let lost = changes.lost.get(lost..).unwrap_or_default();
+        write(&(self.of_stages, written, lost), name, out)
+    }
+
+    fn read(&self, from: &mut &[u8]) -> Result<Box<dyn Value>, SnapshotError> {
+        let (of_stages, written, lost) = read(from)?;
+        Ok(Box::new(LaterChanges(
+            of_stages,
+            JointChanges { written, lost },
+        )))
+    }
+}
+
+impl Value for LaterChanges {
+    fn put(&self, world: &mut World, to: &mut Renaming) {
+        let Self((written, lost), later) = self;
+        let mut later = later.clone();
+        later.map_entities(to);
+        let mut changes = world.resource_mut::<JointChanges>();
+        changes.written.truncate(*written);
+        changes.written.append(&mut later.written);
+        changes.lost.truncate(*lost);
+        changes.lost.append(&mut later.lost);
+    }
+}
+
 /// All resources on the list that may be written between two steps, in its order.
 pub(super) fn all() -> Vec<Box<dyn AnyResource>> {
     let mut list = List(Vec::new());
@@ -153,6 +220,8 @@ impl Visitor for List {
         let id = TypeId::of::<T>();
         if id == TypeId::of::<BodyTable>() {
             self.0.push(Box::new(Table));
+        } else if id == TypeId::of::<JointChanges>() {
+            self.0.push(Box::<Changes>::default());
         } else if !of_events.contains(&id) {
             self.0.push(Box::new(Kept::<T>(PhantomData)));
         }

@@ -132,6 +132,14 @@ impl Watch {
         self.removed.clear();
     }
 
+    /// A step has ended, or the recording begins: what is written from here on comes from outside.
+    pub fn begin_outside(&mut self, world: &mut World) {
+        for resource in &mut self.resources {
+            resource.begin_outside(world);
+        }
+        self.since = world.increment_change_tick();
+    }
+
     fn is_own(&self, entity: EntityRef) -> bool {
         let mut kinds = self.kinds.iter().zip(&self.ids);
         kinds.any(|(kind, &id)| !kind.is_shared() && !kind.is_of_pair() && entity.contains_id(id))

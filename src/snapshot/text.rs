@@ -60,7 +60,8 @@ impl Tree {
 
     /// The way to the first field that differs, and the two values.
     pub fn first_difference(&self, other: &Self) -> Option<(String, [Option<String>; 2])> {
-        if self == other {
+        // What counts of a kept revision is whether it is that of the source now. A missing one is not, and neither is an old one.
+        if self == other || self.is_optional_revision() || other.is_optional_revision() {
             return None;
         }
         if self.head != other.head || self.fields.len() != other.fields.len() {
@@ -77,6 +78,10 @@ impl Tree {
             (name, _) => format!(".{name}"),
         };
         Some((format!("{step}{way}"), values))
+    }
+
+    fn is_optional_revision(&self) -> bool {
+        self.head == "Some(" && self.fields.iter().all(|of| UNIQUE.contains(&&*of.head))
     }
 
     fn short(&self) -> String {

@@ -77,24 +77,6 @@ pub(crate) mod boxes {
     }
 }
 
-/// A set of small numbers.
-pub(crate) mod bits {
-    use fixedbitset::FixedBitSet;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer>(set: &FixedBitSet, to: S) -> Result<S::Ok, S::Error> {
-        // Compact formats need the length in advance.
-        let ones: Vec<u32> = set.ones().map(|one| one as u32).collect();
-        ones.serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<FixedBitSet, D::Error> {
-        let ones = Vec::<u32>::deserialize(from)?;
-        super::check_slots(ones.iter().copied())?;
-        Ok(ones.into_iter().map(|one| one as usize).collect())
-    }
-}
-
 /// A pose of parry.
 pub(crate) mod parry_pose {
     use glam::{Quat, Vec3};

@@ -697,3 +697,42 @@ fn previews_have_the_parts() {
     let height = end.expect("it falls").to.position.y;
     assert!((height - 0.75).abs() < 5e-3, "{height}");
 }
+
+/// Takes a new part from its body before a step has seen it there.
+type Leave = fn(EntityWorldMut);
+
+/// A part is weighed with its body as soon as it is inserted. If it leaves the body again before the next step, it takes its mass with it.
+#[test]
+fn a_part_that_leaves_before_the_next_step_takes_its_mass_with_it() {
+    let ways: [(&str, Leave); 7] = [
+        ("becomes static", |mut part| {
+            _ = part.insert(RigidBody::Static)
+        }),
+        ("becomes dynamic", |mut part| {
+            _ = part.insert(RigidBody::Dynamic)
+        }),
+        ("is despawned", |part| part.despawn()),
+        ("leaves", |mut part| _ = part.remove::<ChildOf>()),
+        ("loses its shape", |mut part| _ = part.remove::<Collider>()),
+        ("is disabled", |mut part| _ = part.insert(Disabled)),
+        ("becomes a sensor", |mut part| _ = part.insert(Sensor)),
+    ];
+    for (way, leave) in ways {
+        for has_others in [false, true] {
+            let mut lab = Lab::new();
+            lab.ground();
+            let body = lab.body(Collider::cuboid(1.0, 0.5, 0.5), Vec3::Y);
+            let arm = (Vec3::new(0.5, 0.5, 0.0), Collider::ball(0.2));
+            if has_others {
+                spawn_parts(&mut lab, body, std::slice::from_ref(&arm));
+            }
+            lab.run(0.1);
+            let before = lab.mass(body);
+            let part = spawn_parts(&mut lab, body, &[(Vec3::X, arm.1)])[0];
+            assert_ne!(lab.mass(body), before, "{way}");
+            leave(lab.world.entity_mut(part));
+            lab.step();
+            assert!(close(lab.mass(body), before), "{way}, {has_others}");
+        }
+    }
+}

@@ -290,3 +290,28 @@ fn what_is_drawn_between_steps_does_not_count() {
     );
     replays("drawn", &recorded);
 }
+
+/// Stages spawn a bond, break it and despawn it, so the recording does not know it when something is changed in the step after.
+#[test]
+fn a_body_is_pushed_after_a_bond_has_broken() {
+    let mut world = floor();
+    brick(&mut world, 0.0, 0.25);
+    let shape = || Collider::cuboid(1.0, 0.5, 0.5);
+    let upper = body(&mut world, shape(), 0.0, 0.75, Mortar::new(1.0e3, 1.0e3));
+    let aside = brick(&mut world, 5.0, 0.25);
+    let (mut was_bonded, mut pushed) = (false, None);
+    let recorded = record(world, 90, |world, step| {
+        let is_bonded = world.query::<&MortarJoint>().iter(world).count() > 0;
+        if step == 20 {
+            // The lower brick falls asleep while the upper one flies.
+            world.get_mut::<Velocity>(upper).unwrap().linear.y = 6.0;
+        }
+        if was_bonded && !is_bonded {
+            world.get_mut::<Velocity>(aside).unwrap().linear.x = 0.1;
+            pushed = Some(step);
+        }
+        was_bonded = is_bonded;
+    });
+    assert_eq!(changes(&recorded), [20, pushed.unwrap()]);
+    replays("a broken bond", &recorded);
+}

@@ -8,14 +8,17 @@ use drystone::solver::{Pgs, PointSolver};
 /// Writes a snapshot of a world, reads it into another world, and takes steps in both.
 #[track_caller]
 fn goes_on_from_bytes(name: &str, world: &mut World) {
-    let bytes = Snapshot::take(world).to_bytes().unwrap();
+    let taken = Snapshot::take(world);
+    let bytes = taken.to_bytes().unwrap();
     let read = Snapshot::from_bytes(&bytes).unwrap();
     assert!(read.to_bytes().unwrap() == bytes, "{name}");
     let mut other = floor();
     steps(&mut other, 3);
     let map = read.restore(&mut other).unwrap();
     let now = Snapshot::take(&other);
-    assert_eq!(read.first_difference(&now, &map), None, "{name}");
+    for before in [taken, read] {
+        assert_eq!(before.first_difference(&now, &map), None, "{name}");
+    }
     let first = go_on(world, NOTHING, &|entity| entity);
     let again = go_on(&mut other, NOTHING, &|entity| map[&entity]);
     assert_same(name, &first, &again);

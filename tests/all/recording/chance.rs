@@ -155,7 +155,6 @@ fn whatever_is_changed_replays() {
 }
 
 #[test]
-#[ignore = "seed 9 differs in step 66; its state before that restores to the same bits, also from bytes, so the cause is in the edits"]
 fn whatever_is_changed_replays_contacts_too() {
     changes_replay(true);
 }

@@ -105,11 +105,11 @@ pub(crate) fn child_disabled(disabled: On<Insert<Disabled>>, mut world: Deferred
     mark_if_part(&mut world, disabled.entity);
 }
 
-/// Observer: an entity was enabled again.
+/// Observer: an entity was enabled again. What was written while it was disabled has not been noticed.
 pub(crate) fn child_enabled(enabled: On<Remove<Disabled>>, mut world: DeferredWorld) {
-    if world.get::<Collider>(enabled.entity).is_some()
-        && world.get::<RigidBody>(enabled.entity).is_none()
-    {
+    let entity = world.entity(enabled.entity);
+    let is_part = entity.contains::<Collider>() && !entity.contains::<RigidBody>();
+    if is_part || entity.contains::<CompoundCollider>() {
         mark(&mut world, enabled.entity);
     }
 }

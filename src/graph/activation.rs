@@ -29,6 +29,10 @@ pub(super) fn deactivate(world: &mut World, Deactivation { bodies, pairs }: Deac
     let mut table = world.resource_mut::<BodyTable>();
     for &(slot, _) in &bodies {
         table.set_inactive(slot, true);
+        // A static body may have been disturbed in this step, which wakes nothing.
+        if let Some(body) = table.get_mut(slot) {
+            body.disturbed = false;
+        }
     }
     let marked = bodies.iter().map(|&(_, body)| (body, Inactive::new()));
     let marked: Vec<_> = marked.collect();

@@ -736,3 +736,25 @@ fn a_part_that_leaves_before_the_next_step_takes_its_mass_with_it() {
         }
     }
 }
+
+/// Change ticks do not tell of what is written while a body is disabled.
+#[test]
+fn the_shape_of_a_composite_body_changes_while_it_is_disabled() {
+    let mut lab = Lab::new();
+    let arm = || (Vec3::new(0.5, 0.5, 0.0), Collider::ball(0.2));
+    let [written, made] = [(); 2].map(|()| {
+        let body = lab.body(Collider::cuboid(1.0, 0.5, 0.5), Vec3::Y);
+        spawn_parts(&mut lab, body, &[arm()]);
+        body
+    });
+    let other = || Collider::cuboid(0.4, 0.6, 0.5);
+    lab.world.entity_mut(made).insert(other());
+    lab.run(0.1);
+    lab.world.entity_mut(written).insert(Disabled);
+    lab.run(0.1);
+    *lab.world.get_mut::<Collider>(written).unwrap() = other();
+    lab.run(0.1);
+    lab.world.entity_mut(written).remove::<Disabled>();
+    lab.step();
+    assert!(close(lab.mass(written), lab.mass(made)));
+}

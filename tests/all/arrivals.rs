@@ -1,9 +1,10 @@
 //! Bodies that are spawned asleep by the thousand are as those that are spawned asleep one by one.
 
 use crate::streaming::{asleep_and_awake_alike, sleeps};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::Inactive;
+use drystone::body::{BodyIndex, Inactive};
 use drystone::masonry::{Arch, Block, Bond, Dome, Pyramid, Wall};
 use drystone::prelude::*;
 use drystone::settings::PhysicsThreads;
@@ -271,4 +272,30 @@ fn without_plugins_they_are_spawned_asleep() {
             .iter()
             .all(|&body| world.get::<Inactive>(body).is_none())
     );
+}
+
+/// A disabled body is no part of the simulation. It must not stay inactive when it is enabled.
+#[test]
+fn bodies_that_are_disabled_before_they_arrive_come_when_they_are_enabled() {
+    let mut lab = ground();
+    let cube = |y: f32| {
+        let cube = Collider::cuboid(1.0, 1.0, 1.0);
+        (RigidBody::Dynamic, cube, Transform::from_xyz(0.0, y, 0.0))
+    };
+    let spawned = spawn_asleep(&mut lab.world, [0.5, 1.5, 2.5, 3.5].map(cube));
+    lab.world.entity_mut(spawned[2]).insert(Disabled);
+    lab.world.entity_mut(spawned[3]).insert(RigidBodyDisabled);
+    lab.run(0.1);
+    lab.world.entity_mut(spawned[2]).remove::<Disabled>();
+    lab.world
+        .entity_mut(spawned[3])
+        .remove::<RigidBodyDisabled>();
+    lab.step();
+    for &body in &spawned[2..] {
+        assert!(!lab.world.entity(body).contains::<Inactive>(), "{body}");
+        assert_ne!(*lab.world.get::<BodyIndex>(body).unwrap(), BodyIndex::NONE);
+    }
+    lab.run(2.0);
+    assert!(lab.world.get::<Sleeping>(spawned[3]).unwrap().asleep);
+    assert_eq!(lab.position(spawned[3]).y, 3.5);
 }

@@ -6,6 +6,7 @@ use bevy_ecs::hierarchy::ChildOf;
 use bevy_transform::components::Transform;
 use drystone::streaming;
 use fastrand::Rng;
+use std::ops::Range;
 
 const SEEDS: u64 = 24;
 
@@ -151,16 +152,24 @@ fn act_on(
 
 #[test]
 fn whatever_is_changed_replays() {
-    changes_replay(false);
+    changes_replay(0..SEEDS, false);
 }
 
 #[test]
 fn whatever_is_changed_replays_contacts_too() {
-    changes_replay(true);
+    changes_replay(0..SEEDS, true);
 }
 
-fn changes_replay(contacts: bool) {
-    for seed in 0..SEEDS {
+#[test]
+#[ignore = "long; of 1 000 seeds one differs, 548 in step 45: the cause is not known"]
+fn whatever_is_changed_a_thousand_times_replays() {
+    for contacts in [true, false] {
+        changes_replay(SEEDS..1_000, contacts);
+    }
+}
+
+fn changes_replay(seeds: Range<u64>, contacts: bool) {
+    for seed in seeds {
         let mut rng = Rng::with_seed(seed);
         let mut world = floor();
         let mut all: Vec<Entity> = (0..12).map(|_| spawn(&mut world, &mut rng)).collect();

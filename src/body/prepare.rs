@@ -162,7 +162,7 @@ pub(crate) fn add_asleep(
     let (mut slots, mut others) = (Vec::with_capacity(list.len()), Vec::new());
     for &entity in list {
         let Ok((moving, description)) = bodies.get_mut(entity) else {
-            // It was disabled. It would be inactive when it is enabled.
+            // A disabled body must lose the marker `Inactive`, or it would still have it when it is enabled.
             others.push(entity);
             continue;
         };

@@ -54,7 +54,7 @@
 //!
 //! - *Code*: [hooks of contacts](crate::contact::ContactHooks), solvers of your own, systems that you put between the stages, and observers that run within a
 //!   step, such as one of `Insert<Quarantined>`. A replay needs a world that has them. A world with a solver of your own cannot be recorded.
-//! - [Contacts](crate::contact) that you write between two steps. That you despawn one is recorded.
+//! - Values of [contacts](crate::contact) that you write between two steps.
 //! - That a hull or mesh was replaced by an equal one that was built anew: a replay takes it for the same, and does not wake the body.
 //!
 //! # Comparing

@@ -126,8 +126,8 @@ impl Value for Noted {
     }
 }
 
-/// Of the changes of joints, those that hooks have noted since the last step ended. Those before them are of stages. A replay has them too, and they may
-/// name bonds of mortar that were spawned and despawned by stages, of which the recording knows nothing.
+/// The changes of joints that hooks have noted since the last step ended. Earlier ones were noted by stages, so a replay has them already. They may name
+/// bonds of mortar that stages have spawned and despawned, and the recording does not know those entities.
 #[derive(Default)]
 struct Changes {
     of_stages: ChangeCounts,

@@ -60,7 +60,7 @@ impl Tree {
 
     /// The way to the first field that differs, and the two values.
     pub fn first_difference(&self, other: &Self) -> Option<(String, [Option<String>; 2])> {
-        // What counts of a kept revision is whether it is that of the source now. A missing one is not, and neither is an old one.
+        // Revisions are not compared, so a missing one is the same as an outdated one.
         if self == other || self.is_optional_revision() || other.is_optional_revision() {
             return None;
         }

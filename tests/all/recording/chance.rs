@@ -161,7 +161,7 @@ fn whatever_is_changed_replays_contacts_too() {
 }
 
 #[test]
-#[ignore = "long; of 1 000 seeds one differs, 548 in step 45: the cause is not known"]
+#[ignore = "long; without changes of contacts seed 548 differs in step 45, and the cause is not known; later seeds were not tried"]
 fn whatever_is_changed_a_thousand_times_replays() {
     for contacts in [true, false] {
         changes_replay(SEEDS..1_000, contacts);

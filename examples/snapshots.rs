@@ -1,7 +1,8 @@
 //! What snapshots cost: to take, to restore, and to go back eight frames as a client does that predicts; and their size as bytes.
 //!
-//! `cargo run --release -p drystone-tests --example snapshots`
+//! `cargo run --release -p drystone-tests --example snapshots -- [--threads 1]`
 
+use clap::Parser;
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone::snapshot::Snapshot;
 use drystone_lab::experiment::{Experiment, Run};
@@ -21,7 +22,16 @@ const TIMES: usize = 31;
 /// Frames that are taken back and simulated again.
 const FRAMES: usize = 8;
 
+/// Measures snapshots.
+#[derive(Parser)]
+struct Arguments {
+    /// Threads.
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+}
+
 fn main() {
+    let arguments = Arguments::parse();
     println!(
         "| scene | bodies | a step, ms | take, ms | take into an old one, ms | restore the last step, ms | restore {FRAMES} steps and take them again, ms | bytes a body | of the difference a step makes | written, ms |\n|---|---|---|---|---|---|---|---|---|---|"
     );
@@ -29,7 +39,7 @@ fn main() {
         let scene: Scene = name.parse().expect("the name of a scene");
         let mut experiment = Experiment::new(scene, Preset::Default);
         experiment.sleeping.enabled = sleeping;
-        experiment.threads = PhysicsThreads::new(1).expect("one is to be had");
+        experiment.threads = PhysicsThreads::new(arguments.threads).expect("they are to be had");
         let mut run = experiment.start();
         for _ in 0..steps {
             run.step();

@@ -38,6 +38,7 @@ mod prepare;
 mod quarantine;
 mod rows;
 mod sleeping;
+mod slot_list;
 mod slot_set;
 mod solver_effort;
 mod spawn_order;
@@ -66,8 +67,9 @@ pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
 pub use quarantine::any_suspects;
 pub use quarantine::{Quarantined, lift, quarantine};
-pub(crate) use rows::look;
+pub(crate) use rows::{look, newer_than};
 pub use sleeping::Sleeping;
+pub(crate) use slot_list::{cover, make_room};
 pub use solver_effort::SolverEffort;
 pub use spawn_order::SpawnOrder;
 #[cfg(feature = "serde")]

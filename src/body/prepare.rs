@@ -160,6 +160,7 @@ pub(crate) fn add_asleep(
     (rules, mut bodies, placed): <NewBodies as SystemParam>::Item<'_, '_>,
 ) -> (Vec<u32>, Vec<Entity>) {
     let (mut slots, mut others) = (Vec::with_capacity(list.len()), Vec::new());
+    table.reserve(list.len());
     for &entity in list {
         let Ok((moving, description)) = bodies.get_mut(entity) else {
             // A disabled body must lose the marker `Inactive`, or it would still have it when it is enabled.

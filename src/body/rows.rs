@@ -1,7 +1,7 @@
 //! The search for rows that were written in the columns of a table of the ECS.
 
 use super::{BodyIndex, BodyState, BodyTable};
-use bevy_ecs::change_detection::{ContiguousRef, Tick};
+use bevy_ecs::change_detection::{ContiguousRef, MAX_CHANGE_AGE, Tick};
 use bevy_ecs::entity::Entity;
 
 /// The bodies of one table of the ECS.
@@ -37,6 +37,16 @@ impl Rows<'_> {
     }
 }
 
+/// Whether a tick is newer than the last run of a system: [`Tick::is_newer_than`] with half of its work for each tick. In a world at rest these comparisons
+/// are most of a step, because every body has a `Transform` whose tick is looked at.
+#[inline]
+pub(crate) fn newer_than(last: Tick, this: Tick) -> impl Fn(Tick) -> bool + Copy {
+    let this = this.get();
+    // Both ages count up to this maximum. The other one need not be clamped to be compared with this one.
+    let since = this.wrapping_sub(last.get()).min(MAX_CHANGE_AGE);
+    move |tick| this.wrapping_sub(tick.get()) < since
+}
+
 /// Calls `written` with the index and the value of each row of a column that has been written.
 pub(crate) fn look<T>(
     column: ContiguousRef<T>,
@@ -54,14 +64,45 @@ pub(crate) fn look<T>(
     if ticks.summary_tick_is_changed() == Some(false) {
         return;
     }
-    let is_new = |tick: &Tick| tick.is_newer_than(last, this);
+    let is_new = newer_than(last, this);
     for (chunk, rows) in rows.chunks(CHUNK).enumerate() {
-        if rows.iter().fold(false, |any, row| any | is_new(row)) {
+        if rows.iter().fold(false, |any, &row| any | is_new(row)) {
             let new = rows
                 .iter()
                 .zip(CHUNK * chunk..)
-                .filter(|(row, _)| is_new(row));
+                .filter(|(row, _)| is_new(**row));
             new.for_each(|(_, row)| written(row, &values[row]));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tick_is_newer_where_bevy_says_so() {
+        let steps = [
+            0,
+            1,
+            2,
+            1_000,
+            MAX_CHANGE_AGE - 1,
+            MAX_CHANGE_AGE,
+            MAX_CHANGE_AGE + 1,
+        ];
+        let steps = steps.into_iter().flat_map(|step| [step, u32::MAX - step]);
+        let ticks: Vec<Tick> = steps.map(Tick::new).collect();
+        let mut newer = 0;
+        for &this in &ticks {
+            for &last in &ticks {
+                let is_new = newer_than(last, this);
+                for &tick in &ticks {
+                    assert_eq!(is_new(tick), tick.is_newer_than(last, this));
+                    newer += usize::from(is_new(tick));
+                }
+            }
+        }
+        assert!(newer > 100, "{newer}");
     }
 }

@@ -3,6 +3,7 @@
 //! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
 //! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a step.
 
+use super::slot_list::make_room;
 use super::slot_set::SlotSet;
 use super::{
     BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, RigidBodyDisabled, SpawnOrder,
@@ -74,7 +75,7 @@ pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut world: DeferredWorld) {
 /// One body as it was at the start of the step: the pose at which contacts are detected, and the velocity before forces.
 ///
 /// The fields that stages read of both bodies of every pair come first.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct BodyState {
@@ -135,6 +136,34 @@ pub struct BodyState {
     /// The last visit of *prepare* that found the body.
     pub(crate) visited: u64,
 }
+
+clone_fields!(BodyState {
+    pose,
+    center,
+    radius,
+    velocity,
+    size,
+    swept_margin,
+    kind,
+    asleep,
+    moved,
+    renewed,
+    arrived,
+    disturbed,
+    curved,
+    events,
+    entity,
+    spawn_order,
+    put_from,
+    mass,
+    collider,
+    gravity_scale,
+    half,
+    target,
+    force,
+    parts,
+    visited,
+} shared { properties });
 
 /// The fields that are read of both bodies of every pair fit in two cache lines. The size is pinned because every body has an entry.
 const _: () = {
@@ -534,6 +563,12 @@ impl BodyTable {
         self.visited_at = Some(now);
         self.visits += 1;
         self.visits
+    }
+
+    /// Makes room for so many new bodies.
+    pub(super) fn reserve(&mut self, bodies: usize) {
+        let slots = self.slots.len() + bodies.saturating_sub(self.free.len());
+        make_room(&mut self.slots, slots);
     }
 
     pub(crate) fn insert(&mut self, mut body: BodyState) -> BodyIndex {

@@ -10,7 +10,7 @@ mod far;
 
 pub use escaped_aabb::escaped_aabb;
 
-use crate::body::{BodyState, BodyTable};
+use crate::body::{BodyState, BodyTable, cover};
 use crate::collider::Collider;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
 use crate::state::clone_fields;
@@ -31,8 +31,15 @@ const AHEAD: f32 = 2.0;
 /// The tree is refitted and optimized after one in this many of its boxes was changed. The cost is proportional to the number of boxes.
 const REFIT_SHARE: usize = 16;
 
+/// From so many boxes on the tree is refitted only in steps in which one in [`REFIT_SHARE`] of them changes: refitting a million boxes takes 0.1 s. Otherwise a
+/// box that changes is taken out and inserted anew, which keeps the boxes above it tight. In a small tree it is faster to change boxes in place.
+const LARGE: usize = 1 << 13;
+
 /// Building a tree anew is worth its while from so many boxes on.
 const MANY: usize = 64;
+
+/// More boxes than a tree that was just built has room for.
+const SPARE: u32 = 8;
 
 /// The tree, and the overlaps that were found in it.
 #[derive(Resource, Default, Reflect)]
@@ -55,7 +62,7 @@ pub struct Broadphase {
     pub(crate) found: Found,
     /// Slots of bodies that overlap and are far apart (`far`), the one spawned first in front. They have no pair yet.
     pub(crate) waiting: Vec<[u32; 2]>,
-    /// Number of boxes that were changed since the tree was last refitted.
+    /// Number of boxes that were changed since the tree was last refitted, unless it is large.
     changed_boxes: usize,
     /// Slots of bodies that have [left their box](escaped_aabb()) in the last step, in order.
     escaped_aabb: Vec<u32>,
@@ -148,7 +155,7 @@ impl Broadphase {
             }
             self.unbounded.retain(|unbounded| *unbounded != slot);
         }
-        self.changed_boxes += slots.len();
+        self.count_changes(slots.len());
     }
 
     /// Adds a body without bounds, such as a half-space. Its overlaps with boxes that are there already are not found.
@@ -163,7 +170,7 @@ impl Broadphase {
 
     /// Adds boxes of bodies that rest. Their overlaps with the other boxes are found; those among each other are known.
     pub(crate) fn put_boxes(&mut self, table: &BodyTable, boxes: &[(u32, Aabb)]) {
-        self.fat.resize(table.slots().max(self.fat.len()), None);
+        cover(&mut self.fat, table.slots(), None);
         let Found {
             disturbed,
             overlaps,
@@ -187,26 +194,39 @@ impl Broadphase {
             self.fat[slot as usize] = Some(fat);
             self.tree.insert(fat, slot);
         }
-        self.changed_boxes += boxes.len();
+        self.count_changes(boxes.len());
     }
 
     /// Adds boxes of bodies that rest. The tree is built anew if it would grow to more than twice its size.
     pub(crate) fn add_boxes(&mut self, boxes: &[(u32, Aabb)], slots: usize) {
-        self.fat.resize(slots.max(self.fat.len()), None);
+        cover(&mut self.fat, slots, None);
         for &(slot, fat) in boxes {
             self.fat[slot as usize] = Some(fat);
         }
         if boxes.len() > MANY && boxes.len() > self.tree.leaf_count() as usize {
-            let boxes = self.fat.iter().enumerate();
-            let boxes = boxes.filter_map(|(slot, fat)| Some((slot, (*fat)?)));
-            self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
+            let all = self.fat.iter().enumerate();
+            let all = all.filter_map(|(slot, fat)| Some((slot, (*fat)?)));
+            self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, all);
             self.changed_boxes = 0;
+            // The tree makes room for more now, and not in the step in which the next body comes. There is no other way to ask for it than boxes for which
+            // it has no room.
+            let spare = slots as u32..slots as u32 + SPARE;
+            spare
+                .clone()
+                .for_each(|slot| self.tree.insert(boxes[0].1, slot));
+            spare.for_each(|slot| self.tree.remove(slot));
         } else {
             for &(slot, fat) in boxes {
                 self.tree.insert(fat, slot);
             }
-            self.changed_boxes += boxes.len();
+            self.count_changes(boxes.len());
             self.tidy();
+        }
+    }
+
+    fn count_changes(&mut self, changed: usize) {
+        if (self.tree.leaf_count() as usize) < LARGE {
+            self.changed_boxes += changed;
         }
     }
 
@@ -361,9 +381,7 @@ pub fn broadphase(
         let tight = tight_box(body, collider, &settings, gravity.0, time.dt);
         let entry = &mut fat[slot as usize];
         if body.renewed || entry.is_none_or(|fat| !fat.contains(&tight)) {
-            let fat = fat_box(&tight, body.velocity.linear * time.dt);
-            *entry = Some(fat);
-            tree.insert(fat, slot);
+            *entry = Some(fat_box(&tight, body.velocity.linear * time.dt));
             moved.push(slot);
         }
     }
@@ -379,7 +397,20 @@ pub fn broadphase(
         }
         return;
     }
-    *changed_boxes += moved.len();
+    let leaves = tree.leaf_count() as usize;
+    let in_place = leaves < LARGE || moved.len() * REFIT_SHARE >= leaves;
+    for &slot in &moved {
+        let Some(fat) = fat[slot as usize] else {
+            continue;
+        };
+        if !in_place {
+            tree.remove(slot);
+        }
+        tree.insert(fat, slot);
+    }
+    if in_place {
+        *changed_boxes += moved.len();
+    }
     if *changed_boxes * REFIT_SHARE >= tree.leaf_count() as usize {
         *changed_boxes = 0;
         *has_workspace = true;

@@ -53,7 +53,7 @@ use thiserror::Error;
 /// that body, and without a body above it stands still; see [`children`](crate::children). The shape follows the scale of its `Transform`.
 ///
 /// [`description`](Self::description) returns the shape with all of its parameters. With the feature `serde` a collider is written to files in that form.
-#[derive(Component, Clone, Reflect)]
+#[derive(Component, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, Default)]
 #[cfg_attr(
@@ -96,6 +96,22 @@ impl Default for Collider {
     /// A cube of 1 m.
     fn default() -> Self {
         Self::cuboid(1.0, 1.0, 1.0)
+    }
+}
+
+impl Clone for Collider {
+    fn clone(&self) -> Self {
+        Self {
+            shape: self.shape.clone(),
+            solid: self.solid.clone(),
+        }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        // A snapshot that is taken again has the same shapes, and its polyhedra are those of the shape.
+        if !std::sync::Arc::ptr_eq(&self.shape.0, &from.shape.0) {
+            *self = from.clone();
+        }
     }
 }
 

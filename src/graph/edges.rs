@@ -11,6 +11,7 @@
 //! The cost of every operation depends only on the number of neighbours of the bodies involved, not on the size of the graph.
 
 use super::active::ActiveRows;
+use crate::body::make_room;
 use crate::state::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -386,9 +387,11 @@ impl ConstraintGraph {
         number
     }
 
-    /// Makes room for new edges, so that inserting many at once moves the lists only once.
-    pub(crate) fn reserve(&mut self, count: usize) {
-        self.edges.reserve(count.saturating_sub(self.free.len()));
+    /// Makes room for new edges between so many slots, so that inserting many at once moves the lists only once.
+    pub(crate) fn reserve(&mut self, count: usize, slots: usize) {
+        let edges = self.edges.len() + count.saturating_sub(self.free.len());
+        make_room(&mut self.edges, edges);
+        make_room(&mut self.nodes, slots);
     }
 
     /// Drops the list of links that began: the islands have taken them over.

@@ -12,13 +12,12 @@ use super::forces::Forces;
 use super::levels::{Kind, Levels};
 use super::need::{Impulses, Need};
 use super::partition::Partition;
-use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder};
+use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder, cover, newer_than};
 use crate::contact::{ContactPair, LostPairs, Manifold, Part};
 use crate::revision::Revision;
 use crate::saving::Restored;
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use crate::state::clone_fields;
-use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
@@ -370,11 +369,11 @@ fn edited(graph: &ConstraintGraph, pairs: &Pairs, places: &Entities) -> Vec<(u32
         for rows in &*graph.active_rows(table.0, places) {
             let (_, pairs, manifolds) = table.part(rows);
             let (last, this) = (manifolds.last_run_tick(), manifolds.this_run_tick());
-            let is_new = |tick: &Tick| tick.is_newer_than(last, this);
+            let is_new = newer_than(last, this);
             let chunks = manifolds.changed_ticks_slice().chunks(CHUNK);
             for (ticks, pairs) in chunks.zip(pairs.chunks(CHUNK)) {
-                if ticks.iter().fold(false, |any, tick| any | is_new(tick)) {
-                    let new = ticks.iter().zip(pairs).filter(|(tick, _)| is_new(tick));
+                if ticks.iter().fold(false, |any, &tick| any | is_new(tick)) {
+                    let new = ticks.iter().zip(pairs).filter(|(tick, _)| is_new(**tick));
                     found.extend(new.map(|(_, pair)| (pair.edge, false)));
                 }
             }
@@ -473,7 +472,12 @@ impl Islands {
     ) {
         self.revision = Revision::next();
         self.recent.since = None;
-        self.known.resize(table.slots().max(self.known.len()), None);
+        let slots = table.slots();
+        cover(&mut self.known, slots, None);
+        self.levels.cover(slots);
+        self.structures.cover(slots);
+        // It has none of these bodies before they wake.
+        self.partition.cover(slots);
         for structure in structures {
             let mut dynamic = Vec::with_capacity(structure.len());
             for &(slot, level) in structure {

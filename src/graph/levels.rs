@@ -14,6 +14,7 @@
 //! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest up.
 
 use super::edges::{ConstraintGraph, WORLD};
+use crate::body::cover;
 use crate::state::clone_fields;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -64,6 +65,11 @@ impl Levels {
     /// Bodies whose level the last update may have changed.
     pub fn changed(&self) -> &[u32] {
         &self.changed
+    }
+
+    /// [Covers](cover) so many slots.
+    pub fn cover(&mut self, slots: usize) {
+        cover(&mut self.levels, slots, Self::NONE);
     }
 
     /// Sets the level of a body that was added together with all of its links.

@@ -186,7 +186,7 @@ fn begin(
     // The tree's shape depends on its history; the order of pairs must not. A pair that a user has despawned may be there twice.
     overlaps.sort_unstable();
     overlaps.dedup();
-    graph.reserve(overlaps.len());
+    graph.reserve(overlaps.len(), table.slots());
     let mut warnings = Vec::new();
     let mut new: Vec<ContactPair> = Vec::new();
     let revision = Revision::next();

@@ -14,6 +14,7 @@
 //! has found all bodies it can reach; these are split off. So the cost of a split is proportional to its smaller part.
 
 use super::edges::ConstraintGraph;
+use crate::body::cover;
 use crate::revision::Revision;
 use crate::state::clone_fields;
 use std::collections::VecDeque;
@@ -148,6 +149,12 @@ impl Partition {
         for island in &mut self.islands {
             island.revision = revision;
         }
+    }
+
+    /// [Covers](cover) so many slots, also those of a search.
+    pub fn cover(&mut self, slots: usize) {
+        cover(&mut self.places, slots, NOWHERE);
+        cover(&mut self.search.found_by, slots, 0);
     }
 
     /// Adds a body as an island of its own.
@@ -366,7 +373,7 @@ struct Front {
 impl Search {
     /// Begins one search from each of these bodies.
     fn begin(&mut self, slots: usize, from: impl Iterator<Item = u32>) {
-        self.found_by.resize(slots, 0);
+        cover(&mut self.found_by, slots, 0);
         self.searches.clear();
         for (search, slot) in (0..).zip(from) {
             self.found_by[slot as usize] = search + 1;

@@ -31,8 +31,15 @@ pub(super) struct Row {
     pub entity: Entity,
     /// The components on the list that it has, and no others; `None` if none was removed.
     pub has: Option<Kinds>,
-    /// The components whose values are recorded.
+    /// The components that were inserted or written; all of them if the entity is new.
     pub written: Kinds,
+}
+
+impl Row {
+    /// The components whose values are recorded. If some were removed, those are all that it has: when a replay removes them, hooks may remove others, too.
+    pub fn recorded(&self) -> Kinds {
+        self.has.unwrap_or(self.written)
+    }
 }
 
 /// Rows that follow each other and have the same components, as they are written.
@@ -79,6 +86,7 @@ impl Touched {
 /// The values of one component.
 #[derive(Debug)]
 struct Column {
+    kind: usize,
     /// The rows that have it.
     rows: Vec<usize>,
     values: Box<dyn Values>,
@@ -103,11 +111,11 @@ impl Edits {
         let mut columns = Vec::new();
         for (kind, of) in kinds.iter().enumerate() {
             let rows = touched.rows.iter().enumerate();
-            let rows = rows.filter(|(_, row)| row.written.contains(kind));
+            let rows = rows.filter(|(_, row)| row.recorded().contains(kind));
             let rows: Vec<usize> = rows.map(|(number, _)| number).collect();
             if !rows.is_empty() {
                 let values = of.read(rows.len(), from)?;
-                columns.push(Column { rows, values });
+                columns.push(Column { kind, rows, values });
             }
         }
         let resources = numbers.into_iter().map(|number| {
@@ -195,9 +203,14 @@ impl Edits {
         entities: &[Entity],
         to: &mut Renaming,
     ) {
-        let of = |column: &Column| column.rows.iter().map(|&row| entities[row]).collect();
-        let columns = self.columns.iter().map(|column| (column, of(column)));
-        let columns: Vec<(&Column, Vec<Entity>)> = columns.collect();
+        let columns = self.columns.iter().map(|column| {
+            let entities = column.rows.iter().map(|&row| {
+                let written = self.touched.rows[row].written;
+                (entities[row], written.contains(column.kind))
+            });
+            (column, entities.collect())
+        });
+        let columns: Vec<(&Column, Vec<(Entity, bool)>)> = columns.collect();
         self.strip(world, (kinds, ids), entities);
         for (column, entities) in &columns {
             column.values.insert(world, entities, to);

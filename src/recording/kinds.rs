@@ -1,6 +1,6 @@
 //! What recording and replay do with each component on the list of the [state](crate::state).
 
-use crate::body::Inactive;
+use crate::body::{Inactive, newer_than};
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
 };
@@ -23,8 +23,8 @@ pub(super) trait How<T>: Debug + Send + Sync + 'static {
 
     fn read(from: &mut &[u8]) -> Result<T, SnapshotError>;
 
-    /// Gives an entity the value. It is marked as changed only if it differs.
-    fn put(entity: &mut EntityWorldMut, value: T);
+    /// Gives an entity the value, which was written or only kept. It is marked as changed only if it differs.
+    fn put(entity: &mut EntityWorldMut, value: T, is_written: bool);
 }
 
 /// A component that users may read.
@@ -59,14 +59,17 @@ macro_rules! stored {
 impl<T: Component<Mutability = Mutable> + Stored + PartialEq> How<T> for Marked {
     stored!();
 
-    fn put(entity: &mut EntityWorldMut, value: T) {
+    fn put(entity: &mut EntityWorldMut, value: T, is_written: bool) {
         let Some(mut known) = entity.get_mut::<T>() else {
             entity.insert(value);
             return;
         };
         let differs = *known != value;
-        // Equal values may have other bits: 0 and -0.
-        *known.bypass_change_detection() = value;
+        // Equal values that were written may have other bits: 0 and -0. One that was kept stays the very same: stages take another compound shape for a new
+        // one, even if it was assembled from the same parts.
+        if differs || is_written {
+            *known.bypass_change_detection() = value;
+        }
         if differs {
             known.set_changed();
         }
@@ -76,7 +79,7 @@ impl<T: Component<Mutability = Mutable> + Stored + PartialEq> How<T> for Marked 
 impl<T: Component<Mutability = Mutable> + Stored> How<T> for Silent {
     stored!();
 
-    fn put(entity: &mut EntityWorldMut, value: T) {
+    fn put(entity: &mut EntityWorldMut, value: T, _: bool) {
         match entity.get_mut::<T>() {
             Some(mut known) => *known.bypass_change_detection() = value,
             None => _ = entity.insert(value),
@@ -87,7 +90,7 @@ impl<T: Component<Mutability = Mutable> + Stored> How<T> for Silent {
 impl<T: Component + Stored + PartialEq> How<T> for Replaced {
     stored!();
 
-    fn put(entity: &mut EntityWorldMut, value: T) {
+    fn put(entity: &mut EntityWorldMut, value: T, _: bool) {
         if entity.get::<T>() != Some(&value) {
             entity.insert(value);
         }
@@ -103,7 +106,7 @@ impl<T: Component + Default> How<T> for Valueless {
         Ok(T::default())
     }
 
-    fn put(entity: &mut EntityWorldMut, value: T) {
+    fn put(entity: &mut EntityWorldMut, value: T, _: bool) {
         if !entity.contains::<T>() {
             entity.insert(value);
         }
@@ -156,10 +159,10 @@ pub(super) trait AnyKind: Send + Sync {
 /// Values of one component that were read.
 pub(super) trait Values: Debug + Send + Sync {
     /// Inserts the component into those of the entities that lack it.
-    fn insert(&self, world: &mut World, entities: &[Entity], to: &mut Renaming);
+    fn insert(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming);
 
-    /// Gives the entities their values.
-    fn put(&self, world: &mut World, entities: &[Entity], to: &mut Renaming);
+    /// Gives the entities their values. With each entity comes whether its value was written, or only kept.
+    fn put(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming);
 }
 
 /// A component on the list.
@@ -217,10 +220,10 @@ impl<T: Component + Clone + Debug, H: How<T>> AnyKind for Kind<T, H> {
             return;
         };
         let now = world.read_change_tick();
-        let is_new = |tick: &Tick| tick.is_newer_than(since, now);
+        let is_new = newer_than(since, now);
         if matches!(T::STORAGE_TYPE, StorageType::SparseSet) {
             let written = query.iter(world);
-            let written = written.filter(|(_, value, _)| is_new(&value.last_changed()));
+            let written = written.filter(|(_, value, _)| is_new(value.last_changed()));
             found.extend(written.map(|(entity, ..)| entity));
             return;
         }
@@ -233,9 +236,9 @@ impl<T: Component + Clone + Debug, H: How<T>> AnyKind for Kind<T, H> {
             }
             let ticks = column.changed_ticks_slice();
             for (ticks, entities) in ticks.chunks(CHUNK).zip(entities.chunks(CHUNK)) {
-                if ticks.iter().fold(false, |any, tick| any | is_new(tick)) {
+                if ticks.iter().fold(false, |any, &tick| any | is_new(tick)) {
                     let written = ticks.iter().zip(entities);
-                    let written = written.filter(|(tick, _)| is_new(tick));
+                    let written = written.filter(|(tick, _)| is_new(**tick));
                     found.extend(written.map(|(_, &entity)| entity));
                 }
             }
@@ -302,16 +305,17 @@ struct Read<T, H> {
 }
 
 impl<T: Component + Clone + Debug, H: How<T>> Values for Read<T, H> {
-    fn insert(&self, world: &mut World, entities: &[Entity], to: &mut Renaming) {
-        to.insert_missing(world, entities.iter().copied().zip(&self.values));
+    fn insert(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming) {
+        let entities = entities.iter().map(|&(entity, _)| entity);
+        to.insert_missing(world, entities.zip(&self.values));
     }
 
-    fn put(&self, world: &mut World, entities: &[Entity], to: &mut Renaming) {
-        for (value, &entity) in self.values.iter().zip(entities) {
+    fn put(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming) {
+        for (value, &(entity, is_written)) in self.values.iter().zip(entities) {
             if let Ok(mut entity) = world.get_entity_mut(entity) {
                 let mut value = value.clone();
                 to.apply(&mut value);
-                H::put(&mut entity, value);
+                H::put(&mut entity, value, is_written);
             }
         }
     }

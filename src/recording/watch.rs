@@ -332,11 +332,11 @@ impl Watch {
 
     /// An entity was written, or has lost components (`None`). One that the recording does not know is recorded as a whole.
     fn touch(&mut self, world: &World, entity: Entity, written: Option<usize>) {
-        let mut is_whole = written.is_none();
+        let mut is_new = false;
         if self.known.insert(entity) {
             match self.order_of_old(world, entity) {
                 Some(order) => self.touched.found.push((entity, order.0)),
-                None => is_whole = true,
+                None => is_new = true,
             }
         }
         let count = self.touched.rows.len();
@@ -352,18 +352,21 @@ impl Watch {
         if let Some(written) = written {
             row.written.insert(written);
         }
-        if is_whole && row.has.is_none() {
+        if (is_new || written.is_none()) && row.has.is_none() {
             let Ok(known) = world.get_entity(entity) else {
                 return;
             };
+            let now = world.read_change_tick();
             let mut has = Kinds::default();
             for (number, &id) in self.ids.iter().enumerate() {
-                if known.contains_id(id) {
+                if let Some(ticks) = known.get_change_ticks_by_id(id) {
                     has.insert(number);
+                    if is_new || ticks.is_changed(self.since, now) {
+                        row.written.insert(number);
+                    }
                 }
             }
             row.has = Some(has);
-            row.written = has;
             if !self.is_own(known) && !self.others.contains(&entity) {
                 self.others.push(entity);
             }
@@ -385,7 +388,7 @@ impl Watch {
         let mut referred = Vec::new();
         for (number, kind) in self.kinds.iter().enumerate() {
             for row in &self.touched.rows {
-                if row.written.contains(number) {
+                if row.recorded().contains(number) {
                     kind.write(world, row.entity, &mut referred, out)?;
                 }
             }

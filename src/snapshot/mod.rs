@@ -43,7 +43,7 @@
 //!
 //! # Speed
 //!
-//! Values are copied a table of the ECS at a time. [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the
+//! Values are copied a table of the ECS at a time. In a large world a snapshot is taken on all [threads](crate::settings::PhysicsThreads). [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the
 //! allocations. A component is marked as changed only if its value differs, or if you had written it after the last step. The first step after a restore
 //! derives the problems of islands anew; the result is bitwise equal.
 //!
@@ -70,6 +70,7 @@ pub use difference::Difference;
 pub use error::SnapshotError;
 
 use crate::body::BodyTable;
+use crate::settings::PhysicsThreads;
 use crate::state::{self, Stored, Visitor};
 use bevy_ecs::component::Mutable;
 use bevy_ecs::entity::{Entity, EntityHashMap, SceneEntityMapper};
@@ -77,6 +78,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::WorldId;
 use column::{AnyColumn, Column, Marked, On, Output, Replaced, Silent, Valueless};
 use layout::{KnownKinds, Layout, own_tables};
+use rayon::prelude::*;
 use renaming::Renaming;
 use resource::{AnyResource, Code, Kept, Plain};
 use std::fmt;
@@ -158,11 +160,35 @@ impl Snapshot {
         self.layout.find(world, &known);
         self.layout.add(world, &known, others);
         let since = table.and_then(BodyTable::visited_at);
-        for (kind, column) in self.columns.iter_mut().enumerate() {
-            column.take(kind, world, &self.layout, since);
-        }
-        for kept in &mut self.resources {
-            kept.take(world);
+        let Self {
+            layout,
+            columns,
+            resources,
+            ..
+        } = self;
+        let take = |kind: usize, column: &mut Box<dyn AnyColumn>| {
+            column.take(kind, world, layout, since);
+        };
+        let threads = world.get_resource::<PhysicsThreads>();
+        let items = layout.entities.len();
+        match threads.filter(|threads| threads.runs_in_parallel(items)) {
+            Some(threads) => threads.run(items, || {
+                let columns = columns.par_iter_mut().enumerate();
+                let resources = resources.par_iter_mut();
+                rayon::join(
+                    || {
+                        columns
+                            .with_max_len(1)
+                            .for_each(|(kind, column)| take(kind, column))
+                    },
+                    || resources.with_max_len(1).for_each(|kept| kept.take(world)),
+                );
+            }),
+            None => {
+                let columns = columns.iter_mut().enumerate();
+                columns.for_each(|(kind, column)| take(kind, column));
+                resources.iter_mut().for_each(|kept| kept.take(world));
+            }
         }
     }
 

@@ -175,11 +175,10 @@ impl Solve<'_> {
         let ProblemSet {
             order,
             islands,
-            velocities,
             outside,
             ..
         } = problems;
-        velocities.resize(self.table.slots(), None);
+        outside.clear();
         for (entity, index, velocity, _) in bodies {
             if !self.table.holds(entity, *index) {
                 continue;
@@ -198,23 +197,20 @@ impl Solve<'_> {
                     body.linear = velocity.linear;
                     body.angular = velocity.angular;
                 }
-                None => {
-                    velocities[index.0 as usize] = Some(*velocity);
-                    outside.push(index.0);
-                }
+                None => outside.push((index.0, *velocity)),
             }
         }
+        if outside.is_empty() {
+            return;
+        }
+        // There are few of them, and many slots.
+        outside.sort_unstable_by_key(|(slot, _)| *slot);
         for (slot, copy) in islands.iter_mut().flat_map(Island::copies) {
-            // The world has no slot.
-            if let Some(&Some(velocity)) = velocities.get(slot as usize) {
-                let Velocity { linear, angular } = velocity;
+            if let Ok(at) = outside.binary_search_by_key(&slot, |(slot, _)| *slot) {
+                let Velocity { linear, angular } = outside[at].1;
                 (copy.linear, copy.angular) = (linear, angular);
                 copy.start = [linear, angular];
             }
-        }
-        // There are few of them, and many slots.
-        for slot in outside.drain(..) {
-            velocities[slot as usize] = None;
         }
     }
 

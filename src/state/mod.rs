@@ -13,7 +13,7 @@ pub(crate) mod visitor;
 #[cfg(feature = "serde")]
 pub(crate) mod written;
 
-pub(crate) use clone_fields::{clone_fields, copy, copy_into};
+pub(crate) use clone_fields::{clone_fields, copy, copy_into, share};
 pub use visitor::{Stored, Visitor};
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};

@@ -9,7 +9,7 @@
 use super::Pairs;
 use super::contact::SolverContact;
 use super::splice::Edit;
-use crate::body::{BodyState, BodyTable, SpawnOrder};
+use crate::body::{BodyState, BodyTable, SpawnOrder, cover};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, Part, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::revision::Revision;
@@ -127,8 +127,8 @@ impl Order {
             self.by_edge.clear();
         }
         let before = self.derived_from.replace(islands.revision());
-        self.local.resize(table.slots(), u32::MAX);
-        self.by_edge.resize(graph.edge_numbers(), NOWHERE);
+        cover(&mut self.local, table.slots(), u32::MAX);
+        cover(&mut self.by_edge, graph.edge_numbers(), NOWHERE);
         let source = Source {
             table,
             graph,

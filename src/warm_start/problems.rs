@@ -31,10 +31,8 @@ pub(crate) struct ProblemSet<R> {
     pub order: Order,
     pub islands: Vec<Island<R>>,
     pub joints: JointOrder,
-    /// Scratch of *solve*, by slot: the velocity of a body that is not in a problem.
-    pub velocities: Vec<Option<Velocity>>,
-    /// Scratch of *solve*: the slots of those bodies.
-    pub outside: Vec<u32>,
+    /// Scratch of *solve*: the bodies that are in no problem, by their slots.
+    pub outside: Vec<(u32, Velocity)>,
     /// The bodies that are held, in the order of islands and of their grabs.
     pub held: Vec<GrabbedBody>,
 }

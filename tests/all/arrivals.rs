@@ -9,6 +9,7 @@ use drystone::masonry::{Arch, Block, Bond, Dome, Pyramid, Wall};
 use drystone::prelude::*;
 use drystone::settings::PhysicsThreads;
 use drystone::streaming::spawn_asleep;
+use drystone_lab::play::Player;
 use support::Lab;
 
 const ASLEEP: Sleeping = Sleeping {
@@ -298,4 +299,44 @@ fn bodies_that_are_disabled_before_they_arrive_come_when_they_are_enabled() {
     lab.run(2.0);
     assert!(lab.world.get::<Sleeping>(spawned[3]).unwrap().asleep);
     assert_eq!(lab.position(spawned[3]).y, 3.5);
+}
+
+/// A tree of many boxes is kept tight box by box, a small one by refitting it. Nothing at one wall depends on that.
+#[test]
+fn playing_on_a_wall_is_the_same_in_a_large_town() {
+    let courses = 8;
+    let wall = Wall {
+        length: 10.0,
+        courses,
+        ..Wall::new(Bond::Running)
+    };
+    let wall = wall.blocks().unwrap();
+    let play = |others: usize| {
+        let mut lab = ground();
+        let mut blocks = wall.clone();
+        for i in 0..others {
+            let (x, z) = (50.0 + 20.0 * (i / 10) as f32, 4.0 * (i % 10) as f32);
+            blocks.extend(moved(wall.clone(), x, z));
+        }
+        let bodies = spawn(&mut lab, &blocks, true);
+        lab.run(0.1);
+        let mut player = Player::new([10, courses], 1);
+        let mut awake = 0;
+        for step in 0..240 {
+            if step % 20 == 0 {
+                player.act(&mut lab.world);
+            }
+            lab.step();
+            let mut sleeping = lab.world.query::<&Sleeping>();
+            let sleeping = sleeping.iter(&lab.world);
+            awake += sleeping.filter(|body| !body.asleep).count();
+        }
+        assert!(awake > 1_000, "{awake}");
+        let bricks = bodies[..wall.len()].iter();
+        let poses = bricks.map(|&brick| lab.world.get::<Pose>(brick).copied());
+        (blocks.len(), poses.collect::<Vec<_>>())
+    };
+    let ((_, alone), (count, in_town)) = (play(0), play(110));
+    assert!(count > 9_000, "{count}");
+    assert_eq!(alone, in_town);
 }

@@ -223,7 +223,7 @@ fn connect(
     context: &mut SystemState<SolveContext>,
 ) {
     let count = groups.pairs.len();
-    graph.reserve(count);
+    graph.reserve(count, table.slots());
     let mut left = count;
     let mut warnings = Vec::new();
     let mut local = vec![u32::MAX; table.slots()];

@@ -153,6 +153,8 @@ fn act_on(
 #[test]
 fn whatever_is_changed_replays() {
     changes_replay(0..SEEDS, false);
+    // A body of parts whose friction is inserted and removed before the same step.
+    changes_replay(548..549, false);
 }
 
 #[test]
@@ -161,7 +163,7 @@ fn whatever_is_changed_replays_contacts_too() {
 }
 
 #[test]
-#[ignore = "long; without changes of contacts seed 548 differs in step 45, and the cause is not known; later seeds were not tried"]
+#[ignore = "long: ten minutes"]
 fn whatever_is_changed_a_thousand_times_replays() {
     for contacts in [true, false] {
         changes_replay(SEEDS..1_000, contacts);

@@ -315,3 +315,19 @@ fn a_body_is_pushed_after_a_bond_has_broken() {
     assert_eq!(changes(&recorded), [20, pushed.unwrap()]);
     replays("a broken bond", &recorded);
 }
+
+/// What is left of the body is recorded as a whole, so that a replay is told its shape, which was assembled from its parts. To the replay it is not a new
+/// one: contacts of a body with a new shape are found anew.
+#[test]
+fn a_component_of_a_body_of_parts_is_removed_while_it_rolls() {
+    let (world, bodies, ..) = bodies_of_parts();
+    goes_again("a body of parts", world, 60, |world, step| {
+        let mut body = world.entity_mut(bodies[step % bodies.len()]);
+        match step % 4 {
+            _ if step < 3 => *body.get_mut().unwrap() = Velocity::linear(Vec3::new(2.0, 1.0, 0.5)),
+            1 => _ = body.insert(Density(800.0)).remove::<Density>(),
+            3 => _ = body.insert(LockedAxes::default()).remove::<LockedAxes>(),
+            _ => (),
+        }
+    });
+}

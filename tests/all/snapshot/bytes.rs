@@ -2,6 +2,7 @@
 
 use super::*;
 use bevy_ecs::entity::EntityHashMap;
+use drystone::settings::PhysicsThreads;
 use drystone::snapshot::SnapshotError;
 use drystone::solver::{Pgs, PointSolver};
 
@@ -212,4 +213,24 @@ fn code_is_not_written() {
     let error = Snapshot::take(&world).to_bytes().unwrap_err();
     assert!(error.to_string().contains("SolverSettings"), "{error}");
     assert_eq!(Snapshot::default().to_bytes(), Err(SnapshotError::Empty));
+}
+
+#[test]
+fn it_has_the_same_bytes_if_it_is_taken_on_several_threads() {
+    let (mut world, ..) = bodies_of_parts();
+    let mut taken = [1, 3].map(|threads| {
+        let threads = PhysicsThreads::new(threads).unwrap().with_min_items(1);
+        world.insert_resource(threads);
+        Snapshot::take(&world)
+    });
+    let [one, three] = taken.each_ref().map(|of| of.to_bytes().unwrap());
+    assert!(one == three);
+    // Into the memory of another state.
+    steps(&mut world, 20);
+    world.insert_resource(PhysicsThreads::new(1).unwrap());
+    taken[0].take_into(&world);
+    world.insert_resource(PhysicsThreads::new(3).unwrap().with_min_items(1));
+    taken[1].take_into(&world);
+    let [one, three] = taken.each_ref().map(|of| of.to_bytes().unwrap());
+    assert!(one == three);
 }

@@ -1,0 +1,38 @@
+//! Lists that are indexed by slot, or by the number of an edge.
+
+/// When a list is full, room is made for one more slot for so many.
+const SHARE: usize = 16;
+
+/// Makes room in a list for so many slots, and for some more if it is full. The next body would double the list otherwise, which copies it, and in a
+/// large world there is no time for that while a player is about. So this is called when many bodies arrive, which takes long anyway.
+pub(crate) fn make_room<T>(list: &mut Vec<T>, slots: usize) {
+    if list.capacity() < slots {
+        list.reserve(slots + slots / SHARE - list.len());
+    }
+}
+
+/// Makes a list long enough for so many slots, with [room](make_room) for more.
+pub(crate) fn cover<T: Clone>(list: &mut Vec<T>, slots: usize, empty: T) {
+    if list.len() < slots {
+        make_room(list, slots);
+        list.resize(slots, empty);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_list_gets_room_for_more_and_none_is_shortened() {
+        let mut list = Vec::new();
+        cover(&mut list, 1_600, 7);
+        assert_eq!((list.len(), list[1_599]), (1_600, 7));
+        assert!(list.capacity() >= 1_700);
+        let place = list.as_ptr();
+        cover(&mut list, 1_700, 8);
+        assert_eq!((list.as_ptr(), list[1_600]), (place, 8));
+        cover(&mut list, 10, 9);
+        assert_eq!(list.len(), 1_700);
+    }
+}

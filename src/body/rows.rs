@@ -47,32 +47,38 @@ pub(crate) fn newer_than(last: Tick, this: Tick) -> impl Fn(Tick) -> bool + Copy
     move |tick| this.wrapping_sub(tick.get()) < since
 }
 
+/// The rows of a column whose tick is new. Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which
+/// nothing was written.
+#[inline]
+pub(crate) fn new_rows(
+    ticks: &[Tick],
+    is_new: impl Fn(Tick) -> bool + Copy,
+) -> impl Iterator<Item = usize> {
+    const CHUNK: usize = 64;
+    let chunks = ticks.chunks(CHUNK).enumerate();
+    let chunks =
+        chunks.filter(move |(_, ticks)| ticks.iter().fold(false, |any, &tick| any | is_new(tick)));
+    chunks.flat_map(move |(chunk, ticks)| {
+        let rows = ticks.iter().zip(CHUNK * chunk..);
+        let rows = rows.filter(move |(tick, _)| is_new(**tick));
+        rows.map(|(_, row)| row)
+    })
+}
+
 /// Calls `written` with the index and the value of each row of a column that has been written.
 pub(crate) fn look<T>(
     column: ContiguousRef<T>,
     since: Option<Tick>,
     mut written: impl FnMut(usize, &T),
 ) {
-    /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
-    const CHUNK: usize = 64;
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
     let last = since
         .filter(|since| since.is_newer_than(last, this))
         .unwrap_or(last);
     let rows = column.changed_ticks_slice();
     let (values, ticks) = ContiguousRef::split(column);
-    if ticks.summary_tick_is_changed() == Some(false) {
-        return;
-    }
-    let is_new = newer_than(last, this);
-    for (chunk, rows) in rows.chunks(CHUNK).enumerate() {
-        if rows.iter().fold(false, |any, &row| any | is_new(row)) {
-            let new = rows
-                .iter()
-                .zip(CHUNK * chunk..)
-                .filter(|(row, _)| is_new(**row));
-            new.for_each(|(_, row)| written(row, &values[row]));
-        }
+    if ticks.summary_tick_is_changed() != Some(false) {
+        new_rows(rows, newer_than(last, this)).for_each(|row| written(row, &values[row]));
     }
 }
 
@@ -104,5 +110,15 @@ mod tests {
             }
         }
         assert!(newer > 100, "{newer}");
+    }
+
+    #[test]
+    fn new_rows_are_found_in_every_chunk() {
+        let new = [3, 63, 64, 190, 199];
+        let ticks: Vec<Tick> = (0..200)
+            .map(|row| Tick::new(u32::from(new.contains(&row))))
+            .collect();
+        let found: Vec<usize> = new_rows(&ticks, newer_than(Tick::new(0), Tick::new(2))).collect();
+        assert_eq!(found, new);
     }
 }

@@ -12,7 +12,7 @@ use super::forces::Forces;
 use super::levels::{Kind, Levels};
 use super::need::{Impulses, Need};
 use super::partition::Partition;
-use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder, cover, newer_than};
+use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder, cover, new_rows, newer_than};
 use crate::contact::{ContactPair, LostPairs, Manifold, Part};
 use crate::revision::Revision;
 use crate::saving::Restored;
@@ -361,22 +361,14 @@ pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
 
 /// Edges of active contacts whose manifold was written since the stage ran last, by change detection.
 fn edited(graph: &ConstraintGraph, pairs: &Pairs, places: &Entities) -> Vec<(u32, bool)> {
-    /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
-    const CHUNK: usize = 64;
     let mut found = Vec::new();
     let tables = pairs.contiguous_iter();
     for mut table in tables.expect("pair components are stored in tables") {
         for rows in &*graph.active_rows(table.0, places) {
             let (_, pairs, manifolds) = table.part(rows);
             let (last, this) = (manifolds.last_run_tick(), manifolds.this_run_tick());
-            let is_new = newer_than(last, this);
-            let chunks = manifolds.changed_ticks_slice().chunks(CHUNK);
-            for (ticks, pairs) in chunks.zip(pairs.chunks(CHUNK)) {
-                if ticks.iter().fold(false, |any, &tick| any | is_new(tick)) {
-                    let new = ticks.iter().zip(pairs).filter(|(tick, _)| is_new(**tick));
-                    found.extend(new.map(|(_, pair)| (pair.edge, false)));
-                }
-            }
+            let new = new_rows(manifolds.changed_ticks_slice(), newer_than(last, this));
+            found.extend(new.map(|row| (pairs[row].edge, false)));
         }
     }
     found

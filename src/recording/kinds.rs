@@ -1,6 +1,6 @@
 //! What recording and replay do with each component on the list of the [state](crate::state).
 
-use crate::body::{Inactive, newer_than};
+use crate::body::{Inactive, new_rows, newer_than};
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
 };
@@ -227,21 +227,13 @@ impl<T: Component + Clone + Debug, H: How<T>> AnyKind for Kind<T, H> {
             found.extend(written.map(|(entity, ..)| entity));
             return;
         }
-        /// Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
-        const CHUNK: usize = 64;
         let tables = query.contiguous_iter(world);
         for (entities, column, _) in tables.expect("it is kept in tables") {
             if is_shared && !entities.first().is_some_and(|&first| is_own(first)) {
                 continue;
             }
-            let ticks = column.changed_ticks_slice();
-            for (ticks, entities) in ticks.chunks(CHUNK).zip(entities.chunks(CHUNK)) {
-                if ticks.iter().fold(false, |any, &tick| any | is_new(tick)) {
-                    let written = ticks.iter().zip(entities);
-                    let written = written.filter(|(tick, _)| is_new(**tick));
-                    found.extend(written.map(|(_, &entity)| entity));
-                }
-            }
+            let written = new_rows(column.changed_ticks_slice(), is_new);
+            found.extend(written.map(|row| entities[row]));
         }
     }
 

@@ -9,7 +9,7 @@ use super::layout::{Layout, table_of};
 use super::no_bytes::Bytes;
 use super::renaming::Renaming;
 use super::target::{NOWHERE, Rows, Target};
-use crate::body::newer_than;
+use crate::body::{new_rows, newer_than};
 use crate::state;
 use bevy_ecs::change_detection::{ContiguousMut, ContiguousRef, MAX_CHANGE_AGE, Tick};
 use bevy_ecs::component::{ComponentId, Components, Mutable, StorageType};
@@ -212,17 +212,11 @@ impl<T: Component + Clone, How> Column<T, How> {
         first: usize,
         is_new: impl Fn(Tick) -> bool,
     ) {
-        /// Ticks are compared in chunks without a branch, which the compiler vectorizes: most of them are old.
-        const CHUNK: usize = 64;
-        let mut chunks = changed.chunks(CHUNK);
-        if chunks.any(|ticks| ticks.iter().fold(false, |any, &tick| any | is_new(tick))) {
-            let rows = changed.iter().zip(added).zip(first..);
-            let edits = rows.filter(|((changed, _), _)| is_new(**changed));
-            self.edits.extend(edits.map(|((_, &added), row)| Edit {
-                row,
-                added: is_new(added),
-            }));
-        }
+        let new = new_rows(changed, &is_new);
+        self.edits.extend(new.map(|row| Edit {
+            row: first + row,
+            added: is_new(added[row]),
+        }));
     }
 }
 

@@ -205,6 +205,7 @@ fn chart(
     let mut chart = ChartBuilder::on(area)
         .caption(caption, ("sans-serif", 18))
         .margin(8)
+        .margin_right(28)
         .x_label_area_size(42)
         .y_label_area_size(58)
         .build_cartesian_2d(
@@ -216,6 +217,9 @@ fn chart(
         .x_desc("bricks")
         .y_desc(unit)
         .x_labels(5)
+        .x_label_formatter(&f64::to_string)
+        .y_labels(5)
+        .y_label_formatter(&|value| format!("{}", (1e4 * value).round() / 1e4))
         .label_style(("sans-serif", 13))
         .axis_desc_style(("sans-serif", 15))
         .draw()?;

@@ -37,12 +37,12 @@ impl Rows<'_> {
     }
 }
 
-/// Whether a tick is newer than the last run of a system: [`Tick::is_newer_than`] with half of its work for each tick. In a world at rest these comparisons
-/// are most of a step, because every body has a `Transform` whose tick is looked at.
+/// Returns a test of whether a tick is newer than the last run of a system. It agrees with [`Tick::is_newer_than`] and does half of the work for each tick. In a
+/// world at rest these comparisons are most of a step, because the tick of every `Transform` is read.
 #[inline]
 pub(crate) fn newer_than(last: Tick, this: Tick) -> impl Fn(Tick) -> bool + Copy {
     let this = this.get();
-    // Both ages count up to this maximum. The other one need not be clamped to be compared with this one.
+    // Bevy clamps both ages to this maximum. After one is clamped, the other compares the same either way.
     let since = this.wrapping_sub(last.get()).min(MAX_CHANGE_AGE);
     move |tick| this.wrapping_sub(tick.get()) < since
 }

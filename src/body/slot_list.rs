@@ -1,10 +1,10 @@
 //! Lists that are indexed by slot, or by the number of an edge.
 
-/// When a list is full, room is made for one more slot for so many.
+/// A full list gets room for all slots and for one sixteenth of their number more.
 const SHARE: usize = 16;
 
-/// Makes room in a list for so many slots, and for some more if it is full. The next body would double the list otherwise, which copies it, and in a
-/// large world there is no time for that while a player is about. So this is called when many bodies arrive, which takes long anyway.
+/// Makes room in a list for so many slots, and for some more if it is full. Otherwise the next body would double the list, which copies it: in a large world
+/// that takes longer than the rest of the step. This is called when many bodies arrive, in a step that takes long anyway.
 pub(crate) fn make_room<T>(list: &mut Vec<T>, slots: usize) {
     if list.capacity() < slots {
         list.reserve(slots + slots / SHARE - list.len());

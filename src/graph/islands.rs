@@ -468,7 +468,7 @@ impl Islands {
         cover(&mut self.known, slots, None);
         self.levels.cover(slots);
         self.structures.cover(slots);
-        // It has none of these bodies before they wake.
+        // These bodies are added to it when they wake.
         self.partition.cover(slots);
         for structure in structures {
             let mut dynamic = Vec::with_capacity(structure.len());

@@ -65,8 +65,8 @@ impl<T: Component<Mutability = Mutable> + Stored + PartialEq> How<T> for Marked 
             return;
         };
         let differs = *known != value;
-        // Equal values that were written may have other bits: 0 and -0. One that was kept stays the very same: stages take another compound shape for a new
-        // one, even if it was assembled from the same parts.
+        // Equal values that were written may have other bits: 0 and -0. A value that was not written is not replaced by an equal one, because stages compare
+        // compound shapes by identity: an equal shape would count as a new one.
         if differs || is_written {
             *known.bypass_change_detection() = value;
         }

@@ -43,8 +43,8 @@
 //!
 //! # Speed
 //!
-//! Values are copied a table of the ECS at a time. In a large world a snapshot is taken on all [threads](crate::settings::PhysicsThreads). [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the
-//! allocations. A component is marked as changed only if its value differs, or if you had written it after the last step. The first step after a restore
+//! Values are copied a table of the ECS at a time. In a large world a snapshot is taken on all [threads](crate::settings::PhysicsThreads).
+//! [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the allocations. A component is marked as changed only if its value differs, or if you had written it after the last step. The first step after a restore
 //! derives the problems of islands anew; the result is bitwise equal.
 //!
 //! # Bytes

@@ -203,7 +203,7 @@ impl Solve<'_> {
         if outside.is_empty() {
             return;
         }
-        // There are few of them, and many slots.
+        // Few bodies are in no problem, so they are searched; a list by slot would be as long as the world is large.
         outside.sort_unstable_by_key(|(slot, _)| *slot);
         for (slot, copy) in islands.iter_mut().flat_map(Island::copies) {
             if let Ok(at) = outside.binary_search_by_key(&slot, |(slot, _)| *slot) {

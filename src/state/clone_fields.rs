@@ -24,7 +24,7 @@ pub(crate) fn copy_into<A: Array<Item: Copy>>(list: &mut SmallVec<A>, from: &Sma
     }
 }
 
-/// Makes two owners share a value. If they do already, its count of owners, which other threads may use too, is not written.
+/// Makes two owners share a value. If they share it already, nothing is written: counting owners is an atomic operation.
 #[inline]
 pub(crate) fn share<T: ?Sized>(known: &mut Arc<T>, from: &Arc<T>) {
     if !Arc::ptr_eq(known, from) {

@@ -31,7 +31,7 @@ pub(crate) struct ProblemSet<R> {
     pub order: Order,
     pub islands: Vec<Island<R>>,
     pub joints: JointOrder,
-    /// Scratch of *solve*: the bodies that are in no problem, by their slots.
+    /// Scratch of *solve*: slots and velocities of the bodies that are in no problem.
     pub outside: Vec<(u32, Velocity)>,
     /// The bodies that are held, in the order of islands and of their grabs.
     pub held: Vec<GrabbedBody>,

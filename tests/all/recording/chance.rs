@@ -153,7 +153,7 @@ fn act_on(
 #[test]
 fn whatever_is_changed_replays() {
     changes_replay(0..SEEDS, false);
-    // A body of parts whose friction is inserted and removed before the same step.
+    // The friction of a body of several parts is inserted and removed between two steps.
     changes_replay(548..549, false);
 }
 

@@ -72,6 +72,9 @@ pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut world: DeferredWorld) {
     note_loss(&mut world, lost.entity);
 }
 
+/// A quarter of the largest error of a rounded coordinate, as a share of it.
+const ROUNDING: f32 = 1.0 / (1 << 26) as f32;
+
 /// One body as it was at the start of the step: the pose at which contacts are detected, and the velocity before forces.
 ///
 /// The fields that stages read of both bodies of every pair come first.
@@ -176,6 +179,14 @@ impl BodyState {
     #[inline]
     pub fn velocity_at(&self, point: Vec3) -> Vec3 {
         self.velocity.at(point - self.center)
+    }
+
+    /// The linear and angular speed, m/s and rad/s, up to which its points move in a step of `dt` s by less than the rounding of its largest
+    /// coordinate, or of one as large as the body.
+    #[inline]
+    pub(crate) fn still_below(&self, dt: f32) -> [f32; 2] {
+        let way = ROUNDING * self.pose.position.abs().max_element().max(self.radius);
+        [way / dt, way / (self.radius * dt)]
     }
 
     /// The external force of the last step, N and N·m.

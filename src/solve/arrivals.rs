@@ -33,7 +33,7 @@ impl Solve<'_> {
                 let body = body.expect("a member is in the table");
                 let level = self.islands.level(member.slot).unwrap_or(0);
                 let pushed = body.pushed(gravity, dt);
-                island.add(body, &pushed, level);
+                island.add(body, &pushed, level, dt);
             }
             problems.islands.push(island);
         }

@@ -22,6 +22,8 @@ pub struct Body {
     /// Set by solvers for bodies with joints: the rotation vector of the step is exactly the angular part of `motion` times its length, and
     /// `angular` includes the gyroscopic change. Integration must change neither, or joints would not close.
     pub motion_is_exact: bool,
+    /// The linear and angular speed up to which it counts as still, m/s, rad/s: it moves by less than rounding in the step.
+    pub still_below: [f32; 2],
     /// Number of bodies on the way down to a fixed one, itself included; 0 for a body without support.
     pub level: u32,
 }
@@ -38,6 +40,7 @@ impl Default for Body {
             start: [Vec3::ZERO; 2],
             motion: None,
             motion_is_exact: false,
+            still_below: [0.0; 2],
             level: 0,
         }
     }

@@ -151,7 +151,7 @@ impl<R: Rows> Island<R> {
     }
 
     /// Adds the next dynamic body in the order.
-    pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32) {
+    pub fn add(&mut self, body: &BodyState, velocity: &Velocity, level: u32, dt: f32) {
         self.dynamic += 1;
         self.effort = self.effort.max(body.properties.effort());
         let mut start = body.velocity;
@@ -165,6 +165,7 @@ impl<R: Rows> Island<R> {
             start: [start.linear, start.angular],
             motion: None,
             motion_is_exact: false,
+            still_below: body.still_below(dt),
             level,
         });
     }

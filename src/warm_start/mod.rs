@@ -186,7 +186,7 @@ impl WarmStart<'_> {
                 let body = self.table.get(member.slot);
                 let body = body.expect("a member is in the table");
                 let level = self.islands.level(member.slot).unwrap_or(0);
-                island.add(body, &body.velocity, level);
+                island.add(body, &body.velocity, level, self.context.time.dt);
             }
         };
         let threads = &self.context.threads;

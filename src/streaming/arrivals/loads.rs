@@ -52,7 +52,7 @@ fn gather(structure: &Structure, table: &BodyTable, context: &SolveContext) -> I
     for &(slot, level) in &structure.members {
         let body = table.get(slot).expect("it was just added");
         let pushed = body.pushed(gravity, dt);
-        island.add(body, &pushed, level);
+        island.add(body, &pushed, level, dt);
     }
     island
 }

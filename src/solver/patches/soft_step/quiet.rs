@@ -2,7 +2,7 @@
 //!
 //! A structure at rest begins a step with the impulses that hold it. A round of sweeps (soft ones, and the rigid one that follows them) finds the
 //! same impulses again, and so does every other round. An island is *quiet* if its bodies were still before the step, are still after
-//! the first round, and would still be so in the next substep ([`STILL`]). The substeps that are left repeat the last one then: bodies keep their
+//! the first round, and would still be so in the next substep ([`Body::still_below`]). The substeps that are left repeat the last one then: bodies keep their
 //! velocities, and contacts give the same impulses.
 //!
 //! Only worlds without sleeping use this ([`PatchProblem::stays_awake`]): elsewhere such an island sleeps after half a second. Until then it gets all
@@ -15,13 +15,7 @@ use super::block::Pass;
 use super::island::Island;
 use crate::solver::lanes::{F32xN, State};
 use crate::solver::{Body, PatchProblem};
-use glam::Vec4;
 use std::ops::Range;
-
-/// A body is still if it moves in a step by less than this share of its size, and turns by less than this angle, rad. It is half the rounding of
-/// a coordinate as large as the body; *integration* does not move a body by less. At 10⁻⁶ arches are quiet as well, but what has not settled
-/// trembles up to that speed: cubes under a hundred times their mass that were placed with noise drift by 14 µm in a minute instead of by none.
-const STILL: f32 = 1.0 / (1 << 26) as f32;
 
 /// Number of sweeps after which an island may be quiet: the first soft sweeps, and the rigid sweep after them. With an `effort` that is larger
 /// than usual it is as many rounds.
@@ -43,23 +37,20 @@ pub fn may_be_quiet(problem: &PatchProblem) -> bool {
         && problem
             .bodies
             .iter()
-            .all(|body| is_still(body, start(body), problem.dt))
+            .all(|body| is_still(body, start(body)))
 }
 
-/// Returns true if a body with this velocity is still in a step of `dt` s. A body that contacts cannot change is still if it stands.
-fn is_still(body: &Body, [linear, angular]: State, dt: f32) -> bool {
-    if body.inverse_mass == 0.0 {
-        return [linear, angular] == [Vec4::ZERO; 2];
-    }
-    let most = (STILL / dt) * (STILL / dt);
-    linear.length_squared() <= most * body.square_gyration() && angular.length_squared() <= most
+/// Returns true if a body with this velocity is still. A body that contacts cannot change is still if it stands.
+fn is_still(body: &Body, [linear, angular]: State) -> bool {
+    let [speed, spin] = body.still_below;
+    linear.length_squared() <= speed * speed && angular.length_squared() <= spin * spin
 }
 
 impl<L: F32xN> Island<L> {
     /// Returns true if some bodies are still after a pass that [extrapolates](Pass::extrapolates), and will be so in the next substep.
     pub fn are_still(&self, bodies: Range<usize>, problem: &PatchProblem) -> bool {
         bodies.into_iter().all(|i| {
-            let is_still = |state: State| is_still(&problem.bodies[i], state, problem.dt);
+            let is_still = |state: State| is_still(&problem.bodies[i], state);
             is_still(self.before[i]) && is_still(self.velocities[i])
         })
     }

@@ -140,11 +140,14 @@ impl SoftStep {
         begun.sort_by(|a, b| (a.budget.compare(&b.budget)).then(quiet(a).cmp(&quiet(b))));
         for group in begun.chunk_by(|a, b| a.budget == b.budget && quiet(a) == quiet(b)) {
             let first = &group[0];
+            let mut may_be_quiet = first.may_be_quiet;
             let mut rest: Vec<usize> = group.iter().map(|begun| begun.number).collect();
             while !rest.is_empty() {
                 let mut joint = Joint::of(rest.iter().map(|&number| &problems[number]));
                 let like = &problems[first.number];
-                let (found, again) = self.solve_joint::<L>(&mut joint, like, first);
+                let (found, again) =
+                    self.solve_joint::<L>(&mut joint, like, first.budget, may_be_quiet);
+                may_be_quiet = false;
                 let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
                 let members = rest.iter().filter_map(|&number| members[number].take());
                 joint.give_back(members, &again);
@@ -162,18 +165,19 @@ impl SoftStep {
         reports
     }
 
-    /// Solves problems that get the same sweeps as one of them. If only some of them are quiet, those are to be solved again by themselves:
-    /// the second result says which.
+    /// Solves problems that get the same sweeps as one of them. If some are quiet, the others are to be solved again by themselves, with all
+    /// sweeps: the second result says which.
     fn solve_joint<L: F32xN>(
         &self,
         joint: &mut Joint,
         like: &PatchProblem,
-        of: &Begun,
+        budget: SweepBudget,
+        may_be_quiet: bool,
     ) -> (Vec<SolveReport>, Vec<bool>) {
         let mut memory = Memory::default();
         let owners = std::mem::take(&mut joint.owners);
         let members = std::mem::take(&mut joint.members);
-        let (budget, count) = (of.budget, members.len());
+        let count = members.len();
         let mut problem = joint.problem(like, &mut memory);
         let batches = batches(L::LANES, &problem);
         let mut island = Island::<L>::new(&problem, batches);
@@ -182,7 +186,7 @@ impl SoftStep {
             self.plan(budget, problem.dt),
         );
         island.start(&problem, budget.substeps, &spring, &passes);
-        let round = match of.may_be_quiet {
+        let round = match may_be_quiet {
             true => first_round(&passes, problem.effort),
             false => passes.len(),
         };
@@ -193,11 +197,11 @@ impl SoftStep {
         let mut again = vec![false; count];
         if !others.is_empty() {
             let is_quiet = |bodies: Range<usize>| island.are_still(bodies, &problem);
-            again = members.into_iter().map(is_quiet).collect();
-            if again.iter().all(|&quiet| quiet) {
-                again.fill(false);
+            again = members.into_iter().map(|bodies| !is_quiet(bodies)).collect();
+            if again.contains(&false) {
                 island.skip(others, &problem);
             } else {
+                again.fill(false);
                 for pass in others {
                     island.sweep_alone(pass);
                 }

@@ -14,7 +14,7 @@ use crate::diagnosis::{BodyError, StepError, Suspects, Told};
 use crate::graph::{self, ConstraintGraph, Islands};
 use crate::joint::{BrokenJoints, JointBroke, JointChanges, JointError};
 use crate::mortar::{self, BrokenMortar, Mortar, MortarBroke};
-use crate::profile::{Profile, timed};
+use crate::profile::{Profile, own};
 use crate::saving::{self, Restored};
 use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, check_step_plugin, order_stages,
@@ -185,7 +185,7 @@ macro_rules! stages {
         let profile = profile($app);
         $($app.add_systems(
             PhysicsSchedule,
-            timed(&profile, $name, $system).in_set(PhysicsSystems::$set),
+            own(&profile, $name, $system).in_set(PhysicsSystems::$set),
         );)+
     }};
 }
@@ -206,15 +206,15 @@ impl Plugin for BodyPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "prepare", saving::restore).run_if(saving::any_saved),
-                timed(&profile, "prepare", children::assemble),
-                timed(&profile, "prepare", body::complete),
-                timed(&profile, "prepare", body::lift)
+                own(&profile, "prepare", saving::restore).run_if(saving::any_saved),
+                own(&profile, "prepare", children::assemble),
+                own(&profile, "prepare", body::complete),
+                own(&profile, "prepare", body::lift)
                     .run_if(any_with_component::<body::Quarantined>),
-                timed(&profile, "prepare", streaming::arrive).run_if(streaming::any_arrivals),
-                timed(&profile, "prepare", body::prepare),
-                timed(&profile, "prepare", body::quarantine).run_if(body::any_suspects),
-                timed(&profile, "prepare", graph::activate).run_if(graph::any_disturbed),
+                own(&profile, "prepare", streaming::arrive).run_if(streaming::any_arrivals),
+                own(&profile, "prepare", body::prepare),
+                own(&profile, "prepare", body::quarantine).run_if(body::any_suspects),
+                own(&profile, "prepare", graph::activate).run_if(graph::any_disturbed),
             )
                 .chain()
                 .in_set(PhysicsSystems::Prepare),
@@ -222,8 +222,8 @@ impl Plugin for BodyPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "forces", body::forces),
-                timed(&profile, "forces", body::quarantine).run_if(body::any_suspects),
+                own(&profile, "forces", body::forces),
+                own(&profile, "forces", body::quarantine).run_if(body::any_suspects),
             )
                 .chain()
                 .in_set(PhysicsSystems::Forces),
@@ -245,8 +245,8 @@ impl Plugin for CollisionPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "broadphase", broadphase::broadphase),
-                timed(&profile, "broadphase", graph::pair_changes),
+                own(&profile, "broadphase", broadphase::broadphase),
+                own(&profile, "broadphase", graph::pair_changes),
             )
                 .chain()
                 .in_set(PhysicsSystems::Broadphase),
@@ -254,16 +254,16 @@ impl Plugin for CollisionPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "narrowphase", narrowphase::narrowphase),
-                timed(&profile, "narrowphase", narrowphase::crowd),
-                timed(&profile, "narrowphase", narrowphase::modify_contacts),
+                own(&profile, "narrowphase", narrowphase::narrowphase),
+                own(&profile, "narrowphase", narrowphase::crowd),
+                own(&profile, "narrowphase", narrowphase::modify_contacts),
             )
                 .chain()
                 .in_set(PhysicsSystems::Narrowphase),
         );
         app.add_systems(
             PhysicsSchedule,
-            timed(&profile, "broadphase", broadphase::escaped_aabb)
+            own(&profile, "broadphase", broadphase::escaped_aabb)
                 .after(PhysicsSystems::Integration)
                 .before(PhysicsSystems::Sleeping),
         );
@@ -302,7 +302,7 @@ impl Plugin for NormalStabilizationPlugin {
         // Solvers of patches correct distances themselves, anew in each of their substeps.
         app.add_systems(
             PhysicsSchedule,
-            timed(&profile, "normal_correction", normal::normal_correction)
+            own(&profile, "normal_correction", normal::normal_correction)
                 .run_if(uses_point_solver)
                 .in_set(PhysicsSystems::NormalCorrection),
         );
@@ -338,8 +338,8 @@ impl Plugin for SolverPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "islands", graph::islands),
-                timed(&profile, "islands", graph::activation),
+                own(&profile, "islands", graph::islands),
+                own(&profile, "islands", graph::activation),
             )
                 .chain()
                 .in_set(PhysicsSystems::Islands),
@@ -368,14 +368,14 @@ impl Plugin for JointPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "contact_events", joint::joint_events).run_if(joint::any_broke),
-                timed(&profile, "contact_events", mortar::mortar_events).run_if(mortar::any_broke),
+                own(&profile, "contact_events", joint::joint_events).run_if(joint::any_broke),
+                own(&profile, "contact_events", mortar::mortar_events).run_if(mortar::any_broke),
             )
                 .in_set(PhysicsSystems::ContactEvents),
         );
         app.add_systems(
             PhysicsSchedule,
-            timed(&profile, "narrowphase", mortar::lay_mortar)
+            own(&profile, "narrowphase", mortar::lay_mortar)
                 .run_if(any_with_component::<Mortar>)
                 .after(narrowphase::modify_contacts)
                 .in_set(PhysicsSystems::Narrowphase),
@@ -397,8 +397,8 @@ impl Plugin for IntegrationPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "integration", integration::integration),
-                timed(&profile, "integration", integration::child_transforms)
+                own(&profile, "integration", integration::integration),
+                own(&profile, "integration", integration::child_transforms)
                     .run_if(integration::any_children),
             )
                 .chain()
@@ -449,14 +449,14 @@ impl Plugin for ContactEventsPlugin {
         app.add_systems(
             PhysicsSchedule,
             (
-                timed(&profile, "contact_events", contact::whole_step)
+                own(&profile, "contact_events", contact::whole_step)
                     .run_if(contact::any_earlier_substeps),
-                timed(&profile, "contact_events", contact::loads)
+                own(&profile, "contact_events", contact::loads)
                     .run_if(any_with_component::<contact::Load>),
-                timed(&profile, "contact_events", contact::contact_events),
-                timed(&profile, "contact_events", contact::colliding_entities)
+                own(&profile, "contact_events", contact::contact_events),
+                own(&profile, "contact_events", contact::colliding_entities)
                     .run_if(any_with_component::<contact::CollidingEntities>),
-                timed(&profile, "contact_events", contact::contact_forces)
+                own(&profile, "contact_events", contact::contact_forces)
                     .run_if(any_with_component::<contact::ContactForceEvents>),
             )
                 .chain()

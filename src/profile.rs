@@ -5,9 +5,11 @@
 //! your own systems to list them, too. With several substeps the time of a step is their sum.
 
 use bevy_ecs::prelude::*;
-use bevy_ecs::system::{Adapt, IntoAdapterSystem, RunSystemError, System, SystemIn};
+use bevy_ecs::system::{Adapt, AdapterSystem, IntoAdapterSystem, RunSystemError, System, SystemIn};
 use bevy_platform::time::Instant;
 use bevy_reflect::Reflect;
+use std::any::TypeId;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -17,6 +19,8 @@ use std::time::Duration;
 #[reflect(opaque)]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
+    /// Types of drystone's own systems.
+    own: Arc<Mutex<HashSet<TypeId>>>,
     parts: Arc<PartClocks>,
     /// Time of the whole last step.
     pub step: Duration,
@@ -120,6 +124,11 @@ impl Profile {
         Timed(clock)
     }
 
+    /// Whether a system of this type is one of drystone's own.
+    pub(crate) fn is_own(&self, system: TypeId) -> bool {
+        self.own.lock().expect("no holder panics").contains(&system)
+    }
+
     pub(crate) fn end_step(&mut self, step: Duration) {
         self.step = step;
         let clocks = self.clocks.lock().expect("no holder panics");
@@ -153,4 +162,19 @@ impl<S: System> Adapt<S> for Timed {
 /// Wraps a system so that its time appears in the [`Profile`] under `name`.
 pub fn timed<S>(profile: &Profile, name: &'static str, system: S) -> IntoAdapterSystem<Timed, S> {
     IntoAdapterSystem::new(profile.clock(name), system)
+}
+
+/// As [`timed`], for drystone's own systems, which run on any thread.
+pub(crate) fn own<S, M>(
+    profile: &Profile,
+    name: &'static str,
+    system: S,
+) -> IntoAdapterSystem<Timed, S>
+where
+    S: IntoSystem<(), (), M>,
+{
+    let mut own = profile.own.lock().expect("no holder panics");
+    own.insert(TypeId::of::<AdapterSystem<Timed, S::System>>());
+    drop(own);
+    timed(profile, name, system)
 }

@@ -6,17 +6,23 @@
 
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
+use crate::graph::ConstraintGraph;
 use crate::joint::{JointBroke, JointError};
 use crate::mortar::MortarBroke;
 use crate::profile::Profile;
 use crate::sensor::{SensorEntered, SensorExited};
 pub use crate::settings::STEP_LENGTHS;
-use crate::settings::{self, SolverSettings, StepTime};
+use crate::settings::{self, PhysicsThreads, SolverSettings, StepTime};
 use bevy_app::{App, Plugin};
+use bevy_ecs::error::{BevyError, ErrorContext};
 use bevy_ecs::message::{Message, Messages};
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use bevy_ecs::schedule::{
+    ApplyDeferred, ScheduleLabel, SingleThreadedExecutor, SystemExecutor, SystemSchedule,
+};
 use bevy_platform::time::Instant;
+use fixedbitset::FixedBitSet;
+use std::any::TypeId;
 
 /// The schedule of one step, or of one substep if there are several. It runs single-threaded; the systems in it are parallel inside.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
@@ -84,7 +90,7 @@ impl PhysicsSystems {
 
 /// Puts the sets of a [`PhysicsSchedule`] in order, whatever systems are in it already.
 pub(crate) fn order_stages(schedule: &mut Schedule) {
-    schedule.set_executor(SingleThreadedExecutor::new());
+    schedule.set_executor(StepExecutor(SingleThreadedExecutor::new()));
     for [earlier, later] in PhysicsSystems::ORDER.array_windows() {
         schedule.configure_sets(earlier.before(*later));
     }
@@ -169,6 +175,8 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     for substep in 0..substeps {
         let mut time = world.resource_mut::<StepTime>();
         *time = time.next(dt, substep, substeps);
+        let may_change_threads = may_change_threads(world);
+        world.insert_resource(MayChangeThreads(may_change_threads));
         world.run_schedule(PhysicsSchedule);
     }
     #[cfg(feature = "serde")]
@@ -179,6 +187,61 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     crate::sensor::trigger(world);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())
+}
+
+/// Runs one system after the other; in a large step, on a thread of the pool of [`PhysicsThreads`].
+struct StepExecutor(SingleThreadedExecutor);
+
+impl SystemExecutor for StepExecutor {
+    fn init(&mut self, schedule: &SystemSchedule) {
+        self.0.init(schedule);
+    }
+
+    fn run(
+        &mut self,
+        schedule: &mut SystemSchedule,
+        world: &mut World,
+        skip: Option<&FixedBitSet>,
+        error_handler: fn(BevyError, ErrorContext),
+    ) {
+        let may_change = world.get_resource::<MayChangeThreads>();
+        let may_change = may_change.is_some_and(|may_change| may_change.0);
+        let threads = world.get_resource::<PhysicsThreads>();
+        let threads = threads.filter(|_| may_change).cloned();
+        let graph = world.get_resource::<ConstraintGraph>();
+        let pairs = graph.map_or(0, |graph| graph.active_pairs().len());
+        let executor = &mut self.0;
+        match threads {
+            Some(threads) => threads.run_step(pairs, || {
+                executor.run(schedule, world, skip, error_handler);
+            }),
+            None => executor.run(schedule, world, skip, error_handler),
+        }
+    }
+
+    fn set_apply_final_deferred(&mut self, value: bool) {
+        self.0.set_apply_final_deferred(value);
+    }
+}
+
+/// The result of [`may_change_threads`] for the step.
+#[derive(Resource)]
+struct MayChangeThreads(bool);
+
+/// Whether all systems of a step may run on another thread than this one. A system that a user has added may need data of the main thread.
+fn may_change_threads(world: &World) -> bool {
+    let schedules = world.get_resource::<Schedules>();
+    let schedule = schedules.and_then(|schedules| schedules.get(PhysicsSchedule));
+    let systems = schedule.and_then(|schedule| schedule.systems().ok());
+    let profile = world.resource::<Profile>();
+    // Bevy counts exclusive systems, and points where commands are applied, as bound to a thread.
+    let applies = TypeId::of::<ApplyDeferred>();
+    systems.is_some_and(|mut systems| {
+        systems.all(|(_, system)| {
+            let found = system.system_type();
+            system.is_send() || found == applies || profile.is_own(found)
+        })
+    })
 }
 
 /// Updates spatial queries without a step. From then on [`SpatialQuery`](crate::query::SpatialQuery) finds bodies that were spawned since

@@ -239,6 +239,7 @@ impl WarmStart<'_> {
         points: usize,
         work: impl Fn(&mut Island<R>, &[SolverContact]) + Sync,
     ) {
+        let many = islands.len() > 1;
         let mut rest = contacts;
         let parts = islands.iter_mut().filter_map(|island| {
             let (contacts, others) = rest.split_at(island.in_order);
@@ -249,7 +250,7 @@ impl WarmStart<'_> {
             is_acted_on.then_some((island, contacts))
         });
         let threads = &self.context.threads;
-        if threads.runs_in_parallel(points) {
+        if many && threads.runs_in_parallel(points) {
             let parts: Vec<_> = parts.collect();
             let parts = parts.into_par_iter();
             threads.run(points, || {

@@ -67,6 +67,7 @@ mod strewn;
 mod supports;
 mod switches;
 mod thin;
+mod threads;
 mod time;
 mod traffic;
 mod unloading;

@@ -4,7 +4,7 @@ use super::block::Pass;
 use super::blows::Blows;
 use super::island::{Island, batches, rounds, skewed, stands_by_itself};
 use super::load_statistics::BodyLoad;
-use super::quiet::{first_round, may_be_quiet};
+use super::quiet::first_round;
 use super::skewed_sweeps::SkewedSweeps;
 use super::sweep_budget::Course;
 use crate::solver::batches::Batches;
@@ -98,22 +98,33 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// Runs all sweeps, or those of the first round if the island is [quiet](super::quiet) then. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground
-    /// up; back and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
-    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
+    /// Runs all sweeps of an island that [may be quiet](super::quiet), or those of the first round if it is. The others are divided among
+    /// `threads`.
+    pub fn sweep_if_needed(
+        &mut self,
+        problem: &mut PatchProblem,
+        passes: &[Pass],
+        threads: usize,
+        mut tell: impl FnMut(f32),
+    ) {
         let round = first_round(passes, problem.effort);
-        if round == passes.len() || !self.island.alone || !may_be_quiet(problem) {
-            return self.sweep_all(problem, passes, tell);
-        }
         let (first, others) = passes.split_at(round);
-        self.sweep_all(problem, first, &mut tell);
+        self.sweep(problem, first, &mut tell);
+        if others.is_empty() {
+            return;
+        }
         match self.island.are_still(0..problem.bodies.len(), problem) {
             true => self.island.skip(others, problem),
-            false => self.sweep_all(problem, others, tell),
+            false => {
+                problem.threads = threads;
+                self.sweep(problem, others, tell);
+            }
         }
     }
 
-    fn sweep_all(&mut self, problem: &PatchProblem, passes: &[Pass], tell: impl FnMut(f32)) {
+    /// Runs sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground up; back
+    /// and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
+    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: impl FnMut(f32)) {
         match self.island.batches.laps() {
             1 => self.island.sweep(problem, passes, tell),
             _ => {

@@ -78,6 +78,7 @@ use gaps::Gaps;
 use island::{skewed, stands_by_itself};
 use kept::{Kept, Scratch};
 use load_statistics::LoadStatistics;
+use quiet::may_be_quiet;
 use std::f32::consts::TAU;
 use sweep_budget::SweepBudget;
 
@@ -217,6 +218,12 @@ impl SoftStep {
         let straight = hits || budget.downwards || !problem.joints.is_empty();
         let mut kept = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
         let island = &mut kept.island;
+        // With so few sweeps, passing blocks from core to core takes longer than a second thread saves.
+        let threads = problem.threads;
+        let may_be_quiet = !hits && island.alone && may_be_quiet(problem);
+        if may_be_quiet {
+            problem.threads = 1;
+        }
         island.deepest = parting::deepest(&gaps);
         let spring = self.spring(budget, problem.dt);
         self.plan_in(budget, problem.dt, &mut scratch.passes);
@@ -229,6 +236,7 @@ impl SoftStep {
         };
         match hits {
             true => island.sweep_through_blows(&mut kept.blows, problem, &scratch.passes, tell),
+            false if may_be_quiet => kept.sweep_if_needed(problem, &scratch.passes, threads, tell),
             false => kept.sweep(problem, &scratch.passes, tell),
         }
         drop(span);

@@ -197,7 +197,10 @@ impl SoftStep {
         let mut again = vec![false; count];
         if !others.is_empty() {
             let is_quiet = |bodies: Range<usize>| island.are_still(bodies, &problem);
-            again = members.into_iter().map(|bodies| !is_quiet(bodies)).collect();
+            again = members
+                .into_iter()
+                .map(|bodies| !is_quiet(bodies))
+                .collect();
             if again.contains(&false) {
                 island.skip(others, &problem);
             } else {

@@ -6,7 +6,6 @@
 
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
-use crate::graph::ConstraintGraph;
 use crate::joint::{JointBroke, JointError};
 use crate::mortar::MortarBroke;
 use crate::profile::Profile;
@@ -208,11 +207,9 @@ impl SystemExecutor for StepExecutor {
         let may_change = may_change.is_some_and(|may_change| may_change.0);
         let threads = world.get_resource::<PhysicsThreads>();
         let threads = threads.filter(|_| may_change).cloned();
-        let graph = world.get_resource::<ConstraintGraph>();
-        let pairs = graph.map_or(0, |graph| graph.active_pairs().len());
         let executor = &mut self.0;
         match threads {
-            Some(threads) => threads.run_step(pairs, || {
+            Some(threads) => threads.run_step(|| {
                 executor.run(schedule, world, skip, error_handler);
             }),
             None => executor.run(schedule, world, skip, error_handler),

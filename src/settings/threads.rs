@@ -4,6 +4,7 @@ use super::columns::Columns;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads.
 ///
@@ -18,6 +19,8 @@ use std::sync::Arc;
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
     min_items: usize,
+    /// Work of this step was divided.
+    was_divided: Arc<AtomicBool>,
 }
 
 /// Number of pairs at rest that are as much work as one item. The next stage, which may run on one thread, reads from the caches of several cores
@@ -29,6 +32,7 @@ impl Default for PhysicsThreads {
         Self {
             pool: None,
             min_items: Self::DEFAULT_MIN_ITEMS,
+            was_divided: Arc::default(),
         }
     }
 }
@@ -69,18 +73,23 @@ impl PhysicsThreads {
     /// Runs work in the thread pool, or on the calling thread if there are too few items to divide. In the latter case `work` must not
     /// use parallel iterators of rayon, which would run in the global pool.
     pub(crate) fn run<R: Send>(&self, items: usize, work: impl FnOnce() -> R + Send) -> R {
+        if !self.runs_in_parallel(items) {
+            return work();
+        }
+        self.was_divided.store(true, Ordering::Relaxed);
         match &self.pool {
-            Some(pool) if self.runs_in_parallel(items) => pool.install(work),
-            _ => work(),
+            Some(pool) => pool.install(work),
+            None => work(),
         }
     }
 
-    /// Runs a whole step on a thread of the pool, if it has so many active pairs that an island of them is divided. Otherwise each stage would
-    /// hand its work to the pool and wait for it, and its data would go from the cache of one core to that of another and back: a wall of
-    /// 5 000 bricks took a fifth longer on two threads than on one.
-    pub(crate) fn run_step<R: Send>(&self, pairs: usize, step: impl FnOnce() -> R + Send) -> R {
+    /// Runs a whole step, on a thread of the pool if work of the last step was divided. Otherwise each stage would hand its work to the pool and
+    /// wait for it, and its data would go from the cache of one core to that of another and back: a wall of 5 000 bricks took a fifth longer
+    /// on two threads than on one.
+    pub(crate) fn run_step<R: Send>(&self, step: impl FnOnce() -> R + Send) -> R {
+        let was_divided = self.was_divided.swap(false, Ordering::Relaxed);
         match &self.pool {
-            _ if !self.runs_in_parallel(pairs / 2) => step(),
+            _ if !was_divided => step(),
             Some(pool) => pool.install(step),
             None => rayon::scope(|_| step()),
         }

@@ -190,7 +190,7 @@ impl WarmStart<'_> {
             }
         };
         let threads = &self.context.threads;
-        let bodies = self.table.count();
+        let bodies = order.bodies();
         match islands.len() > 1 && threads.runs_in_parallel(bodies) {
             true => threads.run(bodies, || {
                 let islands = islands.par_iter_mut().enumerate();

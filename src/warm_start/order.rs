@@ -352,6 +352,14 @@ impl Order {
         (contacts, complete)
     }
 
+    /// Number of bodies of all islands.
+    pub fn bodies(&self) -> usize {
+        let islands = self.numbered.iter();
+        islands
+            .map(|&id| self.islands[id as usize].bodies.len())
+            .sum()
+    }
+
     /// Number of contacts of all islands.
     fn contact_count(&self) -> usize {
         let last = self.numbered.last();

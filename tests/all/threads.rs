@@ -51,7 +51,7 @@ fn a_large_step_runs_on_a_thread_of_the_pool() {
 
 #[test]
 fn a_small_step_runs_on_the_thread_that_asks_for_it() {
-    assert!(runs_here(&mut cubes(4)));
+    assert!(runs_here(&mut cubes(1000)));
 }
 
 #[test]

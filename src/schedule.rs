@@ -226,6 +226,7 @@ impl SystemExecutor for StepExecutor {
 struct MayChangeThreads(bool);
 
 /// Whether all systems of a step may run on another thread than this one. A system that a user has added may need data of the main thread.
+/// (Conditions are not looked at.)
 fn may_change_threads(world: &World) -> bool {
     let schedules = world.get_resource::<Schedules>();
     let schedule = schedules.and_then(|schedules| schedules.get(PhysicsSchedule));

@@ -2,8 +2,8 @@
 //!
 //! A structure at rest begins a step with the impulses that hold it. A round of sweeps (soft ones, and the rigid one that follows them) finds the
 //! same impulses again, and so does every other round. An island is *quiet* if its bodies were still before the step, are still after
-//! the first round, and would still be so in the next substep ([`Body::still_below`]). The substeps that are left repeat the last one then: bodies keep their
-//! velocities, and contacts give the same impulses.
+//! the first round, and would still be so in the next substep ([`Body::still_below`]). The substeps that are left repeat the last one then: bodies
+//! keep their velocities, and contacts give the same impulses.
 //!
 //! Only worlds without sleeping use this ([`PatchProblem::stays_awake`]): elsewhere such an island sleeps after half a second. Until then it gets all
 //! sweeps, because the forces with which it falls asleep decide when it wakes. With one round, the same structure fell asleep with other

@@ -75,8 +75,9 @@ pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut world: DeferredWorld) {
 /// A quarter of the largest error of a rounded coordinate, as a share of it.
 const ROUNDING: f32 = 1.0 / (1 << 26) as f32;
 
-/// A coordinate counts as at most this many times as large as the body. At 1 km a brick would be still up to 1 mm/s otherwise; with this limit
-/// it is up to 10⁻⁶ of its size in a step, which is known to leave walls, arches and houses of cards as they are.
+/// A coordinate counts as at most this many times as large as the body. Without this limit a brick at 1 km would count as still up to 1 mm/s.
+/// With it, a body is still up to 10⁻⁶ of its size in a step; at that speed walls, arches and houses of cards drift no more than with all sweeps,
+/// and cubes under a hundred times their mass that were placed with noise by 14 µm in a minute.
 const FAR: f32 = 64.0;
 
 /// One body as it was at the start of the step: the pose at which contacts are detected, and the velocity before forces.

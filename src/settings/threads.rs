@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// [`new`](Self::new) limits the threads of physics, and `TaskPoolOptions` of Bevy's `TaskPoolPlugin` limits Bevy's.
 ///
 /// A large step runs on one of these threads as a whole, unless the [`PhysicsSchedule`](crate::schedule::PhysicsSchedule) has a system of yours
-/// that is exclusive or needs data of the main thread.
+/// that is exclusive or needs data of the main thread. Run conditions in that schedule must not need such data.
 #[derive(Resource, Clone, Debug, Reflect)]
 #[reflect(opaque)]
 pub struct PhysicsThreads {

@@ -225,9 +225,14 @@ impl SystemExecutor for StepExecutor {
 #[derive(Resource)]
 struct MayChangeThreads(bool);
 
-/// Whether all systems of a step may run on another thread than this one. A system that a user has added may need data of the main thread.
-/// (Conditions are not looked at.)
+/// Whether a step may run on another thread than this one: work of the last step was divided, and no system needs this thread, as one of the user's
+/// may. (Run conditions are not looked at.)
 fn may_change_threads(world: &World) -> bool {
+    let threads = world.get_resource::<PhysicsThreads>();
+    // Systems are looked at only if it matters: small steps take some microseconds.
+    if !threads.is_some_and(PhysicsThreads::has_divided) {
+        return false;
+    }
     let schedules = world.get_resource::<Schedules>();
     let schedule = schedules.and_then(|schedules| schedules.get(PhysicsSchedule));
     let systems = schedule.and_then(|schedule| schedule.systems().ok());

@@ -83,6 +83,11 @@ impl PhysicsThreads {
         }
     }
 
+    /// Returns true if work was divided since the last step that [`run_step`](Self::run_step) has run.
+    pub(crate) fn has_divided(&self) -> bool {
+        self.was_divided.load(Ordering::Relaxed)
+    }
+
     /// Runs a whole step, on a thread of the pool if work of the last step was divided. Otherwise each stage would hand its work to the pool and
     /// wait for it, and its data would go from the cache of one core to that of another and back: a wall of 5 000 bricks took a fifth longer
     /// on two threads than on one.

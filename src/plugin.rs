@@ -130,6 +130,7 @@ impl Plugin for StepPlugin {
             .init_resource::<BrokenJoints>()
             .init_resource::<BrokenMortar>()
             .init_resource::<contact::MovingSurfaces>()
+            .init_resource::<body::WrittenTransforms>()
             .init_resource::<Unassembled>()
             .init_resource::<Sensors>()
             .init_resource::<UntriggeredSensorEvents>()
@@ -207,6 +208,7 @@ impl Plugin for BodyPlugin {
             PhysicsSchedule,
             (
                 own(&profile, "prepare", saving::restore).run_if(saving::any_saved),
+                own(&profile, "prepare", body::find_written_transforms),
                 own(&profile, "prepare", children::assemble),
                 own(&profile, "prepare", body::complete),
                 own(&profile, "prepare", body::lift)
@@ -485,6 +487,7 @@ impl Plugin for RefreshPlugin {
                 RefreshSchedule,
                 (
                     saving::restore.run_if(saving::any_saved),
+                    body::find_written_transforms,
                     children::assemble,
                     body::refresh,
                 )

@@ -8,9 +8,9 @@
 
 use super::listed::Written;
 use super::placement::{Placed, user_pose};
-use super::rows::{Rows, look};
+use super::rows::Rows;
 use super::{BodyTable, Pose, Simulated};
-use bevy_ecs::change_detection::{ContiguousRef, Tick};
+use bevy_ecs::change_detection::Tick;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
@@ -40,8 +40,8 @@ pub(super) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;
 pub(super) type InactiveChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), IsInactive>;
 
-/// Finds inactive bodies that were written since the system ran last, and after `since` if that is later; once for each component. Values that
-/// equal the table do not count.
+/// Finds inactive bodies of which another component than `Transform` was written since the system ran last, and after `since` if that is later;
+/// once for each component. Values that equal the table do not count.
 pub(super) fn find_written(
     table: &BodyTable,
     bodies: InactiveBodies,
@@ -56,34 +56,9 @@ pub(super) fn find_written(
             slots: columns.slot,
             since,
         };
-        // `find_carried` handles bodies in the frame of a parent.
-        if columns.parent.is_none() {
-            look_moved(
-                columns.entity,
-                columns.at,
-                columns.transform.clone(),
-                &mut found,
-            );
-        }
         columns.find(rows, &mut found);
     }
     found
-}
-
-/// Finds bodies whose `Transform` was written and differs from their pose. Interpolation writes the transforms of all bodies in every frame,
-/// but those of inactive bodies keep their value.
-fn look_moved(
-    entities: &[Entity],
-    poses: &[Pose],
-    column: ContiguousRef<Transform>,
-    found: &mut Vec<Entity>,
-) {
-    look(column, None, |row, drawn| {
-        let pose = &poses[row];
-        if (pose.position, pose.rotation) != (drawn.translation, drawn.rotation) {
-            found.push(entities[row]);
-        }
-    });
 }
 
 /// Finds inactive bodies whose parent was moved or replaced.

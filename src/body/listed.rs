@@ -7,7 +7,6 @@ use super::{BodyProperties, RigidBody};
 use crate::diagnosis::BodyProblem;
 use crate::state::visitor::Visitor;
 use bevy_app::App;
-use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_transform::components::Transform;
@@ -74,15 +73,12 @@ macro_rules! listed {
             }
         }
 
-        /// All components that a user may write to an inactive body.
+        /// The components besides `Transform` that a user may write to an inactive body.
         #[derive(QueryData)]
         #[query_data(contiguous(all))]
         pub struct Written {
             pub entity: Entity,
             pub slot: &'static BodyIndex,
-            pub at: &'static Pose,
-            pub transform: Ref<'static, Transform>,
-            pub parent: Option<&'static ChildOf>,
             kind: Ref<'static, RigidBody>,
             $($essential: Ref<'static, $Essential>,)*
             $($pushing: Option<Ref<'static, $Pushing>>,)*

@@ -43,6 +43,7 @@ mod slot_set;
 mod solver_effort;
 mod spawn_order;
 mod table;
+mod written_transforms;
 
 pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
 pub use complete::complete;
@@ -67,7 +68,7 @@ pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
 pub use quarantine::any_suspects;
 pub use quarantine::{Quarantined, lift, quarantine};
-pub(crate) use rows::{look, new_rows, newer_than};
+pub(crate) use rows::{new_rows, newer_than};
 pub use sleeping::Sleeping;
 pub(crate) use slot_list::{cover, make_room};
 pub use solver_effort::SolverEffort;
@@ -76,6 +77,7 @@ pub use spawn_order::SpawnOrder;
 pub(crate) use table::Noted;
 pub use table::{BodyIndex, BodyState, BodyTable};
 pub(crate) use table::{is_body, lost_description, lost_parent};
+pub use written_transforms::{WrittenTransforms, find_written_transforms};
 
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};

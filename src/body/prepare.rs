@@ -7,7 +7,7 @@ use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,
     GravityScale, Inactive, MassProperties, Pose, RigidBody, Simulated, Sleeping, SpawnOrder,
-    Teleport, Velocity, limits,
+    Teleport, Velocity, WrittenTransforms, limits,
 };
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
@@ -43,6 +43,7 @@ pub(super) type Pushed<'w> = (
 pub fn prepare(
     mut commands: Commands,
     (mut table, mut suspects): (ResMut<BodyTable>, ResMut<Suspects>),
+    mut transforms: ResMut<WrittenTransforms>,
     rules: Rules,
     mut bodies: ParamSet<(
         Query<Entity, (With<BodyIndex>, Simulated, Without<Inactive>, Changes)>,
@@ -75,6 +76,7 @@ pub fn prepare(
         true => bodies.p1().iter().map(|of| of.entity).collect(),
         false => find_written(visitor.table, bodies.p1(), None),
     };
+    dirty.append(&mut transforms.moved);
     dirty.extend(find_carried(bodies.p2(), placed));
     dirty.extend(&teleported);
     let resting = bodies.p1();
@@ -105,6 +107,7 @@ pub fn prepare(
         )
     });
     let mut moving = bodies.p4();
+    table.reserve(joining.len());
     for (spawn_order, entity) in joining {
         let Ok((of, mut index, pose, velocity, _, pushed)) = moving.get_mut(entity) else {
             continue;

@@ -7,7 +7,7 @@ const SHARE: usize = 16;
 /// that takes longer than the rest of the step. This is called when many bodies arrive, in a step that takes long anyway.
 pub(crate) fn make_room<T>(list: &mut Vec<T>, slots: usize) {
     if list.capacity() < slots {
-        list.reserve(slots + slots / SHARE - list.len());
+        list.reserve_exact(slots + slots / SHARE - list.len());
     }
 }
 

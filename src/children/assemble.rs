@@ -4,7 +4,7 @@ use super::carry::carry;
 use super::compound::{CompoundCollider, is_separate};
 use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
 use super::implicit::{ImplicitBody, make_body, take_body};
-use crate::body::{Density, Mass, RigidBody, look, weigh_body};
+use crate::body::{Density, Mass, RigidBody, WrittenTransforms, weigh_body};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
@@ -62,21 +62,12 @@ type Redefined = (
 /// Entities that are no bodies and may have bodies or colliders below them.
 type MovedNodes = (With<Children>, Without<RigidBody>, Changed<Transform>);
 
-type Scaled = (
-    Entity,
-    Ref<'static, Transform>,
-    Option<&'static CompoundCollider>,
-);
-
-type IsRoot = (With<RigidBody>, HasShape, Without<ChildOf>);
-
 /// The searches for entities that may have changed.
 #[derive(Debug, FromWorld)]
 pub struct Searches {
     written: QueryState<Entity, Written>,
     redefined: QueryState<Entity, Redefined>,
     nodes: QueryState<Entity, MovedNodes>,
-    scaled: QueryState<Scaled, IsRoot>,
     carried: QueryState<(Entity, Option<&'static CompoundCollider>), IsCarried>,
     colliders: QueryState<Entity, With<Collider>>,
     implicit: QueryState<Entity, (With<ImplicitBody>, With<ChildOf>)>,
@@ -97,7 +88,7 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     }
     roots.extend(searches.written.iter(world));
     let mut bodies: Vec<Entity> = searches.redefined.iter(world).collect();
-    find_rescaled(world, &mut searches.scaled, &mut bodies);
+    bodies.append(&mut world.resource_mut::<WrittenTransforms>().rescaled);
     let mut nodes = searches.nodes.iter(world).peekable();
     if nodes.peek().is_some() {
         bodies.extend(nodes.filter_map(|node| body_of(world, node)));
@@ -132,20 +123,7 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
 
 /// The scale with which a shape was made.
 fn known_scale(known: Option<&CompoundCollider>) -> Vec3 {
-    known.map_or(Vec3::ONE, |known| known.scale)
-}
-
-/// Finds bodies without a parent whose scale is not that of their shape.
-fn find_rescaled(world: &World, scaled: &mut QueryState<Scaled, IsRoot>, found: &mut Vec<Entity>) {
-    let bodies = scaled.query(world);
-    let columns = bodies.contiguous_iter();
-    for (bodies, transforms, known) in columns.expect("all of it is stored in tables") {
-        look(transforms, None, |row, transform| {
-            if transform.scale != known_scale(known.map(|known| &known[row])) {
-                found.push(bodies[row]);
-            }
-        });
-    }
+    known.map_or(Vec3::ONE, CompoundCollider::scale)
 }
 
 /// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none.

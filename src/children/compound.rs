@@ -195,6 +195,11 @@ pub(crate) fn compound_mass(world: &World, body: Entity) -> Option<CompoundColli
 }
 
 impl CompoundCollider {
+    /// The scale of the body in the world with which it was made.
+    pub(crate) fn scale(&self) -> Vec3 {
+        self.scale
+    }
+
     /// The colliders of the body: its own, and those below it in the hierarchy.
     pub fn parts(&self) -> impl Iterator<Item = Entity> {
         self.sources.iter().map(|part| part.entity)

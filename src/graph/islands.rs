@@ -507,6 +507,8 @@ impl Islands {
         self.levels
             .update(graph, kind, [&linked, &unlinked], &renewed);
         ends.extend(unlinked.as_flattened());
+        self.structures.take_in(linked.iter());
+        self.partition.take_in(linked.iter().chain(&joined));
         for &slots in &linked {
             self.structures.link(slots);
         }

@@ -21,7 +21,7 @@ use std::collections::VecDeque;
 use std::fmt;
 
 /// The place of a body in the partition.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Place {
     island: u32,
@@ -30,6 +30,9 @@ struct Place {
 }
 
 const NONE: u32 = u32::MAX;
+
+/// In place of an island: the body enters, and its place is that in the list of those.
+const ENTERS: u32 = NONE - 1;
 
 const NOWHERE: Place = Place {
     island: NONE,
@@ -62,6 +65,9 @@ pub(super) struct Partition {
     has_numbers: bool,
     /// Indexed by slot.
     places: Vec<Place>,
+    /// Slots of the bodies that were [inserted](Self::insert) and are in no island yet.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    entering: Vec<u32>,
     islands: Vec<Island>,
     free: Vec<u32>,
     /// The islands, in the order of their numbers.
@@ -79,6 +85,7 @@ pub(super) struct Partition {
 clone_fields!(Partition {
     has_numbers,
     places,
+    entering,
     islands,
     free,
     numbered,
@@ -111,7 +118,7 @@ impl Partition {
     #[inline]
     pub fn id(&self, slot: u32) -> Option<u32> {
         let island = self.places.get(slot as usize)?.island;
-        (island != NONE).then_some(island)
+        (island < ENTERS).then_some(island)
     }
 
     /// The number of an island, or `None` if it has none.
@@ -157,13 +164,38 @@ impl Partition {
         cover(&mut self.search.found_by, slots, 0);
     }
 
-    /// Adds a body as an island of its own.
+    /// Inserts a body. It is in no island before [`Self::take_in`].
     pub fn insert(&mut self, slot: u32) {
         if self.places.len() <= slot as usize {
             self.places.resize(slot as usize + 1, NOWHERE);
         }
-        let island = self.new_island();
-        self.add(slot, island);
+        self.places[slot as usize] = Place {
+            island: ENTERS,
+            place: self.entering.len() as u32,
+        };
+        self.entering.push(slot);
+    }
+
+    /// Makes islands of the bodies that were inserted since. Those that these links connect are one island from the beginning: if each body were
+    /// an island until it is merged, there would be as many identities as bodies, and lists by identity would be as long.
+    pub fn take_in<'a>(&mut self, links: impl Iterator<Item = &'a [u32; 2]>) {
+        let entering = std::mem::take(&mut self.entering);
+        if entering.is_empty() {
+            return;
+        }
+        let mut parts = Parts::new(entering.len());
+        for &slots in links {
+            let places = slots.map(|slot| self.places.get(slot as usize).copied());
+            if let [Some(a), Some(b)] = places
+                && (a.island, b.island) == (ENTERS, ENTERS)
+            {
+                parts.join(a.place, b.place);
+            }
+        }
+        for part in parts.members() {
+            let slots = part.into_iter().map(|place| entering[place as usize]);
+            self.insert_all(slots.collect());
+        }
     }
 
     /// Adds bodies that are connected, and with no others, as an island.
@@ -186,10 +218,20 @@ impl Partition {
 
     /// Removes a body.
     pub fn remove(&mut self, slot: u32) {
-        if self.id(slot).is_some() {
-            self.take(slot);
-            self.places[slot as usize] = NOWHERE;
+        match self.places.get(slot as usize).copied() {
+            None | Some(NOWHERE) => return,
+            Some(Place {
+                island: ENTERS,
+                place,
+            }) => {
+                self.entering.swap_remove(place as usize);
+                if let Some(&moved) = self.entering.get(place as usize) {
+                    self.places[moved as usize].place = place;
+                }
+            }
+            Some(_) => self.take(slot),
         }
+        self.places[slot as usize] = NOWHERE;
     }
 
     /// Merges the islands of two linked bodies.
@@ -344,6 +386,51 @@ impl Partition {
         if self.islands[id as usize].first == slot {
             self.headless.push(id);
         }
+    }
+}
+
+/// Items that are joined to parts, by index.
+struct Parts {
+    /// An earlier item of the same part; the item itself if there is none.
+    before: Vec<u32>,
+}
+
+impl Parts {
+    /// Each item is a part.
+    fn new(count: usize) -> Self {
+        Self {
+            before: (0..count as u32).collect(),
+        }
+    }
+
+    /// The first item of a part.
+    fn first(&mut self, mut item: u32) -> u32 {
+        while self.before[item as usize] != item {
+            let before = self.before[item as usize];
+            self.before[item as usize] = self.before[before as usize];
+            item = before;
+        }
+        item
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.first(a), self.first(b));
+        self.before[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The items of each part, in order.
+    fn members(mut self) -> Vec<Vec<u32>> {
+        let mut parts: Vec<Vec<u32>> = Vec::new();
+        let mut numbers = vec![NONE; self.before.len()];
+        for item in 0..self.before.len() as u32 {
+            let first = self.first(item);
+            if first == item {
+                numbers[item as usize] = parts.len() as u32;
+                parts.push(Vec::new());
+            }
+            parts[numbers[first as usize] as usize].push(item);
+        }
+        parts
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::contact::start_impulse;
 use super::{Rows, SolveContext, SolverContact, Splice};
+use crate::body::make_room;
 use crate::contact::{ContactPoint, ManifoldPatch};
 use crate::revision::Revision;
 use crate::settings::StepTime;
@@ -145,7 +146,24 @@ impl PatchRows {
         first.map_or(self.patches.len(), |first| first as usize)
     }
 
+    /// Makes room for the rows of these contacts.
+    fn reserve(&mut self, contacts: &[SolverContact]) {
+        let (mut patches, mut points) = (0, 0);
+        for contact in contacts {
+            for (.., range) in contact.manifold.patches_with_points() {
+                patches += 1;
+                points += range.len();
+            }
+        }
+        make_room(&mut self.firsts, contacts.len());
+        make_room(&mut self.patches, patches);
+        make_room(&mut self.curved, patches);
+        make_room(&mut self.memory.patches, patches);
+        make_room(&mut self.points, points);
+    }
+
     fn rebuild(&mut self, contacts: &[SolverContact], ends: &[[u32; 2]], ideal: f32) {
+        self.reserve(contacts);
         for (contact, ends) in contacts.iter().zip(ends) {
             self.firsts.push(self.patches.len() as u32);
             for (i, patch, range) in contact.manifold.patches_with_points() {

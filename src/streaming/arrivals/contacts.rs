@@ -72,9 +72,9 @@ impl<'a> Contacts<'a> {
     /// Finds the contacts and the structures of a group.
     pub fn find(&self, group: &Group) -> Found {
         let mut warnings = Vec::new();
-        let contacts = group.pairs.iter();
-        let contacts = contacts.filter_map(|&slots| self.detect(slots, &mut warnings));
-        let contacts: Vec<Contact> = contacts.collect();
+        let mut contacts = Vec::with_capacity(group.pairs.len());
+        let found = group.pairs.iter();
+        contacts.extend(found.filter_map(|&slots| self.detect(slots, &mut warnings)));
         let islands = self.structures(group, &contacts);
         Found {
             contacts,

@@ -4,7 +4,7 @@
 //! one search, for scales as well as for poses.
 
 use super::rows::look;
-use super::{Inactive, Pose, RigidBody};
+use super::{BodyIndex, Inactive, Pose, RigidBody};
 use crate::children::CompoundCollider;
 use crate::collider::Collider;
 use bevy_ecs::hierarchy::ChildOf;
@@ -26,7 +26,7 @@ pub struct WrittenTransforms {
 type Body<'w> = (
     Entity,
     Ref<'w, Transform>,
-    Option<&'w Pose>,
+    Option<(&'w Pose, &'w BodyIndex)>,
     Option<&'w Inactive>,
     Option<&'w Collider>,
     Option<&'w CompoundCollider>,
@@ -42,15 +42,19 @@ pub fn find_written_transforms(
     moved.clear();
     let tables = bodies.contiguous_iter();
     for table in tables.expect("all of it is stored in tables") {
-        let (entities, transforms, poses, inactive, colliders, compounds) = table;
+        let (entities, transforms, places, inactive, colliders, compounds) = table;
         let has_shape = colliders.is_some() || compounds.is_some();
-        let poses = poses.filter(|_| inactive.is_some());
+        let places = places.filter(|_| inactive.is_some());
         look(transforms, None, |row, transform| {
             let scale = compounds.map_or(Vec3::ONE, |compounds| compounds[row].scale());
             if has_shape && transform.scale != scale {
                 rescaled.push(entities[row]);
             }
-            if poses.is_some_and(|poses| !poses[row].is_drawn_by(transform)) {
+            // A body that was spawned asleep has no pose before it is in the table.
+            if let Some((poses, slots)) = places
+                && slots[row] != BodyIndex::NONE
+                && !poses[row].is_drawn_by(transform)
+            {
                 moved.push(entities[row]);
             }
         });

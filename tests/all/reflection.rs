@@ -14,12 +14,16 @@ use std::any::TypeId;
 use std::fmt::Debug;
 
 /// Types that are not registered, and why.
-const INTERNAL: [(&str, &str); 20] = [
+const INTERNAL: [(&str, &str); 21] = [
     (
         "recording::recorder::Recorder",
         "a file and what it watches; no state",
     ),
     ("body::pending::Pending", "derived, for queries"),
+    (
+        "body::written_transforms::WrittenTransforms",
+        "hidden; empty between steps",
+    ),
     (
         "warm_start::problems::IslandProblems",
         "scratch of a step, with the memory of solvers",

@@ -224,7 +224,8 @@ fn connect(
 ) {
     let count = groups.pairs.len();
     graph.reserve(count, table.slots());
-    let mut left = count;
+    // Rows for all of them are reserved with the first: a batch also takes as many entities, and gives back those that it does not spawn.
+    let mut to_reserve = Some(count);
     let mut warnings = Vec::new();
     let mut local = vec![u32::MAX; table.slots()];
     let portion = PORTION * world.resource::<PhysicsThreads>().count();
@@ -269,8 +270,8 @@ fn connect(
             edges.push((pair.edge, links));
             (pair, components)
         });
-        let pairs: Vec<Entity> = world.spawn_batch(with_room(bundles, left)).collect();
-        left -= number;
+        let room = to_reserve.take().unwrap_or(number);
+        let pairs: Vec<Entity> = world.spawn_batch(with_room(bundles, room)).collect();
         for ((edge, links), pair) in edges.into_iter().zip(pairs) {
             graph.name(edge, pair);
             graph.set_links(edge, links);

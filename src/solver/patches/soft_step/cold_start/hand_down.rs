@@ -5,6 +5,7 @@ use super::super::upright::{up, upper};
 use crate::solver::{Body, PatchPoint, PatchProblem};
 use bevy_math::ops;
 use glam::Vec3;
+use smallvec::SmallVec;
 
 /// Upper bound of visits to the supports of one body, which share its load.
 const VISITS: usize = 200;
@@ -18,9 +19,9 @@ const BALANCED: f32 = 1e-3;
 /// The supports of each body.
 struct Supports {
     /// By body: the patches it lies on, and its side of each.
-    of: Vec<Vec<(usize, usize)>>,
+    of: Vec<SmallVec<[(u32, u32); 4]>>,
     /// By body: the number of patches on it that have not handed down their load.
-    above: Vec<usize>,
+    above: Vec<u32>,
 }
 
 /// By body: whether a path of closed patches leads down to a fixed body, or to one that joints hold (`jointed`, if any). Patches come in the order of their level, so that one pass finds
@@ -48,13 +49,13 @@ impl Supports {
     fn new(problem: &PatchProblem) -> Self {
         let up = up(problem);
         let mut supports = Self {
-            of: vec![Vec::new(); problem.bodies.len()],
+            of: vec![SmallVec::new(); problem.bodies.len()],
             above: vec![0; problem.bodies.len()],
         };
         for (i, patch) in problem.patches.iter().enumerate() {
             if let Some(side) = upper(patch, up) {
                 let [on_top, below] = [side, 1 - side].map(|side| patch.bodies[side] as usize);
-                supports.of[on_top].push((i, side));
+                supports.of[on_top].push((i as u32, side as u32));
                 supports.above[below] += 1;
             }
         }
@@ -117,13 +118,14 @@ struct Foot {
     patch: usize,
     /// The side of the body.
     side: usize,
-    normals: Vec<(usize, Row)>,
+    normals: SmallVec<[(usize, Row); 4]>,
     tangents: [Row; 2],
 }
 
 impl Foot {
     /// A foot, if any of its points is closed or carries an impulse.
-    fn new(problem: &PatchProblem, (index, side): (usize, usize), closed: f32) -> Option<Self> {
+    fn new(problem: &PatchProblem, (index, side): (u32, u32), closed: f32) -> Option<Self> {
+        let (index, side) = (index as usize, side as usize);
         let patch = &problem.patches[index];
         let body = &problem.bodies[patch.bodies[side] as usize];
         let sign = if side == 0 { 1.0 } else { -1.0 };
@@ -139,7 +141,7 @@ impl Foot {
             let carries = separation <= closed || normal_impulse > 0.0;
             (carries && row.response > 0.0).then_some((i, row))
         };
-        let normals: Vec<_> = patch.range().filter_map(point).collect();
+        let normals: SmallVec<_> = patch.range().filter_map(point).collect();
         let (t1, t2) = patch.normal.any_orthonormal_pair();
         (!normals.is_empty()).then(|| Self {
             patch: index,
@@ -237,8 +239,8 @@ pub fn pass_on(
     while let Some(index) = ready.pop() {
         let beneath = std::mem::take(&mut supports.of[index]);
         if gained[index] {
-            let foot = |&at: &(usize, usize)| Foot::new(problem, at, closed);
-            let mut feet: Vec<Foot> = beneath.iter().filter_map(foot).collect();
+            let foot = |&at: &(u32, u32)| Foot::new(problem, at, closed);
+            let mut feet: SmallVec<[Foot; 2]> = beneath.iter().filter_map(foot).collect();
             share(problem, index, &mut feet, &mut motions[index], down);
             for foot in feet {
                 gained[foot.below(problem)] = true;
@@ -246,7 +248,7 @@ pub fn pass_on(
             }
         }
         for (patch, side) in beneath {
-            let below = problem.patches[patch].bodies[1 - side] as usize;
+            let below = problem.patches[patch as usize].bodies[1 - side as usize] as usize;
             courses[below] = courses[below].max(courses[index] + 1);
             supports.above[below] -= 1;
             if supports.above[below] == 0 {

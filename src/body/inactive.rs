@@ -31,10 +31,10 @@ impl Inactive {
 }
 
 /// Filter for inactive bodies.
-pub(super) type IsInactive = (With<Inactive>, Simulated);
+pub(crate) type IsInactive = (With<Inactive>, Simulated);
 
 /// The inactive bodies, with the components that users may write.
-pub(super) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;
+pub(crate) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;
 
 /// The inactive bodies whose `Transform` is in the frame of a parent.
 pub(super) type InactiveChildren<'w, 's> =
@@ -47,6 +47,23 @@ pub(super) fn find_written(
     bodies: InactiveBodies,
     since: Option<Tick>,
 ) -> Vec<Entity> {
+    find(table, bodies, since, false)
+}
+
+/// Has *prepare* visit the inactive bodies that were written since it ran last, and search only for what is written after `now`. Bodies that are not
+/// in the table yet do not count: those that arrive by the thousand would be compared component by component.
+pub(crate) fn note_written(table: &mut BodyTable, bodies: InactiveBodies, now: Tick) {
+    let found = find(table, bodies, table.visited_at(), true);
+    table.visit_again(found);
+    table.set_visited_at(now);
+}
+
+fn find(
+    table: &BodyTable,
+    bodies: InactiveBodies,
+    since: Option<Tick>,
+    only_known: bool,
+) -> Vec<Entity> {
     let mut found = Vec::new();
     let columns = bodies.contiguous_iter();
     for columns in columns.expect("all of it is stored in tables") {
@@ -55,6 +72,7 @@ pub(super) fn find_written(
             entities: columns.entity,
             slots: columns.slot,
             since,
+            only_known,
         };
         columns.find(rows, &mut found);
     }

@@ -52,6 +52,7 @@ pub use disabled::{ColliderDisabled, RigidBodyDisabled};
 pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
+pub(crate) use inactive::{InactiveBodies, note_written};
 pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
 pub(crate) use listed::{copy_description, properties_of, register, visit};

@@ -58,6 +58,7 @@ pub fn prepare(
 ) {
     let reduced = table.take_reduced();
     let changed: EntityHashSet = bodies.p0().iter().chain(reduced.iter().copied()).collect();
+    let visited_at = table.visited_at();
     let visit = table.begin_visit(rules.ticks.this_run());
     table.take_left();
     let mut joining: Vec<(SpawnOrder, Entity)> = Vec::new();
@@ -74,7 +75,7 @@ pub fn prepare(
     }
     let mut dirty = match rules.active_settings.changed {
         true => bodies.p1().iter().map(|of| of.entity).collect(),
-        false => find_written(visitor.table, bodies.p1(), None),
+        false => find_written(visitor.table, bodies.p1(), visited_at),
     };
     dirty.append(&mut transforms.moved);
     dirty.extend(find_carried(bodies.p2(), placed));

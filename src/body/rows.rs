@@ -11,6 +11,8 @@ pub(super) struct Rows<'a> {
     pub entities: &'a [Entity],
     pub slots: &'a [BodyIndex],
     pub since: Option<Tick>,
+    /// Bodies that are not in the table are passed over.
+    pub only_known: bool,
 }
 
 impl Rows<'_> {
@@ -26,8 +28,12 @@ impl Rows<'_> {
             entities,
             slots,
             since,
+            only_known,
         } = self;
         look(column, since, |row, value| {
+            if only_known && slots[row] == BodyIndex::NONE {
+                return;
+            }
             let body = table.get(slots[row].0);
             let body = body.filter(|body| body.entity == entities[row]);
             if !body.is_some_and(|body| known(body, value)) {

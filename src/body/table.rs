@@ -570,6 +570,11 @@ impl BodyTable {
         &self.reduced
     }
 
+    /// Has the next *prepare* read these bodies again, as after a change.
+    pub(super) fn visit_again(&mut self, bodies: Vec<Entity>) {
+        self.reduced.extend(bodies);
+    }
+
     /// Returns [`Self::reduced`], and clears the list.
     pub(super) fn take_reduced(&mut self) -> Vec<Entity> {
         std::mem::take(&mut self.reduced)

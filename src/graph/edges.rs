@@ -415,8 +415,7 @@ impl ConstraintGraph {
         overlaps.filter(move |&[a, b]| {
             let counts = [a, b].map(|slot| self.edges_of(slot).len());
             if counts[0].min(counts[1]) < MANY {
-                let slot = if counts[0] <= counts[1] { a } else { b };
-                return !self.contacts_of(slot).any(|edge| edge.slots == [a, b]);
+                return !self.has_contact([a, b]);
             }
             let of = match marked {
                 Some(slot) if slot == a || slot == b => slot,
@@ -453,9 +452,13 @@ impl ConstraintGraph {
         edge
     }
 
-    /// Returns true if there is a contact between the two bodies.
+    /// Returns true if there is a contact between the two bodies. It is found in the list of the body with fewer edges: the ground of a town has those
+    /// of all its walls.
     pub(crate) fn has_contact(&self, slots: [u32; 2]) -> bool {
-        self.contacts_of(slots[0]).any(|edge| edge.slots == slots)
+        let fewer = slots
+            .into_iter()
+            .min_by_key(|&slot| self.edges_of(slot).len());
+        fewer.is_some_and(|slot| self.contacts_of(slot).any(|edge| edge.slots == slots))
     }
 
     /// Sets the entity of an edge.

@@ -14,6 +14,7 @@
 //! has found all bodies it can reach; these are split off. So the cost of a split is proportional to its smaller part.
 
 use super::edges::ConstraintGraph;
+use super::parts::Parts;
 use crate::body::cover;
 use crate::revision::Revision;
 use crate::state::clone_fields;
@@ -386,51 +387,6 @@ impl Partition {
         if self.islands[id as usize].first == slot {
             self.headless.push(id);
         }
-    }
-}
-
-/// Items that are joined to parts, by index.
-struct Parts {
-    /// An earlier item of the same part; the item itself if there is none.
-    before: Vec<u32>,
-}
-
-impl Parts {
-    /// Each item is a part.
-    fn new(count: usize) -> Self {
-        Self {
-            before: (0..count as u32).collect(),
-        }
-    }
-
-    /// The first item of a part.
-    fn first(&mut self, mut item: u32) -> u32 {
-        while self.before[item as usize] != item {
-            let before = self.before[item as usize];
-            self.before[item as usize] = self.before[before as usize];
-            item = before;
-        }
-        item
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.first(a), self.first(b));
-        self.before[a.max(b) as usize] = a.min(b);
-    }
-
-    /// The items of each part, in order.
-    fn members(mut self) -> Vec<Vec<u32>> {
-        let mut parts: Vec<Vec<u32>> = Vec::new();
-        let mut numbers = vec![NONE; self.before.len()];
-        for item in 0..self.before.len() as u32 {
-            let first = self.first(item);
-            if first == item {
-                numbers[item as usize] = parts.len() as u32;
-                parts.push(Vec::new());
-            }
-            parts[numbers[first as usize] as usize].push(item);
-        }
-        parts
     }
 }
 

@@ -83,6 +83,34 @@ impl PhysicsThreads {
         }
     }
 
+    /// Does two things, at the same time if there are enough items: `ahead` in the thread pool, which it may divide, and `here` on the calling
+    /// thread. Otherwise `here` comes first.
+    pub(crate) fn beside<A: Send, B>(
+        &self,
+        items: usize,
+        ahead: impl FnOnce() -> A + Send,
+        here: impl FnOnce() -> B,
+    ) -> (A, B) {
+        if !self.runs_in_parallel(items) {
+            let here = here();
+            return (ahead(), here);
+        }
+        self.was_divided.store(true, Ordering::Relaxed);
+        let mut found = None;
+        let store = &mut found;
+        let here = match &self.pool {
+            Some(pool) => pool.in_place_scope(|scope| {
+                scope.spawn(|_| *store = Some(ahead()));
+                here()
+            }),
+            None => rayon::in_place_scope(|scope| {
+                scope.spawn(|_| *store = Some(ahead()));
+                here()
+            }),
+        };
+        (found.expect("the scope waits for it"), here)
+    }
+
     /// Returns true if work was divided since the last step that [`run_step`](Self::run_step) has run.
     pub(crate) fn has_divided(&self) -> bool {
         self.was_divided.load(Ordering::Relaxed)

@@ -95,6 +95,27 @@ fn it_is_the_same_on_any_number_of_threads() {
     asleep_and_awake_alike(one, four, &bodies[0]);
 }
 
+/// The search for written components passes over bodies that arrive, which all have new change ticks.
+#[test]
+fn what_is_written_as_others_arrive_is_noticed() {
+    let mut lab = ground();
+    let wall = Wall::new(Bond::Running).blocks().unwrap();
+    let bodies = spawn(&mut lab, &wall, true);
+    lab.run(0.1);
+    let top = bodies[bodies.len() - 1];
+    lab.world.get_mut::<Velocity>(top).unwrap().linear = Vec3::X;
+    let moved_wall: Vec<Block> = moved(wall, 0.0, 7.0).collect();
+    let others = spawn(&mut lab, &moved_wall, true);
+    let pushed = bodies[bodies.len() - 3];
+    let place = lab.world.get::<Transform>(pushed).unwrap().translation;
+    lab.world.get_mut::<Transform>(pushed).unwrap().translation += 0.01 * Vec3::Z;
+    lab.step();
+    assert!(!sleeps(&lab, top) && !sleeps(&lab, pushed));
+    let now = lab.world.get::<Pose>(pushed).unwrap().position;
+    assert!((now - place).z > 0.005, "{now} instead of {place}");
+    assert!(others.iter().all(|&body| sleeps(&lab, body)));
+}
+
 #[test]
 fn a_second_town_joins_the_first() {
     // One of its walls stands on a wall that is there already, and another beside it.

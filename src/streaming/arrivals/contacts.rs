@@ -55,7 +55,7 @@ impl Found {
 
 /// Finds contacts.
 pub(super) struct Contacts<'a> {
-    table: &'a BodyTable,
+    pub table: &'a BodyTable,
     detector: Detector,
 }
 

@@ -3,6 +3,7 @@
 use super::each;
 use crate::body::{BodyState, BodyTable};
 use crate::broadphase::Broadphase;
+use crate::graph::Parts;
 use crate::settings::PhysicsThreads;
 use std::ops::Range;
 
@@ -66,13 +67,13 @@ impl Groups {
             if let [Some(a), Some(b)] = slots.map(|slot| places.of(slot))
                 && slots.into_iter().all(is_dynamic)
             {
-                places.join(a, b);
+                places.groups.join(a, b);
             }
         }
         let mut left_out = vec![false; slots.len()];
         let marked = near.iter().flat_map(|near| &near.left_out);
         for &i in marked {
-            left_out[places.first(i) as usize] = true;
+            left_out[places.groups.first(i) as usize] = true;
         }
         places.spread(pairs(), &mut left_out);
         let mut groups = Self::default();
@@ -80,7 +81,7 @@ impl Groups {
         let mut numbers = vec![u32::MAX; slots.len()];
         let mut counts: Vec<[usize; 2]> = Vec::new();
         for (i, &slot) in (0..).zip(slots) {
-            let first = places.first(i);
+            let first = places.groups.first(i);
             if left_out[first as usize] {
                 groups.left_out.push(slot);
             } else if !is_dynamic(slot) {
@@ -95,7 +96,7 @@ impl Groups {
         }
         let mut group_of = |slot: u32| {
             let place = places.of(slot).filter(|_| is_dynamic(slot))?;
-            let number = numbers[places.first(place) as usize];
+            let number = numbers[places.groups.first(place) as usize];
             (number != u32::MAX).then_some(number as usize)
         };
         let of_pair = |[a, b]: [u32; 2], group_of: &mut dyn FnMut(u32) -> Option<usize>| {
@@ -180,13 +181,13 @@ impl Near {
     }
 }
 
-/// The index of each body among those that arrive, and a forest of those that are in one group.
+/// The index of each body among those that arrive, and which of them are in one group.
 struct Places {
     first_slot: u32,
     /// By slot, from the first one on.
     indices: Vec<u32>,
-    /// By index: another body of the group, or itself.
-    parents: Vec<u32>,
+    /// By index.
+    groups: Parts,
 }
 
 impl Places {
@@ -200,7 +201,7 @@ impl Places {
         Self {
             first_slot,
             indices,
-            parents: (0..slots.len() as u32).collect(),
+            groups: Parts::new(slots.len()),
         }
     }
 
@@ -209,21 +210,6 @@ impl Places {
         let at = slot.checked_sub(self.first_slot)?;
         let index = self.indices.get(at as usize).copied();
         index.filter(|&index| index != u32::MAX)
-    }
-
-    /// The body that stands for a group.
-    fn first(&mut self, mut index: u32) -> u32 {
-        while self.parents[index as usize] != index {
-            let above = self.parents[index as usize];
-            self.parents[index as usize] = self.parents[above as usize];
-            index = above;
-        }
-        index
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.first(a), self.first(b));
-        self.parents[a.max(b) as usize] = a.min(b);
     }
 
     /// Marks all groups that are near a marked one, over static bodies that arrive.
@@ -236,7 +222,7 @@ impl Places {
             let mut is_done = true;
             for pair in pairs.clone() {
                 if let [Some(a), Some(b)] = pair.map(|slot| self.of(slot)) {
-                    let (a, b) = (self.first(a) as usize, self.first(b) as usize);
+                    let (a, b) = (self.groups.first(a) as usize, self.groups.first(b) as usize);
                     if marked[a] != marked[b] {
                         (marked[a], marked[b]) = (true, true);
                         is_done = false;

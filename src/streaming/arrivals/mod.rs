@@ -14,22 +14,29 @@ mod groups;
 mod loads;
 
 use crate::body::{
-    BodyIndex, BodyTable, Inactive, NewBodies, RigidBody, Simulated, Sleeping, add_asleep,
+    BodyIndex, BodyTable, Inactive, InactiveBodies, NewBodies, RigidBody, Simulated, Sleeping,
+    add_asleep, note_written,
 };
 use crate::broadphase::{Broadphase, rest_box};
 use crate::collapse::Watch;
 use crate::collider::Collider;
+use crate::contact::MovingSurfaces;
+use crate::diagnosis::BodyProblem;
 use crate::graph::{ConstraintGraph, Islands, report, with_room};
 use crate::joint;
 use crate::mortar::Mortar;
-use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
+use crate::profile::Profile;
+use crate::settings::{
+    Gravity, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
+    StepTime,
+};
 use crate::warm_start::SolveContext;
 use bevy_ecs::bundle::NoBundleEffect;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
-use contacts::{Contact, Contacts};
-use groups::Groups;
+use contacts::{Contact, Contacts, Found};
+use groups::{Group, Groups};
 use rayon::prelude::*;
 
 /// Bodies that were spawned by [`spawn_asleep`] since the last step.
@@ -108,7 +115,7 @@ const PORTION: usize = 1 << 13;
 pub fn arrive(
     world: &mut World,
     new: &mut SystemState<NewBodies>,
-    context: &mut SystemState<SolveContext>,
+    inactive: &mut SystemState<InactiveBodies>,
 ) {
     let mut list = std::mem::take(&mut world.resource_mut::<Arrivals>().0);
     let grounds = take_grounds(world);
@@ -119,6 +126,9 @@ pub fn arrive(
         others.append(&mut list);
     }
     let (slots, unfit) = world.resource_scope(|world, mut table: Mut<BodyTable>| {
+        let now = world.change_tick();
+        let known = inactive.get(world).expect("bodies can always be read");
+        note_written(&mut table, known, now);
         let found = new.get_mut(world).expect("bodies can always be read");
         let found = add_asleep(&mut table, &list, found);
         new.apply(world);
@@ -136,7 +146,7 @@ pub fn arrive(
         others.extend(leave(world, &mut broadphase, &groups.left_out));
         world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
             world.resource_scope(|world, mut table: Mut<BodyTable>| {
-                connect(world, &mut graph, &mut table, &groups, context);
+                connect(world, &mut graph, &mut table, &groups);
             });
         });
     });
@@ -183,11 +193,12 @@ fn add_boxes(world: &World, broadphase: &mut Broadphase, slots: &[u32]) {
         world.resource::<StepTime>().dt,
     );
     let settings = world.resource::<StabilizationSettings>();
-    let boxes = slots.iter().filter_map(|&slot| {
+    let threads = world.resource::<PhysicsThreads>();
+    let boxes = each(threads, slots.len(), slots, |&slot| {
         let fat = rest_box(table.get(slot)?, settings, gravity, dt);
         Some((slot, fat?))
     });
-    let boxes: Vec<_> = boxes.collect();
+    let boxes: Vec<_> = boxes.into_iter().flatten().collect();
     broadphase.add_boxes(&boxes, table.slots());
     let is_unbounded = |slot: &u32| {
         let body = table.get(*slot);
@@ -214,74 +225,128 @@ fn leave(world: &mut World, broadphase: &mut Broadphase, slots: &[u32]) -> Vec<E
     left
 }
 
-/// Finds the contacts and loads of all groups, and spawns their pairs.
-fn connect(
-    world: &mut World,
-    graph: &mut ConstraintGraph,
-    table: &mut BodyTable,
-    groups: &Groups,
-    context: &mut SystemState<SolveContext>,
-) {
+/// Finds the contacts and loads of all groups, and spawns their pairs. Pairs are spawned on one thread; the others find those of the next portion at
+/// the same time.
+fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable, groups: &Groups) {
     let count = groups.pairs.len();
     graph.reserve(count, table.slots());
+    let threads = world.resource::<PhysicsThreads>().clone();
+    let portion = PORTION * threads.count();
+    let mut settings = settings_of(world);
+    let mut context = SystemState::<SolveContext>::new(&mut settings);
+    let mut finder = Finder {
+        contacts: Contacts::new(world, table),
+        context: context.get(&settings).expect("it has all settings"),
+        local: vec![u32::MAX; table.slots()],
+        portion,
+    };
     // Rows for all of them are reserved with the first: a batch also takes as many entities, and gives back those that it does not spawn.
     let mut to_reserve = Some(count);
     let mut warnings = Vec::new();
-    let mut local = vec![u32::MAX; table.slots()];
-    let portion = PORTION * world.resource::<PhysicsThreads>().count();
-    for groups in groups.portions(portion) {
-        let found = {
-            let context = context.get(world).expect("settings can always be read");
-            let threads = &*context.threads;
-            let detector = Contacts::new(world, table);
-            let mut found: Vec<_> = each(threads, portion, &groups, |group| detector.find(group));
-            for group in &found {
-                group.number(&mut local);
-            }
-            let load = |group: &mut contacts::Found| loads::load(group, table, &local, &context);
-            match threads.runs_in_parallel(portion) {
-                true => threads.run(portion, || found.par_iter_mut().for_each(load)),
-                false => found.iter_mut().for_each(load),
-            }
-            found
-        };
-        world.resource_scope(|_, mut islands: Mut<Islands>| {
-            islands.add_structures(
-                table,
-                found
-                    .iter()
-                    .flat_map(|group| group.islands.iter())
-                    .map(|island| &*island.members),
-            );
+    let mut portions = groups.portions(portion).into_iter();
+    let mut next = portions.next().map(|groups| finder.find(&groups));
+    while let Some(found) = next {
+        let ahead = || portions.next().map(|groups| finder.find(&groups));
+        (next, _) = threads.beside(portion, ahead, || {
+            let found = spawn(world, graph, table, found, to_reserve.take());
+            warnings.extend(found);
         });
-        let number: usize = found.iter().map(|group| group.contacts.len()).sum();
-        let mut edges = Vec::with_capacity(number);
-        let contacts = found.into_iter().flat_map(|mut group| {
-            warnings.append(&mut group.warnings);
-            group.contacts
-        });
-        let bundles = contacts.map(|contact| {
-            let Contact {
-                mut pair,
-                components,
-                links,
-            } = contact;
-            pair.edge = graph.insert_inactive(pair.slots);
-            edges.push((pair.edge, links));
-            (pair, components)
-        });
-        let room = to_reserve.take().unwrap_or(number);
-        let pairs: Vec<Entity> = world.spawn_batch(with_room(bundles, room)).collect();
-        for ((edge, links), pair) in edges.into_iter().zip(pairs) {
-            graph.name(edge, pair);
-            graph.set_links(edge, links);
-        }
-        graph.forget_linked();
     }
     world.resource_scope(|_, mut islands: Mut<Islands>| {
         islands.add_structures(table, groups.fixed.iter().map(std::slice::from_ref));
     });
     report(world, warnings);
+}
+
+/// Copies what [`SolveContext`] reads to a world of its own, since the world is written while loads are found.
+fn settings_of(world: &World) -> World {
+    fn copy<T: Resource + Clone>(from: &World, to: &mut World) {
+        to.insert_resource(from.resource::<T>().clone());
+    }
+    let mut settings = World::new();
+    copy::<StabilizationSettings>(world, &mut settings);
+    copy::<SolverSettings>(world, &mut settings);
+    copy::<Gravity>(world, &mut settings);
+    copy::<SpeedLimits>(world, &mut settings);
+    copy::<SleepSettings>(world, &mut settings);
+    copy::<StepTime>(world, &mut settings);
+    copy::<PhysicsThreads>(world, &mut settings);
+    copy::<Profile>(world, &mut settings);
+    copy::<MovingSurfaces>(world, &mut settings);
+    settings
+}
+
+/// Finds contacts and loads.
+struct Finder<'a> {
+    contacts: Contacts<'a>,
+    context: SolveContext<'a>,
+    /// By slot: scratch, the index of a body in its structure.
+    local: Vec<u32>,
+    /// Number of pairs that are found together.
+    portion: usize,
+}
+
+impl Finder<'_> {
+    /// Finds the contacts of some groups, and the forces that keep these still.
+    fn find(&mut self, groups: &[Group]) -> Vec<Found> {
+        let Self {
+            contacts,
+            context,
+            local,
+            portion,
+        } = self;
+        let threads = &*context.threads;
+        let mut found = each(threads, *portion, groups, |group| contacts.find(group));
+        for group in &found {
+            group.number(local);
+        }
+        let load = |group: &mut Found| loads::load(group, contacts.table, local, context);
+        match threads.runs_in_parallel(*portion) {
+            true => threads.run(*portion, || found.par_iter_mut().for_each(load)),
+            false => found.iter_mut().for_each(load),
+        }
+        found
+    }
+}
+
+/// Spawns the pairs of some groups, and adds their structures. Rows are reserved for `to_reserve` pairs, if that is more. Returns what is to be
+/// reported of their bodies.
+fn spawn(
+    world: &mut World,
+    graph: &mut ConstraintGraph,
+    table: &BodyTable,
+    found: Vec<Found>,
+    to_reserve: Option<usize>,
+) -> Vec<(Entity, BodyProblem)> {
+    world.resource_scope(|_, mut islands: Mut<Islands>| {
+        let structures = found.iter().flat_map(|group| group.islands.iter());
+        islands.add_structures(table, structures.map(|island| &*island.members));
+    });
+    let number: usize = found.iter().map(|group| group.contacts.len()).sum();
+    let mut edges = Vec::with_capacity(number);
+    let mut warnings = Vec::new();
+    let contacts = found.into_iter().flat_map(|mut group| {
+        warnings.append(&mut group.warnings);
+        group.contacts
+    });
+    let bundles = contacts.map(|contact| {
+        let Contact {
+            mut pair,
+            components,
+            links,
+        } = contact;
+        pair.edge = graph.insert_inactive(pair.slots);
+        edges.push((pair.edge, links));
+        (pair, components)
+    });
+    let room = to_reserve.unwrap_or(number);
+    let pairs: Vec<Entity> = world.spawn_batch(with_room(bundles, room)).collect();
+    for ((edge, links), pair) in edges.into_iter().zip(pairs) {
+        graph.name(edge, pair);
+        graph.set_links(edge, links);
+    }
+    graph.forget_linked();
+    warnings
 }
 
 /// Applies a function to each item, on several threads if these are said to be enough items. The results are in order.

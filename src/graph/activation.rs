@@ -6,7 +6,7 @@
 
 use super::ConstraintGraph;
 use super::active::find_active_rows;
-use crate::body::{BodyTable, Inactive};
+use crate::body::{BodyTable, Inactive, Sleeping};
 use bevy_ecs::prelude::*;
 
 /// Bodies and pairs that are about to become inactive.
@@ -67,22 +67,27 @@ pub fn activate(world: &mut World) {
     let dirty = std::mem::take(&mut table.dirty);
     let mut risen = Vec::new();
     for slot in dirty {
-        let Some(entity) = table.get(slot).map(|body| body.entity) else {
+        let body = table.get(slot);
+        let Some((entity, is_dynamic)) = body.map(|body| (body.entity, body.is_dynamic())) else {
             continue;
         };
         if table.set_inactive(slot, false) {
-            risen.push((slot, entity));
+            risen.push((slot, entity, is_dynamic));
         }
     }
     let mut graph = world.resource_mut::<ConstraintGraph>();
-    for &(slot, _) in &risen {
+    for &(slot, ..) in &risen {
         graph.activate_contacts_of(slot);
         // Edits of an inactive pair have not been checked yet.
         graph.report_all_of(slot);
     }
-    for (_, body) in risen {
+    for (_, body, is_dynamic) in risen {
         if let Ok(mut body) = world.get_entity_mut(body) {
             body.remove::<Inactive>();
+            if let Some(mut sleeping) = body.get_mut::<Sleeping>().filter(|_| is_dynamic) {
+                // It was woken while it was inactive, without a mark.
+                sleeping.set_changed();
+            }
         }
     }
     find_active_rows(world);

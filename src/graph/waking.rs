@@ -149,8 +149,13 @@ impl Islands {
             table.mark_dirty(slot);
             let body = table.get_mut(slot).expect("it was just seen");
             body.asleep = false;
-            if let Ok(mut sleeping) = sleepers.get_mut(body.entity) {
-                sleeping.wake();
+            let entity = body.entity;
+            if let Ok(mut sleeping) = sleepers.get_mut(entity) {
+                // Bevy would mark the column of all inactive bodies as changed, so all of it would be searched. `activate` marks it elsewhere.
+                match table.is_inactive(slot) {
+                    true => sleeping.bypass_change_detection().wake(),
+                    false => sleeping.wake(),
+                }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Bodies at rest are in no list that a stage iterates over. Only the time of a step must differ.
 
+use bevy_ecs::change_detection::ContiguousRef;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
@@ -118,6 +119,39 @@ fn what_sleeps_is_in_no_list_and_one_island_wakes_alone() {
     yard.lab.run(4.0);
     assert_eq!(yard.active(), (vec![], 0));
     assert_eq!(others(&yard), before);
+}
+
+/// A mark while the body is among the inactive ones would have all of them searched in the next step.
+#[test]
+fn waking_marks_sleeping_as_changed_and_not_in_the_table_of_inactive_bodies() {
+    let mut yard = Yard::new();
+    let top = yard.stacks[0][2];
+    let below = yard.stacks[0][0];
+    yard.lab.step();
+    let mut inactive = yard
+        .lab
+        .world
+        .query_filtered::<Ref<Sleeping>, With<Inactive>>();
+    // What is written from here on counts as changed.
+    yard.lab.world.clear_trackers();
+    let last = yard.lab.world.last_change_tick();
+    let mut impulse = yard.lab.world.get_mut::<ExternalImpulse>(top).unwrap();
+    impulse.linear = Vec3::X * 100.0;
+    yard.lab.step();
+    let this = yard.lab.world.change_tick();
+    for body in [top, below] {
+        let ticks = yard.lab.world.entity(body).get_change_ticks::<Sleeping>();
+        assert!(ticks.unwrap().is_changed(last, this), "{body}");
+    }
+    let world = &mut yard.lab.world;
+    let columns = inactive.query(world);
+    let mut tables = 0;
+    for column in columns.contiguous_iter().unwrap() {
+        let (_, ticks) = ContiguousRef::split(column);
+        assert_eq!(ticks.summary_tick_is_changed(), Some(false));
+        tables += 1;
+    }
+    assert!(tables > 0);
 }
 
 /// As `bevy_transform_interpolation` does it in every frame.

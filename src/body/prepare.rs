@@ -42,8 +42,11 @@ pub(super) type Pushed<'w> = (
 /// Reads the user's changes, validates them, and fills the [`BodyTable`].
 pub fn prepare(
     mut commands: Commands,
-    (mut table, mut suspects): (ResMut<BodyTable>, ResMut<Suspects>),
-    mut transforms: ResMut<WrittenTransforms>,
+    (mut table, mut suspects, mut transforms): (
+        ResMut<BodyTable>,
+        ResMut<Suspects>,
+        ResMut<WrittenTransforms>,
+    ),
     rules: Rules,
     mut bodies: ParamSet<(
         Query<Entity, (With<BodyIndex>, Simulated, Without<Inactive>, Changes)>,

@@ -111,6 +111,9 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
 /// Number of pairs whose contacts are found at a time by each thread. They pass through several lists, which stay in the caches.
 const PORTION: usize = 1 << 13;
 
+/// Several threads find at least as many as so many would: a portion has few groups, which are not divided, so threads would wait for each other at its end.
+const SHARED: usize = 8;
+
 /// Takes up the bodies; a part of the stage *prepare*.
 pub fn arrive(
     world: &mut World,
@@ -231,7 +234,10 @@ fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable
     let count = groups.pairs.len();
     graph.reserve(count, table.slots());
     let threads = world.resource::<PhysicsThreads>().clone();
-    let portion = PORTION * threads.count();
+    let portion = match threads.count() {
+        1 => PORTION,
+        count => PORTION * count.max(SHARED),
+    };
     let mut settings = settings_of(world);
     let mut context = SystemState::<SolveContext>::new(&mut settings);
     let mut finder = Finder {

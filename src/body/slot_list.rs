@@ -1,13 +1,13 @@
-//! Lists that are indexed by slot, or by the number of an edge.
+//! Lists that get as much room as they need and a little more, such as those that are indexed by slot or by the number of an edge.
 
-/// A full list gets room for all slots and for one sixteenth of their number more.
+/// A full list gets room for all entries and for one sixteenth of their number more.
 const SHARE: usize = 16;
 
-/// Makes room in a list for so many slots, and for some more if it is full. Otherwise the next body would double the list, which copies it: in a large world
-/// that takes longer than the rest of the step. This is called when many bodies arrive, in a step that takes long anyway.
-pub(crate) fn make_room<T>(list: &mut Vec<T>, slots: usize) {
-    if list.capacity() < slots {
-        list.reserve_exact(slots + slots / SHARE - list.len());
+/// Makes room in a list for so many entries, and for some more if it is full. Otherwise the next body would double the list, which copies it: in a large world
+/// that takes longer than the rest of the step, and half of the room stays empty. This is called when many bodies arrive, in a step that takes long anyway.
+pub(crate) fn make_room<T>(list: &mut Vec<T>, entries: usize) {
+    if list.capacity() < entries {
+        list.reserve_exact(entries + entries / SHARE - list.len());
     }
 }
 

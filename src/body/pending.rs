@@ -155,7 +155,7 @@ type Active = (Sound, Without<Inactive>);
 /// Finds the bodies that differ from those of the table, and updates their [`MassProperties`](super::MassProperties).
 pub fn refresh(
     mut pending: ResMut<Pending>,
-    (table, transforms): (Res<BodyTable>, Res<WrittenTransforms>),
+    (table, mut transforms): (Res<BodyTable>, ResMut<WrittenTransforms>),
     written: Query<Entity, (Active, Changes)>,
     (resting, children): (InactiveBodies, InactiveChildren),
     (active, all): (Query<Placing, Active>, Query<Placing, Sound>),
@@ -168,7 +168,7 @@ pub fn refresh(
     }
     let mut written: EntityHashSet = written.iter().collect();
     written.extend(find_written(&table, resting, table.visited_at()));
-    written.extend(&transforms.moved);
+    written.extend(transforms.moved.drain(..));
     written.extend(table.reduced());
     let mut found: Vec<(SpawnOrder, Entity)> = Vec::new();
     for (of, placement) in &active {

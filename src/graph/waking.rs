@@ -151,7 +151,7 @@ impl Islands {
             body.asleep = false;
             let entity = body.entity;
             if let Ok(mut sleeping) = sleepers.get_mut(entity) {
-                // Bevy would mark the column of all inactive bodies as changed, so all of it would be searched. `activate` marks it elsewhere.
+                // Bevy would mark the column of all inactive bodies as changed, so all of it would be searched. `activate` marks the body in its new table.
                 match table.is_inactive(slot) {
                     true => sleeping.bypass_change_detection().wake(),
                     false => sleeping.wake(),

@@ -20,16 +20,11 @@ use crate::body::{
 use crate::broadphase::{Broadphase, rest_box};
 use crate::collapse::Watch;
 use crate::collider::Collider;
-use crate::contact::MovingSurfaces;
 use crate::diagnosis::BodyProblem;
 use crate::graph::{ConstraintGraph, Islands, report, with_room};
 use crate::joint;
 use crate::mortar::Mortar;
-use crate::profile::Profile;
-use crate::settings::{
-    Gravity, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings,
-    StepTime,
-};
+use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
 use crate::warm_start::SolveContext;
 use bevy_ecs::bundle::NoBundleEffect;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
@@ -111,7 +106,8 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
 /// Number of pairs whose contacts are found at a time by each thread. They pass through several lists, which stay in the caches.
 const PORTION: usize = 1 << 13;
 
-/// Several threads find at least as many as so many would: a portion has few groups, which are not divided, so threads would wait for each other at its end.
+/// On several threads a portion has at least so many times [`PORTION`] pairs. A group is not divided among threads, so with few groups in a portion some threads would
+/// wait for others at its end.
 const SHARED: usize = 8;
 
 /// Takes up the bodies; a part of the stage *prepare*.
@@ -238,7 +234,8 @@ fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable
         1 => PORTION,
         count => PORTION * count.max(SHARED),
     };
-    let mut settings = settings_of(world);
+    // The world is written while loads are found.
+    let mut settings = SolveContext::copy_resources(world);
     let mut context = SystemState::<SolveContext>::new(&mut settings);
     let mut finder = Finder {
         contacts: Contacts::new(world, table),
@@ -246,7 +243,7 @@ fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable
         local: vec![u32::MAX; table.slots()],
         portion,
     };
-    // Rows for all of them are reserved with the first: a batch also takes as many entities, and gives back those that it does not spawn.
+    // The first batch reserves the rows of all: a batch allocates an entity for each row that it reserves, and frees those that it does not use.
     let mut to_reserve = Some(count);
     let mut warnings = Vec::new();
     let mut portions = groups.portions(portion).into_iter();
@@ -262,24 +259,6 @@ fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable
         islands.add_structures(table, groups.fixed.iter().map(std::slice::from_ref));
     });
     report(world, warnings);
-}
-
-/// Copies what [`SolveContext`] reads to a world of its own, since the world is written while loads are found.
-fn settings_of(world: &World) -> World {
-    fn copy<T: Resource + Clone>(from: &World, to: &mut World) {
-        to.insert_resource(from.resource::<T>().clone());
-    }
-    let mut settings = World::new();
-    copy::<StabilizationSettings>(world, &mut settings);
-    copy::<SolverSettings>(world, &mut settings);
-    copy::<Gravity>(world, &mut settings);
-    copy::<SpeedLimits>(world, &mut settings);
-    copy::<SleepSettings>(world, &mut settings);
-    copy::<StepTime>(world, &mut settings);
-    copy::<PhysicsThreads>(world, &mut settings);
-    copy::<Profile>(world, &mut settings);
-    copy::<MovingSurfaces>(world, &mut settings);
-    settings
 }
 
 /// Finds contacts and loads.

@@ -9,6 +9,7 @@ use drystone::prelude::*;
 /// A raider.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component)]
+#[require(ExternalForce)]
 pub struct Raider;
 
 /// The zone in the yard.

@@ -48,14 +48,14 @@ pub fn kinetic_energy(world: &mut World) -> f64 {
 
 fn of_dynamic(
     world: &mut World,
-    energy: impl Fn(&Pose, &Velocity, &MassProperties, &GravityScale) -> f64,
+    energy: impl Fn(&Pose, &Velocity, &MassProperties, GravityScale) -> f64,
 ) -> f64 {
     let mut bodies = world.query::<(
         &RigidBody,
         &Pose,
         &Velocity,
         &MassProperties,
-        &GravityScale,
+        Option<&GravityScale>,
         Has<Quarantined>,
     )>();
     let all: f64 = bodies
@@ -63,7 +63,7 @@ fn of_dynamic(
         .filter(|(kind, ..)| **kind == RigidBody::Dynamic)
         .map(|(_, pose, velocity, mass, scale, lost)| match lost {
             true => f64::NAN,
-            false => energy(pose, velocity, mass, scale),
+            false => energy(pose, velocity, mass, scale.copied().unwrap_or_default()),
         })
         .sum();
     if all.is_finite() { all } else { f64::INFINITY }

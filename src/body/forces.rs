@@ -11,7 +11,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
 /// A constant force (N) and torque (N·m) at the centre of mass, in world axes and in the axes of the body. They act in every step until they
-/// are changed. Default: zero. [`Forces`](super::Forces) applies them for a moment instead.
+/// are changed. Default: zero. A body has this component only if you insert it. [`Forces`](super::Forces) applies forces for a moment instead.
 ///
 /// ```
 /// use drystone::prelude::*;
@@ -80,7 +80,7 @@ impl ExternalForce {
 }
 
 /// An impulse (N·s) and angular impulse (N·m·s) at the centre of mass, in world axes. They act in the next step, which sets them to zero.
-/// Default: zero.
+/// Default: zero. Every body has this component.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(
@@ -105,7 +105,7 @@ impl ExternalImpulse {
 }
 
 /// Viscous damping, 1/s: the share of its speed that a free body loses in a second. It is applied implicitly, v / (1 + c Δt), and is stable
-/// for any value. Default: zero.
+/// for any value. Default: zero. A body has this component only if you insert it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(
@@ -121,7 +121,7 @@ pub struct Damping {
     pub angular: f32,
 }
 
-/// Factor on [`Gravity`] for one body, without unit. Default: 1.
+/// Factor on [`Gravity`] for one body, without unit. Default: 1. A body has this component only if you insert it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[cfg_attr(

@@ -32,8 +32,8 @@ pub(super) mod names {
 /// |---|---|---|---|
 /// | `essential` | yes | yes | on inactive bodies; the stages read it of active ones in every step |
 /// | `computed` | yes | yes | no: stages write it |
-/// | `pushing` | yes | no | like `essential` |
-/// | `optional` | no | no | like `essential` |
+/// | `pushing` | no | no | like `essential` |
+/// | `optional` | no | no | like `essential`; previews have none |
 /// | `described` | no | no | on all; [`describe`](super::describe) reads it |
 /// | `kept` | no | no | on all; the table keeps a copy |
 ///
@@ -49,6 +49,8 @@ macro_rules! body_properties {
                 velocity: Velocity = |_, velocity| *velocity == Velocity::default(),
                 sleeping: Sleeping = |body, sleeping| body.asleep == sleeping.asleep,
                 spawn_order: SpawnOrder = |body, order| body.spawn_order == *order,
+                // Required because `Forces` adds to it.
+                impulse: ExternalImpulse = |_, impulse| *impulse == ExternalImpulse::default(),
                 // The body was found by it.
                 index: BodyIndex = |_, _| true,
             }
@@ -58,7 +60,6 @@ macro_rules! body_properties {
             }
             pushing {
                 force: ExternalForce = |body, force| body.force() == *force,
-                impulse: ExternalImpulse = |_, impulse| *impulse == ExternalImpulse::default(),
                 damping: Damping = |_, damping| damping.is_valid(),
                 gravity_scale: GravityScale = |body, scale| body.gravity_scale == scale.0,
             }

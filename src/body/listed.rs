@@ -107,17 +107,16 @@ macro_rules! listed {
             }
         }
 
-        /// The components of a body besides pose, motion and sleep, for spawning a copy. This bundle has the components of most bodies,
-        /// and those whose absence has a meaning.
+        /// The properties that the table copies, for spawning a copy of a body.
         pub fn properties_of(body: EntityRef) -> impl Bundle + use<> {
-            (
-                ($(body.get::<$Pushing>().cloned().unwrap_or_default(),)*),
-                ($(body.get::<$Kept>().cloned().unwrap_or_default(),)*),
-            )
+            ($(body.get::<$Kept>().cloned().unwrap_or_default(),)*)
         }
 
         /// Inserts the components that only some bodies have into a copy.
         pub fn copy_description(body: EntityRef, copy: &mut EntityWorldMut) {
+            $(if let Some(property) = body.get::<$Pushing>() {
+                copy.insert(property.clone());
+            })*
             $(if let Some(property) = body.get::<$Described>()
                 && !copy.contains::<$Described>()
             {

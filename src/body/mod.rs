@@ -90,7 +90,7 @@ macro_rules! rigid_body {
     (
         essential { $($essential:ident: $Essential:ident $(= $_essential_known:expr)?,)* }
         computed { $($computed:ident: $Computed:ident,)* }
-        pushing { $($pushing:ident: $Pushing:ident $(= $_pushing_known:expr)?,)* }
+        pushing { $($_pushing:tt)* }
         optional { $($_optional:tt)* }
         described { $($_described:tt)* }
         kept { $($_kept:tt)* }
@@ -100,7 +100,7 @@ macro_rules! rigid_body {
         #[reflect(Component, Debug, Default)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize))]
         #[component(on_insert = crate::children::changed_kind, on_remove = crate::children::lost_kind, summary_tick)]
-        #[require($($Essential,)* $($Computed,)* $($Pushing,)* Transform)]
+        #[require($($Essential,)* $($Computed,)* Transform)]
         pub enum RigidBody {
             /// Moved by forces and contacts. The default.
             #[default]

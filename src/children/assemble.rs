@@ -16,25 +16,29 @@ use bevy_transform::components::Transform;
 use glam::Vec3;
 
 /// Entities at or below which colliders may have changed their body since the last step.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 #[doc(hidden)]
-pub struct Unassembled {
-    entities: Vec<Entity>,
-    /// Whether the entities that were spawned before the plugins were added have been visited.
-    has_begun: bool,
-}
+pub struct Unassembled(Vec<Entity>);
 
 impl Unassembled {
     pub(super) fn push(&mut self, entity: Entity) {
-        self.entities.push(entity);
+        self.0.push(entity);
+    }
+}
+
+/// Contains the colliders that were spawned before the plugins were added, when no hook noted them.
+impl FromWorld for Unassembled {
+    fn from_world(world: &mut World) -> Self {
+        let mut colliders = world.query_filtered::<Entity, With<Collider>>();
+        Self(colliders.iter(world).collect())
     }
 }
 
 impl MapEntities for Unassembled {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
-        self.entities.map_entities(mapper);
+        self.0.map_entities(mapper);
     }
 }
 
@@ -69,7 +73,6 @@ pub struct Searches {
     redefined: QueryState<Entity, Redefined>,
     nodes: QueryState<Entity, MovedNodes>,
     carried: QueryState<(Entity, Option<&'static CompoundCollider>), IsCarried>,
-    colliders: QueryState<Entity, With<Collider>>,
     implicit: QueryState<Entity, (With<ImplicitBody>, With<ChildOf>)>,
 }
 
@@ -81,11 +84,7 @@ type HasShape = Or<(With<Collider>, With<CompoundCollider>)>;
 pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     let searches = searches.get_or_insert_with(|| Searches::from_world(world));
     carry(world, &mut searches.implicit);
-    let mut unassembled = world.resource_mut::<Unassembled>();
-    let mut roots = std::mem::take(&mut unassembled.entities);
-    if !std::mem::replace(&mut unassembled.has_begun, true) {
-        roots.extend(searches.colliders.iter(world));
-    }
+    let mut roots = std::mem::take(&mut world.resource_mut::<Unassembled>().0);
     roots.extend(searches.written.iter(world));
     let mut bodies: Vec<Entity> = searches.redefined.iter(world).collect();
     bodies.append(&mut world.resource_mut::<WrittenTransforms>().rescaled);
@@ -118,7 +117,7 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
         }
     }
     // The hooks have noted what was changed here.
-    world.resource_mut::<Unassembled>().entities.clear();
+    world.resource_mut::<Unassembled>().0.clear();
 }
 
 /// The scale with which a shape was made.

@@ -2,7 +2,8 @@
 
 use crate::DrystonePlugins;
 use crate::body::{
-    BodyState, BodyTable, Pose, Sleeping, Velocity, copy_description, properties_of,
+    BodyState, BodyTable, ExternalImpulse, Pose, Sleeping, Velocity, copy_description,
+    properties_of,
 };
 use crate::children::CompoundCollider;
 use crate::collider::Collider;
@@ -181,6 +182,7 @@ pub(super) fn copy(
     let original = world.entity(body.entity);
     let pose = original.get::<Pose>().copied().unwrap_or(body.pose);
     let velocity = original.get::<Velocity>().copied().unwrap_or_default();
+    let impulse: ExternalImpulse = original.get().copied().unwrap_or_default();
     let mut sleeping = original.get::<Sleeping>().copied().unwrap_or_default();
     let still = body.is_dynamic() && velocity == Velocity::default();
     match activity {
@@ -189,7 +191,13 @@ pub(super) fn copy(
     }
     // Insert most components at once: each further insertion moves the entity to another table.
     let parts = (
-        (body.kind, to_transform(pose), velocity, sleeping),
+        (
+            body.kind,
+            to_transform(pose),
+            velocity,
+            impulse,
+            sleeping,
+        ),
         properties_of(original),
     );
     let mut copy = match original.get::<Collider>() {

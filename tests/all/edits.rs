@@ -520,8 +520,9 @@ fn a_sleeper_sleeps_on_when_written_without_a_change() {
     let (mut lab, cubes) = stack(true);
     let asleep = |lab: &Lab| lab.world.get::<Sleeping>(cubes[0]).unwrap().asleep;
     assert!(asleep(&lab));
-    let mut force = lab.world.get_mut::<ExternalForce>(cubes[0]).unwrap();
-    force.force = Vec3::ZERO;
+    lab.world
+        .entity_mut(cubes[0])
+        .insert((ExternalForce::default(), GravityScale::default()));
     let mut kind = lab.world.get_mut::<RigidBody>(cubes[0]).unwrap();
     *kind = RigidBody::Dynamic;
     let mut gravity = lab.world.resource_mut::<drystone::settings::Gravity>();

@@ -204,22 +204,30 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
             at::<Transform>(y, y.stacks[0][2]).rotation = Quat::from_rotation_y(0.4);
         }),
         ("a force", true, |y| {
-            at::<ExternalForce>(y, y.stacks[0][2]).force.x = 3000.0;
+            let force = ExternalForce {
+                force: Vec3::X * 3000.0,
+                ..Default::default()
+            };
+            insert(y, y.stacks[0][2], force);
         }),
         ("an impulse", true, |y| {
             at::<ExternalImpulse>(y, y.stacks[0][0]).linear.x = 3000.0;
         }),
         ("no weight", true, |y| {
-            at::<GravityScale>(y, y.stacks[0][2]).0 = -0.5;
+            insert(y, y.stacks[0][2], GravityScale(-0.5));
         }),
-        ("its weight is taken off", false, |y| {
-            y.lab
-                .world
-                .entity_mut(y.stacks[0][2])
-                .remove::<GravityScale>();
+        ("its factor on gravity is removed", false, |y| {
+            insert(y, y.stacks[0][2], GravityScale::default());
+            y.lab.step();
+            let mut cube = y.lab.world.entity_mut(y.stacks[0][2]);
+            assert!(cube.take::<GravityScale>().is_some());
         }),
         ("damping", false, |y| {
-            at::<Damping>(y, y.stacks[0][2]).linear = 1.0;
+            let damping = Damping {
+                linear: 1.0,
+                ..Default::default()
+            };
+            insert(y, y.stacks[0][2], damping);
         }),
         ("a hand", true, |y| {
             insert(

@@ -294,6 +294,7 @@ fn bridge() -> Result<Vec<(Piece, Pose)>, MasonryError> {
 
 /// A body on a rope that only pulls.
 #[derive(Component, Clone, Copy, Debug)]
+#[require(ExternalForce)]
 pub struct Rope {
     /// Where it hangs, m.
     pub from: Vec3,

@@ -72,9 +72,22 @@ impl<'a> Contacts<'a> {
     /// Finds the contacts and the structures of a group.
     pub fn find(&self, group: &Group) -> Found {
         let mut warnings = Vec::new();
-        let mut contacts = Vec::with_capacity(group.pairs.len());
-        let found = group.pairs.iter();
-        contacts.extend(found.filter_map(|&slots| self.detect(slots, &mut warnings)));
+        let mut contacts: Vec<Contact> = Vec::with_capacity(group.pairs.len());
+        for &slots in group.pairs {
+            let Some(bodies) = self.table.both(slots) else {
+                continue;
+            };
+            warn(bodies, &mut warnings);
+            // A contact has 600 bytes, so it is filled where it stays.
+            contacts.push(Contact {
+                pair: ContactPair::new(0, slots, bodies, self.detector.revision),
+                components: Components::default(),
+                links: false,
+            });
+            if let Some(contact) = contacts.last_mut() {
+                self.detect(bodies, contact);
+            }
+        }
         let islands = self.structures(group, &contacts);
         Found {
             contacts,
@@ -83,26 +96,18 @@ impl<'a> Contacts<'a> {
         }
     }
 
-    fn detect(
-        &self,
-        slots: [u32; 2],
-        warnings: &mut Vec<(Entity, BodyProblem)>,
-    ) -> Option<Contact> {
-        let bodies = self.table.both(slots)?;
-        warn(bodies, warnings);
-        let mut pair = ContactPair::new(0, slots, bodies, self.detector.revision);
-        let mut components = Components::default();
-        let (manifold, targets, impulses, anchors, cache) = &mut components;
-        let kept = (&mut *manifold, &mut *impulses, anchors, targets);
-        self.detector.detect(bodies, &mut pair, cache, kept);
-        impulses.fit(manifold);
-        let links = !manifold.points.is_empty();
-        pair.rest(pair.touching);
-        Some(Contact {
+    fn detect(&self, bodies: [&BodyState; 2], contact: &mut Contact) {
+        let Contact {
             pair,
             components,
             links,
-        })
+        } = contact;
+        let (manifold, targets, impulses, anchors, cache) = components;
+        let kept = (&mut *manifold, &mut *impulses, anchors, targets);
+        self.detector.detect(bodies, pair, cache, kept);
+        impulses.fit(manifold);
+        *links = !manifold.points.is_empty();
+        pair.rest(pair.touching);
     }
 
     /// Divides a group into structures, and sorts them as the order of a solve is sorted.

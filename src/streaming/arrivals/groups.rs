@@ -61,11 +61,16 @@ impl Groups {
             }
             near
         });
-        let is_dynamic = |slot: u32| table.get(slot).is_some_and(BodyState::is_dynamic);
+        // Read once, in the order of the table, and not for each pair.
+        let dynamic = slots.iter().map(|&slot| table.get(slot));
+        let dynamic: Vec<bool> = dynamic
+            .map(|body| body.is_some_and(BodyState::is_dynamic))
+            .collect();
         let pairs = || near.iter().flat_map(|near| &near.pairs);
-        for &slots in pairs() {
-            if let [Some(a), Some(b)] = slots.map(|slot| places.of(slot))
-                && slots.into_iter().all(is_dynamic)
+        for pair in pairs() {
+            if let [Some(a), Some(b)] = pair.map(|slot| places.of(slot))
+                && dynamic[a as usize]
+                && dynamic[b as usize]
             {
                 places.groups.join(a, b);
             }
@@ -75,35 +80,32 @@ impl Groups {
         for &i in marked {
             left_out[places.groups.first(i) as usize] = true;
         }
-        places.spread(pairs(), &mut left_out);
+        if left_out.contains(&true) {
+            places.spread(pairs(), &mut left_out);
+        }
         let mut groups = Self::default();
-        // The number of the group of each body that is its first.
-        let mut numbers = vec![u32::MAX; slots.len()];
+        // By index: the number of the group of a body. The first body of a group comes before the others.
+        let mut numbers: Vec<Option<u32>> = vec![None; slots.len()];
         let mut counts: Vec<[usize; 2]> = Vec::new();
         for (i, &slot) in (0..).zip(slots) {
             let first = places.groups.first(i);
             if left_out[first as usize] {
                 groups.left_out.push(slot);
-            } else if !is_dynamic(slot) {
+            } else if !dynamic[i as usize] {
                 groups.fixed.push((slot, 0));
             } else {
-                if numbers[first as usize] == u32::MAX {
-                    numbers[first as usize] = counts.len() as u32;
+                let number = numbers[first as usize].unwrap_or_else(|| {
                     counts.push([0; 2]);
-                }
-                counts[numbers[first as usize] as usize][0] += 1;
+                    counts.len() as u32 - 1
+                });
+                numbers[i as usize] = Some(number);
+                counts[number as usize][0] += 1;
             }
         }
-        let mut group_of = |slot: u32| {
-            let place = places.of(slot).filter(|_| is_dynamic(slot))?;
-            let number = numbers[places.groups.first(place) as usize];
-            (number != u32::MAX).then_some(number as usize)
-        };
-        let of_pair = |[a, b]: [u32; 2], group_of: &mut dyn FnMut(u32) -> Option<usize>| {
-            group_of(a).or_else(|| group_of(b))
-        };
+        let group_of = |slot: u32| numbers[places.of(slot)? as usize].map(|group| group as usize);
+        let of_pair = |[a, b]: [u32; 2]| group_of(a).or_else(|| group_of(b));
         for &pair in pairs() {
-            if let Some(group) = of_pair(pair, &mut group_of) {
+            if let Some(group) = of_pair(pair) {
                 counts[group][1] += 1;
             }
         }
@@ -117,14 +119,14 @@ impl Groups {
         }
         groups.bodies = vec![0; ends[0]];
         groups.pairs = vec![[0; 2]; ends[1]];
-        for &slot in slots {
-            if let Some(group) = group_of(slot) {
+        for (&slot, &group) in slots.iter().zip(&numbers) {
+            if let Some(group) = group.map(|group| group as usize) {
                 groups.bodies[next[group][0]] = slot;
                 next[group][0] += 1;
             }
         }
         for &pair in pairs() {
-            if let Some(group) = of_pair(pair, &mut group_of) {
+            if let Some(group) = of_pair(pair) {
                 groups.pairs[next[group][1]] = pair;
                 next[group][1] += 1;
             }

@@ -63,6 +63,7 @@ fn components_are_written() {
         25 => *world.get_mut::<RigidBody>(bodies[0]).unwrap() = RigidBody::Dynamic,
         30 => *world.get_mut::<Collider>(last).unwrap() = Collider::ball(0.4),
         35 => world.get_mut::<ExternalImpulse>(last).unwrap().linear.x = 200.0,
+        39 => _ = world.entity_mut(bodies[5]).insert(ExternalForce::default()),
         40..60 => world.get_mut::<ExternalForce>(bodies[5]).unwrap().force.z = 10.0 * step as f32,
         _ => (),
     });
@@ -234,7 +235,8 @@ fn changes_before_the_recording_begins_count() {
 /// What systems of the game write between steps counts, and so do commands.
 #[test]
 fn systems_write() {
-    let (world, bodies) = wall();
+    let (mut world, bodies) = wall();
+    world.entity_mut(bodies[8]).insert(ExternalForce::default());
     goes_again("systems", world, 30, |world, step| {
         let mut push = IntoSystem::into_system(
             |mut commands: Commands, mut bodies: Query<&mut ExternalForce>| {

@@ -182,6 +182,13 @@ impl Foot {
 fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
     let mut motions: Vec<[Vec3; 2]> = problem.bodies.iter().map(Body::push).collect();
     for patch in problem.patches.iter() {
+        let points = &problem.points[patch.range()];
+        // In a structure that was just built nothing carries yet.
+        let carries = patch.friction_impulse != Vec3::ZERO
+            || points.iter().any(|point| point.normal_impulse != 0.0);
+        if !carries {
+            continue;
+        }
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let index = patch.bodies[side] as usize;
             let (body, arm) = (&problem.bodies[index], patch.arms[side]);
@@ -191,7 +198,7 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
                 sign * patch.friction_impulse,
                 arm,
             );
-            for point in &problem.points[patch.range()] {
+            for point in points {
                 let impulse = sign * point.normal_impulse * patch.normal;
                 push(body, &mut motions[index], impulse, arm + point.offset);
             }

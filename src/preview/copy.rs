@@ -191,13 +191,7 @@ pub(super) fn copy(
     }
     // Insert most components at once: each further insertion moves the entity to another table.
     let parts = (
-        (
-            body.kind,
-            to_transform(pose),
-            velocity,
-            impulse,
-            sleeping,
-        ),
+        (body.kind, to_transform(pose), velocity, impulse, sleeping),
         properties_of(original),
     );
     let mut copy = match original.get::<Collider>() {

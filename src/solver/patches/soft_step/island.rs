@@ -12,6 +12,7 @@ use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use crate::solver::rounds::{ROUND, RoundEnds, Rounds};
 use crate::solver::{Body, Lanes, PatchConstraint, PatchProblem};
 use glam::{Mat3, Vec3};
+use std::ops::Range;
 
 /// A body with more neighbours than this gets a slower correction from each of them than the settings allow.
 const CROWD: f32 = 6.0;
@@ -107,6 +108,8 @@ pub struct Island<L: F32xN> {
     pub(super) inertias: Vec<Mat3>,
     /// By body: its inverse inertia differs from that of the last step.
     pub(super) turned: Vec<bool>,
+    /// Whether that is so for some body.
+    pub(super) any_turned: bool,
     /// By patch: the revision of the contact that its lane was loaded from. See [`Memory`](crate::solver::Memory).
     pub(super) loaded: Vec<Revision>,
     /// By patch: its contact has another revision than in the last step.
@@ -123,6 +126,8 @@ pub struct Island<L: F32xN> {
     pub(super) before: Vec<State>,
     /// Motion of the bodies since detection, m and rad.
     pub(super) motions: Vec<State>,
+    /// Velocities of the free motion, without impulses of contacts and grabs.
+    pub(super) free: Vec<State>,
     /// By block: merit of the free motion, J.
     pub(super) missing: Vec<L>,
     /// By block: Σ W Δλ² of the last sweep, J.
@@ -176,6 +181,7 @@ impl<L: F32xN> Island<L> {
             alone: stands_by_itself(problem),
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),
             turned: Vec::new(),
+            any_turned: false,
             loaded: problem.memory.patches().to_vec(),
             changed: Vec::new(),
             prepared: false,
@@ -186,6 +192,7 @@ impl<L: F32xN> Island<L> {
             velocities: Vec::new(),
             before: Vec::new(),
             motions: Vec::new(),
+            free: Vec::new(),
             missing: Vec::new(),
             changes: Vec::new(),
             grabs: Vec::new(),
@@ -228,18 +235,15 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    /// Applies the warm-start impulses of contacts and grabs, in the order of the sweep. Returns the merit of the free motion, J.
-    pub fn warm_start(&mut self) -> f32 {
-        for held in &self.grabs {
-            held.start(cells(&mut self.velocities));
-        }
-        let mut missing = 0.0;
+    /// Applies the warm-start impulses of some blocks.
+    pub fn warm_start(&mut self, blocks: Range<usize>) {
         for lap in 0..self.batches.laps() {
-            let lanes = self.lanes_of(|of| of == lap);
-            let island = &mut *self;
-            missing = L::run(Start { island, lanes });
+            L::run(Start {
+                lanes: self.lanes_of(|of| of == lap),
+                island: &mut *self,
+                blocks: blocks.clone(),
+            });
         }
-        missing
     }
 
     /// 1 in the lanes whose laps satisfy `is`, else 0.
@@ -262,6 +266,7 @@ impl<L: F32xN> Island<L> {
             *before = body.inverse_inertia;
             turned
         }));
+        self.any_turned = self.turned.contains(&true);
     }
 
     /// Runs all sweeps over blocks that are not skewed. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
@@ -362,34 +367,32 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// Applies the warm-start impulses of contacts in some lanes. Returns the merit of the free motion in all lanes, J.
+/// Applies the warm-start impulses of contacts in some lanes of some blocks.
 struct Start<'a, L: F32xN> {
     island: &'a mut Island<L>,
     /// 1 in those lanes, else 0.
     lanes: L,
+    blocks: Range<usize>,
 }
 
 impl<L: F32xN> Kernel for Start<'_, L> {
-    type Output = f32;
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> f32 {
+    fn run(self) {
         let Island {
             blocks,
             points,
             velocities,
-            missing,
             round_ends,
             ..
         } = self.island;
         let velocities = cells(velocities);
-        let mut all = L::ZERO;
-        for (number, (block, missing)) in blocks.iter().zip(missing.iter()).enumerate() {
+        for number in self.blocks {
+            let block = &blocks[number];
             block.warm_start(&points[block.range()], velocities, self.lanes);
             round_ends.after(number, velocities);
-            all += *missing;
         }
-        all.sum()
     }
 }
 

@@ -220,7 +220,7 @@ impl SoftStep {
         let island = &mut kept.island;
         // With so few sweeps, passing blocks from core to core takes longer than a second thread saves.
         let threads = problem.threads;
-        let may_be_quiet = !hits && island.alone && may_be_quiet(problem);
+        let may_be_quiet = !hits && island.alone && may_be_quiet(problem, bounces.is_some());
         if may_be_quiet {
             problem.threads = 1;
         }

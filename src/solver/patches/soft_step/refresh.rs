@@ -8,6 +8,7 @@ use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use glam::Vec4;
+use std::ops::Range;
 
 /// The data from which blocks are refreshed.
 pub struct Fresh<'a, 'p> {
@@ -21,7 +22,7 @@ pub struct Fresh<'a, 'p> {
     pub turned: Option<&'a [bool]>,
     pub substeps: usize,
     /// Velocities of the free motion.
-    pub velocities: &'a [State],
+    pub free: &'a [State],
     pub spring: &'a Spring,
     pub pass: &'a Pass,
     /// Points farther apart than this are open and get no impulse, m.
@@ -73,7 +74,7 @@ impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
                 block.prepare(points);
             }
             block.soften(fresh.spring);
-            part.found[i] = block.missing(points, fresh.velocities, fresh.pass);
+            part.found[i] = block.missing(points, fresh.free, fresh.pass);
             i += 1;
         }
     }
@@ -109,36 +110,75 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
     }
 }
 
+/// Number of blocks that one thread refreshes before it applies their warm-start impulses. They stay in its cache for both.
+const TOGETHER: usize = 64;
+
 impl<L: F32xN> Island<L> {
-    /// Refreshes all blocks from the problem, and computes the merit of the free motion in each.
-    pub fn refresh(&mut self, problem: &PatchProblem, spring: &Spring, pass: &Pass, closed: f32) {
+    /// Refreshes all blocks from the problem, and applies the warm-start impulses of contacts and grabs in the order of the sweep. Returns the
+    /// merit of the free motion, J.
+    pub fn refresh(
+        &mut self,
+        problem: &PatchProblem,
+        spring: &Spring,
+        pass: &Pass,
+        closed: f32,
+    ) -> f32 {
+        self.free.clone_from(&self.velocities);
+        for held in &self.grabs {
+            held.start(cells(&mut self.velocities));
+        }
         self.missing.resize(self.blocks.len(), L::ZERO);
+        let count = self.blocks.len();
+        let size = match problem.threads == 1 && self.batches.laps() == 1 {
+            true => TOGETHER,
+            false => count.max(1),
+        };
+        for first in (0..count).step_by(size) {
+            let blocks = first..(first + size).min(count);
+            self.refresh_blocks(blocks.clone(), problem, spring, pass, closed);
+            self.warm_start(blocks);
+        }
+        self.prepared = true;
+        let missing = self.missing.iter();
+        missing.fold(L::ZERO, |sum, &missing| sum + missing).sum()
+    }
+
+    /// Refreshes some blocks, and computes the merit of the free motion in each.
+    fn refresh_blocks(
+        &mut self,
+        blocks: Range<usize>,
+        problem: &PatchProblem,
+        spring: &Spring,
+        pass: &Pass,
+        closed: f32,
+    ) {
         let fresh = Fresh {
             problem,
             batches: &self.batches,
             prepared: self.prepared,
             changed: &self.changed,
-            turned: self.turned.contains(&true).then_some(&*self.turned),
+            turned: self.any_turned.then_some(&*self.turned),
             substeps: self.substeps,
-            velocities: &self.velocities,
+            free: &self.free,
             spring,
             pass,
             closed,
             deepest: self.deepest,
         };
-        let all = Part {
-            first: 0,
-            blocks: &mut self.blocks,
-            points: &mut self.points,
-            found: &mut self.missing,
+        let points =
+            self.blocks[blocks.start].range().start..self.blocks[blocks.end - 1].range().end;
+        let part = Part {
+            first: blocks.start,
+            points: &mut self.points[points],
+            found: &mut self.missing[blocks.clone()],
+            blocks: &mut self.blocks[blocks],
         };
-        all.each(problem.threads, &|part| {
+        part.each(problem.threads, &|part| {
             L::run(Refresh {
                 part,
                 fresh: &fresh,
             });
         });
-        self.prepared = true;
     }
 
     /// Prepares the first sweep: effective masses, the forces of a substep, and the warm start. Returns the merit of the free motion, √J.
@@ -153,8 +193,7 @@ impl<L: F32xN> Island<L> {
         self.push(problem.bodies, 1.0 / substeps as f32);
         let h = problem.dt / substeps as f32;
         self.grab_places.begin(problem, h, &mut self.grabs);
-        self.refresh(problem, spring, &passes[0], f32::INFINITY);
-        let missing = self.warm_start();
+        let missing = self.refresh(problem, spring, &passes[0], f32::INFINITY);
         let contacts = Contacts {
             blocks: &mut self.blocks,
             points: &mut self.points,

@@ -132,8 +132,8 @@ impl SoftStep {
             begun.push(Begun {
                 number,
                 budget,
+                may_be_quiet: may_be_quiet(problem, bounces.is_some()) && stands_by_itself(problem),
                 bounces,
-                may_be_quiet: may_be_quiet(problem) && stands_by_itself(problem),
             });
         }
         let quiet = |begun: &Begun| begun.may_be_quiet;

@@ -130,6 +130,7 @@ impl<L: F32xN> Island<L> {
         island.begin(problem, 1);
         island.velocities.fill(State::default());
         island.before.fill(State::default());
+        // There are no impulses to start from.
         island.refresh(problem, &spring, &passes()[0], closed);
         for block in &mut island.blocks {
             block.anchored = L::ONE;

@@ -190,8 +190,7 @@ impl<L: F32xN> Island<L> {
         island.begin(problem, 1);
         island.velocities.fill(State::default());
         island.push(problem.bodies, 1.0);
-        island.refresh(problem, &Spring::default(), pass, closed);
-        let free = island.warm_start();
+        let free = island.refresh(problem, &Spring::default(), pass, closed);
         (island, free)
     }
 

@@ -448,6 +448,24 @@ fn gravity_scales_body_by_body() {
     }
 }
 
+/// A brick of a town must not carry components that it does not use.
+#[test]
+fn a_body_has_forces_only_if_they_are_inserted() {
+    let mut lab = weightless();
+    let body = lab.cube(Vec3::ZERO);
+    lab.step();
+    let has = lab.world.entity(body);
+    assert!(!has.contains::<ExternalForce>() && !has.contains::<Damping>());
+    assert!(!has.contains::<GravityScale>() && has.contains::<ExternalImpulse>());
+    // `Forces` and `get_mut` find the impulse of every body, also after somebody removed it.
+    lab.world.entity_mut(body).remove::<ExternalImpulse>();
+    lab.step();
+    let mut impulse = lab.world.get_mut::<ExternalImpulse>(body).unwrap();
+    impulse.linear = Vec3::X * 1000.0;
+    lab.step();
+    assert_near(lab.velocity(body).linear.x, 1.0, 1e-5, "J/m");
+}
+
 #[test]
 fn forces_act_in_every_step_and_impulses_once() {
     let mut lab = weightless();

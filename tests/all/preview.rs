@@ -3,7 +3,9 @@
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Pose, RigidBody, Sleeping, Velocity};
+use drystone::body::{
+    Damping, ExternalForce, ExternalImpulse, GravityScale, Pose, RigidBody, Sleeping, Velocity,
+};
 use drystone::collider::Collider;
 use drystone::preview::{
     Edit, Preview, PreviewError, PreviewSettings, Shadow, preview, preview_task,
@@ -500,6 +502,43 @@ fn a_shadow_of_what_falls_goes_where_its_world_goes() {
             assert!(off.is_empty(), "{scene} after {at} steps: off by {off:?} m");
         }
     }
+}
+
+/// Bodies have these components only if somebody inserted them.
+#[test]
+fn a_shadow_has_the_forces_of_its_world() {
+    let mut lab = Lab::new();
+    let rising = lab.cube(Vec3::Y * 3.0);
+    let force = ExternalForce {
+        force: Vec3::Y * 20_000.0,
+        ..Default::default()
+    };
+    lab.world.entity_mut(rising).insert(force);
+    let slowed = lab.cube(Vec3::new(3.0, 3.0, 0.0));
+    let damping = Damping {
+        linear: 4.0,
+        angular: 0.0,
+    };
+    lab.world.entity_mut(slowed).insert(damping);
+    let floats = lab.cube(Vec3::new(6.0, 3.0, 0.0));
+    lab.world.entity_mut(floats).insert(GravityScale(0.0));
+    let falls = lab.cube(Vec3::new(9.0, 3.0, 0.0));
+    let bodies = [rising, slowed, floats, falls];
+    lab.run(0.1);
+    for body in &bodies[..3] {
+        let mut impulse = lab.world.get_mut::<ExternalImpulse>(*body).unwrap();
+        impulse.linear = Vec3::X * 100.0;
+    }
+    let mut shadow = Shadow::around(&lab.world, &bodies).unwrap();
+    for _ in 0..10 {
+        lab.step();
+        drystone::step(shadow.world_mut(), lab.dt).unwrap();
+    }
+    let copies = copies(&shadow, &bodies);
+    for (&body, copy) in bodies.iter().zip(copies) {
+        assert_eq!(pose(&lab.world, body), pose(shadow.world_mut(), copy));
+    }
+    assert!(lab.world.get::<GravityScale>(falls).is_none());
 }
 
 /// Bodies that sleep in the world sleep in its shadow, until an edit removes their support.

@@ -1,8 +1,8 @@
 //! Bodies: the components that define kind, pose, velocity, mass, surface and applied forces of a body, and the table of all bodies.
 //!
 //! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it can touch other bodies; more
-//! colliders may be on [child entities](crate::children). All other
-//! components are added with their defaults. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
+//! colliders may be on [child entities](crate::children). The components that every body has are added with their defaults; others, such as
+//! [`ExternalForce`], only if you insert them. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
 //! [`prepare`] fills it once a step.
 //!
 //! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part in

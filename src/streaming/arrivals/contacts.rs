@@ -79,14 +79,12 @@ impl<'a> Contacts<'a> {
             };
             warn(bodies, &mut warnings);
             // A contact has 600 bytes, so it is filled where it stays.
-            contacts.push(Contact {
+            let contact = contacts.push_mut(Contact {
                 pair: ContactPair::new(0, slots, bodies, self.detector.revision),
                 components: Components::default(),
                 links: false,
             });
-            if let Some(contact) = contacts.last_mut() {
-                self.detect(bodies, contact);
-            }
+            self.detect(bodies, contact);
         }
         let islands = self.structures(group, &contacts);
         Found {

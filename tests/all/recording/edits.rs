@@ -236,14 +236,17 @@ fn changes_before_the_recording_begins_count() {
 #[test]
 fn systems_write() {
     let (mut world, bodies) = wall();
-    world.entity_mut(bodies[8]).insert(ExternalForce::default());
+    for &body in &bodies {
+        world.entity_mut(body).insert(ExternalForce::default());
+    }
     goes_again("systems", world, 30, |world, step| {
         let mut push = IntoSystem::into_system(
             |mut commands: Commands, mut bodies: Query<&mut ExternalForce>| {
                 for mut force in &mut bodies {
                     force.force.x += 3.0;
                 }
-                commands.spawn((RigidBody::Dynamic, Collider::ball(0.2), place(0.0, 5.0)));
+                let ball = (RigidBody::Dynamic, Collider::ball(0.2), place(0.0, 5.0));
+                commands.spawn((ball, ExternalForce::default()));
             },
         );
         if step % 10 == 3 {

@@ -111,7 +111,7 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
 }
 
 /// Number of blocks that one thread refreshes before it applies their warm-start impulses. They stay in its cache for both.
-const TOGETHER: usize = 64;
+const AT_A_TIME: usize = 64;
 
 impl<L: F32xN> Island<L> {
     /// Refreshes all blocks from the problem, and applies the warm-start impulses of contacts and grabs in the order of the sweep. Returns the
@@ -130,7 +130,7 @@ impl<L: F32xN> Island<L> {
         self.missing.resize(self.blocks.len(), L::ZERO);
         let count = self.blocks.len();
         let size = match problem.threads == 1 && self.batches.laps() == 1 {
-            true => TOGETHER,
+            true => AT_A_TIME,
             false => count.max(1),
         };
         for first in (0..count).step_by(size) {

@@ -128,6 +128,13 @@ pub enum Waking {
     },
 }
 
+impl SleepSettings {
+    /// Returns true if no body ever falls asleep. The delay of a shadow is infinite if its world does not let bodies sleep.
+    pub(crate) fn is_off(&self) -> bool {
+        !self.enabled || self.delay == f32::INFINITY
+    }
+}
+
 impl Default for SleepSettings {
     fn default() -> Self {
         Preset::Default.sleeping()

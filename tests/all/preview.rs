@@ -172,6 +172,30 @@ fn with_long_steps_as_much_begins_to_fall() {
     }
 }
 
+/// A body at rest gets fewer sweeps where nothing ever sleeps. In a shadow it got all of them, so more than half of these shadows had other velocities.
+#[test]
+fn a_shadow_of_what_rests_awake_goes_where_its_world_goes() {
+    let mut run = settled("heap:100");
+    run.world.resource_mut::<SleepSettings>().enabled = false;
+    for at in (10..200).step_by(10) {
+        for _ in 0..10 {
+            run.step();
+        }
+        let mut shadow = Shadow::around(&run.world, &run.bodies).unwrap();
+        let copies = copies(&shadow, &run.bodies);
+        for _ in 0..5 {
+            drystone::step(&mut run.world, 1.0 / 60.0).unwrap();
+            drystone::step(shadow.world_mut(), 1.0 / 60.0).unwrap();
+        }
+        for (&body, &copy) in run.bodies.iter().zip(&copies) {
+            let state =
+                |world: &World, body| (pose(world, body), world.get::<Velocity>(body).copied());
+            let (one, other) = (state(&run.world, body), state(shadow.world_mut(), copy));
+            assert_eq!(one, other, "after {at} steps");
+        }
+    }
+}
+
 /// So that it is right whatever happens, as long as nothing else comes near.
 #[test]
 fn a_shadow_goes_where_its_world_goes() {

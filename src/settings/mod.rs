@@ -102,7 +102,7 @@ pub struct SleepSettings {
     pub linear_speed: f32,
     /// A body counts as still below this angular speed, rad/s. Default: 0.02.
     pub angular_speed: f32,
-    /// An island falls asleep when all its bodies have been still for this time, s. Default: 0.5.
+    /// An island falls asleep when all its bodies have been still for this time, s. If it is infinite, none does. Default: 0.5.
     pub delay: f32,
     /// Which sleeping bodies wake when awake ones touch them. Default: by need.
     pub waking: Waking,

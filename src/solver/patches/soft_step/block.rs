@@ -95,10 +95,10 @@ impl Spring {
         (turned * a, self.omega / a)
     }
 
-    /// The coefficients of springs whose stiffness is scaled by a factor.
+    /// The coefficients of springs of frequency `omega`, rad/s, whose stiffness is scaled by a factor.
     #[inline(always)]
-    fn softness<L: F32xN>(&self, stiffness: L) -> Softness<L> {
-        let omega = L::splat(self.omega) * stiffness.sqrt();
+    fn softness<L: F32xN>(&self, omega: L, stiffness: L) -> Softness<L> {
+        let omega = omega * stiffness.sqrt();
         let turned = omega * L::splat(self.h);
         let a = L::splat(2.0 * self.damping_ratio) + turned;
         let b = turned * a;
@@ -310,10 +310,10 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Sets the softness of its springs.
+    /// Sets the softness of its springs, whose frequencies are `omega`, rad/s.
     #[inline(always)]
-    pub fn soften(&mut self, spring: &Spring) {
-        self.softness = spring.softness(self.stiffness);
+    pub fn soften(&mut self, spring: &Spring, omega: L) {
+        self.softness = spring.softness(omega, self.stiffness);
         let soft = &self.softness;
         self.gives = soft.impulse_scale * (soft.mass_scale * soft.bias_rate).inverse();
         self.compliance = self.anchored * self.gives * self.isotropic_mass.inverse();

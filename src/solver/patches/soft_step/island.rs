@@ -98,6 +98,8 @@ pub struct Island<L: F32xN> {
     pub(super) deepest: f32,
     /// The setting for lanes.
     pub(super) lanes: Lanes,
+    /// By patch: the angular frequency of its springs, rad/s. Empty if all have that of the island's spring.
+    pub(super) frequencies: Vec<f32>,
     /// Fastest correction, m/s.
     pub(super) fastest: f32,
     /// The result of [`stands_by_itself`].
@@ -177,6 +179,7 @@ impl<L: F32xN> Island<L> {
             skipped: 0,
             deepest: f32::NEG_INFINITY,
             lanes: Lanes::Auto,
+            frequencies: Vec::new(),
             fastest: problem.max_correction_speed,
             alone: stands_by_itself(problem),
             inertias: bodies.iter().map(|body| body.inverse_inertia).collect(),

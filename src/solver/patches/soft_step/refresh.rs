@@ -24,6 +24,8 @@ pub struct Fresh<'a, 'p> {
     /// Velocities of the free motion.
     pub free: &'a [State],
     pub spring: &'a Spring,
+    /// See [`Island::frequencies`].
+    pub frequencies: &'a [f32],
     pub pass: &'a Pass,
     /// Points farther apart than this are open and get no impulse, m.
     pub closed: f32,
@@ -66,14 +68,26 @@ impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
                     }
                 }
             }
-            block.begin(points, patches, problem, fresh.substeps, fresh.deepest);
+            block.begin(
+                points,
+                patches.clone(),
+                problem,
+                fresh.substeps,
+                fresh.deepest,
+            );
             if fresh.closed < f32::INFINITY {
                 block.rest(points, fresh.closed);
             }
             if stale {
                 block.prepare(points);
             }
-            block.soften(fresh.spring);
+            let mut omega = L::splat(fresh.spring.omega);
+            if !fresh.frequencies.is_empty() {
+                for (lane, number) in patches {
+                    omega[lane] = fresh.frequencies[number as usize];
+                }
+            }
+            block.soften(fresh.spring, omega);
             part.found[i] = block.missing(points, fresh.free, fresh.pass);
             i += 1;
         }
@@ -161,6 +175,7 @@ impl<L: F32xN> Island<L> {
             substeps: self.substeps,
             free: &self.free,
             spring,
+            frequencies: &self.frequencies,
             pass,
             closed,
             deepest: self.deepest,

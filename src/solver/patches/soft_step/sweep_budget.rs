@@ -61,20 +61,9 @@ pub struct SweepBudget {
 }
 
 impl SweepBudget {
-    /// An order that puts equal budgets side by side.
-    pub fn compare(&self, other: &Self) -> std::cmp::Ordering {
-        let whole = |budget: &Self| {
-            let &Self {
-                substeps,
-                substeps_per_rigid_sweep,
-                downwards,
-                ..
-            } = budget;
-            (substeps, substeps_per_rigid_sweep, downwards)
-        };
-        whole(self)
-            .cmp(&whole(other))
-            .then(self.rate.total_cmp(&other.rate))
+    /// What decides which sweeps follow each other: all but the rate. Equal plans have equal sweeps.
+    pub fn plan(&self) -> (usize, usize, bool) {
+        (self.substeps, self.substeps_per_rigid_sweep, self.downwards)
     }
 
     /// The budget for a problem with its warm-start impulses.

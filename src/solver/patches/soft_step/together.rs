@@ -1,8 +1,8 @@
 //! Small islands solved together: their patches lie side by side in the blocks of one problem.
 //!
 //! A body that lies alone on the ground fills one lane of four. So the small islands of a step that get the same sweeps form one problem.
-//! They share no body that moves, and the patches of each island keep their order. So the result of each island equals bit for bit that of solving it
-//! alone, except for the sign of zeros.
+//! They share no body that moves, the patches of each island keep their order, and its springs keep their frequency. So the result of each
+//! island equals bit for bit that of solving it alone, except for the sign of zeros.
 
 use super::gaps::Gaps;
 use super::island::{Island, batches, stands_by_itself};
@@ -136,23 +136,23 @@ impl SoftStep {
                 bounces,
             });
         }
-        let quiet = |begun: &Begun| begun.may_be_quiet;
-        begun.sort_by(|a, b| (a.budget.compare(&b.budget)).then(quiet(a).cmp(&quiet(b))));
-        for group in begun.chunk_by(|a, b| a.budget == b.budget && quiet(a) == quiet(b)) {
-            let first = &group[0];
-            let mut may_be_quiet = first.may_be_quiet;
-            let mut rest: Vec<usize> = group.iter().map(|begun| begun.number).collect();
+        let sweeps = |begun: &Begun| (begun.budget.plan(), begun.may_be_quiet);
+        begun.sort_by_key(sweeps);
+        for group in begun.chunk_by(|a, b| sweeps(a) == sweeps(b)) {
+            let mut may_be_quiet = group[0].may_be_quiet;
+            let mut rest: Vec<&Begun> = group.iter().collect();
             while !rest.is_empty() {
-                let mut joint = Joint::of(rest.iter().map(|&number| &problems[number]));
-                let like = &problems[first.number];
+                let mut joint = Joint::of(rest.iter().map(|begun| &problems[begun.number]));
+                let budgets: Vec<SweepBudget> = rest.iter().map(|begun| begun.budget).collect();
+                let like = &problems[rest[0].number];
                 let (found, again) =
-                    self.solve_joint::<L>(&mut joint, like, first.budget, may_be_quiet);
+                    self.solve_joint::<L>(&mut joint, like, &budgets, may_be_quiet);
                 may_be_quiet = false;
                 let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
-                let members = rest.iter().filter_map(|&number| members[number].take());
+                let members = rest.iter().filter_map(|begun| members[begun.number].take());
                 joint.give_back(members, &again);
-                for (&number, report) in rest.iter().zip(found) {
-                    reports[number] = report;
+                for (begun, report) in rest.iter().zip(found) {
+                    reports[begun.number] = report;
                 }
                 let mut again = again.into_iter();
                 rest.retain(|_| again.next() == Some(true));
@@ -165,13 +165,13 @@ impl SoftStep {
         reports
     }
 
-    /// Solves problems that get the same sweeps as one of them. If some are quiet, the others are to be solved again by themselves, with all
-    /// sweeps: the second result says which.
+    /// Solves problems that get the same sweeps, with the settings of one of them; `budgets` are those of all of them. If some are quiet, the
+    /// others are to be solved again by themselves, with all sweeps: the second result says which.
     fn solve_joint<L: F32xN>(
         &self,
         joint: &mut Joint,
         like: &PatchProblem,
-        budget: SweepBudget,
+        budgets: &[SweepBudget],
         may_be_quiet: bool,
     ) -> (Vec<SolveReport>, Vec<bool>) {
         let mut memory = Memory::default();
@@ -181,10 +181,16 @@ impl SoftStep {
         let mut problem = joint.problem(like, &mut memory);
         let batches = batches(L::LANES, &problem);
         let mut island = Island::<L>::new(&problem, batches);
+        let budget = budgets[0];
         let (spring, passes) = (
             self.spring(budget, problem.dt),
             self.plan(budget, problem.dt),
         );
+        let frequencies = owners.iter().map(|&owner| {
+            let budget = budgets[owner as usize];
+            self.spring(budget, problem.dt).omega
+        });
+        island.frequencies.extend(frequencies);
         island.start(&problem, budget.substeps, &spring, &passes);
         let round = match may_be_quiet {
             true => first_round(&passes, problem.effort),

@@ -135,7 +135,7 @@ impl<L: F32xN> Island<L> {
         for block in &mut island.blocks {
             block.anchored = L::ONE;
             (block.slip, block.slip_twist) = ([L::ZERO; 2], L::ZERO);
-            block.soften(&spring);
+            block.soften(&spring, L::splat(spring.omega));
         }
         island
     }

@@ -40,7 +40,7 @@ use rayon::prelude::*;
 pub use reports::{IslandReport, ReportWriter, SolveReports};
 
 /// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
-const TOGETHER: usize = 64;
+const TOGETHER: usize = 256;
 
 type Bodies<'w, 's> = Query<
     'w,

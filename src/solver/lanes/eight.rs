@@ -1,4 +1,4 @@
-//! Eight lanes in one AVX register, with fused multiply-add.
+//! Eight lanes in one AVX register, with fused multiply-add or without.
 //!
 //! # Safety
 //!
@@ -15,12 +15,18 @@ use std::arch::x86_64::*;
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-/// [`F32xN`] on an AVX register.
+/// [`F32xN`] on an AVX register. Products are rounded before they are added unless operations are `FUSED`.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
-pub struct F32x8(__m256);
+pub struct Eight<const FUSED: bool>(__m256);
 
-impl F32x8 {
+/// Eight lanes with fused operations, the fastest.
+pub type F32x8 = Eight<true>;
+
+/// Eight lanes that give the bits of [`F32x4`](super::F32x4).
+pub type F32x8AsFour = Eight<false>;
+
+impl<const FUSED: bool> Eight<FUSED> {
     /// Returns true if this processor has AVX2 and FMA and the feature `enhanced-determinism` is off.
     pub fn is_available() -> bool {
         cfg!(not(feature = "enhanced-determinism"))
@@ -70,7 +76,7 @@ macro_rules! registers {
     };
 }
 
-impl F32xN for F32x8 {
+impl<const FUSED: bool> F32xN for Eight<FUSED> {
     const LANES: usize = 8;
     const ZERO: Self = Self::of([0.0; 8]);
     const ONE: Self = Self::of([1.0; 8]);
@@ -117,17 +123,26 @@ impl F32xN for F32x8 {
 
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        Self(registers!(_mm256_fmadd_ps(self.0, factor.0, addend.0)))
+        match FUSED {
+            true => Self(registers!(_mm256_fmadd_ps(self.0, factor.0, addend.0))),
+            false => self * factor + addend,
+        }
     }
 
     #[inline(always)]
     fn mul_sub(self, factor: Self, less: Self) -> Self {
-        Self(registers!(_mm256_fmsub_ps(self.0, factor.0, less.0)))
+        match FUSED {
+            true => Self(registers!(_mm256_fmsub_ps(self.0, factor.0, less.0))),
+            false => self * factor - less,
+        }
     }
 
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, from: Self) -> Self {
-        Self(registers!(_mm256_fnmadd_ps(self.0, factor.0, from.0)))
+        match FUSED {
+            true => Self(registers!(_mm256_fnmadd_ps(self.0, factor.0, from.0))),
+            false => from - self * factor,
+        }
     }
 
     #[inline(always)]
@@ -246,7 +261,10 @@ unsafe fn place(states: *const __m128, bodies: &Bodies, part: usize, lane: usize
 ///
 /// As [`load`].
 #[inline(always)]
-unsafe fn load_both(states: *const __m128, bodies: &Bodies) -> SpatialVec<F32x8> {
+unsafe fn load_both<const FUSED: bool>(
+    states: *const __m128,
+    bodies: &Bodies,
+) -> SpatialVec<Eight<FUSED>> {
     // SAFETY: the caller guarantees the conditions of `load`.
     unsafe {
         SpatialVec {
@@ -262,7 +280,11 @@ unsafe fn load_both(states: *const __m128, bodies: &Bodies) -> SpatialVec<F32x8>
 ///
 /// The state of every body must exist, and the processor must have AVX.
 #[inline(always)]
-unsafe fn load(states: *const __m128, bodies: &Bodies, part: usize) -> Vec3xN<F32x8> {
+unsafe fn load<const FUSED: bool>(
+    states: *const __m128,
+    bodies: &Bodies,
+    part: usize,
+) -> Vec3xN<Eight<FUSED>> {
     // SAFETY: the caller guarantees the conditions of `row`.
     unsafe {
         let a = row(states, bodies, part, 0);
@@ -272,9 +294,9 @@ unsafe fn load(states: *const __m128, bodies: &Bodies, part: usize) -> Vec3xN<F3
         let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
         let (ab_z, cd_z) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
         Vec3xN {
-            x: F32x8(_mm256_shuffle_ps::<0b01_00_01_00>(ab, cd)),
-            y: F32x8(_mm256_shuffle_ps::<0b11_10_11_10>(ab, cd)),
-            z: F32x8(_mm256_shuffle_ps::<0b01_00_01_00>(ab_z, cd_z)),
+            x: Eight(_mm256_shuffle_ps::<0b01_00_01_00>(ab, cd)),
+            y: Eight(_mm256_shuffle_ps::<0b11_10_11_10>(ab, cd)),
+            z: Eight(_mm256_shuffle_ps::<0b01_00_01_00>(ab_z, cd_z)),
         }
     }
 }
@@ -300,8 +322,13 @@ unsafe fn row(states: *const __m128, bodies: &Bodies, part: usize, lane: usize) 
 ///
 /// As [`load`].
 #[inline(always)]
-unsafe fn store(states: *mut __m128, bodies: &Bodies, part: usize, v: Vec3xN<F32x8>) {
-    let zero = F32x8::ZERO.0;
+unsafe fn store<const FUSED: bool>(
+    states: *mut __m128,
+    bodies: &Bodies,
+    part: usize,
+    v: Vec3xN<Eight<FUSED>>,
+) {
+    let zero = Eight::<FUSED>::ZERO.0;
     // SAFETY: the caller guarantees that the states exist.
     unsafe {
         let (ab, cd) = (
@@ -327,20 +354,20 @@ unsafe fn store(states: *mut __m128, bodies: &Bodies, part: usize, v: Vec3xN<F32
     }
 }
 
-impl Default for F32x8 {
+impl<const FUSED: bool> Default for Eight<FUSED> {
     #[inline(always)]
     fn default() -> Self {
         Self::ZERO
     }
 }
 
-impl PartialEq for F32x8 {
+impl<const FUSED: bool> PartialEq for Eight<FUSED> {
     fn eq(&self, o: &Self) -> bool {
         self.lanes() == o.lanes()
     }
 }
 
-impl Index<usize> for F32x8 {
+impl<const FUSED: bool> Index<usize> for Eight<FUSED> {
     type Output = f32;
 
     #[inline(always)]
@@ -349,7 +376,7 @@ impl Index<usize> for F32x8 {
     }
 }
 
-impl IndexMut<usize> for F32x8 {
+impl<const FUSED: bool> IndexMut<usize> for Eight<FUSED> {
     #[inline(always)]
     fn index_mut(&mut self, lane: usize) -> &mut f32 {
         // SAFETY: as in `lanes`.
@@ -358,17 +385,16 @@ impl IndexMut<usize> for F32x8 {
     }
 }
 
-impl Neg for F32x8 {
+impl<const FUSED: bool> Neg for Eight<FUSED> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        const NEGATIVE_ZERO: F32x8 = F32x8::of([-0.0; 8]);
-        NEGATIVE_ZERO - self
+        Self::of([-0.0; 8]) - self
     }
 }
 
-impl Add for F32x8 {
+impl<const FUSED: bool> Add for Eight<FUSED> {
     type Output = Self;
 
     #[inline(always)]
@@ -377,7 +403,7 @@ impl Add for F32x8 {
     }
 }
 
-impl Sub for F32x8 {
+impl<const FUSED: bool> Sub for Eight<FUSED> {
     type Output = Self;
 
     #[inline(always)]
@@ -386,7 +412,7 @@ impl Sub for F32x8 {
     }
 }
 
-impl Mul for F32x8 {
+impl<const FUSED: bool> Mul for Eight<FUSED> {
     type Output = Self;
 
     #[inline(always)]
@@ -395,14 +421,14 @@ impl Mul for F32x8 {
     }
 }
 
-impl AddAssign for F32x8 {
+impl<const FUSED: bool> AddAssign for Eight<FUSED> {
     #[inline(always)]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
 }
 
-impl SubAssign for F32x8 {
+impl<const FUSED: bool> SubAssign for Eight<FUSED> {
     #[inline(always)]
     fn sub_assign(&mut self, o: Self) {
         *self = *self - o;

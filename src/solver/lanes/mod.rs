@@ -10,7 +10,7 @@ mod four;
 mod vectors;
 
 #[cfg(target_arch = "x86_64")]
-pub use eight::F32x8;
+pub use eight::{F32x8, F32x8AsFour};
 pub use four::F32x4;
 pub use vectors::{Frame, SpatialVec, Symmetric, Vec3xN, square_length, squared};
 

@@ -102,6 +102,7 @@ fn four_lanes_do_what_numbers_do() {
 fn eight_lanes_do_what_numbers_do() {
     if F32x8::is_available() {
         check::<F32x8>();
+        check::<F32x8AsFour>();
     }
 }
 

@@ -24,8 +24,8 @@ pub struct BodyLoad {
     pub carries: bool,
     /// It supports a body of a higher level of support.
     pub bears: bool,
-    /// Load at rest upwards; and downwards load at rest or current impulse, N·s. Round bodies have no load at rest and still weigh on the
-    /// body below.
+    /// Upwards the load at rest that supports still push with; and downwards load at rest or current impulse, N·s. A point that has opened
+    /// keeps its load at rest for a while, and it throws nothing. Round bodies have no load at rest and still weigh on the body below.
     up: f32,
     down: f32,
     /// 1/(mass · size), 1/(kg·m). The size is half the side of the cube with the same resistance to rotation.
@@ -60,7 +60,7 @@ impl LoadStatistics {
                 let (long, now) = (sign * long, sign * now);
                 let body_loads = &mut body_loads[body as usize];
                 body_loads.carries |= carries;
-                body_loads.up += larger(long, 0.0);
+                body_loads.up += larger(if now < long { now } else { long }, 0.0);
                 body_loads.down += larger(larger(-long, -now), 0.0);
                 pressed = larger(load * body_loads.yielding, pressed);
             }

@@ -66,9 +66,9 @@ mod visit;
 use super::restitution::{self, Bounces};
 use super::{PatchProblem, PatchSolver};
 use crate::solver::batches::Batches;
-#[cfg(target_arch = "x86_64")]
-use crate::solver::lanes::F32x8;
 use crate::solver::lanes::{F32x4, F32xN};
+#[cfg(target_arch = "x86_64")]
+use crate::solver::lanes::{F32x8, F32x8AsFour};
 use crate::solver::width::Width;
 use crate::solver::{Lanes, SolveReport};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -179,8 +179,12 @@ impl PatchSolver for SoftStep {
         }
         match self.lanes.width(|| false) {
             #[cfg(target_arch = "x86_64")]
-            Width::Eight => self.solve_together::<F32x8>(problems),
-            Width::Four => self.solve_together::<F32x4>(problems),
+            Width::Eight => self.solve_together::<F32x8, F32x8>(problems),
+            #[cfg(target_arch = "x86_64")]
+            Width::Four if F32x8AsFour::is_available() => {
+                self.solve_together::<F32x4, F32x8AsFour>(problems)
+            }
+            Width::Four => self.solve_together::<F32x4, F32x4>(problems),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Small islands solved together: their patches lie side by side in the blocks of one problem.
 //!
-//! A body that lies alone on the ground fills one lane of four. So the small islands of a step that get the same sweeps form one problem.
+//! A body that lies alone on the ground fills one lane of eight. So the small islands of a step that get the same sweeps form one problem.
 //! They share no body that moves, the patches of each island keep their order, and its springs keep their frequency. So the result of each
 //! island equals bit for bit that of solving it alone, except for the sign of zeros.
 
@@ -112,8 +112,9 @@ fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
 }
 
 impl SoftStep {
-    /// Solves each problem: those that get the same sweeps together, and those with joints, blows or deep overlaps alone.
-    pub(super) fn solve_together<L: F32xN>(
+    /// Solves each problem: those that get the same sweeps together, and those with joints, blows or deep overlaps alone. `L` are the lanes in
+    /// which a problem is solved alone, and `W` those in which problems are solved together. Both give the same bits.
+    pub(super) fn solve_together<L: F32xN, W: F32xN>(
         &self,
         problems: &mut [PatchProblem],
     ) -> Vec<SolveReport> {
@@ -146,7 +147,7 @@ impl SoftStep {
                 let budgets: Vec<SweepBudget> = rest.iter().map(|begun| begun.budget).collect();
                 let like = &problems[rest[0].number];
                 let (found, again) =
-                    self.solve_joint::<L>(&mut joint, like, &budgets, may_be_quiet);
+                    self.solve_joint::<W>(&mut joint, like, &budgets, may_be_quiet);
                 may_be_quiet = false;
                 let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
                 let members = rest.iter().filter_map(|begun| members[begun.number].take());

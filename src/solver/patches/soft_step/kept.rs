@@ -113,8 +113,11 @@ impl<L: F32xN> Kept<L> {
         if others.is_empty() {
             return;
         }
-        match self.island.are_still(0..problem.bodies.len(), problem) {
-            true => self.island.skip(others, problem),
+        match self
+            .island
+            .are_almost_still(0..problem.bodies.len(), problem)
+        {
+            true => self.island.skip(others),
             false => {
                 problem.threads = threads;
                 self.sweep(problem, others, tell);

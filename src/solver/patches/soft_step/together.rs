@@ -203,13 +203,13 @@ impl SoftStep {
         }
         let mut again = vec![false; count];
         if !others.is_empty() {
-            let is_quiet = |bodies: Range<usize>| island.are_still(bodies, &problem);
+            let is_quiet = |bodies: Range<usize>| island.are_almost_still(bodies, &problem);
             again = members
                 .into_iter()
                 .map(|bodies| !is_quiet(bodies))
                 .collect();
             if again.contains(&false) {
-                island.skip(others, &problem);
+                island.skip(others);
             } else {
                 again.fill(false);
                 for pass in others {

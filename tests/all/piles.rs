@@ -174,10 +174,19 @@ fn a_pile_of_cylinders_sleeps() {
     });
 }
 
-/// Of 21 piles the median overlaps by 5.4 or 6.0 mm, as rounding decides, and the mean of both is 5.9 and 6.0 mm.
+fn cone(_: usize, _: &mut fastrand::Rng) -> Collider {
+    Collider::cone(0.22, 0.4)
+}
+
 #[test]
 fn a_pile_of_cones_sleeps() {
-    sleeps_within("cones", 10.0, 0.0065, |_, _| Collider::cone(0.22, 0.4));
+    sleeps_within("cones", 10.0, 0.0065, cone);
+}
+
+#[test]
+#[ignore = "missed since normals are rounded: 6.3 mm; the median of 21 such piles is 6.0, and was 5.4, their mean 6.0, and was 5.9"]
+fn a_pile_of_cones_overlaps_by_no_more_than_cylinders() {
+    sleeps_within("cones", 10.0, 0.006, cone);
 }
 
 #[test]

@@ -144,7 +144,7 @@ fn in_a_heap_all_answers_agree() {
     let mut rng = fastrand::Rng::with_seed(4);
     let mut lab = Lab::new();
     lab.ground();
-    let bricks: Vec<Entity> = (0..120)
+    let bricks: Vec<Entity> = (0..160)
         .map(|i| {
             let mut one = || rng.f32() - 0.5;
             let at = Vec3::new(2.0 * one(), 0.5 + 0.3 * i as f32, 2.0 * one());
@@ -214,7 +214,7 @@ fn in_a_heap_all_answers_agree() {
             assert!(supports.structure(brick).unwrap().contains(&brick));
         }
     });
-    assert!(hangs > 5, "{hangs}");
+    assert!(hangs > 10, "{hangs}");
 }
 
 #[test]

@@ -92,7 +92,7 @@ impl<L: F32xN> Block<L> {
 /// An island during a step: its blocks, and the velocities and motions of its bodies.
 pub struct Island<L: F32xN> {
     pub(super) substeps: usize,
-    /// Number of substeps that are not taken, because the island is [quiet](super::quiet). They repeat the last one.
+    /// Number of substeps that are not taken, because the island is [quiet](super::quiet). Contacts give the impulses of the last one in each of them.
     pub(super) skipped: usize,
     /// Springs see no depth beyond this separation, m.
     pub(super) deepest: f32,

@@ -2,8 +2,8 @@
 //!
 //! A structure at rest begins a step with the impulses that hold it. A round of sweeps (soft ones, and the rigid one that follows them) finds the
 //! same impulses again, and so does every other round. An island is *quiet* if its bodies were almost still before the step, are so after
-//! the first round, and would be so in the next substep ([`MUCH`]). In the substeps that are left contacts give the same impulses then, and
-//! bodies stay where they are.
+//! the first round, and would be so in the next substep ([`ALMOST`]). Then the substeps that are left are skipped: contacts give the same
+//! impulses in them, and bodies stay where they are.
 //!
 //! Arches and houses of cards never come quite to rest. Their poses are rounded by more than springs stretch, so they tremble by some µm/s. If
 //! bodies went on with their last velocity for the rest of the step, springs would be stretched that are to be corrected in each substep, and an
@@ -29,9 +29,9 @@ pub fn first_round(passes: &[Pass], effort: f32) -> usize {
     last.map_or(passes.len(), |rigid| rigid + 1)
 }
 
-/// Bodies of a quiet island move less than this many times as fast as bodies that are [still](Body::still_below). At 4, arches are not quiet. At 16,
+/// A body is almost still below this many times the speed at which it counts as [still](Body::still_below). At 4, arches are not quiet. At 16,
 /// an arch of 25 trembles by 14 µm/s; at 8 by 9, and by 5 if no sweep is skipped.
-const MUCH: f32 = 8.0;
+const ALMOST: f32 = 8.0;
 
 /// Whether an island may be quiet in this step. If some contacts may bounce it needs all sweeps: a brick with e = 0.6 that bounces on a wall at 0.1 s
 /// moved it by 2.3 mm instead of less than 1. Otherwise: it never sleeps, only contacts act on its bodies, and these were almost still before the step.
@@ -51,7 +51,7 @@ pub fn may_be_quiet(problem: &PatchProblem, bounces: bool) -> bool {
 
 /// Returns true if a body with this velocity is almost still. A body that contacts cannot change is so if it stands.
 fn is_almost_still(body: &Body, [linear, angular]: State) -> bool {
-    let [speed, spin] = body.still_below.map(|limit| MUCH * limit);
+    let [speed, spin] = body.still_below.map(|limit| ALMOST * limit);
     linear.length_squared() <= speed * speed && angular.length_squared() <= spin * spin
 }
 
@@ -59,8 +59,10 @@ impl<L: F32xN> Island<L> {
     /// Returns true if some bodies are almost still after a pass that [extrapolates](Pass::extrapolates), and will be so in the next substep.
     pub fn are_almost_still(&self, bodies: Range<usize>, problem: &PatchProblem) -> bool {
         bodies.into_iter().all(|i| {
-            let is_still = |state: State| is_almost_still(&problem.bodies[i], state);
-            is_still(self.before[i]) && is_still(self.velocities[i])
+            let states = [self.before[i], self.velocities[i]];
+            states
+                .into_iter()
+                .all(|state| is_almost_still(&problem.bodies[i], state))
         })
     }
 

@@ -144,10 +144,8 @@ impl SoftStep {
             let mut rest: Vec<&Begun> = group.iter().collect();
             while !rest.is_empty() {
                 let mut joint = Joint::of(rest.iter().map(|begun| &problems[begun.number]));
-                let budgets: Vec<SweepBudget> = rest.iter().map(|begun| begun.budget).collect();
                 let like = &problems[rest[0].number];
-                let (found, again) =
-                    self.solve_joint::<W>(&mut joint, like, &budgets, may_be_quiet);
+                let (found, again) = self.solve_joint::<W>(&mut joint, like, &rest, may_be_quiet);
                 may_be_quiet = false;
                 let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
                 let members = rest.iter().filter_map(|begun| members[begun.number].take());
@@ -166,13 +164,13 @@ impl SoftStep {
         reports
     }
 
-    /// Solves problems that get the same sweeps, with the settings of one of them; `budgets` are those of all of them. If some are quiet, the
-    /// others are to be solved again by themselves, with all sweeps: the second result says which.
+    /// Solves problems that get the same sweeps, with the settings of one of them. If some are quiet, the others are to be solved again by
+    /// themselves, with all sweeps: the second result says which.
     fn solve_joint<L: F32xN>(
         &self,
         joint: &mut Joint,
         like: &PatchProblem,
-        budgets: &[SweepBudget],
+        begun: &[&Begun],
         may_be_quiet: bool,
     ) -> (Vec<SolveReport>, Vec<bool>) {
         let mut memory = Memory::default();
@@ -182,14 +180,14 @@ impl SoftStep {
         let mut problem = joint.problem(like, &mut memory);
         let batches = batches(L::LANES, &problem);
         let mut island = Island::<L>::new(&problem, batches);
-        let budget = budgets[0];
+        let budget = begun[0].budget;
         let (spring, passes) = (
             self.spring(budget, problem.dt),
             self.plan(budget, problem.dt),
         );
         let frequencies = owners.iter().map(|&owner| {
-            let budget = budgets[owner as usize];
-            self.spring(budget, problem.dt).omega
+            let own = begun[owner as usize].budget;
+            self.spring(own, problem.dt).omega
         });
         island.frequencies.extend(frequencies);
         island.start(&problem, budget.substeps, &spring, &passes);

@@ -57,8 +57,8 @@ const NOISE: f32 = 1e-3;
 
 /// Bodies can support each other in a circle, by friction. Then shares are computed in rounds: the maximum number of rounds, and the change
 /// below which they end.
-const ROUNDS: usize = 64;
-const STEADY: f32 = 1e-5;
+const ROUNDS: usize = 1024;
+const STEADY: f32 = 1e-6;
 
 /// One body supports another.
 #[derive(Clone, Copy, Debug, PartialEq)]

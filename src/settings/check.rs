@@ -172,6 +172,11 @@ impl Checked for StabilizationSettings {
                 0.0..=f32::INFINITY,
             ),
             ("friction.max_turn", friction.max_turn, 0.0..=f32::INFINITY),
+            (
+                "friction.creep_speed",
+                friction.creep_speed,
+                0.0..=limits::SPEED,
+            ),
         ])
     }
 

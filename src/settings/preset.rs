@@ -36,6 +36,7 @@ impl Preset {
             max_error: 0.25,
             max_separation: 3.0 * 0.02,
             max_turn: 0.1,
+            creep_speed: 4e-4,
         };
         match self {
             Preset::Default => StabilizationSettings {

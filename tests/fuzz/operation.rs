@@ -271,6 +271,7 @@ fn stabilization(dice: &mut Dice) -> StabilizationSettings {
             max_error: dice.number(0.05, 0.3),
             max_separation: dice.number(0.02, 0.1),
             max_turn: dice.number(0.05, 0.2),
+            creep_speed: dice.number(0.0, 1e-2),
         },
     }
 }

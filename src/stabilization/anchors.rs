@@ -1,5 +1,5 @@
 //! The stage **anchors**: classifies every contact with the impulses just solved, equation (10), and writes or deletes its anchor,
-//! equation (11), at the poses where the contact was detected.
+//! equation (11), at the poses where the contact was detected. A patch that only creeps keeps its anchor, in contrast to the paper.
 
 use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
 use super::friction::project;

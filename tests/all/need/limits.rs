@@ -1,7 +1,6 @@
 //! Structures fail by need where they fail awake.
 
 use super::*;
-use drystone::body::ExternalForce;
 
 /// The number of the brick of the lowest course with whose removal a tenth of the wall falls. The bricks are taken one after the other, from the
 /// middle outwards.
@@ -77,10 +76,7 @@ fn pushed(rate: f32, mode: Mode) -> f32 {
     let mut force = 0.0;
     while site.lab.position(middle).distance(start) < 0.02 && force < 1e6 {
         force += rate * site.lab.dt;
-        site.lab.world.entity_mut(middle).insert(ExternalForce {
-            force: Vec3::Z * force,
-            ..Default::default()
-        });
+        site.push(middle, force * Vec3::Z);
         site.lab.step();
     }
     force
@@ -114,11 +110,7 @@ fn a_force_below_the_limit_pushes_a_brick_no_further() {
         let mut run = |seconds: f32| {
             for _ in 0..(seconds / dt) as usize {
                 force = (force + 500.0 * dt).min(8800.0);
-                let push = ExternalForce {
-                    force: Vec3::Z * force,
-                    ..Default::default()
-                };
-                site.lab.world.entity_mut(middle).insert(push);
+                site.push(middle, force * Vec3::Z);
                 site.lab.step();
             }
             1e3 * site.lab.position(middle).distance(start)

@@ -7,7 +7,7 @@ mod reach;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use drystone::body::{Sleeping, Velocity};
+use drystone::body::{ExternalForce, Sleeping, Velocity};
 use drystone::collider::{Collider, Friction};
 use drystone::prelude::RigidBody;
 use drystone::settings::{SleepSettings, Waking};
@@ -92,6 +92,14 @@ impl Site {
             Friction::new(0.5),
             Transform::from_translation(at),
         ))
+    }
+
+    /// Pushes a body with a force, N, until that is changed or its `ExternalForce` is removed.
+    fn push(&mut self, body: Entity, force: Vec3) {
+        self.lab.world.entity_mut(body).insert(ExternalForce {
+            force,
+            ..Default::default()
+        });
     }
 
     fn throw(&mut self, radius: f32, from: Vec3, velocity: Vec3) -> Entity {

@@ -66,11 +66,8 @@ fn play(scene: &str, seed: u64, mode: Mode, dt: f32) -> End {
             }
             _ => {
                 let body = site.bricks[upper];
-                let force = ExternalForce {
-                    force: 0.4 * strength * G * site.lab.mass(body).mass() * aside,
-                    ..Default::default()
-                };
-                site.lab.world.entity_mut(body).insert(force);
+                let force = 0.4 * strength * G * site.lab.mass(body).mass() * aside;
+                site.push(body, force);
                 site.lab.run(0.5);
                 site.lab.world.entity_mut(body).remove::<ExternalForce>();
             }

@@ -80,10 +80,6 @@ impl<G: Game> Session<G> {
         if self.script.settles() {
             for _ in 0..(SETTLES / self.dt).round() as usize {
                 self.game.step(self.dt);
-                // A wall of 100 000 bricks takes half a second a step while it is awake.
-                if self.awake() == 0 {
-                    break;
-                }
             }
         }
     }

@@ -146,7 +146,7 @@ pub struct Course {
     yielding: f32,
 }
 
-/// Finds the courses, from the ground up.
+/// Finds the courses of bodies that move, from the ground up.
 fn find_courses(problem: &PatchProblem, body_loads: &[BodyLoad], courses: &mut Vec<Course>) {
     courses.clear();
     let bodies = problem.bodies.iter().zip(body_loads);
@@ -164,11 +164,35 @@ fn find_courses(problem: &PatchProblem, body_loads: &[BodyLoad], courses: &mut V
             course.yielding = course.yielding.max(body_loads.yielding);
         }
     }
+    // Bodies that sleep below those that woke hold them as the ground does.
+    courses.retain(|course| course.bodies > 0);
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::masonry::Masonry;
     use super::*;
+    use crate::solver::Memory;
+
+    /// The budget of a wall of 8 courses that stands on so many courses that sleep.
+    fn on(sleeping: u32) -> SweepBudget {
+        let mut wall = Masonry::wall(10, 8, 0.0).shaken();
+        for (body, at) in wall.bodies.iter_mut().zip(&wall.centers).skip(1) {
+            // A course is half a metre high.
+            body.level = sleeping + 1 + (2.0 * at.y) as u32;
+        }
+        let mut memory = Memory::default();
+        let mut body_loads = Vec::new();
+        let problem = wall.problem(&mut memory);
+        let statistics = LoadStatistics::of(&problem, &mut body_loads);
+        let loads = (&statistics, &*body_loads);
+        SweepBudget::new(&SoftStep::default(), &problem, loads, &mut Vec::new())
+    }
+
+    #[test]
+    fn courses_that_sleep_below_do_not_make_a_structure_taller() {
+        assert_eq!(on(100), on(0));
+    }
 
     #[test]
     fn sweeps_are_counted_rigid_ones_included() {

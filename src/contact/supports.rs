@@ -188,9 +188,8 @@ impl Supports<'_, '_> {
     /// [`NotABody`] if it is not a body.
     pub fn load_path(&self, body: Entity) -> Result<Vec<Bearing>, NotABody> {
         let mut path = Vec::new();
-        // The range of each body's bearings in the path, and the number of bearings on it.
+        // The range of each body's bearings in the path.
         let mut below: EntityHashMap<Range<usize>> = EntityHashMap::default();
-        let mut uppers: EntityHashMap<usize> = EntityHashMap::default();
         let mut next = VecDeque::from([body]);
         while let Some(body) = next.pop_front() {
             if below.contains_key(&body) {
@@ -199,12 +198,9 @@ impl Supports<'_, '_> {
             let first = path.len();
             path.extend(self.supported_by_any(body)?);
             below.insert(body, first..path.len());
-            for bearing in &path[first..] {
-                *uppers.entry(bearing.below).or_default() += 1;
-                next.push_back(bearing.below);
-            }
+            next.extend(path[first..].iter().map(|bearing| bearing.below));
         }
-        let (order, circles) = from_the_top(body, &path, &below, uppers);
+        let (order, circles) = from_the_top(body, &path, &below);
         let fractions: Vec<f32> = path.iter().map(|bearing| bearing.share).collect();
         path.iter_mut().for_each(|bearing| bearing.share = 0.0);
         let mut through = EntityHashMap::from_iter([(body, 1.0)]);
@@ -346,8 +342,12 @@ fn from_the_top(
     top: Entity,
     path: &[Bearing],
     below: &EntityHashMap<Range<usize>>,
-    mut uppers: EntityHashMap<usize>,
 ) -> (Vec<Entity>, bool) {
+    // The number of bearings on each body that have not been passed yet.
+    let mut uppers: EntityHashMap<usize> = EntityHashMap::default();
+    for bearing in path {
+        *uppers.entry(bearing.below).or_default() += 1;
+    }
     // What comes back to the body at the top is a circle, too.
     let (mut order, mut circles) = (Vec::new(), uppers.contains_key(&top));
     let mut taken = EntityHashSet::default();
@@ -385,7 +385,6 @@ mod tests {
     fn sorted(supports: &[(u32, u32)]) -> (Vec<u32>, bool) {
         let body = |number| Entity::from_raw_u32(number).unwrap();
         let (mut path, mut below) = (Vec::new(), EntityHashMap::default());
-        let mut uppers = EntityHashMap::default();
         for number in 0..5 {
             let first = path.len();
             let by = supports.iter().filter(|&&(above, _)| above == number);
@@ -395,12 +394,9 @@ mod tests {
                 force: 1.0,
                 share: 0.5,
             }));
-            for bearing in &path[first..] {
-                *uppers.entry(bearing.below).or_default() += 1;
-            }
             below.insert(body(number), first..path.len());
         }
-        let (order, circles) = from_the_top(body(0), &path, &below, uppers);
+        let (order, circles) = from_the_top(body(0), &path, &below);
         let order = order.iter().map(|body| body.index_u32()).collect();
         (order, circles)
     }

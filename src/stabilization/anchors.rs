@@ -2,7 +2,7 @@
 //! equation (11), at the poses where the contact was detected. A patch that only creeps keeps its anchor, in contrast to the paper.
 
 use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
-use super::friction::project;
+use super::friction::slip_velocity;
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Lists, Manifold,
@@ -213,7 +213,7 @@ fn creeps(
     manifold: &Manifold,
     impulses: &ContactImpulses,
     number: usize,
-    [a, b]: [&BodyState; 2],
+    bodies: [&BodyState; 2],
 ) -> bool {
     let patch = &manifold.patches[number];
     let range = manifold.range(patch);
@@ -223,9 +223,8 @@ fn creeps(
         at_rest += point.rest_force;
     }
     let slow = |point: &ContactPoint| {
-        let position = a.center + point.arm;
-        let velocity = a.velocity_at(position) - b.velocity_at(position);
-        project(patch.normal, velocity).length() < creep_speed
+        let velocity = slip_velocity(bodies, patch.normal, bodies[0].center + point.arm);
+        velocity.length() < creep_speed
     };
     !patch.curved
         && at_rest > 0.0

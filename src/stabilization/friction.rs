@@ -42,6 +42,11 @@ pub fn slip_correction(settings: &StabilizationSettings, error: Vec3, dt: f32) -
     (error * (-friction.gain / dt)).clamp_length_max(settings.max_correction_speed)
 }
 
+/// The velocity of the first body relative to the second along the surface at a point, m/s, world axes. `position` is the point, m.
+pub fn slip_velocity([a, b]: [&BodyState; 2], normal: Vec3, position: Vec3) -> Vec3 {
+    project(normal, a.velocity_at(position) - b.velocity_at(position))
+}
+
 /// The slip of a sticking point, m, world axes. `None` if its anchor no longer holds.
 ///
 /// An anchor no longer holds if its two images are too far apart, along the surface or along the normal, or if the normal has rotated too
@@ -57,10 +62,7 @@ pub fn slip(
     last: f32,
 ) -> Option<Vec3> {
     let friction = &settings.friction;
-    let last_step = || {
-        let velocity = a.velocity_at(position) - b.velocity_at(position);
-        project(normal, velocity) * last
-    };
+    let last_step = || slip_velocity([a, b], normal, position) * last;
     if friction.anchors == AnchorRule::Trackless {
         return Some(last_step());
     }

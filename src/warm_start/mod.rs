@@ -176,8 +176,11 @@ impl WarmStart<'_> {
         let context = (self.table, self.graph, self.islands);
         problems.gather_joints(context, joints);
         let ProblemSet { order, islands, .. } = problems;
-        let points = contacts.iter();
-        let points = points.map(|contact| contact.manifold.points.len()).sum();
+        // Only several islands are divided among threads.
+        let points = match islands.len() > 1 {
+            true => contacts.iter().map(|c| c.manifold.points.len()).sum(),
+            false => 0,
+        };
         let from = GatherContext {
             table: self.table,
             local: &order.local,

@@ -331,8 +331,10 @@ impl Order {
                     if slot.pair != entities[row] {
                         continue;
                     }
-                    slot.revision = Some(pair.revision);
-                    impulses.fit(manifold);
+                    // Only edits and detection change the lengths of lists, and both give the pair a new revision.
+                    if slot.revision.replace(pair.revision) != Some(pair.revision) {
+                        impulses.fit(manifold);
+                    }
                     self.places.push(island.first + at.index);
                     contacts.push(SolverContact {
                         pair,

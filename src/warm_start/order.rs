@@ -38,7 +38,7 @@ pub(crate) struct Order {
     pub(super) lower: Vec<(u64, OrderSlot)>,
     /// Scratch.
     ranked: Vec<((u32, SpawnOrder), Member)>,
-    places: Vec<u32>,
+    rows: Vec<PairRow>,
     spare: Vec<SolverContact<'static>>,
 }
 
@@ -87,6 +87,20 @@ pub(super) struct OrderSlot {
     pub higher: u32,
     /// Revision of the pair when it was last gathered.
     revision: Option<Revision>,
+}
+
+/// Where a pair is in the tables of this step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct PairRow {
+    table: u32,
+    row: u32,
+}
+
+impl PairRow {
+    const NONE: Self = Self {
+        table: u32::MAX,
+        row: 0,
+    };
 }
 
 /// A body of an island.
@@ -299,8 +313,11 @@ impl Order {
         pairs: &'a mut Pairs,
         (table, graph): (&'a BodyTable, &ConstraintGraph),
     ) -> (Vec<SolverContact<'a>>, bool) {
-        let mut contacts = reuse(std::mem::take(&mut self.spare));
-        self.places.clear();
+        let count = self.contact_count();
+        self.rows.clear();
+        self.rows.resize(count, PairRow::NONE);
+        let mut found = 0;
+        let mut gathered: SmallVec<[_; 2]> = SmallVec::new();
         let tables = pairs.columns.contiguous_iter_mut();
         for (entities, mut columns) in tables.expect("pair components are stored in tables") {
             let runs = graph.active_rows(entities, pairs.places);
@@ -312,45 +329,46 @@ impl Order {
             let (pairs, _) = ContiguousMut::bypass_change_detection_split(pairs);
             let pairs = &*pairs;
             let manifolds = manifolds.into_inner();
-            let (mut impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
-            let mut taken = 0;
-            for rows in &*runs {
-                let range = rows.start as usize..rows.end as usize;
-                let entities = &entities[range.clone()];
-                let impulses = take_rows(&mut impulses, &mut taken, rows);
-                let rows = impulses.iter_mut().zip(&pairs[range.clone()]);
-                let rows = rows.zip(&manifolds[range.clone()]).zip(&targets[range]);
-                for (row, (((impulses, pair), manifold), targets)) in rows.enumerate() {
-                    let Some(&at) = self.by_edge.get(pair.edge as usize) else {
-                        continue;
-                    };
-                    let Some(island) = self.islands.get_mut(at.island as usize) else {
-                        continue;
-                    };
-                    let slot = &mut island.slots[at.index as usize];
-                    if slot.pair != entities[row] {
-                        continue;
-                    }
-                    // Only edits and detection change the lengths of lists, and both give the pair a new revision.
-                    if slot.revision.replace(pair.revision) != Some(pair.revision) {
-                        impulses.fit(manifold);
-                    }
-                    self.places.push(island.first + at.index);
-                    contacts.push(SolverContact {
-                        pair,
-                        manifold,
-                        targets,
-                        impulses,
-                        table,
-                    });
+            let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
+            for row in runs.iter().cloned().flatten() {
+                let here = row as usize;
+                let pair = &pairs[here];
+                let Some(&at) = self.by_edge.get(pair.edge as usize) else {
+                    continue;
+                };
+                let Some(island) = self.islands.get_mut(at.island as usize) else {
+                    continue;
+                };
+                let slot = &mut island.slots[at.index as usize];
+                if slot.pair != entities[here] {
+                    continue;
                 }
+                // Only edits and detection change the lengths of lists, and both give the pair a new revision.
+                if slot.revision.replace(pair.revision) != Some(pair.revision) {
+                    impulses[here].fit(&manifolds[here]);
+                }
+                let table = gathered.len() as u32;
+                self.rows[(island.first + at.index) as usize] = PairRow { table, row };
+                found += 1;
             }
+            gathered.push((pairs, manifolds, targets, &*impulses));
         }
-        let complete = contacts.len() == self.contact_count();
+        let complete = found == count;
         if !complete {
             self.leave_out_missing();
         }
-        put_in_place(&mut contacts, &mut self.places);
+        let mut contacts = reuse(std::mem::take(&mut self.spare));
+        contacts.extend(self.rows.iter().map(|at| {
+            let (pairs, manifolds, targets, impulses) = gathered[at.table as usize];
+            let row = at.row as usize;
+            SolverContact {
+                pair: &pairs[row],
+                manifold: &manifolds[row],
+                targets: &targets[row],
+                impulses: &impulses[row],
+                table,
+            }
+        }));
         (contacts, complete)
     }
 
@@ -372,23 +390,19 @@ impl Order {
     /// Removes missing pairs from the order, which is then valid for this step only.
     fn leave_out_missing(&mut self) {
         self.forget();
-        let mut found = self.places.clone();
-        found.sort_unstable();
-        let place = |at: u32| found.partition_point(|other| *other < at) as u32;
-        self.places.iter_mut().for_each(|at| *at = place(*at));
         self.by_edge.fill(NOWHERE);
         let mut first = 0;
         for &id in &self.numbered {
             let island = &mut self.islands[id as usize];
-            let mut at = island.first;
-            island.slots.retain(|_| {
-                at += 1;
-                found.binary_search(&(at - 1)).is_ok()
-            });
+            let mut rows = self.rows[island.first as usize..].iter();
+            island
+                .slots
+                .retain(|_| rows.next().is_some_and(|row| *row != PairRow::NONE));
             island.first = first;
             first += island.slots.len() as u32;
             number_edges(&mut self.by_edge, id, 0, &island.slots);
         }
+        self.rows.retain(|row| *row != PairRow::NONE);
     }
 
     /// Takes back the memory of a list.
@@ -398,7 +412,7 @@ impl Order {
         // What a large structure needed is given back after it has fallen asleep.
         if count < self.spare.capacity() / KEPT {
             self.spare.shrink_to(count);
-            self.places.shrink_to(count);
+            self.rows.shrink_to(count);
             self.ranked = Vec::new();
         }
     }

@@ -98,18 +98,18 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// Runs all sweeps of an island that [may be quiet](super::quiet), or those of the first round if it is. The others are divided among
-    /// `threads`.
+    /// Runs all sweeps of an island that [may be quiet](super::quiet), or those of the first round if it is; the first `done` of them were run
+    /// before. The others are divided among `threads`.
     pub fn sweep_if_needed(
         &mut self,
         problem: &mut PatchProblem,
-        passes: &[Pass],
+        (passes, done): (&[Pass], usize),
         threads: usize,
         mut tell: impl FnMut(f32),
     ) {
         let round = first_round(passes, problem.effort);
         let (first, others) = passes.split_at(round);
-        self.sweep(problem, first, &mut tell);
+        self.sweep(problem, &first[done..], &mut tell);
         if others.is_empty() {
             return;
         }

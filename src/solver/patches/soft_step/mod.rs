@@ -78,7 +78,7 @@ use gaps::Gaps;
 use island::{skewed, stands_by_itself};
 use kept::{Kept, Scratch};
 use load_statistics::LoadStatistics;
-use quiet::may_be_quiet;
+use quiet::{first_round, may_be_quiet};
 use std::f32::consts::TAU;
 use sweep_budget::SweepBudget;
 
@@ -231,17 +231,28 @@ impl SoftStep {
         island.deepest = parting::deepest(&gaps);
         let spring = self.spring(budget, problem.dt);
         self.plan_in(budget, problem.dt, &mut scratch.passes);
-        let free_merit = island.start(problem, budget.substeps, &spring, &scratch.passes);
+        let passes = &*scratch.passes;
+        let may_follow = match hits {
+            true => 0,
+            false if may_be_quiet => first_round(passes, problem.effort),
+            false => passes.len(),
+        };
+        let (free_merit, changes) =
+            island.start_and_sweep(problem, budget.substeps, &spring, (passes, may_follow));
         drop(span);
         let span = tracing::info_span!("sweeps").entered();
         let mut report = SolveReport::new(free_merit, problem.record_history);
-        let tell = |change: f32| {
+        let mut tell = |change: f32| {
             report.record(change.max(0.0).sqrt());
         };
+        let done = changes.len();
+        changes.into_iter().for_each(&mut tell);
         match hits {
-            true => island.sweep_through_blows(&mut kept.blows, problem, &scratch.passes, tell),
-            false if may_be_quiet => kept.sweep_if_needed(problem, &scratch.passes, threads, tell),
-            false => kept.sweep(problem, &scratch.passes, tell),
+            true => island.sweep_through_blows(&mut kept.blows, problem, passes, tell),
+            false if may_be_quiet => {
+                kept.sweep_if_needed(problem, (passes, done), threads, tell);
+            }
+            false => kept.sweep(problem, &passes[done..], tell),
         }
         drop(span);
         let _span = tracing::info_span!("store").entered();

@@ -340,37 +340,12 @@ impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
         let mut at = [0usize; MOST];
         let mut idle = 0u32;
         while at[passes.len() - 1] < blocks {
-            let mut past = match self.number.checked_sub(1) {
+            let past = match self.number.checked_sub(1) {
                 Some(before) => self.behind(&groups[before], blocks),
                 None => usize::MAX,
             };
             let was = at;
-            let mut sweep = 0;
-            while sweep < passes.len() {
-                let end = (at[sweep] + TURN).min(blocks);
-                let mut block = at[sweep];
-                let mut change = changes[sweep];
-                let pass = &passes[sweep];
-                if pass.soft {
-                    while block < end && (pipeline.reach[block] as usize) < past {
-                        change += self.visit::<true>(block, pass);
-                        block += 1;
-                    }
-                } else {
-                    while block < end && (pipeline.reach[block] as usize) < past {
-                        change += self.visit::<false>(block, pass);
-                        block += 1;
-                    }
-                }
-                changes[sweep] = change;
-                at[sweep] = block;
-                past = block;
-                // A sweep that has ended holds back no block.
-                if past == blocks {
-                    past = usize::MAX;
-                }
-                sweep += 1;
-            }
+            self.turn(passes, &mut at, changes, past);
             // Release: other threads see the writes of all visits up to here. The guard stores `usize::MAX` at the end.
             group.done.store(at[passes.len() - 1], Release);
             (self.delay)();
@@ -387,6 +362,83 @@ impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
     }
 }
 
+/// Sweeps of one thread that follow other work on the blocks, which goes from the first to the last.
+pub struct Following<'a, L: F32xN> {
+    pipeline: &'a Pipeline,
+    passes: &'a [Pass],
+    /// By sweep: number of blocks that it has passed.
+    at: [usize; MOST],
+    changes: [L; MOST],
+}
+
+impl<'a, L: F32xN> Following<'a, L> {
+    /// As many of these sweeps as may follow the work together; none if it is as fast to take them after it. `bytes` is the size of all blocks.
+    pub fn new(pipeline: &'a Pipeline, passes: &'a [Pass], bytes: usize) -> Option<Self> {
+        let shares = pipeline.share(1, passes.len(), bytes)?;
+        Some(Self {
+            pipeline,
+            passes: &passes[..shares.group.min(passes.len())],
+            at: [0; MOST],
+            changes: [L::ZERO; MOST],
+        })
+    }
+
+    /// Visits all blocks whose bodies the work will not touch any more, since it has passed so many blocks.
+    pub fn follow(&mut self, mut work: Work<L>, past: usize) {
+        let shares = Shares {
+            threads: 1,
+            group: self.passes.len(),
+            apart: 0,
+        };
+        let past = match past < self.pipeline.reach.len() {
+            true => past,
+            false => usize::MAX,
+        };
+        L::run(Follow {
+            sweeps: PipelinedSweeps {
+                shared: &Shared::new(self.pipeline, &mut work, &[], shares),
+                number: 0,
+                delay: &|| (),
+            },
+            passes: self.passes,
+            at: &mut self.at,
+            changes: &mut self.changes,
+            past,
+        });
+    }
+
+    /// Σ W Δλ² of each sweep, J.
+    pub fn changes(&self) -> impl Iterator<Item = f32> {
+        let changes = &self.changes[..self.passes.len()];
+        changes.iter().map(|change| change.sum())
+    }
+}
+
+/// The visits of sweeps that follow work which has passed `past` blocks.
+struct Follow<'a, 'b, L: F32xN, D: Fn()> {
+    sweeps: PipelinedSweeps<'a, 'b, L, D>,
+    passes: &'a [Pass],
+    at: &'a mut [usize; MOST],
+    changes: &'a mut [L; MOST],
+    past: usize,
+}
+
+impl<L: F32xN, D: Fn()> Kernel for Follow<'_, '_, L, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        loop {
+            let was = *self.at;
+            let changes = &mut self.changes[..self.passes.len()];
+            self.sweeps.turn(self.passes, self.at, changes, self.past);
+            if *self.at == was {
+                break;
+            }
+        }
+    }
+}
+
 /// Number of spins before a waiting thread yields the processor.
 const PATIENCE: u32 = 1000;
 
@@ -394,6 +446,39 @@ const PATIENCE: u32 = 1000;
 const MOST: usize = 8;
 
 impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
+    /// Each sweep visits some more blocks behind the one before it, the first behind whatever has passed so many blocks.
+    #[inline(always)]
+    fn turn(&self, passes: &[Pass], at: &mut [usize; MOST], changes: &mut [L], mut past: usize) {
+        let pipeline = self.shared.pipeline;
+        let blocks = pipeline.reach.len();
+        let mut sweep = 0;
+        while sweep < passes.len() {
+            let end = (at[sweep] + TURN).min(blocks);
+            let mut block = at[sweep];
+            let mut change = changes[sweep];
+            let pass = &passes[sweep];
+            if pass.soft {
+                while block < end && (pipeline.reach[block] as usize) < past {
+                    change += self.visit::<true>(block, pass);
+                    block += 1;
+                }
+            } else {
+                while block < end && (pipeline.reach[block] as usize) < past {
+                    change += self.visit::<false>(block, pass);
+                    block += 1;
+                }
+            }
+            changes[sweep] = change;
+            at[sweep] = block;
+            past = block;
+            // A sweep that has ended holds back no block.
+            if past == blocks {
+                past = usize::MAX;
+            }
+            sweep += 1;
+        }
+    }
+
     /// The number of blocks that the next group may access. Once this group has ended, that is all of them.
     #[inline(always)]
     fn behind(&self, before: &Group<L>, blocks: usize) -> usize {

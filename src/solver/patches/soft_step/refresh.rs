@@ -4,10 +4,12 @@ use super::block::{Pass, Spring};
 use super::halves::Part;
 use super::island::Island;
 use super::joints::Contacts;
+use super::pipeline::{self, Following};
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
 use glam::Vec4;
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// The data from which blocks are refreshed.
@@ -137,6 +139,18 @@ impl<L: F32xN> Island<L> {
         pass: &Pass,
         closed: f32,
     ) -> f32 {
+        self.refresh_before(problem, spring, pass, closed, |_, _| ())
+    }
+
+    /// Like [`refresh`](Self::refresh). Calls `then` with the number of blocks that are done, again and again.
+    fn refresh_before(
+        &mut self,
+        problem: &PatchProblem,
+        spring: &Spring,
+        pass: &Pass,
+        closed: f32,
+        mut then: impl FnMut(&mut Self, usize),
+    ) -> f32 {
         self.free.clone_from(&self.velocities);
         for held in &self.grabs {
             held.start(cells(&mut self.velocities));
@@ -150,7 +164,8 @@ impl<L: F32xN> Island<L> {
         for first in (0..count).step_by(size) {
             let blocks = first..(first + size).min(count);
             self.refresh_blocks(blocks.clone(), problem, spring, pass, closed);
-            self.warm_start(blocks);
+            self.warm_start(blocks.clone());
+            then(self, blocks.end);
         }
         self.prepared = true;
         let missing = self.missing.iter();
@@ -204,11 +219,57 @@ impl<L: F32xN> Island<L> {
         spring: &Spring,
         passes: &[Pass],
     ) -> f32 {
+        self.prepare(problem, substeps);
+        let missing = self.refresh(problem, spring, &passes[0], f32::INFINITY);
+        self.begin_joints(problem, substeps, spring);
+        missing.sqrt()
+    }
+
+    /// Like [`start`](Self::start). If the blocks are larger than caches, the first of some sweeps follow through the blocks as they are prepared.
+    /// Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ² of the sweeps that are done, J.
+    pub fn start_and_sweep(
+        &mut self,
+        problem: &PatchProblem,
+        substeps: usize,
+        spring: &Spring,
+        (passes, sweeps): (&[Pass], usize),
+    ) -> (f32, SmallVec<[f32; 8]>) {
+        let bytes = self.bytes();
+        let overlaps = problem.threads == 1
+            && pipeline::is_worthwhile(1, bytes)
+            && self.batches.laps() == 1
+            && self.alone
+            && self.joints.is_empty();
+        let upwards = passes[..sweeps].iter().take_while(|pass| !pass.down);
+        let upwards = &passes[..upwards.count()];
+        if !overlaps || upwards.is_empty() {
+            let merit = self.start(problem, substeps, spring, passes);
+            return (merit, SmallVec::new());
+        }
+        self.prepare(problem, substeps);
+        let kept = self.pipeline.take();
+        let pipeline = kept.unwrap_or_else(|| self.find_pipeline(problem));
+        let mut following = Following::new(&pipeline, upwards, bytes);
+        let then = |island: &mut Self, past: usize| {
+            if let Some(following) = &mut following {
+                following.follow(island.work(), past);
+            }
+        };
+        let missing = self.refresh_before(problem, spring, &passes[0], f32::INFINITY, then);
+        let changes = following.iter().flat_map(Following::changes).collect();
+        self.pipeline = Some(pipeline);
+        (missing.sqrt(), changes)
+    }
+
+    /// Prepares the bodies, their velocities and the grabs.
+    fn prepare(&mut self, problem: &PatchProblem, substeps: usize) {
         self.begin(problem, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
         let h = problem.dt / substeps as f32;
         self.grab_places.begin(problem, h, &mut self.grabs);
-        let missing = self.refresh(problem, spring, &passes[0], f32::INFINITY);
+    }
+
+    fn begin_joints(&mut self, problem: &PatchProblem, substeps: usize, spring: &Spring) {
         let contacts = Contacts {
             blocks: &mut self.blocks,
             points: &mut self.points,
@@ -217,7 +278,6 @@ impl<L: F32xN> Island<L> {
         };
         self.joints
             .begin(problem, spring, substeps, self.lanes, contacts);
-        missing.sqrt()
     }
 
     /// Stores the results in the problem. Loads at rest follow them by the share `rate`.

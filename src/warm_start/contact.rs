@@ -1,4 +1,4 @@
-//! A touching pair as part of the problem of its island. Its impulses have as many entries as its manifold has points and patches.
+//! A touching pair as part of the problem of its island. The user may have changed the lengths of its lists; an entry that is missing counts as zero.
 
 use crate::body::BodyTable;
 use crate::children::PatchSurface;

@@ -343,10 +343,7 @@ impl Order {
                 if slot.pair != entities[here] {
                     continue;
                 }
-                // Only edits and detection change the lengths of lists, and both give the pair a new revision.
-                if slot.revision.replace(pair.revision) != Some(pair.revision) {
-                    impulses[here].fit(&manifolds[here]);
-                }
+                slot.revision = Some(pair.revision);
                 let table = gathered.len() as u32;
                 self.rows[(island.first + at.index) as usize] = PairRow { table, row };
                 found += 1;

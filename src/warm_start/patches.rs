@@ -3,7 +3,7 @@
 use super::contact::start_impulse;
 use super::{Rows, SolveContext, SolverContact, Splice};
 use crate::body::make_room;
-use crate::contact::{ContactPoint, ManifoldPatch};
+use crate::contact::{ContactPoint, Impulse, ManifoldPatch};
 use crate::revision::Revision;
 use crate::settings::StepTime;
 use crate::solver::patches::PatchEdit;
@@ -282,7 +282,7 @@ impl SolverContact<'_> {
         ideal: f32,
     ) -> (PatchConstraint, impl Iterator<Item = PatchPoint>) {
         let points = &self.manifold.points[range.clone()];
-        let impulse = self.impulses.patches[i];
+        let impulse = self.impulses.patches.get(i).copied().unwrap_or_default();
         let surface = self.surface(patch);
         let constraint = PatchConstraint {
             normal: patch.normal,
@@ -303,7 +303,9 @@ impl SolverContact<'_> {
             rest_twist_impulse: impulse.rest_twist_moment,
             ..Default::default()
         };
-        let solved = &self.impulses.points[range];
+        let solved = self.impulses.points.get(range.start..).unwrap_or_default();
+        let solved = solved.iter().copied();
+        let solved = solved.chain(std::iter::repeat(Impulse::default()));
         let points = points.iter().zip(solved);
         let points = points.map(move |(point, impulse)| PatchPoint {
             offset: point.arm - patch.center,

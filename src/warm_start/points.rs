@@ -72,7 +72,7 @@ impl Rows for PointRows {
             let patches = contact.manifold.patches_with_points();
             let points = patches.flat_map(|(.., range)| range);
             for (i, constraint) in points.zip(&mut constraints) {
-                let impulse = &contact.impulses.points[i];
+                let impulse = contact.impulses.points.get(i).copied().unwrap_or_default();
                 let friction = contact.impulses.friction.get(i).copied();
                 let friction = friction.unwrap_or_default().friction_force * time.carried();
                 let [t1, t2] = constraint.tangents;

@@ -39,7 +39,7 @@ const SWEEPS: std::ops::RangeInclusive<usize> = 2..=6;
 const APART: usize = 2 << 20;
 
 /// Size of all blocks from which on sweeps follow each other on one thread too, bytes: each sweep would read all blocks from memory.
-const LARGE: usize = 64 << 20;
+const LARGE: usize = 12 << 20;
 
 /// Number of blocks that a sweep visits before the next sweep of the group continues.
 const TURN: usize = 32;

@@ -206,10 +206,23 @@ impl Masonry {
 
 /// An island in such blocks that is ready for the first sweep, and its sweeps.
 pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>, Vec<Pass>) {
+    let (mut island, passes, spring) = placed(problem, batches);
+    island.start(problem, SUBSTEPS, &spring, &passes);
+    (island, passes)
+}
+
+/// Number of substeps of a step of such an island.
+pub const SUBSTEPS: usize = 7;
+
+/// An island in such blocks whose step has not begun, its sweeps, and its spring.
+pub fn placed<L: F32xN>(
+    problem: &PatchProblem,
+    batches: Batches,
+) -> (Island<L>, Vec<Pass>, Spring) {
     let mut island = Island::<L>::new(problem, batches);
     island.place_grabs(problem);
     let budget = SweepBudget {
-        substeps: 7,
+        substeps: SUBSTEPS,
         substeps_per_rigid_sweep: 3,
         downwards: false,
         rate: 700.0,
@@ -218,8 +231,7 @@ pub fn started<L: F32xN>(problem: &PatchProblem, batches: Batches) -> (Island<L>
     let spring = Spring {
         omega: 300.0,
         damping_ratio: 5.0,
-        h: DT / 7.0,
+        h: DT / SUBSTEPS as f32,
     };
-    island.start(problem, 7, &spring, &passes);
-    (island, passes)
+    (island, passes, spring)
 }

@@ -7,6 +7,9 @@
 //! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind. Grabs are visited with the
 //! block before which they stand ([`edges`](super::edges)), and that block counts their bodies as its own.
 //!
+//! On one thread the first sweeps follow in the same way where blocks are refreshed and get their warm-start impulses ([`Following`]), so blocks are
+//! read from memory once for all of that.
+//!
 //! Sweeps form groups, and those of one group follow each other on one thread: one sweep per thread would move every block from cache to
 //! cache in every sweep. A thread *claims* the next group from a counter. So a thread that waits for the previous group waits for one that
 //! another thread has claimed, and the first group waits for none: no order of threads leads to a deadlock.

@@ -219,14 +219,36 @@ impl<L: F32xN> Island<L> {
         spring: &Spring,
         passes: &[Pass],
     ) -> f32 {
-        self.prepare(problem, substeps);
-        let missing = self.refresh(problem, spring, &passes[0], f32::INFINITY);
-        self.begin_joints(problem, substeps, spring);
+        self.start_before(problem, substeps, spring, passes, |_, _| ())
+    }
+
+    /// Like [`start`](Self::start). Calls `then` again and again with the number of blocks that are prepared.
+    pub(super) fn start_before(
+        &mut self,
+        problem: &PatchProblem,
+        substeps: usize,
+        spring: &Spring,
+        passes: &[Pass],
+        then: impl FnMut(&mut Self, usize),
+    ) -> f32 {
+        self.begin(problem, substeps);
+        self.push(problem.bodies, 1.0 / substeps as f32);
+        let h = problem.dt / substeps as f32;
+        self.grab_places.begin(problem, h, &mut self.grabs);
+        let missing = self.refresh_before(problem, spring, &passes[0], f32::INFINITY, then);
+        let contacts = Contacts {
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            velocities: cells(&mut self.velocities),
+            motions: cells(&mut self.motions),
+        };
+        self.joints
+            .begin(problem, spring, substeps, self.lanes, contacts);
         missing.sqrt()
     }
 
-    /// Like [`start`](Self::start). If the blocks are larger than caches, the first of some sweeps follow through the blocks as they are prepared.
-    /// Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ² of the sweeps that are done, J.
+    /// Like [`start`](Self::start). If the blocks are larger than caches, the first of the given number of sweeps follow through the blocks as these are
+    /// prepared, so that they are read from memory once. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ² of the sweeps that are done, J.
     pub fn start_and_sweep(
         &mut self,
         problem: &PatchProblem,
@@ -242,42 +264,22 @@ impl<L: F32xN> Island<L> {
             && self.joints.is_empty();
         let upwards = passes[..sweeps].iter().take_while(|pass| !pass.down);
         let upwards = &passes[..upwards.count()];
-        if !overlaps || upwards.is_empty() {
+        if !overlaps {
             let merit = self.start(problem, substeps, spring, passes);
             return (merit, SmallVec::new());
         }
-        self.prepare(problem, substeps);
         let kept = self.pipeline.take();
         let pipeline = kept.unwrap_or_else(|| self.find_pipeline(problem));
         let mut following = Following::new(&pipeline, upwards, bytes);
-        let then = |island: &mut Self, past: usize| {
+        let follow = |island: &mut Self, past: usize| {
             if let Some(following) = &mut following {
                 following.follow(island.work(), past);
             }
         };
-        let missing = self.refresh_before(problem, spring, &passes[0], f32::INFINITY, then);
+        let merit = self.start_before(problem, substeps, spring, passes, follow);
         let changes = following.iter().flat_map(Following::changes).collect();
         self.pipeline = Some(pipeline);
-        (missing.sqrt(), changes)
-    }
-
-    /// Prepares the bodies, their velocities and the grabs.
-    fn prepare(&mut self, problem: &PatchProblem, substeps: usize) {
-        self.begin(problem, substeps);
-        self.push(problem.bodies, 1.0 / substeps as f32);
-        let h = problem.dt / substeps as f32;
-        self.grab_places.begin(problem, h, &mut self.grabs);
-    }
-
-    fn begin_joints(&mut self, problem: &PatchProblem, substeps: usize, spring: &Spring) {
-        let contacts = Contacts {
-            blocks: &mut self.blocks,
-            points: &mut self.points,
-            velocities: cells(&mut self.velocities),
-            motions: cells(&mut self.motions),
-        };
-        self.joints
-            .begin(problem, spring, substeps, self.lanes, contacts);
+        (merit, changes)
     }
 
     /// Stores the results in the problem. Loads at rest follow them by the share `rate`.

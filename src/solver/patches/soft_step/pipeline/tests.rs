@@ -6,7 +6,7 @@ use crate::solver::lanes::F32x4;
 use crate::solver::lanes::F32x8;
 use crate::solver::patches::PatchProblem;
 use crate::solver::patches::soft_step::island::{Island, batches, skewed};
-use crate::solver::patches::soft_step::masonry::{Masonry, started};
+use crate::solver::patches::soft_step::masonry::{Masonry, SUBSTEPS, placed, started};
 use std::time::Duration;
 
 /// The bits of all results of the sweeps.
@@ -129,6 +129,35 @@ fn sweeps_on_one_thread_follow_each_other_in_groups_and_are_sweeps_one_by_one() 
     pipeline.run(&passes, island.work(), shares, |_| told += 1);
     assert_eq!(told, passes.len());
     assert!(bits(&island, count, &[]) == bits(&alone, count, &[]));
+}
+
+#[test]
+fn sweeps_that_follow_the_start_are_sweeps_after_it() {
+    let wall = || Masonry::wall(40, 12, 0.1);
+    for masonry in [wall(), wall().held([5, 100])] {
+        let mut masonry = masonry.shaken();
+        let mut memory = Memory::default();
+        let problem = masonry.problem(&mut memory);
+        let count = problem.bodies.len();
+        let blocks = || batches(F32x4::LANES, &problem);
+        let (mut after, passes) = started::<F32x4>(&problem, blocks());
+        let sweeps = &passes[..5];
+        let expected: Vec<f32> = sweeps.iter().map(|pass| after.sweep_alone(pass)).collect();
+        let (mut island, _, spring) = placed::<F32x4>(&problem, blocks());
+        let pipeline = island.find_pipeline(&problem);
+        let mut following = Following::new(&pipeline, sweeps, LARGE + 1).unwrap();
+        let follow = |island: &mut Island<F32x4>, past: usize| {
+            following.follow(island.work(), past);
+        };
+        island.start_before(&problem, SUBSTEPS, &spring, &passes, follow);
+        assert!(bits(&island, count, &[]) == bits(&after, count, &[]));
+        let changes: Vec<f32> = following.changes().collect();
+        // Sums of the same numbers in another order.
+        for (change, expected) in changes.iter().zip(&expected) {
+            assert!((change - expected).abs() <= 1e-5 * expected);
+        }
+        assert_eq!(changes.len(), sweeps.len());
+    }
 }
 
 #[test]

@@ -176,7 +176,7 @@ impl WarmStart<'_> {
         let context = (self.table, self.graph, self.islands);
         problems.gather_joints(context, joints);
         let ProblemSet { order, islands, .. } = problems;
-        // Only several islands are divided among threads.
+        // A single island is not divided among threads.
         let points = match islands.len() > 1 {
             true => contacts.iter().map(|c| c.manifold.points.len()).sum(),
             false => 0,

@@ -38,7 +38,9 @@ pub(crate) struct Order {
     pub(super) lower: Vec<(u64, OrderSlot)>,
     /// Scratch.
     ranked: Vec<((u32, SpawnOrder), Member)>,
+    /// Scratch: by contact, in order, the row of its pair.
     rows: Vec<PairRow>,
+    /// Memory for the contacts of the next step.
     spare: Vec<SolverContact<'static>>,
 }
 
@@ -89,7 +91,7 @@ pub(super) struct OrderSlot {
     revision: Option<Revision>,
 }
 
-/// Where a pair is in the tables of this step.
+/// The row of a pair, and the number of its table among those that the query yields in this step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct PairRow {
     table: u32,
@@ -97,6 +99,7 @@ struct PairRow {
 }
 
 impl PairRow {
+    /// The pair is missing.
     const NONE: Self = Self {
         table: u32::MAX,
         row: 0,
@@ -579,17 +582,6 @@ fn reuse<A, B>(mut list: Vec<A>) -> Vec<B> {
     list.into_iter()
         .map(|_| unreachable!("it is empty"))
         .collect()
-}
-
-/// Moves each item to its place.
-pub(super) fn put_in_place<T>(items: &mut [T], places: &mut [u32]) {
-    for i in 0..items.len() {
-        while places[i] as usize != i {
-            let place = places[i] as usize;
-            items.swap(i, place);
-            places.swap(i, place);
-        }
-    }
 }
 
 #[cfg(test)]

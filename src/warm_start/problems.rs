@@ -1,6 +1,5 @@
 //! The resource with the problems of the awake islands.
 
-use super::order::put_in_place;
 use super::{Island, JointOrder, Member, Order, PatchRows, PointRows, Rows};
 use crate::body::Velocity;
 use crate::settings::ContactSolver;
@@ -150,5 +149,29 @@ impl IslandProblem<'_> {
     /// Number of its joints.
     pub fn joints(&self) -> usize {
         self.joints
+    }
+}
+
+/// Moves each item to its place.
+fn put_in_place<T>(items: &mut [T], places: &mut [u32]) {
+    for i in 0..items.len() {
+        while places[i] as usize != i {
+            let place = places[i] as usize;
+            items.swap(i, place);
+            places.swap(i, place);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_move_to_their_places() {
+        let mut places = [3, 0, 2, 4, 1];
+        let mut items = places;
+        put_in_place(&mut items, &mut places);
+        assert_eq!(items, [0, 1, 2, 3, 4]);
     }
 }

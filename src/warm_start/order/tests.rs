@@ -37,14 +37,6 @@ impl Order {
 }
 
 #[test]
-fn items_move_to_their_places() {
-    let mut places = [3, 0, 2, 4, 1];
-    let mut items = places;
-    put_in_place(&mut items, &mut places);
-    assert_eq!(items, [0, 1, 2, 3, 4]);
-}
-
-#[test]
 fn an_order_that_follows_changes_equals_one_computed_from_nothing() {
     for seed in 0..20 {
         let mut rng = Rng::with_seed(seed);

@@ -274,11 +274,8 @@ impl<L: F32xN> Island<L> {
 
     /// Runs all sweeps over blocks that are not skewed. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
     pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
-        let kept = self.pipeline.take();
         let bytes = self.bytes();
-        let overlaps =
-            pipeline::is_worthwhile(problem.threads, bytes) && self.alone && self.joints.is_empty();
-        let pipeline = overlaps.then(|| kept.unwrap_or_else(|| self.find_pipeline(problem)));
+        let pipeline = self.take_pipeline(problem);
         // A sweep down begins where the one before ends, so only sweeps up follow each other.
         for passes in passes.chunk_by(|before, after| !before.down && !after.down) {
             let shares = pipeline.as_ref().and_then(|pipeline| {
@@ -335,6 +332,15 @@ impl<L: F32xN> Island<L> {
     /// Runs one rigid sweep without finishing the pass.
     pub fn sweep_rigidly(&mut self, pass: &Pass) -> f32 {
         self.sweep_as(Rigid, pass)
+    }
+
+    /// The pipeline of the last step or a new one, if sweeps may follow each other and may be faster then.
+    pub(super) fn take_pipeline(&mut self, problem: &PatchProblem) -> Option<Pipeline> {
+        let kept = self.pipeline.take();
+        let overlaps = pipeline::is_worthwhile(problem.threads, self.bytes())
+            && self.alone
+            && self.joints.is_empty();
+        overlaps.then(|| kept.unwrap_or_else(|| self.find_pipeline(problem)))
     }
 
     pub fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {

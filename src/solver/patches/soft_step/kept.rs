@@ -4,7 +4,6 @@ use super::block::Pass;
 use super::blows::Blows;
 use super::island::{Island, batches, rounds, skewed, stands_by_itself};
 use super::load_statistics::BodyLoad;
-use super::quiet::first_round;
 use super::skewed_sweeps::SkewedSweeps;
 use super::sweep_budget::Course;
 use crate::solver::batches::Batches;
@@ -98,18 +97,15 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// Runs all sweeps of an island that [may be quiet](super::quiet), or those of the first round if it is; the first `done` of them were run
-    /// before. The others are divided among `threads`.
+    /// Runs the `first` sweeps, and the `others` if the island is not [quiet](super::quiet) after these. The others are divided among `threads`.
     pub fn sweep_if_needed(
         &mut self,
         problem: &mut PatchProblem,
-        (passes, done): (&[Pass], usize),
+        [first, others]: [&[Pass]; 2],
         threads: usize,
         mut tell: impl FnMut(f32),
     ) {
-        let round = first_round(passes, problem.effort);
-        let (first, others) = passes.split_at(round);
-        self.sweep(problem, &first[done..], &mut tell);
+        self.sweep(problem, first, &mut tell);
         if others.is_empty() {
             return;
         }

@@ -232,11 +232,12 @@ impl SoftStep {
         let spring = self.spring(budget, problem.dt);
         self.plan_in(budget, problem.dt, &mut scratch.passes);
         let passes = &*scratch.passes;
-        let may_follow = match hits {
-            true => 0,
-            false if may_be_quiet => first_round(passes, problem.effort),
+        let (first, others) = passes.split_at(match may_be_quiet {
+            true => first_round(passes, problem.effort),
             false => passes.len(),
-        };
+        });
+        // Where blows are expected, each sweep ends before the next begins.
+        let may_follow = if hits { 0 } else { first.len() };
         let (free_merit, changes) =
             island.start_and_sweep(problem, budget.substeps, &spring, (passes, may_follow));
         drop(span);
@@ -249,10 +250,7 @@ impl SoftStep {
         changes.into_iter().for_each(&mut tell);
         match hits {
             true => island.sweep_through_blows(&mut kept.blows, problem, passes, tell),
-            false if may_be_quiet => {
-                kept.sweep_if_needed(problem, (passes, done), threads, tell);
-            }
-            false => kept.sweep(problem, &passes[done..], tell),
+            false => kept.sweep_if_needed(problem, [&first[done..], others], threads, tell),
         }
         drop(span);
         let _span = tracing::info_span!("store").entered();

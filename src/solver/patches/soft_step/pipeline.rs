@@ -7,8 +7,8 @@
 //! Blocks stand in waves ([`batches`](crate::solver::batches)), so that the next sweep follows one wave behind. Grabs are visited with the
 //! block before which they stand ([`edges`](super::edges)), and that block counts their bodies as its own.
 //!
-//! On one thread the first sweeps follow in the same way where blocks are refreshed and get their warm-start impulses ([`Following`]), so blocks are
-//! read from memory once for all of that.
+//! On one thread, the first sweeps of a step follow the refresh and the warm start of blocks in the same way ([`Following`]), so that blocks are read
+//! from memory once for all of these.
 //!
 //! Sweeps form groups, and those of one group follow each other on one thread: one sweep per thread would move every block from cache to
 //! cache in every sweep. A thread *claims* the next group from a counter. So a thread that waits for the previous group waits for one that
@@ -365,7 +365,7 @@ impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
     }
 }
 
-/// Sweeps of one thread that follow other work on the blocks, which goes from the first to the last.
+/// Sweeps on one thread that follow other work through the blocks. That work goes from the first block to the last.
 pub struct Following<'a, L: F32xN> {
     pipeline: &'a Pipeline,
     passes: &'a [Pass],
@@ -386,26 +386,21 @@ impl<'a, L: F32xN> Following<'a, L> {
         })
     }
 
-    /// Visits all blocks whose bodies the work will not touch any more, since it has passed so many blocks.
+    /// Lets the sweeps go on as far as they may, once the work has passed so many blocks.
     pub fn follow(&mut self, mut work: Work<L>, past: usize) {
         let shares = Shares {
             threads: 1,
             group: self.passes.len(),
             apart: 0,
         };
-        let past = match past < self.pipeline.reach.len() {
-            true => past,
-            false => usize::MAX,
-        };
+        let pipeline = self.pipeline;
         L::run(Follow {
             sweeps: PipelinedSweeps {
-                shared: &Shared::new(self.pipeline, &mut work, &[], shares),
+                shared: &Shared::new(pipeline, &mut work, &[], shares),
                 number: 0,
                 delay: &|| (),
             },
-            passes: self.passes,
-            at: &mut self.at,
-            changes: &mut self.changes,
+            following: self,
             past,
         });
     }
@@ -418,24 +413,28 @@ impl<'a, L: F32xN> Following<'a, L> {
 }
 
 /// The visits of sweeps that follow work which has passed `past` blocks.
-struct Follow<'a, 'b, L: F32xN, D: Fn()> {
+struct Follow<'a, 'b, 'c, L: F32xN, D: Fn()> {
     sweeps: PipelinedSweeps<'a, 'b, L, D>,
-    passes: &'a [Pass],
-    at: &'a mut [usize; MOST],
-    changes: &'a mut [L; MOST],
+    following: &'b mut Following<'c, L>,
     past: usize,
 }
 
-impl<L: F32xN, D: Fn()> Kernel for Follow<'_, '_, L, D> {
+impl<L: F32xN, D: Fn()> Kernel for Follow<'_, '_, '_, L, D> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
+        let Following {
+            passes,
+            at,
+            changes,
+            ..
+        } = self.following;
         loop {
-            let was = *self.at;
-            let changes = &mut self.changes[..self.passes.len()];
-            self.sweeps.turn(self.passes, self.at, changes, self.past);
-            if *self.at == was {
+            let was = *at;
+            self.sweeps
+                .turn(passes, at, &mut changes[..passes.len()], self.past);
+            if *at == was {
                 break;
             }
         }
@@ -456,6 +455,10 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
         let blocks = pipeline.reach.len();
         let mut sweep = 0;
         while sweep < passes.len() {
+            // What has ended holds back no block.
+            if past == blocks {
+                past = usize::MAX;
+            }
             let end = (at[sweep] + TURN).min(blocks);
             let mut block = at[sweep];
             let mut change = changes[sweep];
@@ -474,10 +477,6 @@ impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
             changes[sweep] = change;
             at[sweep] = block;
             past = block;
-            // A sweep that has ended holds back no block.
-            if past == blocks {
-                past = usize::MAX;
-            }
             sweep += 1;
         }
     }

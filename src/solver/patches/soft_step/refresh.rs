@@ -4,7 +4,7 @@ use super::block::{Pass, Spring};
 use super::halves::Part;
 use super::island::Island;
 use super::joints::Contacts;
-use super::pipeline::{self, Following};
+use super::pipeline::Following;
 use crate::solver::PatchProblem;
 use crate::solver::batches::Batches;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
@@ -142,7 +142,7 @@ impl<L: F32xN> Island<L> {
         self.refresh_before(problem, spring, pass, closed, |_, _| ())
     }
 
-    /// Like [`refresh`](Self::refresh). Calls `then` with the number of blocks that are done, again and again.
+    /// Like [`refresh`](Self::refresh). Calls `then` after every few blocks, with the number of blocks that are done.
     fn refresh_before(
         &mut self,
         problem: &PatchProblem,
@@ -222,7 +222,7 @@ impl<L: F32xN> Island<L> {
         self.start_before(problem, substeps, spring, passes, |_, _| ())
     }
 
-    /// Like [`start`](Self::start). Calls `then` again and again with the number of blocks that are prepared.
+    /// Like [`start`](Self::start). Calls `then` after every few blocks, with the number of blocks that are prepared.
     pub(super) fn start_before(
         &mut self,
         problem: &PatchProblem,
@@ -247,8 +247,8 @@ impl<L: F32xN> Island<L> {
         missing.sqrt()
     }
 
-    /// Like [`start`](Self::start). If the blocks are larger than caches, the first of the given number of sweeps follow through the blocks as these are
-    /// prepared, so that they are read from memory once. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ² of the sweeps that are done, J.
+    /// Like [`start`](Self::start). If the blocks are larger than caches, sweeps follow through the blocks as these are prepared, so that blocks are read
+    /// from memory once: at most the first `sweeps` of the passes. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ² of each sweep that is done, J.
     pub fn start_and_sweep(
         &mut self,
         problem: &PatchProblem,
@@ -256,21 +256,14 @@ impl<L: F32xN> Island<L> {
         spring: &Spring,
         (passes, sweeps): (&[Pass], usize),
     ) -> (f32, SmallVec<[f32; 8]>) {
-        let bytes = self.bytes();
-        let overlaps = problem.threads == 1
-            && pipeline::is_worthwhile(1, bytes)
-            && self.batches.laps() == 1
-            && self.alone
-            && self.joints.is_empty();
+        let may_follow = problem.threads == 1 && self.batches.laps() == 1;
+        let pipeline = may_follow.then(|| self.take_pipeline(problem)).flatten();
         let upwards = passes[..sweeps].iter().take_while(|pass| !pass.down);
         let upwards = &passes[..upwards.count()];
-        if !overlaps {
-            let merit = self.start(problem, substeps, spring, passes);
-            return (merit, SmallVec::new());
-        }
-        let kept = self.pipeline.take();
-        let pipeline = kept.unwrap_or_else(|| self.find_pipeline(problem));
-        let mut following = Following::new(&pipeline, upwards, bytes);
+        let bytes = self.bytes();
+        let mut following = pipeline
+            .as_ref()
+            .and_then(|pipeline| Following::new(pipeline, upwards, bytes));
         let follow = |island: &mut Self, past: usize| {
             if let Some(following) = &mut following {
                 following.follow(island.work(), past);
@@ -278,7 +271,9 @@ impl<L: F32xN> Island<L> {
         };
         let merit = self.start_before(problem, substeps, spring, passes, follow);
         let changes = following.iter().flat_map(Following::changes).collect();
-        self.pipeline = Some(pipeline);
+        if may_follow {
+            self.pipeline = pipeline;
+        }
         (merit, changes)
     }
 

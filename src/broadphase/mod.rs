@@ -56,6 +56,9 @@ pub struct Broadphase {
     /// Fat boxes by slot; `None` for free slots and half-spaces.
     #[cfg_attr(feature = "serde", serde(with = "crate::state::written::boxes"))]
     fat: Vec<Option<Aabb>>,
+    /// By slot: how far around its shape a body may reach before it leaves its fat box, m, as long as it does not move; 0 if that is not known.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    room: Vec<f32>,
     /// Slots of half-spaces.
     unbounded: Vec<u32>,
     /// The changes of this step, until the pairs are updated.
@@ -73,6 +76,7 @@ clone_fields!(Broadphase {
     workspace,
     has_workspace,
     fat,
+    room,
     unbounded,
     found,
     waiting,
@@ -191,17 +195,26 @@ impl Broadphase {
             }
         }
         for &(slot, fat) in boxes {
-            self.fat[slot as usize] = Some(fat);
+            self.set_box(slot, fat);
             self.tree.insert(fat, slot);
         }
         self.count_changes(boxes.len());
+    }
+
+    /// Sets the box of a body in the list, but not in the tree.
+    fn set_box(&mut self, slot: u32, fat: Aabb) {
+        self.fat[slot as usize] = Some(fat);
+        // It may be that of another body, which had the slot before.
+        if let Some(room) = self.room.get_mut(slot as usize) {
+            *room = 0.0;
+        }
     }
 
     /// Adds boxes of bodies that rest. The tree is built anew if it would grow to more than twice its size.
     pub(crate) fn add_boxes(&mut self, boxes: &[(u32, Aabb)], slots: usize) {
         cover(&mut self.fat, slots, None);
         for &(slot, fat) in boxes {
-            self.fat[slot as usize] = Some(fat);
+            self.set_box(slot, fat);
         }
         if boxes.len() > MANY && boxes.len() > self.tree.leaf_count() as usize {
             let all = self.fat.iter().enumerate();
@@ -331,6 +344,7 @@ pub fn broadphase(
         has_workspace,
         changed_boxes,
         escaped_aabb: _,
+        room,
     } = &mut *broadphase;
     let Found {
         disturbed,
@@ -338,6 +352,7 @@ pub fn broadphase(
         removed,
     } = found;
     fat.resize(table.slots(), None);
+    room.resize(table.slots(), 0.0);
     for slot in table.removed.drain(..) {
         tree.remove(slot);
         fat[slot as usize] = None;
@@ -378,12 +393,22 @@ pub fn broadphase(
         if body.renewed {
             unbounded.retain(|u| *u != slot);
         }
-        let tight = tight_box(body, collider, &settings, gravity.0, time.dt);
-        let entry = &mut fat[slot as usize];
-        if body.renewed || entry.is_none_or(|fat| !fat.contains(&tight)) {
-            *entry = Some(fat_box(&tight, body.velocity.linear * time.dt));
-            moved.push(slot);
+        let reach = reach(body, &settings, gravity.0, time.dt);
+        let (entry, room) = (&mut fat[slot as usize], &mut room[slot as usize]);
+        if !body.moved && !body.renewed && reach <= *room {
+            continue;
         }
+        let shape = collider.shape().compute_aabb(&body.pose.to_parry());
+        let tight = shape.loosened(reach);
+        let fat = match *entry {
+            Some(fat) if !body.renewed && fat.contains(&tight) => fat,
+            _ => {
+                moved.push(slot);
+                fat_box(&tight, body.velocity.linear * time.dt)
+            }
+        };
+        *entry = Some(fat);
+        *room = room_around(&shape, &fat);
     }
     disturbed.extend(&moved);
     let is_moved: FixedBitSet = moved.iter().map(|&slot| slot as usize).collect();
@@ -467,9 +492,19 @@ fn tight_box(
     gravity: Vec3,
     dt: f32,
 ) -> Aabb {
-    let reach = settings.outer_distance().max(0.0) + expected_travel(body, gravity, dt);
-    let shape = collider.shape();
-    shape.compute_aabb(&body.pose.to_parry()).loosened(reach)
+    let shape = collider.shape().compute_aabb(&body.pose.to_parry());
+    shape.loosened(reach(body, settings, gravity, dt))
+}
+
+/// How far around its shape a body may touch something within the step, m.
+fn reach(body: &BodyState, settings: &StabilizationSettings, gravity: Vec3, dt: f32) -> f32 {
+    settings.outer_distance().max(0.0) + expected_travel(body, gravity, dt)
+}
+
+/// The largest length by which a box can be loosened inside another one, m, or a little less: rounding must not make it more.
+fn room_around(inner: &Aabb, outer: &Aabb) -> f32 {
+    let room = (inner.mins - outer.mins).min(outer.maxs - inner.maxs);
+    room.min_element() * (1.0 - f32::EPSILON)
 }
 
 /// The box in the tree of a body at rest, if it has one.
@@ -492,4 +527,31 @@ fn expected_travel(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
         0.0
     };
     (body.velocity.linear.length() + fall) * dt + body.swept_margin
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parry3d::math::Vector;
+
+    #[test]
+    fn a_box_loosened_by_the_room_around_it_is_still_inside() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut vector = |scale: f32| {
+            let [x, y, z] = std::array::from_fn(|_| scale * random.f32());
+            Vector::new(x, y, z)
+        };
+        for i in 0..100_000 {
+            // Far from the origin boxes are rounded by more than they are loosened.
+            let far = [1.0, 1e3, 1e6][i % 3];
+            let (mins, half) = (vector(far), vector(1.0));
+            let inner = Aabb::new(mins, mins + half);
+            let outer = Aabb::new(inner.mins - vector(0.1), inner.maxs + vector(0.1));
+            let room = room_around(&inner, &outer);
+            assert!(
+                room < 0.0 || outer.contains(&inner.loosened(room)),
+                "{inner:?} in {outer:?}"
+            );
+        }
+    }
 }

@@ -25,9 +25,17 @@ impl Order {
         if before.is_none() || recent.since != before || !from.table.removed.is_empty() {
             return;
         }
+        // Only a large island that is in order can be edited. Among a thousand bricks that come asleep there is none, and sorting all of their slots
+        // would take half a millisecond.
+        let can_edit = |id: u32| {
+            let island = self.islands.get(id as usize);
+            island.is_some_and(|island| {
+                island.derived_from.is_some() && island.bodies.len() >= MIN_BODIES
+            })
+        };
         let slots = recent.slots.iter();
         let slots = slots.filter_map(|&slot| Some((from.islands.id(slot)?, slot)));
-        self.changed.extend(slots);
+        self.changed.extend(slots.filter(|&(id, _)| can_edit(id)));
         self.changed.sort_unstable();
         self.changed.dedup();
     }

@@ -2,7 +2,7 @@
 //!
 //! A property is a component that a user may write. From the list follow
 //! - the required components of a [`RigidBody`](super::RigidBody), and the components that are restored when they are removed,
-//! - the change detection of active bodies (`Changes`) and of inactive ones (`Written`),
+//! - the change detection of active bodies (`Describing`) and of inactive ones (`Written`),
 //! - the properties that the [`BodyTable`](super::BodyTable) copies ([`BodyProperties`](super::BodyProperties)),
 //! - the components that a preview copies, those that belong to the [state](crate::state) of a world, and those that are registered for reflection.
 //!

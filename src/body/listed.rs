@@ -2,11 +2,12 @@
 
 use super::kept_property::KeptProperty;
 use super::list::{body_properties, names::*};
-use super::rows::Rows;
-use super::{BodyProperties, RigidBody};
+use super::rows::{Rows, written_rows};
+use super::{BodyProperties, Inactive, RigidBody, Simulated};
 use crate::diagnosis::BodyProblem;
 use crate::state::visitor::Visitor;
 use bevy_app::App;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_transform::components::Transform;
@@ -41,13 +42,34 @@ macro_rules! listed {
             ($(<$Essential>::default(),)* $(<$Computed>::default(),)*)
         }
 
-        /// Filter for bodies whose description was written. [`lost_description`](super::lost_description) reports removals.
-        pub type Changes = Or<(
-            Changed<RigidBody>,
-            Changed<BodyIndex>,
-            Or<($(Changed<$Described>,)*)>,
-            Or<($(Changed<$Kept>,)*)>,
-        )>;
+        /// The components of a body that have it described anew when they are written. [`lost_description`](super::lost_description) reports
+        /// removals.
+        #[derive(QueryData)]
+        #[query_data(contiguous(all))]
+        pub struct Describing {
+            entity: Entity,
+            kind: Ref<'static, RigidBody>,
+            slot: Ref<'static, BodyIndex>,
+            $($described: Option<Ref<'static, $Described>>,)*
+            $($kept: Option<Ref<'static, $Kept>>,)*
+        }
+
+        impl DescribingContiguousItem<'_, '_> {
+            /// Finds the bodies of which such a component was written since the system ran last.
+            pub(super) fn find(self, found: &mut EntityHashSet) {
+                let mut note = |rows: &mut dyn Iterator<Item = usize>| {
+                    found.extend(rows.map(|row| self.entity[row]));
+                };
+                note(&mut written_rows(&self.kind));
+                note(&mut written_rows(&self.slot));
+                $(if let Some(column) = &self.$described {
+                    note(&mut written_rows(column));
+                })*
+                $(if let Some(column) = &self.$kept {
+                    note(&mut written_rows(column));
+                })*
+            }
+        }
 
         /// The components that describe a body.
         #[derive(QueryData)]
@@ -148,6 +170,19 @@ macro_rules! listed {
     };
 }
 body_properties!(listed);
+
+/// The active bodies, with the components that describe them.
+pub type DescribingBodies<'w, 's> = Query<'w, 's, Describing, (Simulated, Without<Inactive>)>;
+
+/// Finds the active bodies whose description was written since the system ran last.
+pub fn find_described(bodies: DescribingBodies) -> EntityHashSet {
+    let mut found = EntityHashSet::default();
+    let tables = bodies.contiguous_iter();
+    for columns in tables.expect("all of it is stored in tables") {
+        columns.find(&mut found);
+    }
+    found
+}
 
 #[cfg(test)]
 mod tests {

@@ -7,7 +7,7 @@
 
 use super::describe::describe;
 use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_written};
-use super::listed::{Changes, Described};
+use super::listed::{Described, DescribingBodies, find_described};
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyState, BodyTable, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
@@ -156,7 +156,7 @@ type Active = (Sound, Without<Inactive>);
 pub fn refresh(
     mut pending: ResMut<Pending>,
     (table, mut transforms): (Res<BodyTable>, ResMut<WrittenTransforms>),
-    written: Query<Entity, (Active, Changes)>,
+    described_bodies: DescribingBodies,
     (resting, children): (InactiveBodies, InactiveChildren),
     (active, all): (Query<Placing, Active>, Query<Placing, Sound>),
     mut described: Query<Described, Simulated>,
@@ -166,7 +166,7 @@ pub fn refresh(
         pending.visit = table.visits();
         pending.clear();
     }
-    let mut written: EntityHashSet = written.iter().collect();
+    let mut written = find_described(described_bodies);
     written.extend(find_written(&table, resting, table.visited_at()));
     written.extend(transforms.moved.drain(..));
     written.extend(table.reduced());

@@ -2,7 +2,7 @@
 
 use super::describe::describe;
 use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
-use super::listed::{Changes, Described};
+use super::listed::{Described, DescribingBodies, find_described};
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,
@@ -49,7 +49,7 @@ pub fn prepare(
     ),
     rules: Rules,
     mut bodies: ParamSet<(
-        Query<Entity, (With<BodyIndex>, Simulated, Without<Inactive>, Changes)>,
+        DescribingBodies,
         InactiveBodies,
         InactiveChildren,
         Query<Moving, (Simulated, Without<Inactive>)>,
@@ -60,7 +60,8 @@ pub fn prepare(
     placed: Placed,
 ) {
     let reduced = table.take_reduced();
-    let changed: EntityHashSet = bodies.p0().iter().chain(reduced.iter().copied()).collect();
+    let mut changed = find_described(bodies.p0());
+    changed.extend(&reduced);
     let visited_at = table.visited_at();
     let visit = table.begin_visit(rules.ticks.this_run());
     table.take_left();
@@ -127,7 +128,7 @@ pub fn prepare(
             commands.entity(entity).insert(body.spawn_order);
         }
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        body.set_force(pushed.0.copied().unwrap_or_default());
+        body.set_force(pushed.0);
         match describe(&mut body, description) {
             Ok(()) => {
                 let gains = gains(&body, pushed, &rules);
@@ -194,7 +195,7 @@ pub(crate) fn add_asleep(
         let mut body = BodyState::new(entity, *pose, *velocity);
         body.spawn_order = spawn_order;
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        body.set_force(pushed.0.copied().unwrap_or_default());
+        body.set_force(pushed.0);
         let is_described = describe(&mut body, description).is_ok();
         if !is_described || body.parts.is_some() || body.events || body.asks_for_hooks() {
             others.push(entity);
@@ -268,7 +269,6 @@ impl Visitor<'_, '_, '_> {
             *velocity = Velocity::default();
         }
 
-        let force = pushed.0.copied().unwrap_or_default();
         body.arrived = false;
         body.renewed = false;
         body.moved = body.pose != *pose;
@@ -278,22 +278,24 @@ impl Visitor<'_, '_, '_> {
         let woken = body.asleep && !asleep;
         body.asleep = asleep;
         let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        let solved_as = body.properties.solved_as();
+        let solved_as = written.then(|| body.properties.solved_as());
         if written
             && let Ok(description) = described.get_mut(entity)
             && let Err(problem) = describe(body, description)
         {
             self.suspects.0.push((entity, problem));
         }
-        let solved_anew = body.properties.solved_as() != solved_as;
+        let solved_anew =
+            solved_as.is_some_and(|as_before| body.properties.solved_as() != as_before);
         // This comes after `describe`, because the radius may be new.
         body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
         body.disturbed = self.rules.active_settings.changed
             || body.put_from.is_some()
             || body.renewed
-            || (force, gravity_scale) != (body.force(), body.gravity_scale)
+            || !body.has_force(pushed.0)
+            || gravity_scale != body.gravity_scale
             || is_disturbed(&velocity, pushed);
-        body.set_force(force);
+        body.set_force(pushed.0);
         body.gravity_scale = gravity_scale;
         // An inactive body stays inactive if the written values are those that it had already.
         let changed = body.disturbed || body.moved || woken || body.target.is_some();

@@ -71,6 +71,12 @@ pub(crate) fn new_rows(
     })
 }
 
+/// The rows of a column that were written since the system ran last, by the ticks of rows: Bevy's summary tick of a column misses some writes of observers.
+pub(super) fn written_rows<T>(column: &ContiguousRef<T>) -> impl Iterator<Item = usize> {
+    let (last, this) = (column.last_run_tick(), column.this_run_tick());
+    new_rows(column.changed_ticks_slice(), newer_than(last, this))
+}
+
 /// Calls `written` with the index and the value of each row of a column that has been written.
 pub(crate) fn look<T>(
     column: ContiguousRef<T>,

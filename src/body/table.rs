@@ -201,13 +201,22 @@ impl BodyState {
         self.force.as_deref().copied().unwrap_or_default()
     }
 
+    /// Whether the external force is the same as in the last step. Most bodies have none.
+    #[inline]
+    pub(super) fn has_force(&self, force: Option<&ExternalForce>) -> bool {
+        self.force.is_none() && force.is_none()
+            || self.force() == force.copied().unwrap_or_default()
+    }
+
     /// Sets the external force, N and N·m.
     #[inline]
-    pub(super) fn set_force(&mut self, force: ExternalForce) {
-        match &mut self.force {
-            Some(known) => **known = force,
-            None if force == ExternalForce::default() => (),
-            None => self.force = Some(Box::new(force)),
+    pub(super) fn set_force(&mut self, force: Option<&ExternalForce>) {
+        match (&mut self.force, force) {
+            (Some(known), force) => **known = force.copied().unwrap_or_default(),
+            (None, Some(force)) if *force != ExternalForce::default() => {
+                self.force = Some(Box::new(*force));
+            }
+            (None, _) => (),
         }
     }
 

@@ -103,6 +103,7 @@ pub struct StepSystems;
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
         reflection::register(app);
+        let profile = profile(app);
         app.init_resource::<Gravity>()
             .init_resource::<StabilizationSettings>()
             .init_resource::<NarrowphaseSettings>()
@@ -113,7 +114,6 @@ impl Plugin for StepPlugin {
             .init_resource::<PhysicsThreads>()
             .init_resource::<PhysicsTime>()
             .init_resource::<StepTime>()
-            .init_resource::<Profile>()
             .init_resource::<Suspects>()
             .init_resource::<Told>()
             .init_resource::<BodyTable>()
@@ -148,7 +148,7 @@ impl Plugin for StepPlugin {
             .add_message::<SensorEntered>()
             .add_message::<SensorExited>()
             // Other plugins may have put systems into the schedule already.
-            .edit_schedule(PhysicsSchedule, order_stages)
+            .edit_schedule(PhysicsSchedule, |schedule| order_stages(schedule, &profile))
             .add_systems(
                 self.label,
                 take_step

@@ -1,5 +1,8 @@
-//! The time that every system takes. It is always recorded, since a pair of clock readings costs 50 ns. For Tracy, Perfetto and similar tools
+//! The time that every system takes. It is always recorded, since a clock reading costs 25 ns. For Tracy, Perfetto and similar tools
 //! every system is also a span of `tracing` with the name `stage`.
+//!
+//! Where only drystone's own systems are in a [`PhysicsSchedule`](crate::schedule::PhysicsSchedule), the end of one is also the beginning of the next. So what
+//! Bevy does between two systems, such as looking at run conditions, counts for the second.
 //!
 //! [`timed`] wraps a system. The [plugins](crate::DrystonePlugins) wrap all of drystone's own systems, under the names of their stages. Wrap
 //! your own systems to list them, too. With several substeps the time of a step is their sum.
@@ -21,6 +24,7 @@ pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
     /// Types of drystone's own systems.
     own: Arc<Mutex<HashSet<TypeId>>>,
+    ends: Arc<Ends>,
     parts: Arc<PartClocks>,
     /// Time of the whole last step.
     pub step: Duration,
@@ -34,9 +38,9 @@ struct Clock {
 }
 
 impl Clock {
-    fn add(&self, spent: Duration) {
-        self.running
-            .fetch_add(spent.as_nanos() as u64, Ordering::Relaxed);
+    /// Adds a time, ns.
+    fn add(&self, spent: u64) {
+        self.running.fetch_add(spent, Ordering::Relaxed);
     }
 
     fn end_step(&self) {
@@ -106,7 +110,7 @@ impl Profile {
 
     /// Adds to the time of a part.
     pub(crate) fn add_part(&self, part: SolvePart, spent: Duration) {
-        self.parts.0[part as usize].add(spent);
+        self.parts.0[part as usize].add(spent.as_nanos() as u64);
     }
 
     /// A wrapper that times a system under this name. Several systems may share one; their times add up.
@@ -121,7 +125,15 @@ impl Profile {
             clocks.push(clock.clone());
             clock
         });
-        Timed(clock)
+        Timed {
+            clock,
+            ends: self.ends.clone(),
+        }
+    }
+
+    /// When the systems of a step end.
+    pub(crate) fn ends(&self) -> &Arc<Ends> {
+        &self.ends
     }
 
     /// Whether a system of this type is one of drystone's own.
@@ -138,9 +150,77 @@ impl Profile {
     }
 }
 
+/// When the last system of a running step ended. It is when the next begins, if nothing else runs between them.
+#[derive(Debug)]
+pub(crate) struct Ends {
+    origin: Instant,
+    /// Time of the last end, ns after the origin; 0 if the next system must read the clock when it begins.
+    last: AtomicU64,
+    /// Whether only drystone's systems are in the schedule of a step; unknown after the schedule has changed.
+    all_own: Mutex<Option<bool>>,
+}
+
+impl Default for Ends {
+    fn default() -> Self {
+        Self {
+            origin: Instant::now(),
+            last: AtomicU64::new(0),
+            all_own: Mutex::new(None),
+        }
+    }
+}
+
+impl Ends {
+    /// Records whether only drystone's systems are in the schedule; `None` if the schedule has changed.
+    pub(crate) fn set_all_own(&self, all_own: Option<bool>) {
+        *self.all_own.lock().expect("no holder panics") = all_own;
+    }
+
+    pub(crate) fn all_own(&self) -> Option<bool> {
+        *self.all_own.lock().expect("no holder panics")
+    }
+
+    /// Begins a run of the schedule of a step.
+    pub(crate) fn begin_run(&self) {
+        if self.all_own() == Some(true) {
+            self.last.store(self.now(), Ordering::Relaxed);
+        }
+    }
+
+    /// Ends a run. Systems of other schedules are timed by themselves.
+    pub(crate) fn end_run(&self) {
+        self.last.store(0, Ordering::Relaxed);
+    }
+
+    /// ns after the origin
+    fn now(&self) -> u64 {
+        self.origin.elapsed().as_nanos() as u64
+    }
+
+    /// When a system begins, ns after the origin.
+    fn start(&self) -> u64 {
+        match self.last.load(Ordering::Relaxed) {
+            0 => self.now(),
+            last => last,
+        }
+    }
+
+    /// The time of a system that ends now, ns.
+    fn spent_since(&self, start: u64) -> u64 {
+        let now = self.now();
+        if self.last.load(Ordering::Relaxed) != 0 {
+            self.last.store(now, Ordering::Relaxed);
+        }
+        now - start
+    }
+}
+
 /// A wrapper that times a system. See [`Profile::clock`].
 #[derive(Clone, Debug)]
-pub struct Timed(Arc<Clock>);
+pub struct Timed {
+    clock: Arc<Clock>,
+    ends: Arc<Ends>,
+}
 
 impl<S: System> Adapt<S> for Timed {
     type In = S::In;
@@ -151,10 +231,10 @@ impl<S: System> Adapt<S> for Timed {
         input: SystemIn<'_, S>,
         run_system: impl FnOnce(SystemIn<'_, S>) -> Result<S::Out, RunSystemError>,
     ) -> Result<S::Out, RunSystemError> {
-        let _span = tracing::info_span!("stage", name = self.0.name).entered();
-        let start = Instant::now();
+        let _span = tracing::info_span!("stage", name = self.clock.name).entered();
+        let start = self.ends.start();
         let out = run_system(input);
-        self.0.add(start.elapsed());
+        self.clock.add(self.ends.spent_since(start));
         out
     }
 }

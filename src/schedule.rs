@@ -8,7 +8,7 @@ use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::joint::{JointBroke, JointError};
 use crate::mortar::MortarBroke;
-use crate::profile::Profile;
+use crate::profile::{Ends, Profile};
 use crate::sensor::{SensorEntered, SensorExited};
 pub use crate::settings::STEP_LENGTHS;
 use crate::settings::{self, PhysicsThreads, SolverSettings, StepTime};
@@ -19,9 +19,11 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{
     ApplyDeferred, ScheduleLabel, SingleThreadedExecutor, SystemExecutor, SystemSchedule,
 };
+use bevy_ecs::system::ScheduleSystem;
 use bevy_platform::time::Instant;
 use fixedbitset::FixedBitSet;
 use std::any::TypeId;
+use std::sync::Arc;
 
 /// The schedule of one step, or of one substep if there are several. It runs single-threaded; the systems in it are parallel inside.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
@@ -88,8 +90,11 @@ impl PhysicsSystems {
 }
 
 /// Puts the sets of a [`PhysicsSchedule`] in order, whatever systems are in it already.
-pub(crate) fn order_stages(schedule: &mut Schedule) {
-    schedule.set_executor(StepExecutor(SingleThreadedExecutor::new()));
+pub(crate) fn order_stages(schedule: &mut Schedule, profile: &Profile) {
+    schedule.set_executor(StepExecutor {
+        executor: SingleThreadedExecutor::new(),
+        ends: profile.ends().clone(),
+    });
     for [earlier, later] in PhysicsSystems::ORDER.array_windows() {
         schedule.configure_sets(earlier.before(*later));
     }
@@ -174,9 +179,17 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     for substep in 0..substeps {
         let mut time = world.resource_mut::<StepTime>();
         *time = time.next(dt, substep, substeps);
-        let may_change_threads = may_change_threads(world);
-        world.insert_resource(MayChangeThreads(may_change_threads));
+        let may_change_threads = MayChangeThreads(may_change_threads(world));
+        if world.get_resource::<MayChangeThreads>() != Some(&may_change_threads) {
+            world.insert_resource(may_change_threads);
+        }
         world.run_schedule(PhysicsSchedule);
+        let profile = world.resource::<Profile>();
+        if profile.ends().all_own().is_none() {
+            profile
+                .ends()
+                .set_all_own(Some(has_only_own_systems(world)));
+        }
     }
     #[cfg(feature = "serde")]
     crate::recording::end(world);
@@ -189,11 +202,15 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
 }
 
 /// Runs one system after the other; in a large step, on a thread of the pool of [`PhysicsThreads`].
-struct StepExecutor(SingleThreadedExecutor);
+struct StepExecutor {
+    executor: SingleThreadedExecutor,
+    ends: Arc<Ends>,
+}
 
 impl SystemExecutor for StepExecutor {
     fn init(&mut self, schedule: &SystemSchedule) {
-        self.0.init(schedule);
+        self.executor.init(schedule);
+        self.ends.set_all_own(None);
     }
 
     fn run(
@@ -207,22 +224,25 @@ impl SystemExecutor for StepExecutor {
         let may_change = may_change.is_some_and(|may_change| may_change.0);
         let threads = world.get_resource::<PhysicsThreads>();
         let threads = threads.filter(|_| may_change).cloned();
-        let executor = &mut self.0;
+        let Self { executor, ends } = self;
+        let mut run = || {
+            ends.begin_run();
+            executor.run(schedule, world, skip, error_handler);
+            ends.end_run();
+        };
         match threads {
-            Some(threads) => threads.run_step(|| {
-                executor.run(schedule, world, skip, error_handler);
-            }),
-            None => executor.run(schedule, world, skip, error_handler),
+            Some(threads) => threads.run_step(run),
+            None => run(),
         }
     }
 
     fn set_apply_final_deferred(&mut self, value: bool) {
-        self.0.set_apply_final_deferred(value);
+        self.executor.set_apply_final_deferred(value);
     }
 }
 
 /// The result of [`may_change_threads`] for the step.
-#[derive(Resource)]
+#[derive(Resource, PartialEq)]
 struct MayChangeThreads(bool);
 
 /// Whether a step may run on another thread than this one: work of the last step was divided, and no system needs this thread, as one of the user's
@@ -230,19 +250,30 @@ struct MayChangeThreads(bool);
 fn may_change_threads(world: &World) -> bool {
     let threads = world.get_resource::<PhysicsThreads>();
     // Systems are looked at only if it matters: small steps take some microseconds.
-    if !threads.is_some_and(PhysicsThreads::has_divided) {
-        return false;
-    }
+    threads.is_some_and(PhysicsThreads::has_divided)
+        && all_systems(world, |system, is_own| {
+            // Bevy counts exclusive systems as bound to a thread.
+            is_own || system.is_send()
+        })
+}
+
+/// Whether only drystone's own systems are in the [`PhysicsSchedule`].
+fn has_only_own_systems(world: &World) -> bool {
+    all_systems(world, |_, is_own| is_own)
+}
+
+/// Whether something holds for all systems of the [`PhysicsSchedule`], of which some are drystone's own. False if they are not known yet.
+fn all_systems(world: &World, holds: impl Fn(&ScheduleSystem, bool) -> bool) -> bool {
     let schedules = world.get_resource::<Schedules>();
     let schedule = schedules.and_then(|schedules| schedules.get(PhysicsSchedule));
     let systems = schedule.and_then(|schedule| schedule.systems().ok());
     let profile = world.resource::<Profile>();
-    // Bevy counts exclusive systems, and points where commands are applied, as bound to a thread.
+    // Points where commands are applied.
     let applies = TypeId::of::<ApplyDeferred>();
     systems.is_some_and(|mut systems| {
         systems.all(|(_, system)| {
             let found = system.system_type();
-            system.is_send() || found == applies || profile.is_own(found)
+            holds(system, found == applies || profile.is_own(found))
         })
     })
 }

@@ -203,6 +203,53 @@ fn a_users_own_solver_solves() {
     assert!((height(&app, resting) - 0.5).abs() < 0.01);
 }
 
+/// Longer than a stage takes in a world of one body.
+const NAP: Duration = Duration::from_millis(60);
+
+fn nap() {
+    std::thread::sleep(NAP);
+}
+
+/// The least time of a stage in three steps.
+fn least_time(app: &mut App, stage: &str) -> Duration {
+    let times = (0..3).map(|_| {
+        frames(app, 1);
+        let profile = app.world().resource::<Profile>();
+        profile.system(stage).expect("it has a clock")
+    });
+    times.min().expect("there are three")
+}
+
+#[test]
+fn the_time_of_a_users_system_is_not_that_of_the_next_stage() {
+    let mut app = app(DrystonePlugins::default());
+    cube(&mut app, Vec3::ZERO);
+    frames(&mut app, 5);
+    app.add_systems(
+        PhysicsSchedule,
+        nap.after(PhysicsSystems::Narrowphase)
+            .before(PhysicsSystems::Islands),
+    );
+    frames(&mut app, 2);
+    assert!(least_time(&mut app, "islands") < NAP);
+    let step = app.world().resource::<Profile>().step;
+    assert!(step >= NAP, "the whole step took {step:?}");
+}
+
+#[test]
+fn a_run_condition_counts_for_its_stage() {
+    let mut app = app(DrystonePlugins::default());
+    let condition = || {
+        nap();
+        true
+    };
+    app.configure_sets(PhysicsSchedule, PhysicsSystems::Solve.run_if(condition));
+    cube(&mut app, Vec3::ZERO);
+    frames(&mut app, 5);
+    assert!(least_time(&mut app, "solve") >= NAP);
+    assert!(least_time(&mut app, "anchors") < NAP);
+}
+
 #[test]
 fn every_stage_has_its_time() {
     let mut lab = Lab::exact(1.0 / 60.0);

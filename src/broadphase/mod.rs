@@ -395,7 +395,7 @@ pub fn broadphase(
         }
         let reach = reach(body, &settings, gravity.0, time.dt);
         let (entry, room) = (&mut fat[slot as usize], &mut room[slot as usize]);
-        if !body.moved && !body.renewed && reach <= *room {
+        if !body.moved && !body.renewed && reach < *room {
             continue;
         }
         let shape = collider.shape().compute_aabb(&body.pose.to_parry());
@@ -533,6 +533,18 @@ fn expected_travel(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
 mod tests {
     use super::*;
     use parry3d::math::Vector;
+
+    #[test]
+    fn a_box_that_is_put_into_a_slot_has_no_room_of_the_body_before() {
+        let mut broadphase = Broadphase {
+            fat: vec![None],
+            room: vec![1.0],
+            ..Default::default()
+        };
+        let fat = Aabb::new(Vector::ZERO, Vector::ONE);
+        broadphase.add_boxes(&[(0, fat)], 1);
+        assert_eq!(broadphase.room, [0.0]);
+    }
 
     #[test]
     fn a_box_loosened_by_the_room_around_it_is_still_inside() {

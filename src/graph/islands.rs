@@ -333,7 +333,10 @@ pub fn islands(
         islands.wake(&mut table, rising, &mut sleepers);
         islands.find_loading(graph, &mut table, &mut sleepers, &restored);
         islands.find_deactivation(&table);
-        islands.update(graph, &table);
+        // In most steps nothing has changed since the update above, which compares all active bodies.
+        if islands.woke || !islands.loading.is_empty() {
+            islands.update(graph, &table);
+        }
         // Bodies that are loaded count as solved in this step, which closes their accounts.
         islands.restore_accounts(&table, &restored);
     }

@@ -1,12 +1,26 @@
-//! Copies the rarely changed properties of a body into the table: kind, shape, mass, surface, layers.
+//! The rarely changed properties of a body: kind, shape, mass, surface, layers. Finds the bodies that have others now, and copies these into the table.
 
-use super::listed::DescribedItem;
-use super::{BodyState, MassProperties, RigidBody, limits};
+use super::listed::{DescribedItem, Describing};
+use super::{BodyState, Inactive, MassProperties, RigidBody, Simulated, limits};
 use crate::children::CompoundCollider;
 use crate::collider::Collider;
 use crate::diagnosis::BodyProblem;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use std::sync::Arc;
+
+/// The active bodies, with the components that describe them.
+pub type DescribingBodies<'w, 's> = Query<'w, 's, Describing, (Simulated, Without<Inactive>)>;
+
+/// Finds the active bodies whose description was written since the system ran last.
+pub fn find_described(bodies: DescribingBodies) -> EntityHashSet {
+    let mut found = EntityHashSet::default();
+    let tables = bodies.contiguous_iter();
+    for columns in tables.expect("all of it is stored in tables") {
+        columns.find(&mut found);
+    }
+    found
+}
 
 /// Copies the description of a body into its table entry. Values that are the same as before change nothing.
 ///

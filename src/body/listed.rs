@@ -3,7 +3,7 @@
 use super::kept_property::KeptProperty;
 use super::list::{body_properties, names::*};
 use super::rows::{Rows, written_rows};
-use super::{BodyProperties, Inactive, RigidBody, Simulated};
+use super::{BodyProperties, RigidBody};
 use crate::diagnosis::BodyProblem;
 use crate::state::visitor::Visitor;
 use bevy_app::App;
@@ -170,19 +170,6 @@ macro_rules! listed {
     };
 }
 body_properties!(listed);
-
-/// The active bodies, with the components that describe them.
-pub type DescribingBodies<'w, 's> = Query<'w, 's, Describing, (Simulated, Without<Inactive>)>;
-
-/// Finds the active bodies whose description was written since the system ran last.
-pub fn find_described(bodies: DescribingBodies) -> EntityHashSet {
-    let mut found = EntityHashSet::default();
-    let tables = bodies.contiguous_iter();
-    for columns in tables.expect("all of it is stored in tables") {
-        columns.find(&mut found);
-    }
-    found
-}
 
 #[cfg(test)]
 mod tests {

@@ -69,7 +69,7 @@ pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
 pub use quarantine::any_suspects;
 pub use quarantine::{Quarantined, lift, quarantine};
-pub(crate) use rows::{new_rows, newer_than};
+pub(crate) use rows::{new_rows, newer_than, written_rows};
 pub use sleeping::Sleeping;
 pub(crate) use slot_list::{cover, make_room};
 pub use solver_effort::SolverEffort;

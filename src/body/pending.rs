@@ -5,9 +5,9 @@
 //! [`SpatialQuery`](crate::query::SpatialQuery) prefers them to those of the table. The next *prepare* makes them obsolete. The simulation
 //! does not read them.
 
-use super::describe::describe;
+use super::describe::{DescribingBodies, describe, find_described};
 use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_written};
-use super::listed::{Described, DescribingBodies, find_described};
+use super::listed::Described;
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyState, BodyTable, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,

@@ -1,8 +1,8 @@
 //! The stage **prepare**: reads the user's changes, validates them, and fills the [`BodyTable`].
 
-use super::describe::describe;
+use super::describe::{DescribingBodies, describe, find_described};
 use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
-use super::listed::{Described, DescribingBodies, find_described};
+use super::listed::Described;
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,

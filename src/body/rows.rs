@@ -71,8 +71,9 @@ pub(crate) fn new_rows(
     })
 }
 
-/// The rows of a column that were written since the system ran last, by the ticks of rows: Bevy's summary tick of a column misses some writes of observers.
-pub(super) fn written_rows<T>(column: &ContiguousRef<T>) -> impl Iterator<Item = usize> {
+/// The rows of a column that were written since the system ran last. It reads the tick of every row, since Bevy's summary tick of the column misses some
+/// writes of observers.
+pub(crate) fn written_rows<T>(column: &ContiguousRef<T>) -> impl Iterator<Item = usize> {
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
     new_rows(column.changed_ticks_slice(), newer_than(last, this))
 }

@@ -398,17 +398,17 @@ pub fn broadphase(
         if !body.moved && !body.renewed && reach < *room {
             continue;
         }
-        let shape = collider.shape().compute_aabb(&body.pose.to_parry());
+        let shape = shape_box(body, collider);
         let tight = shape.loosened(reach);
-        let fat = match *entry {
+        let around = match *entry {
             Some(fat) if !body.renewed && fat.contains(&tight) => fat,
             _ => {
                 moved.push(slot);
                 fat_box(&tight, body.velocity.linear * time.dt)
             }
         };
-        *entry = Some(fat);
-        *room = room_around(&shape, &fat);
+        *entry = Some(around);
+        *room = room_around(&shape, &around);
     }
     disturbed.extend(&moved);
     let is_moved: FixedBitSet = moved.iter().map(|&slot| slot as usize).collect();
@@ -484,19 +484,13 @@ fn fat_box(tight: &Aabb, way: Vec3) -> Aabb {
     fat
 }
 
-/// A box that contains everything that a body may touch within the step: its shape, the collision envelope, and its motion.
-fn tight_box(
-    body: &BodyState,
-    collider: &Collider,
-    settings: &StabilizationSettings,
-    gravity: Vec3,
-    dt: f32,
-) -> Aabb {
-    let shape = collider.shape().compute_aabb(&body.pose.to_parry());
-    shape.loosened(reach(body, settings, gravity, dt))
+/// The box of a body's shape.
+fn shape_box(body: &BodyState, collider: &Collider) -> Aabb {
+    collider.shape().compute_aabb(&body.pose.to_parry())
 }
 
-/// How far around its shape a body may touch something within the step, m.
+/// How far around its shape a body may touch something within the step, m: the collision envelope, and its motion. The tight box of the body is that of
+/// its shape, loosened by this.
 fn reach(body: &BodyState, settings: &StabilizationSettings, gravity: Vec3, dt: f32) -> f32 {
     settings.outer_distance().max(0.0) + expected_travel(body, gravity, dt)
 }
@@ -515,7 +509,7 @@ pub(crate) fn rest_box(
     dt: f32,
 ) -> Option<Aabb> {
     let collider = body.collider.as_ref().filter(|_| body.radius.is_finite())?;
-    let tight = tight_box(body, collider, settings, gravity, dt);
+    let tight = shape_box(body, collider).loosened(reach(body, settings, gravity, dt));
     Some(fat_box(&tight, Vec3::ZERO))
 }
 

@@ -12,7 +12,7 @@ use super::forces::Forces;
 use super::levels::{Kind, Levels};
 use super::need::{Impulses, Need};
 use super::partition::Partition;
-use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder, cover, new_rows, newer_than};
+use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder, cover, written_rows};
 use crate::contact::{ContactPair, LostPairs, Manifold, Part};
 use crate::revision::Revision;
 use crate::saving::Restored;
@@ -369,9 +369,8 @@ fn edited(graph: &ConstraintGraph, pairs: &Pairs, places: &Entities) -> Vec<(u32
     for mut table in tables.expect("pair components are stored in tables") {
         for rows in &*graph.active_rows(table.0, places) {
             let (_, pairs, manifolds) = table.part(rows);
-            let (last, this) = (manifolds.last_run_tick(), manifolds.this_run_tick());
-            let new = new_rows(manifolds.changed_ticks_slice(), newer_than(last, this));
-            found.extend(new.map(|row| (pairs[row].edge, false)));
+            let written = written_rows(&manifolds);
+            found.extend(written.map(|row| (pairs[row].edge, false)));
         }
     }
     found

@@ -18,24 +18,22 @@ const MAX_CHANGED: usize = 8;
 const MIN_BODIES: usize = 64;
 
 impl Order {
-    /// Lists the changed bodies of the islands, sorted by island, if all changes since the order was computed are known.
+    /// Lists the changed bodies of the islands that may be edited, sorted by island, if all changes since the order was computed are known.
     pub(super) fn list_changed(&mut self, before: Option<Revision>, from: &Source) {
         self.changed.clear();
         let recent = from.islands.recent();
         if before.is_none() || recent.since != before || !from.table.removed.is_empty() {
             return;
         }
-        // Only a large island that is in order can be edited. Among a thousand bricks that come asleep there is none, and sorting all of their slots
-        // would take half a millisecond.
-        let can_edit = |id: u32| {
+        // A thousand bricks that are spawned asleep are in no such island. Sorting all of their slots would take half a millisecond.
+        let may_be_edited = |id: u32| {
             let island = self.islands.get(id as usize);
-            island.is_some_and(|island| {
-                island.derived_from.is_some() && island.bodies.len() >= MIN_BODIES
-            })
+            island.is_some_and(IslandOrder::may_be_edited)
         };
         let slots = recent.slots.iter();
         let slots = slots.filter_map(|&slot| Some((from.islands.id(slot)?, slot)));
-        self.changed.extend(slots.filter(|&(id, _)| can_edit(id)));
+        self.changed
+            .extend(slots.filter(|&(id, _)| may_be_edited(id)));
         self.changed.sort_unstable();
         self.changed.dedup();
     }
@@ -69,8 +67,7 @@ impl Order {
             bodies.get(local).is_some_and(|member| member.slot == slot)
                 && ranks.flatten().is_some_and(|ranks| ranks.is_sorted())
         };
-        island.derived_from.is_some()
-            && bodies.len() >= MIN_BODIES
+        island.may_be_edited()
             && bodies.len() == members.len()
             && (1..=MAX_CHANGED).contains(&changed.len())
             && changed.iter().all(keeps_place)
@@ -137,6 +134,11 @@ impl Order {
 }
 
 impl IslandOrder {
+    /// Whether the island is in order and large enough for edits.
+    fn may_be_edited(&self) -> bool {
+        self.derived_from.is_some() && self.bodies.len() >= MIN_BODIES
+    }
+
     /// The edits by which the order was made from one with another revision, or `None` if it was computed anew.
     pub fn edits_from(&self, revision: Option<Revision>) -> Option<&[Splice]> {
         (revision.is_some() && self.edit.from == revision).then_some(&*self.edit.splices)

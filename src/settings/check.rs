@@ -230,6 +230,7 @@ impl Checked for SleepSettings {
             ("linear_speed", self.linear_speed, 0.0..=limits::SPEED),
             ("angular_speed", self.angular_speed, 0.0..=limits::SPIN),
             ("delay", self.delay, 0.0..=f32::INFINITY),
+            ("settling", self.settling, 0.0..=1e3),
             ("waking.share", share, 0.0..=f32::INFINITY),
         ])
     }

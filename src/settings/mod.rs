@@ -30,6 +30,7 @@ pub use threads::PhysicsThreads;
 pub use time::{STEP_LENGTHS, StepTime};
 
 use crate::body::Velocity;
+use crate::solver::Settling;
 use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
@@ -87,6 +88,9 @@ impl SpeedLimits {
     }
 }
 
+/// Structures settle below this many times the speeds at which bodies count as still.
+const SLOW: f32 = 10.0;
+
 /// When bodies fall asleep. Sleeping bodies are not simulated until something wakes them.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Default)]
@@ -104,6 +108,10 @@ pub struct SleepSettings {
     pub angular_speed: f32,
     /// An island falls asleep when all its bodies have been still for this time, s. If it is infinite, none does. Default: 0.5.
     pub delay: f32,
+    /// Rate at which the bodies of a structure that was hit lose speed, 1/s, once they are slower than ten times `linear_speed` and
+    /// `angular_speed`: a wall comes to rest that would sway for long. Only bodies in contacts that stick lose speed, under a patch solver.
+    /// 0: none do. Default: 1.
+    pub settling: f32,
     /// Which sleeping bodies wake when awake ones touch them. Default: by need.
     pub waking: Waking,
 }
@@ -132,6 +140,15 @@ impl SleepSettings {
     /// Returns true if no body ever falls asleep. The delay of a shadow is infinite if its world does not let bodies sleep.
     pub(crate) fn is_off(&self) -> bool {
         !self.enabled || self.delay == f32::INFINITY
+    }
+
+    /// How structures come to rest, if bodies fall asleep.
+    pub(crate) fn settling(&self) -> Option<Settling> {
+        let settles = !self.is_off() && self.settling > 0.0;
+        settles.then(|| Settling {
+            rate: self.settling,
+            below: [self.linear_speed, self.angular_speed].map(|speed| SLOW * speed),
+        })
     }
 }
 

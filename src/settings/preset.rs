@@ -97,6 +97,10 @@ impl Preset {
             linear_speed: 0.01,
             angular_speed: 0.02,
             delay: 0.5,
+            settling: match self {
+                Preset::Default => 1.0,
+                Preset::Paper => 0.0,
+            },
             waking: match self {
                 Preset::Default => Waking::ByNeed { share: 0.02 },
                 Preset::Paper => Waking::Islands,

@@ -141,6 +141,7 @@ fn problem<'a>(
         gravity: context.gravity.0,
         effort: 1.0,
         max_correction_speed: context.stabilization.max_correction_speed,
+        settling: context.sleeping.settling(),
         stays_awake: context.sleeping.is_off(),
         record_history: context.solver.record_history,
         threads,

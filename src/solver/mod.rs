@@ -23,7 +23,7 @@ pub use grab::GrabConstraint;
 pub(crate) use joint::COORDINATES;
 pub use joint::{JointAxis, JointConstraint, JointMotor, MortarFailure, Section, Utilization};
 pub use patches::{
-    FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Slip, SoftStep,
+    FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Settling, Slip, SoftStep,
 };
 pub(crate) use points::PatchFrame;
 pub use points::{

@@ -52,6 +52,7 @@ mod round;
 #[cfg(feature = "serde")]
 mod saving;
 mod sensors;
+mod settling;
 mod sizes;
 mod slopes;
 mod snapshot;

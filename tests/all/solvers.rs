@@ -396,6 +396,7 @@ impl Patches {
             gravity: self.gravity,
             effort: 1.0,
             max_correction_speed: 2.0,
+            settling: None,
             stays_awake: false,
             record_history: false,
             threads: 1,

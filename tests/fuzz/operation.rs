@@ -160,6 +160,7 @@ impl Operation {
                     linear_speed: dice.number(0.0, 0.02),
                     angular_speed: dice.number(0.0, 0.04),
                     delay: dice.number(0.0, 1.0),
+                    settling: dice.number(0.0, 2.0),
                     waking: match dice.chance(0.3) {
                         true => Waking::Islands,
                         false => Waking::ByNeed {

@@ -36,7 +36,7 @@ use std::any::Any;
 const NAME: &[u8; 8] = b"DRYSTONE";
 
 /// The version of the format.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// The name of the [slips] in messages.
 const SLIPS: &str = "valid slips";

@@ -42,6 +42,15 @@ pub trait PatchSolver: Send + Sync {
     }
 }
 
+/// How slow bodies of a structure come to rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settling {
+    /// Rate at which they lose speed, 1/s.
+    pub rate: f32,
+    /// The linear and angular speed from which on they lose none, m/s, rad/s.
+    pub below: [f32; 2],
+}
+
 /// One island, ready to be solved.
 #[derive(Debug)]
 pub struct PatchProblem<'a> {
@@ -68,6 +77,8 @@ pub struct PatchProblem<'a> {
     pub effort: f32,
     /// Fastest correction of an error of position, m/s.
     pub max_correction_speed: f32,
+    /// How the slow bodies of a structure come to rest, if they fall asleep then.
+    pub settling: Option<Settling>,
     /// Islands at rest are never put to sleep, so the solver should save work on them itself.
     pub stays_awake: bool,
     /// Keep [`SolveReport::history`].

@@ -248,6 +248,7 @@ impl World {
             gravity: self.gravity,
             effort: 1.0,
             max_correction_speed: 2.0,
+            settling: None,
             stays_awake: false,
             record_history: false,
             threads: 1,

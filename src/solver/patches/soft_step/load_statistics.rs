@@ -6,6 +6,9 @@ use crate::solver::{Body, PatchProblem};
 /// A body has lost load if its supports push this many times as much as its weight and the bodies on it.
 const UNLOADED: f32 = 2.0;
 
+/// Number of points from which on a contact is flat: a body may tip over one of two points.
+const FLAT: u32 = 3;
+
 /// Statistics of the contacts of a problem.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadStatistics {
@@ -24,6 +27,8 @@ pub struct BodyLoad {
     pub carries: bool,
     /// It supports a body of a higher level of support.
     pub bears: bool,
+    /// The normal impulses of its flat contacts that stick, less those of its other contacts, N·s.
+    pub stands: f32,
     /// Upwards the load at rest that supports still push with; and downwards load at rest or current impulse, N·s. A point that has opened
     /// keeps its load at rest for a while, and it throws nothing. Round bodies have no load at rest and still weigh on the body below.
     up: f32,
@@ -60,6 +65,10 @@ impl LoadStatistics {
                 let (long, now) = (sign * long, sign * now);
                 let body_loads = &mut body_loads[body as usize];
                 body_loads.carries |= carries;
+                body_loads.stands += match patch.slip.is_some() && patch.count >= FLAT {
+                    true => impulse,
+                    false => -impulse,
+                };
                 body_loads.up += larger(if now < long { now } else { long }, 0.0);
                 body_loads.down += larger(larger(-long, -now), 0.0);
                 pressed = larger(load * body_loads.yielding, pressed);
@@ -87,6 +96,11 @@ impl BodyLoad {
             yielding: (body.inverse_mass * trace * (4.0 / 18.0)).sqrt(),
             ..Default::default()
         }
+    }
+
+    /// Whether the body stands: most of what presses on it does so in flat contacts that stick. It does not roll, slide or tip then.
+    pub fn stands(&self) -> bool {
+        self.stands > 0.0
     }
 
     /// Whether a load was removed from the body. Its supports would throw it.

@@ -24,6 +24,7 @@
 //! - **Blows** ([`blows`]): where bodies hit each other, a substep gets more sweeps, and the next substep begins without the blow.
 //! - **Joints** ([`joints`]) are solved directly, after the contacts of every sweep. Sweeps of their islands do not overlap.
 //! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.
+//! - **Settling** ([`settling`]): in worlds with sleeping, slow bodies of a structure lose speed, so that it stops swaying.
 //! - **Cold start** ([`cold_start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
 //!   removed body lose its load.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): four or eight patches, as many as a register holds numbers, are relaxed at
@@ -56,6 +57,7 @@ mod parting;
 mod pipeline;
 mod quiet;
 mod refresh;
+mod settling;
 mod skewed_sweeps;
 mod surface;
 mod sweep_budget;
@@ -77,7 +79,7 @@ use gaps::Gaps;
 #[cfg(target_arch = "x86_64")]
 use island::{skewed, stands_by_itself};
 use kept::{Kept, Scratch};
-use load_statistics::LoadStatistics;
+use load_statistics::{BodyLoad, LoadStatistics};
 use quiet::{first_round, may_be_quiet};
 use std::f32::consts::TAU;
 use sweep_budget::SweepBudget;
@@ -258,9 +260,9 @@ impl SoftStep {
             kept.island.part(problem);
         }
         kept.island.store(problem, self.followed(budget));
+        self.end(problem, bounces, budget.substeps, &scratch.body_loads);
         kept.scratch = scratch;
         problem.memory.keep(kept);
-        self.end(problem, bounces, budget.substeps);
         report
     }
 
@@ -284,11 +286,18 @@ impl SoftStep {
         (budget, bounces)
     }
 
-    /// Applies restitution after the sweeps.
-    fn end(&self, problem: &mut PatchProblem, bounces: Option<Bounces>, substeps: usize) {
+    /// Applies restitution and [`settling`] after the sweeps.
+    fn end(
+        &self,
+        problem: &mut PatchProblem,
+        bounces: Option<Bounces>,
+        substeps: usize,
+        body_loads: &[BodyLoad],
+    ) {
         if let Some(bounces) = bounces {
             restitution::bounce(problem, bounces, substeps);
         }
+        settling::damp(problem, body_loads);
     }
 
     fn spring(&self, budget: SweepBudget, dt: f32) -> Spring {

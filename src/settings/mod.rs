@@ -108,9 +108,9 @@ pub struct SleepSettings {
     pub angular_speed: f32,
     /// An island falls asleep when all its bodies have been still for this time, s. If it is infinite, none does. Default: 0.5.
     pub delay: f32,
-    /// Rate at which the bodies of a structure that was hit lose speed, 1/s, once they are slower than ten times `linear_speed` and
-    /// `angular_speed`: a wall comes to rest that would sway for long. Only bodies in contacts that stick lose speed, under a patch solver.
-    /// 0: none do. Default: 1.
+    /// Rate at which the bodies of a tall structure lose speed, 1/s, once all are slower than ten times `linear_speed` and `angular_speed`. Without
+    /// it, a wall that was hit sways for long. Structures of fewer than twelve courses and such with joints, bodies that roll, slide or tip, and
+    /// worlds with a point solver do not lose speed. 0 turns it off. Default: 1.
     pub settling: f32,
     /// Which sleeping bodies wake when awake ones touch them. Default: by need.
     pub waking: Waking,
@@ -142,7 +142,7 @@ impl SleepSettings {
         !self.enabled || self.delay == f32::INFINITY
     }
 
-    /// How structures come to rest, if bodies fall asleep.
+    /// How tall structures come to rest, if bodies may fall asleep.
     pub(crate) fn settling(&self) -> Option<Settling> {
         let settles = !self.is_off() && self.settling > 0.0;
         settles.then(|| Settling {

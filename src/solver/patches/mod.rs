@@ -42,7 +42,7 @@ pub trait PatchSolver: Send + Sync {
     }
 }
 
-/// How slow bodies of a structure come to rest.
+/// How a tall structure that sways comes to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settling {
     /// Rate at which they lose speed, 1/s.
@@ -77,7 +77,7 @@ pub struct PatchProblem<'a> {
     pub effort: f32,
     /// Fastest correction of an error of position, m/s.
     pub max_correction_speed: f32,
-    /// How the slow bodies of a structure come to rest, if they fall asleep then.
+    /// How a tall structure that sways comes to rest. `None` in worlds without sleeping.
     pub settling: Option<Settling>,
     /// Islands at rest are never put to sleep, so the solver should save work on them itself.
     pub stays_awake: bool,

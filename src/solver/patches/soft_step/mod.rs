@@ -24,7 +24,7 @@
 //! - **Blows** ([`blows`]): where bodies hit each other, a substep gets more sweeps, and the next substep begins without the blow.
 //! - **Joints** ([`joints`]) are solved directly, after the contacts of every sweep. Sweeps of their islands do not overlap.
 //! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.
-//! - **Settling** ([`settling`]): in worlds with sleeping, slow bodies of a structure lose speed, so that it stops swaying.
+//! - **Settling** ([`settling`]): in worlds with sleeping, a tall structure that sways loses speed, so that it comes to rest.
 //! - **Cold start** ([`cold_start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
 //!   removed body lose its load.
 //! - **Patches side by side** ([`lanes`](crate::solver::lanes)): four or eight patches, as many as a register holds numbers, are relaxed at

@@ -151,7 +151,7 @@ fn without_sleeping_nothing_is_slowed() {
     }));
 }
 
-/// The time after which a leaning tower of 24 bricks, one more than stand, has fallen by half a metre, s.
+/// The time after which a leaning tower of 24 bricks, of which 22 would stand, has fallen by half a metre, s.
 fn topples_after(settling: f32) -> f32 {
     let mut lab = Lab::new();
     lab.world.resource_mut::<SleepSettings>().settling = settling;

@@ -109,8 +109,8 @@ pub struct SleepSettings {
     /// An island falls asleep when all its bodies have been still for this time, s. If it is infinite, none does. Default: 0.5.
     pub delay: f32,
     /// Rate at which the bodies of a tall structure lose speed, 1/s, once all are slower than ten times `linear_speed` and `angular_speed`. Without
-    /// it, a wall that was hit sways for long. Structures of fewer than twelve courses and such with joints, bodies that roll, slide or tip, and
-    /// worlds with a point solver do not lose speed. 0 turns it off. Default: 1.
+    /// it, a wall that was hit sways for long. It does not act on structures of fewer than twelve courses or with joints, on bodies that roll, slide or
+    /// tip, or under a point solver. 0 turns it off. Default: 1.
     pub settling: f32,
     /// Which sleeping bodies wake when awake ones touch them. Default: by need.
     pub waking: Waking,

@@ -6,7 +6,7 @@ use drystone::body::{RigidBody, Sleeping, Velocity};
 use drystone::collider::{Collider, CombineRule, Friction, RollingFriction};
 use drystone::joint::DistanceJoint;
 use drystone::settings::{Gravity, Preset, SleepSettings};
-use drystone_lab::experiment::Experiment;
+use drystone_lab::experiment::{Experiment, Run};
 use glam::Vec3;
 use support::Lab;
 
@@ -16,10 +16,8 @@ fn sway(settling: f32) -> (bool, f32) {
     let mut experiment = Experiment::new("wall:6x25".parse().expect("a scene"), Preset::Default);
     experiment.sleeping.settling = settling;
     let mut run = experiment.start();
-    let height = |run: &drystone_lab::experiment::Run, body| {
-        run.world.get::<Transform>(body).unwrap().translation
-    };
-    let before: Vec<Vec3> = run.bodies.iter().map(|&body| height(&run, body)).collect();
+    let place = |run: &Run, body| run.world.get::<Transform>(body).unwrap().translation;
+    let before: Vec<Vec3> = run.bodies.iter().map(|&body| place(&run, body)).collect();
     for (&body, at) in run.bodies.iter().zip(&before) {
         let mut velocity = run.world.get_mut::<Velocity>(body).unwrap();
         velocity.linear.z = 0.04 * at.y / 12.5;
@@ -29,7 +27,7 @@ fn sway(settling: f32) -> (bool, f32) {
     }
     let sleeps = |&body: &Entity| run.world.get::<Sleeping>(body).unwrap().asleep;
     let moved = run.bodies.iter().zip(&before);
-    let moved = moved.map(|(&body, at)| (height(&run, body) - at).length());
+    let moved = moved.map(|(&body, at)| (place(&run, body) - at).length());
     (run.bodies.iter().all(sleeps), moved.fold(0.0, f32::max))
 }
 

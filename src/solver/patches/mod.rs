@@ -88,3 +88,10 @@ pub struct PatchProblem<'a> {
     /// The state that the solver keeps of this island.
     pub memory: &'a mut Memory,
 }
+
+impl PatchProblem<'_> {
+    /// Whether only contacts act on the bodies, and no surface moves along itself.
+    fn has_only_contacts(&self) -> bool {
+        self.joints.is_empty() && self.grabs.is_empty() && self.surfaces.is_empty()
+    }
+}

@@ -28,7 +28,7 @@ pub struct BodyLoad {
     /// It supports a body of a higher level of support.
     pub bears: bool,
     /// The normal impulses of its flat contacts that stick, less those of its other contacts, N·s.
-    pub stands: f32,
+    pub standing: f32,
     /// Upwards the load at rest that supports still push with; and downwards load at rest or current impulse, N·s. A point that has opened
     /// keeps its load at rest for a while, and it throws nothing. Round bodies have no load at rest and still weigh on the body below.
     up: f32,
@@ -65,7 +65,7 @@ impl LoadStatistics {
                 let (long, now) = (sign * long, sign * now);
                 let body_loads = &mut body_loads[body as usize];
                 body_loads.carries |= carries;
-                body_loads.stands += match patch.slip.is_some() && patch.count >= FLAT {
+                body_loads.standing += match patch.slip.is_some() && patch.count >= FLAT {
                     true => impulse,
                     false => -impulse,
                 };
@@ -100,7 +100,7 @@ impl BodyLoad {
 
     /// Whether the body stands: most of what presses on it does so in flat contacts that stick. It does not roll, slide or tip then.
     pub fn stands(&self) -> bool {
-        self.stands > 0.0
+        self.standing > 0.0
     }
 
     /// Whether a load was removed from the body. Its supports would throw it.

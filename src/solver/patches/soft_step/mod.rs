@@ -79,7 +79,7 @@ use gaps::Gaps;
 #[cfg(target_arch = "x86_64")]
 use island::{skewed, stands_by_itself};
 use kept::{Kept, Scratch};
-use load_statistics::{BodyLoad, LoadStatistics};
+use load_statistics::LoadStatistics;
 use quiet::{first_round, may_be_quiet};
 use std::f32::consts::TAU;
 use sweep_budget::SweepBudget;
@@ -260,7 +260,8 @@ impl SoftStep {
             kept.island.part(problem);
         }
         kept.island.store(problem, self.followed(budget));
-        self.end(problem, bounces, budget.substeps, &scratch.body_loads);
+        self.end(problem, bounces, budget.substeps);
+        settling::damp(problem, &scratch.body_loads);
         kept.scratch = scratch;
         problem.memory.keep(kept);
         report
@@ -286,18 +287,11 @@ impl SoftStep {
         (budget, bounces)
     }
 
-    /// Applies restitution and [`settling`] after the sweeps.
-    fn end(
-        &self,
-        problem: &mut PatchProblem,
-        bounces: Option<Bounces>,
-        substeps: usize,
-        body_loads: &[BodyLoad],
-    ) {
+    /// Applies restitution after the sweeps.
+    fn end(&self, problem: &mut PatchProblem, bounces: Option<Bounces>, substeps: usize) {
         if let Some(bounces) = bounces {
             restitution::bounce(problem, bounces, substeps);
         }
-        settling::damp(problem, body_loads);
     }
 
     fn spring(&self, budget: SweepBudget, dt: f32) -> Spring {

@@ -41,9 +41,7 @@ pub fn may_be_quiet(problem: &PatchProblem, bounces: bool) -> bool {
     problem.stays_awake
         && !bounces
         && !problem.patches.is_empty()
-        && problem.joints.is_empty()
-        && problem.grabs.is_empty()
-        && problem.surfaces.is_empty()
+        && problem.has_only_contacts()
         && problem
             .bodies
             .iter()

@@ -12,12 +12,16 @@
 //! - All of its bodies must be slow, and some faster than at rest.
 
 use super::load_statistics::BodyLoad;
+use crate::solver::patches::FEW;
 use crate::solver::{Body, PatchProblem, Settling};
 use glam::Vec3;
 
-/// Number of awake courses from which on a structure settles. The sway of lower ones is faster, and springs damp it. And the parts of a pile that creep
-/// apart must not be stopped while they overlap.
+/// Number of awake courses from which on a structure settles. Lower ones sway faster, so springs damp them. Parts of a pile that creep apart must not
+/// be stopped while they overlap.
 const TALL: u32 = 12;
+
+/// Islands that are solved [together](super::together) are too small to settle.
+const _: () = assert!(FEW <= TALL as usize);
 
 /// A structure is at rest if its fastest body is slower than this share of [`Settling::below`]. It may tremble, but does not sway.
 const AT_REST: f32 = 0.01;
@@ -43,23 +47,23 @@ pub fn damp(problem: &mut PatchProblem, body_loads: &[BodyLoad]) {
 impl Settling {
     /// Whether the problem is a tall structure that sways slowly on something that does not move.
     fn applies(&self, problem: &PatchProblem, body_loads: &[BodyLoad]) -> bool {
-        if !(problem.joints.is_empty() && problem.grabs.is_empty() && problem.surfaces.is_empty()) {
+        if problem.patches.len() < TALL as usize || !problem.has_only_contacts() {
             return false;
         }
         let (mut lowest, mut highest) = (u32::MAX, 0);
-        let (mut fastest, mut stands) = (0f32, 0.0);
+        let (mut fastest, mut standing) = (0f32, 0.0);
         for (body, load) in problem.bodies.iter().zip(body_loads) {
             if body.inverse_mass > 0.0 {
                 (lowest, highest) = (lowest.min(body.level), highest.max(body.level));
                 fastest = fastest.max(self.square_speed(body));
             } else if [body.linear, body.angular] == [Vec3::ZERO; 2] {
-                stands += load.stands;
+                standing += load.standing;
             } else {
                 return false;
             }
         }
         lowest.saturating_add(TALL) <= highest + 1
-            && stands > 0.0
+            && standing > 0.0
             && (AT_REST * AT_REST..1.0).contains(&fastest)
     }
 

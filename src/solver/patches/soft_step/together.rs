@@ -6,8 +6,6 @@
 
 use super::gaps::Gaps;
 use super::island::{Island, batches, stands_by_itself};
-use super::kept::Scratch;
-use super::load_statistics::BodyLoad;
 use super::quiet::{first_round, may_be_quiet};
 use super::sweep_budget::SweepBudget;
 use super::{Bounces, PatchSolver, SoftStep, blows, parting};
@@ -102,8 +100,6 @@ struct Begun {
     number: usize,
     budget: SweepBudget,
     bounces: Option<Bounces>,
-    /// The loads of its bodies.
-    body_loads: Vec<BodyLoad>,
     /// Whether it may be [quiet](super::quiet).
     may_be_quiet: bool,
 }
@@ -133,11 +129,9 @@ impl SoftStep {
             }
             // The kept state will be out of date after this step.
             problem.memory.discard();
-            let mut scratch = Scratch::default();
-            let (budget, bounces) = self.begin::<L>(problem, &mut scratch);
+            let (budget, bounces) = self.begin::<L>(problem, &mut Default::default());
             begun.push(Begun {
                 number,
-                body_loads: scratch.body_loads,
                 budget,
                 may_be_quiet: may_be_quiet(problem, bounces.is_some()) && stands_by_itself(problem),
                 bounces,
@@ -165,12 +159,7 @@ impl SoftStep {
         }
         for begun in begun {
             let problem = &mut problems[begun.number];
-            self.end(
-                problem,
-                begun.bounces,
-                begun.budget.substeps,
-                &begun.body_loads,
-            );
+            self.end(problem, begun.bounces, begun.budget.substeps);
         }
         reports
     }

@@ -350,19 +350,18 @@ impl SoftStep {
 }
 
 /// Gives contacts that carry nothing yet the impulses that they have in equilibrium, as warm start and as loads at rest. Bodies do not
-/// move.
+/// move. The problem has no joints.
 pub(crate) fn settle(problem: &mut PatchProblem) {
-    match SoftStep::default().width(problem, &mut None) {
-        #[cfg(target_arch = "x86_64")]
-        Width::Eight => settle_in::<F32x8>(problem),
-        Width::Four => settle_in::<F32x4>(problem),
-    }
-}
-
-fn settle_in<L: F32xN>(problem: &mut PatchProblem) {
     let mut body_loads = Vec::new();
     LoadStatistics::of(problem, &mut body_loads);
-    cold_start::cold_start::<L>(problem, &body_loads);
+    let Some(search) = cold_start::start_at_rest(problem, &body_loads) else {
+        return;
+    };
+    match SoftStep::default().width(problem, &mut None) {
+        #[cfg(target_arch = "x86_64")]
+        Width::Eight => search.run::<F32x8>(problem),
+        Width::Four => search.run::<F32x4>(problem),
+    }
 }
 
 /// Whether [`Lanes::Auto`] chose this width in the last step, and the reason still holds.

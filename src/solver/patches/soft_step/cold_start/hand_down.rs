@@ -13,8 +13,22 @@ const VISITS: usize = 200;
 /// Visits end when they change less than this share of the body's new load or of its weight, whichever is larger.
 const SHARED: f32 = 1e-5;
 
-/// A body is in balance if it moves by less than this share of its motion under gravity. Rotations count on an arm of a metre.
-const BALANCED: f32 = 1e-3;
+/// What bodies need no support for.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    /// Points that are farther apart carry nothing, m.
+    pub closed: f32,
+    /// A body gets no friction if normal forces leave it less motion than this in the step, m/s.
+    pub still: f32,
+}
+
+impl Limits {
+    /// Those for bodies at rest, which do not show so little motion.
+    pub fn at_rest(self, problem: &PatchProblem) -> Self {
+        let still = SHARED * problem.gravity.length() * problem.dt;
+        Self { still, ..self }
+    }
+}
 
 /// The supports of each body.
 struct Supports {
@@ -119,7 +133,8 @@ struct Foot {
     /// The side of the body.
     side: usize,
     normals: SmallVec<[(usize, Row); 4]>,
-    tangents: [Row; 2],
+    /// Its friction, if that is needed.
+    tangents: Option<[Row; 2]>,
 }
 
 impl Foot {
@@ -142,13 +157,11 @@ impl Foot {
             (carries && row.response > 0.0).then_some((i, row))
         };
         let normals: SmallVec<_> = patch.range().filter_map(point).collect();
-        let (t1, t2) = patch.normal.any_orthonormal_pair();
-        (!normals.is_empty()).then(|| Self {
+        (!normals.is_empty()).then_some(Self {
             patch: index,
             side,
             normals,
-            tangents: [t1, t2]
-                .map(|t| Row::new(body, t * sign, arm, t.dot(patch.friction_impulse))),
+            tangents: None,
         })
     }
 
@@ -163,16 +176,25 @@ impl Foot {
     }
 
     /// Lets its friction stop the body, within the friction of its normal impulses. Returns the largest change, N·s.
-    fn hold(&mut self, friction: f32, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
+    fn hold(&mut self, problem: &PatchProblem, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
+        let patch = &problem.patches[self.patch];
+        let tangents = self.tangents.get_or_insert_with(|| {
+            let sign = if self.side == 0 { 1.0 } else { -1.0 };
+            let (t1, t2) = patch.normal.any_orthonormal_pair();
+            [t1, t2].map(|t| {
+                let before = t.dot(patch.friction_impulse);
+                Row::new(body, t * sign, patch.arms[self.side], before)
+            })
+        });
         let carried: f32 = self.normals.iter().map(|(_, row)| row.impulse).sum();
-        let [x, y] = [0, 1].map(|i| self.tangents[i].wanted(*motion));
-        let share = (friction * carried / ops::hypot(x, y)).min(1.0);
+        let [x, y] = [0, 1].map(|i| tangents[i].wanted(*motion));
+        let share = (patch.friction * carried / ops::hypot(x, y)).min(1.0);
         let found = if share.is_nan() {
             [0.0; 2]
         } else {
             [x, y].map(|x| share * x)
         };
-        let rows = self.tangents.iter_mut().zip(found);
+        let rows = tangents.iter_mut().zip(found);
         rows.map(|(row, found)| row.set(found, body, motion))
             .fold(0.0, f32::max)
     }
@@ -207,33 +229,36 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
     motions
 }
 
-/// Whether the warm-start impulses balance the forces almost completely.
-pub fn is_balanced(problem: &PatchProblem) -> bool {
-    let most = BALANCED * problem.gravity.length() * problem.dt;
+/// The largest motion that the warm-start impulses leave a body in this step, m/s; infinite if one is not a number. Rotations count on an arm of
+/// a metre.
+pub fn largest_motion(problem: &PatchProblem) -> f32 {
     let motions = unbalanced(problem);
     let bodies = problem.bodies.iter().zip(motions);
-    bodies
-        .filter(|(body, _)| body.inverse_mass > 0.0)
-        .all(|(_, motion)| motion.iter().all(|part| part.length() <= most))
+    let moving = bodies.filter(|(body, _)| body.inverse_mass > 0.0);
+    let parts = moving.flat_map(|(_, motion)| motion.map(Vec3::length));
+    parts.fold(0.0, |most, part| match part.is_nan() {
+        true => f32::INFINITY,
+        false => part.max(most),
+    })
 }
 
 /// Hands down the unbalanced loads of bodies that are new or from which load was removed. The bodies below keep their impulses where those
 /// are sufficient. Returns the number of bodies on the longest path.
-pub fn hand_down(problem: &mut PatchProblem, closed: f32, new: &[bool]) -> usize {
+pub fn hand_down(problem: &mut PatchProblem, limits: Limits, new: &[bool]) -> usize {
     // The imbalance of other bodies is motion and no new load, so they pass on only the load that comes to them. Handed down as well, it
     // would push a trembling wall out of its plane.
     let mut motions = unbalanced(problem);
     for (motion, _) in motions.iter_mut().zip(new).filter(|(_, new)| !**new) {
         *motion = [Vec3::ZERO; 2];
     }
-    pass_on(problem, closed, new.to_vec(), motions)
+    pass_on(problem, limits, new.to_vec(), motions)
 }
 
 /// Passes loads down to the ground. `gained` are the bodies that have any, and `motions` those that it would give them in this step. Returns
 /// the number of bodies on the longest path.
 pub fn pass_on(
     problem: &mut PatchProblem,
-    closed: f32,
+    limits: Limits,
     mut gained: Vec<bool>,
     mut motions: Vec<[Vec3; 2]>,
 ) -> usize {
@@ -246,9 +271,10 @@ pub fn pass_on(
     while let Some(index) = ready.pop() {
         let beneath = std::mem::take(&mut supports.of[index]);
         if gained[index] {
-            let foot = |&at: &(u32, u32)| Foot::new(problem, at, closed);
+            let foot = |&at: &(u32, u32)| Foot::new(problem, at, limits.closed);
             let mut feet: SmallVec<[Foot; 2]> = beneath.iter().filter_map(foot).collect();
-            share(problem, index, &mut feet, &mut motions[index], down);
+            let motion = &mut motions[index];
+            share(problem, index, &mut feet, motion, (down, limits.still));
             for foot in feet {
                 gained[foot.below(problem)] = true;
                 foot.hand_on(problem, &mut motions);
@@ -272,7 +298,7 @@ fn share(
     index: usize,
     feet: &mut [Foot],
     motion: &mut [Vec3; 2],
-    down: Vec3,
+    (down, still): (Vec3, f32),
 ) {
     let body = &problem.bodies[index];
     let pressed = motion[0].dot(down) / body.inverse_mass;
@@ -291,13 +317,15 @@ fn share(
     }
     // Friction is used only where normals give no balance, since springs would have to hold it.
     for with_friction in [false, true] {
+        if with_friction && motion.iter().all(|part| part.length() < still) {
+            break;
+        }
         for _ in 0..VISITS {
             let mut changed = 0f32;
             for foot in feet.iter_mut() {
                 changed = changed.max(foot.push(body, motion));
                 if with_friction {
-                    let friction = problem.patches[foot.patch].friction;
-                    changed = changed.max(foot.hold(friction, body, motion));
+                    changed = changed.max(foot.hold(problem, body, motion));
                 }
             }
             if changed <= SHARED * pressed.abs().max(weight) {
@@ -325,7 +353,7 @@ impl Foot {
                 arm,
             )
         };
-        for row in &self.tangents {
+        for row in self.tangents.iter().flatten() {
             patch.friction_impulse += sign * row.gained();
             load(row, patch.arms[other]);
         }

@@ -7,7 +7,8 @@ use super::super::SoftStep;
 use super::super::block::{Pass, Spring};
 use super::super::island::Island;
 use super::super::joints::Contacts;
-use super::{PUT, hand_down};
+use super::PUT;
+use super::hand_down::{self, Limits};
 use crate::solver::lanes::{F32xN, cells};
 use crate::solver::{Body, Lanes, PatchProblem};
 use glam::Vec3;
@@ -106,11 +107,11 @@ impl Feet {
 
 /// Gives the contacts under structures with joints that were just built on loose bodies their impulses and loads at rest, and the contacts
 /// below too. Returns whether there were any.
-pub fn bear<L: F32xN>(problem: &mut PatchProblem, closed: f32, jointed: &[bool]) -> bool {
+pub fn bear<L: F32xN>(problem: &mut PatchProblem, limits: Limits, jointed: &[bool]) -> bool {
     if jointed.is_empty() {
         return false;
     }
-    let Some(feet) = Feet::find(problem, closed, jointed) else {
+    let Some(feet) = Feet::find(problem, limits.closed, jointed) else {
         return false;
     };
     for _ in 0..ROUNDS {
@@ -121,7 +122,7 @@ pub fn bear<L: F32xN>(problem: &mut PatchProblem, closed: f32, jointed: &[bool])
                 (point.normal_impulse, point.rest_impulse) = (0.0, 0.0);
             }
         }
-        let found = feet.solve::<L>(problem, closed);
+        let found = feet.solve::<L>(problem, limits.closed);
         let mut before = before.into_iter();
         let mut motions = vec![[Vec3::ZERO; 2]; problem.bodies.len()];
         let mut pressed = vec![false; problem.bodies.len()];
@@ -147,7 +148,7 @@ pub fn bear<L: F32xN>(problem: &mut PatchProblem, closed: f32, jointed: &[bool])
         if changed <= SAME * largest {
             break;
         }
-        hand_down::pass_on(problem, closed, pressed, motions);
+        hand_down::pass_on(problem, limits, pressed, motions);
     }
     true
 }

@@ -18,6 +18,7 @@ use crate::solver::lanes::F32xN;
 use crate::solver::{Body, PatchProblem};
 use glam::Vec3;
 use grow::Grown;
+use hand_down::Limits;
 
 /// Upper bound of the speed of a body that was placed, m/s; a faster one was thrown.
 const PUT: f32 = 0.01;
@@ -27,6 +28,11 @@ const RESTS: f32 = 0.001;
 
 /// Accuracy with which new bodies are placed at their rest position, m.
 const PLACED: f32 = 0.005;
+
+/// A structure is in balance if none of its bodies moves by more than this share of its motion under gravity, and still if none moves by more
+/// than the smaller share. Rotations count on an arm of a metre.
+const BALANCED: f32 = 1e-3;
+const STILL: f32 = 3e-4;
 
 /// Upper bound of sweeps back and forth that bring a structure to rest, per course.
 const SWEEPS_PER_COURSE: usize = 150;
@@ -105,37 +111,79 @@ fn jointed(problem: &PatchProblem) -> Vec<bool> {
 
 /// Gives contacts that carry nothing yet their impulses and loads at rest in equilibrium. Returns whether there were any.
 pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> bool {
-    // The distance that a body falls from rest in a step.
-    let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
-    let closed = fallen.max(PLACED);
+    let limits = limits(problem);
     let jointed = jointed(problem);
-    let new = New::find(problem, closed, body_loads, &jointed);
-    if let Some(new) = &new {
-        load::<L>(problem, closed, new);
+    let new = New::find(problem, limits.closed, body_loads, &jointed);
+    if let Some(new) = &new
+        && let Some(search) = load(problem, limits, new)
+    {
+        search.run::<L>(problem);
     }
-    let is_borne = jointed::bear::<L>(problem, closed, &jointed);
+    let is_borne = jointed::bear::<L>(problem, limits, &jointed);
     new.is_some() || is_borne
 }
 
-/// Hands down the loads of new bodies, and brings them to rest if all are new.
-fn load<L: F32xN>(problem: &mut PatchProblem, closed: f32, new: &New) {
-    let courses = hand_down::hand_down(problem, closed, &new.bodies);
+/// The same for bodies that rest, without joints and without a search where handing down has found forces that keep the bodies still. Most walls
+/// need none, and blocks for their sweeps take longer than all the rest. (Awake, bodies would show what is left of their motion.) Returns the
+/// search that is left to do.
+pub fn start_at_rest(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> Option<Search> {
+    let limits = limits(problem).at_rest(problem);
+    let new = New::find(problem, limits.closed, body_loads, &[])?;
+    let search = load(problem, limits, &new)?;
+    if search.left <= STILL {
+        hold(problem, &new.bodies);
+        return None;
+    }
+    Some(search)
+}
+
+fn limits(problem: &PatchProblem) -> Limits {
+    // The distance that a body falls from rest in a step.
+    let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
+    Limits {
+        closed: fallen.max(PLACED),
+        still: 0.0,
+    }
+}
+
+/// Hands down the loads of new bodies. Returns a search if the structure was built as a whole.
+fn load(problem: &mut PatchProblem, limits: Limits, new: &New) -> Option<Search> {
+    let courses = hand_down::hand_down(problem, limits, &new.bodies);
     if !problem.joints.is_empty() {
         hold(problem, &new.bodies);
     }
-    if new.all {
-        let grown = match hand_down::is_balanced(problem) {
+    new.all.then(|| Search {
+        closed: limits.closed,
+        courses,
+        left: hand_down::largest_motion(problem) / (problem.gravity.length() * problem.dt),
+    })
+}
+
+/// A search by sweeps for impulses that keep a structure still, from those that were handed down.
+pub struct Search {
+    closed: f32,
+    /// Number of bodies on the longest path down.
+    courses: usize,
+    /// The largest motion that is left to a body, as a share of its motion under gravity.
+    left: f32,
+}
+
+impl Search {
+    /// Replaces the impulses and loads at rest by those that it finds.
+    pub fn run<L: F32xN>(self, problem: &mut PatchProblem) {
+        let grown = match self.left <= BALANCED {
             true => Grown::Rest,
-            false => grow::grow::<L>(problem, closed),
+            false => grow::grow::<L>(problem, self.closed),
         };
         if grown != Grown::Go {
             let most = PATCH_VISITS / problem.patches.len().max(1);
-            statics::settle::<L>(problem, closed, most.min(SWEEPS_PER_COURSE * courses));
+            let most = most.min(SWEEPS_PER_COURSE * self.courses);
+            statics::settle::<L>(problem, self.closed, most);
         }
     }
 }
 
-/// Makes the friction of new bodies a load at rest, where no statics does. Springs that begin without it slip: ten tons on a plank of a bridge, which is
+/// Makes the friction of new bodies a load at rest, where no search does. Springs that begin without it slip: ten tons on a plank of a bridge, which is
 /// hardly tilted, by 0.06 mm.
 fn hold(problem: &mut PatchProblem, new: &[bool]) {
     for patch in problem.patches.iter_mut() {

@@ -9,11 +9,9 @@
 use super::super::block::{Pass, Spring};
 use super::super::island::{Island, batches};
 use super::super::kinds::Rigid;
+use super::STILL;
 use crate::solver::PatchProblem;
 use crate::solver::lanes::{F32xN, Kernel, State, cells};
-
-/// The search ends when a sweep makes less than this share of the change that gravity makes.
-const STILL: f32 = 3e-4;
 
 /// Impulses, or changes of them, N·s and N·m·s.
 struct Impulses<L> {

@@ -6,7 +6,8 @@
 
 use clap::Parser;
 use drystone_lab::blows::{
-    Drop, Row, Target, bricks_lost_to_a_ball, bricks_lost_with_one, column_shot_at_its_foot, settle,
+    Drop, Row, Target, bricks_lost_to_a_ball, bricks_lost_with_one, column_shot_at_its_foot,
+    settle, speed_beyond_a_wall,
 };
 
 /// Measures blows.
@@ -154,7 +155,9 @@ fn convergence() {
 
 fn shots() {
     let steps = [60.0, 240.0, 960.0].map(|hz| 1.0 / hz);
-    println!("\nBricks more than 25 cm off after 6 s, and speeds along the shot, m/s\n");
+    println!(
+        "\nBricks more than 25 cm off after 6 s, and speeds along the shot, m/s (of a ball, beyond the wall)\n"
+    );
     println!("| shot | 60 Hz | 240 Hz | 960 Hz |\n|---|---|---|---|");
     for [x, y] in [
         [0.0, 2.0],
@@ -163,7 +166,10 @@ fn shots() {
         [0.05, 2.05],
         [0.2, 2.2],
     ] {
-        let cells = steps.map(|dt| bricks_lost_to_a_ball(x, y, dt).to_string());
+        let cells = steps.map(|dt| {
+            let lost = bricks_lost_to_a_ball(x, y, dt);
+            format!("{lost}, {:.2}", speed_beyond_a_wall(x, y, dt))
+        });
         println!(
             "| a ball at a wall, at x {x}, y {y} m | {} |",
             cells.join(" | ")

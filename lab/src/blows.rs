@@ -189,6 +189,14 @@ pub fn bricks_lost_to_a_ball(x: f32, y: f32, dt: f32) -> usize {
     wall.lost_bricks()
 }
 
+/// Speed of such a ball along the shot a quarter of a second later, beyond the wall, m/s.
+pub fn speed_beyond_a_wall(x: f32, y: f32, dt: f32) -> f32 {
+    let mut wall = Wall::new(dt);
+    let ball = wall.world.spawn(ball(Vec3::new(x, y, -2.0))).id();
+    wall.run(0.25);
+    watch(&wall.world, ball).1.linear.z
+}
+
 /// Bricks more than 25 cm off, six seconds after a brick in the middle of a wall of 8 × 8 was shot out of it with 10 m/s.
 pub fn bricks_lost_with_one(dt: f32) -> usize {
     let mut wall = Wall::new(dt);

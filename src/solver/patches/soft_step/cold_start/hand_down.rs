@@ -13,17 +13,17 @@ const VISITS: usize = 200;
 /// Visits end when they change less than this share of the body's new load or of its weight, whichever is larger.
 const SHARED: f32 = 1e-5;
 
-/// What bodies need no support for.
+/// Which points carry loads, and which bodies need friction.
 #[derive(Clone, Copy)]
 pub struct Limits {
     /// Points that are farther apart carry nothing, m.
     pub closed: f32,
-    /// A body gets no friction if normal forces leave it less motion than this in the step, m/s.
+    /// A body gets no friction if normal forces leave it less motion than this in the step, m/s. 0 for awake bodies.
     pub still: f32,
 }
 
 impl Limits {
-    /// Those for bodies at rest, which do not show so little motion.
+    /// The limits for bodies at rest, which do not move by what is left.
     pub fn at_rest(self, problem: &PatchProblem) -> Self {
         let still = SHARED * problem.gravity.length() * problem.dt;
         Self { still, ..self }

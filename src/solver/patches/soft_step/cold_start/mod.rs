@@ -123,9 +123,8 @@ pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, body_loads: &[BodyLoad])
     new.is_some() || is_borne
 }
 
-/// The same for bodies that rest, without joints and without a search where handing down has found forces that keep the bodies still. Most walls
-/// need none, and blocks for their sweeps take longer than all the rest. (Awake, bodies would show what is left of their motion.) Returns the
-/// search that is left to do.
+/// Hands down the loads of a structure at rest without joints. Returns a search if that does not keep it still. Most walls need none, and the
+/// blocks for its sweeps take longer to build than loads to hand down. Awake structures are always searched, because they would move by what is left.
 pub fn start_at_rest(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> Option<Search> {
     let limits = limits(problem).at_rest(problem);
     let new = New::find(problem, limits.closed, body_loads, &[])?;

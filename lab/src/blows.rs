@@ -149,6 +149,13 @@ impl Wall {
         wall
     }
 
+    /// A wall, and a ball that was just shot at this place of it, m.
+    fn shot_at(x: f32, y: f32, dt: f32) -> (Self, Entity) {
+        let mut wall = Self::new(dt);
+        let ball = wall.world.spawn(ball(Vec3::new(x, y, -2.0))).id();
+        (wall, ball)
+    }
+
     fn run(&mut self, seconds: f32) {
         for _ in 0..(seconds / self.dt).round() as usize {
             advance(&mut self.world, self.dt);
@@ -184,15 +191,14 @@ fn ball(from: Vec3) -> impl Bundle {
 
 /// Bricks more than 25 cm off, six seconds after a steel ball of 2.1 t at 15 m/s was shot at a wall of 8 × 8 bricks at this place, m.
 pub fn bricks_lost_to_a_ball(x: f32, y: f32, dt: f32) -> usize {
-    let mut wall = Wall::new(dt);
-    wall.world.spawn(ball(Vec3::new(x, y, -2.0)));
+    let (wall, _) = Wall::shot_at(x, y, dt);
     wall.lost_bricks()
 }
 
-/// Speed of such a ball along the shot a quarter of a second later, beyond the wall, m/s.
+/// Speed along the shot of a steel ball of 2.1 t, a quarter of a second after it was shot with 15 m/s at a wall of 8 × 8 bricks at this place (m).
+/// It is beyond the wall then. m/s.
 pub fn speed_beyond_a_wall(x: f32, y: f32, dt: f32) -> f32 {
-    let mut wall = Wall::new(dt);
-    let ball = wall.world.spawn(ball(Vec3::new(x, y, -2.0))).id();
+    let (mut wall, ball) = Wall::shot_at(x, y, dt);
     wall.run(0.25);
     watch(&wall.world, ball).1.linear.z
 }

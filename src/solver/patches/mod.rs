@@ -45,9 +45,9 @@ pub trait PatchSolver: Send + Sync {
 /// How a tall structure that sways comes to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settling {
-    /// Rate at which they lose speed, 1/s.
+    /// Rate at which its bodies lose speed, 1/s.
     pub rate: f32,
-    /// The linear and angular speed from which on they lose none, m/s, rad/s.
+    /// The linear and angular speed from which on its bodies lose none, m/s, rad/s.
     pub below: [f32; 2],
 }
 

@@ -274,7 +274,7 @@ pub fn pass_on(
             let foot = |&at: &(u32, u32)| Foot::new(problem, at, limits.closed);
             let mut feet: SmallVec<[Foot; 2]> = beneath.iter().filter_map(foot).collect();
             let motion = &mut motions[index];
-            share(problem, index, &mut feet, motion, (down, limits.still));
+            share(problem, index, &mut feet, motion, down, limits.still);
             for foot in feet {
                 gained[foot.below(problem)] = true;
                 foot.hand_on(problem, &mut motions);
@@ -292,13 +292,14 @@ pub fn pass_on(
     courses.into_iter().max().unwrap_or(0)
 }
 
-/// Distributes the load of a body over its feet.
+/// Distributes the load of a body over its feet. For `still`, see [`Limits`].
 fn share(
     problem: &PatchProblem,
     index: usize,
     feet: &mut [Foot],
     motion: &mut [Vec3; 2],
-    (down, still): (Vec3, f32),
+    down: Vec3,
+    still: f32,
 ) {
     let body = &problem.bodies[index];
     let pressed = motion[0].dot(down) / body.inverse_mass;

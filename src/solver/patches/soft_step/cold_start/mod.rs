@@ -5,7 +5,8 @@
 //! higher power of it where joints carry moments; until then the tower sinks and leans. So loads are [handed down](hand_down). A structure
 //! that was built as a whole, and is not in balance with these loads, gets those under a [growing weight](grow) instead: statics alone
 //! would let it lean on a squeeze that does not exist. If these forces hold the structure, it is [brought to rest](statics): impulses that
-//! keep it still become its loads at rest, and so they are held. The removal of a body from the top is handed down like a new load;
+//! keep it still become its loads at rest, and so they are held. A structure that is spawned asleep skips all that if the loads that were
+//! handed down keep it still. The removal of a body from the top is handed down like a new load;
 //! otherwise its supports would be thrown. [Structures with joints](jointed) press on loose bodies with the loads that their joints give them.
 
 mod grow;
@@ -29,9 +30,11 @@ const RESTS: f32 = 0.001;
 /// Accuracy with which new bodies are placed at their rest position, m.
 const PLACED: f32 = 0.005;
 
-/// A structure is in balance if none of its bodies moves by more than this share of its motion under gravity, and still if none moves by more
-/// than the smaller share. Rotations count on an arm of a metre.
+/// A structure is in balance if no body moves by more than this share of its motion under gravity. Rotations count on an arm of a metre.
 const BALANCED: f32 = 1e-3;
+
+/// A structure is still if no body moves by more than this share of its motion under gravity, and if a sweep changes no more than this share of what
+/// gravity changes.
 const STILL: f32 = 3e-4;
 
 /// Upper bound of sweeps back and forth that bring a structure to rest, per course.
@@ -136,6 +139,7 @@ pub fn start_at_rest(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> Opt
     Some(search)
 }
 
+/// The limits for awake bodies.
 fn limits(problem: &PatchProblem) -> Limits {
     // The distance that a body falls from rest in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;

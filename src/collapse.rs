@@ -43,6 +43,7 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::message::{Message, MessageWriter};
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Sends [`Collapse`] and [`CollapseEnded`]. It is not part of [`DrystonePlugins`](crate::DrystonePlugins).
@@ -71,8 +72,8 @@ impl Plugin for CollapsePlugin {
 }
 
 /// A message: a structure of watched bodies has collapsed.
-#[derive(Message, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Message, Debug)]
+#[derive(Message, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 pub struct Collapse {
     /// The body that failed first.
     pub first: Entity,
@@ -90,8 +91,8 @@ pub struct Collapse {
 
 /// A message: a collapse has ended. It is sent when everything left of the structure stands again, or after
 /// [`CollapseSettings::max_time`].
-#[derive(Message, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Message, Debug)]
+#[derive(Message, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 pub struct CollapseEnded {
     /// The body that failed first, as in [`Collapse`].
     pub first: Entity,
@@ -104,7 +105,8 @@ pub struct CollapseEnded {
 }
 
 /// How a body failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FailureMode {
     /// A [`Grab`] held it, or an external force acted on it.
@@ -120,13 +122,17 @@ pub enum FailureMode {
 }
 
 /// Component of bodies whose structure is watched for collapse.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[require(Stands)]
 pub struct Watch {
     /// Normal force on one of its faces that crushes the body, N. Default: infinite.
@@ -160,13 +166,17 @@ impl Stands {
 }
 
 /// Thresholds of collapse detection.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CollapseSettings {
     /// Movement at which a body has left its place, as a share of its bounding radius. Default: 0.05.
     pub movement_threshold: f32,

@@ -7,12 +7,14 @@ use crate::body::limits;
 use crate::settings::STEP_LENGTHS;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use std::fmt;
 use thiserror::Error;
 
 /// A problem of a body. The bounds of valid input are in [`limits`].
-#[derive(Clone, Debug, PartialEq, Reflect, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BodyProblem {
     /// The `Transform` or `Pose` is NaN or infinite, its position is out of bounds, or its rotation has length zero.
@@ -124,7 +126,8 @@ pub enum BodyProblem {
 }
 
 /// Why a collider cannot be a part of the body above it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PartProblem {
     /// Its `Transform` in the frame of the body is not finite, or too far away.
@@ -181,8 +184,8 @@ impl BodyProblem {
 }
 
 /// A message: a body is quarantined, or may behave badly.
-#[derive(Message, Clone, Debug, PartialEq, Reflect, Error)]
-#[reflect(Message, Debug)]
+#[derive(Message, Clone, Debug, PartialEq, Error)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 pub struct BodyError {
     /// The body.
     pub entity: Entity,
@@ -210,8 +213,8 @@ impl fmt::Display for BodyError {
 }
 
 /// Why a step was not taken, or not with the settings asked for. Sent as a message unless stated otherwise.
-#[derive(Message, Clone, Debug, PartialEq, Reflect, Error)]
-#[reflect(Message, Debug)]
+#[derive(Message, Clone, Debug, PartialEq, Error)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 pub enum StepError {
     /// The step length Δt is negative, not finite or not in [`STEP_LENGTHS`]. No step was taken. A length of zero is not an error: it is
     /// a pause.
@@ -248,9 +251,9 @@ impl MapEntities for Suspects {
 }
 
 /// Warnings that were sent. They are not repeated while their cause lasts.
-#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(opaque)]
 #[component(map_entities)]
 pub struct Told {
     /// The first bodies of islands whose solve went wrong in the last step.

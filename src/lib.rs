@@ -129,6 +129,7 @@ pub mod profile;
 pub mod query;
 #[cfg(feature = "serde")]
 pub mod recording;
+#[cfg(feature = "bevy_reflect")]
 mod reflection;
 pub mod revision;
 pub mod saving;
@@ -137,7 +138,6 @@ pub mod sensor;
 pub mod settings;
 pub mod snapshot;
 pub mod solve;
-pub mod solver;
 #[cfg(feature = "stability")]
 pub mod stability;
 pub mod stabilization;
@@ -145,6 +145,8 @@ pub mod state;
 pub mod streaming;
 pub mod warm_start;
 
+/// The solvers, which are a crate of their own: they know neither the ECS nor shapes.
+pub use drystone_solver as solver;
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of
 /// [`Collider::shape`](collider::Collider::shape); use this re-export to name them in the version that drystone uses.
 pub use parry3d;

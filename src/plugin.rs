@@ -29,7 +29,7 @@ use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
 use crate::streaming::{self, Arrivals, Suspended};
 use crate::warm_start::{self, IslandProblems};
-use crate::{grab, integration, joint, narrowphase, reflection, solve};
+use crate::{grab, integration, joint, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
@@ -102,7 +102,8 @@ pub struct StepSystems;
 
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
-        reflection::register(app);
+        #[cfg(feature = "bevy_reflect")]
+        crate::reflection::register(app);
         let profile = profile(app);
         app.init_resource::<Gravity>()
             .init_resource::<StabilizationSettings>()

@@ -2,6 +2,7 @@
 
 use super::Quarantined;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Takes a body out of the simulation while it is there. The body keeps all its components, and its entity stays in all queries: it is drawn,
@@ -33,26 +34,34 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// drystone::step(world, 1.0 / 60.0).unwrap();
 /// assert!(world.get::<Transform>(ball).unwrap().translation.x > at.translation.x);
 /// ```
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 // A body that was taken out asleep is still marked as inactive, and only this hook has it looked at.
 #[component(on_remove = super::table::lost_description)]
 pub struct RigidBodyDisabled;
 
 /// Switches the collider of a body off while it is there: the body touches nothing and is found by no spatial query. It keeps its mass, and
 /// goes on to fall and to fly.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct ColliderDisabled;
 

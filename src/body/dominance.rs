@@ -2,6 +2,7 @@
 
 use super::{BodyProperties, BodyState, KeptProperty, LockedAxes};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// The dominance group of a dynamic body. In a contact of two dynamic bodies, the one in the higher group is not moved by the other, as if it
@@ -26,13 +27,17 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// assert_eq!(world.get::<Velocity>(light).unwrap().linear, Vec3::X);
 /// assert!(world.get::<Velocity>(heavy).unwrap().linear.x > 0.9);
 /// ```
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct Dominance(pub i8);
 

@@ -7,6 +7,7 @@ use super::{
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
@@ -29,13 +30,17 @@ use glam::{Quat, Vec3};
 /// let velocity = world.get::<Velocity>(rocket).unwrap();
 /// assert!(velocity.linear.z > 1.9 && velocity.angular.y < 0.0 && velocity.linear.y.abs() < 1e-3);
 /// ```
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct ExternalForce {
     /// Force, N.
@@ -81,13 +86,17 @@ impl ExternalForce {
 
 /// An impulse (N·s) and angular impulse (N·m·s) at the centre of mass, in world axes. They act in the next step, which sets them to zero.
 /// Default: zero. Every body has this component.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(summary_tick)]
 pub struct ExternalImpulse {
     /// Impulse, N·s.
@@ -106,13 +115,17 @@ impl ExternalImpulse {
 
 /// Viscous damping, 1/s: the share of its speed that a free body loses in a second. It is applied implicitly, v / (1 + c Δt), and is stable
 /// for any value. Default: zero. A body has this component only if you insert it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(summary_tick)]
 pub struct Damping {
     /// Damping of the linear velocity, 1/s.
@@ -122,13 +135,17 @@ pub struct Damping {
 }
 
 /// Factor on [`Gravity`] for one body, without unit. Default: 1. A body has this component only if you insert it.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct GravityScale(pub f32);
 

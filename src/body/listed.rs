@@ -6,7 +6,6 @@ use super::rows::{Rows, written_rows};
 use super::{BodyProperties, RigidBody};
 use crate::diagnosis::BodyProblem;
 use crate::state::visitor::Visitor;
-use bevy_app::App;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -158,7 +157,8 @@ macro_rules! listed {
         }
 
         /// Registers all components of the list for reflection.
-        pub(crate) fn register(app: &mut App) {
+        #[cfg(feature = "bevy_reflect")]
+        pub(crate) fn register(app: &mut bevy_app::App) {
             app.register_type::<RigidBody>();
             $(app.register_type::<$Essential>();)*
             $(app.register_type::<$Computed>();)*

@@ -2,6 +2,7 @@
 
 use super::{BodyState, KeptProperty, Velocity};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{BVec3, Mat3, Vec3};
 
@@ -32,13 +33,17 @@ use glam::{BVec3, Mat3, Vec3};
 /// let at = world.get::<Transform>(ball).unwrap().translation;
 /// assert!(at.x > 0.0 && at.z == 0.0);
 /// ```
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct LockedAxes(u8);
 

@@ -3,6 +3,7 @@
 use super::{BodyProperties, KeptProperty, Velocity};
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Maximum linear speed of a body, m/s. Forces and contacts do not make it faster. Default: infinite, so that only
@@ -20,25 +21,33 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// }
 /// assert!((world.get::<Velocity>(parachute).unwrap().linear.length() - 5.0).abs() < 1e-4);
 /// ```
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct MaxLinearSpeed(pub f32);
 
 /// Maximum angular speed of a body, rad/s. Forces and contacts do not make it faster. Default: infinite, so that only
 /// [`SpeedLimits`](crate::settings::SpeedLimits) counts. NaN and negative values are an error ([`BodyProblem::InvalidMaxSpeed`]).
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct MaxAngularSpeed(pub f32);
 

@@ -55,7 +55,9 @@ pub use inactive::Inactive;
 pub(crate) use inactive::{InactiveBodies, note_written};
 pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
-pub(crate) use listed::{copy_description, properties_of, register, visit};
+#[cfg(feature = "bevy_reflect")]
+pub(crate) use listed::register;
+pub(crate) use listed::{copy_description, properties_of, visit};
 pub use locked_axes::LockedAxes;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
 pub(crate) use mass::{weigh, weigh_above, weigh_body};
@@ -81,6 +83,7 @@ pub(crate) use table::{is_body, lost_description, lost_parent};
 pub use written_transforms::{WrittenTransforms, find_written_transforms};
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
@@ -96,9 +99,10 @@ macro_rules! rigid_body {
         kept { $($_kept:tt)* }
     ) => {
         /// The kind of a body: whether forces and contacts move it. It may be changed at any time.
-        #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-        #[reflect(Component, Debug, Default)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize))]
+        #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug, Default))]
+        #[cfg_attr(all(feature = "bevy_reflect", feature = "serde"), reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[component(on_insert = crate::children::changed_kind, on_remove = crate::children::lost_kind, summary_tick)]
         #[require($($Essential,)* $($Computed,)* Transform)]
         pub enum RigidBody {
@@ -120,13 +124,17 @@ body_properties!(rigid_body);
 ///
 /// Drystone owns this component. A step reads the [`Transform`] if the user changed it, and writes the new pose back to it at the end. Inside
 /// the physics schedule use `Pose` rather than `Transform`.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(summary_tick)]
 pub struct Pose {
     /// Position of the body's origin, m.
@@ -186,13 +194,17 @@ impl Pose {
 }
 
 /// Linear and angular velocity of a body. Default: zero.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(summary_tick)]
 pub struct Velocity {
     /// Velocity of the centre of mass, m/s.

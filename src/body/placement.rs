@@ -4,6 +4,7 @@
 use super::{BodyState, Pose, Velocity};
 use crate::settings::{SpeedLimits, StepTime};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::Vec3;
@@ -13,13 +14,17 @@ use glam::Vec3;
 ///
 /// Bodies of other kinds are always moved at once. So is a kinematic body that would be faster than
 /// [`SpeedLimits`](crate::settings::SpeedLimits) allows.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(storage = "SparseSet")]
 pub struct Teleport;
 

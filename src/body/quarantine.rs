@@ -16,6 +16,7 @@ use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::{name::Name, prelude::*};
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 
@@ -23,14 +24,14 @@ use bevy_transform::components::Transform;
 /// and the body takes part again. The marker may also be removed by hand.
 ///
 /// After [`BodyProblem::NonFiniteForce`] the marker is removed when force, impulse, velocity, damping, gravity scale or mass has changed.
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore, map_entities)]
 pub struct Quarantined {
     /// The reason of the quarantine.
     pub problem: BodyProblem,
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     pushed: PushedBody,
 }
 

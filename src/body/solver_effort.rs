@@ -3,6 +3,7 @@
 use super::{BodyProperties, KeptProperty};
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// How much work the solver puts into a body, as a multiple of the usual number of sweeps, from 1 to [`SolverEffort::MAX`]. Default: 1.
@@ -27,13 +28,17 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 ///     SolverEffort(4.0),
 /// ));
 /// ```
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct SolverEffort(pub f32);
 

@@ -2,6 +2,7 @@
 
 use super::BodyTable;
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 
 /// The number of a body in the order of spawning. Bodies on one level of support are solved in this order. So two worlds with the same numbers
@@ -9,13 +10,13 @@ use bevy_reflect::Reflect;
 ///
 /// A [`RigidBody`](super::RigidBody) gets its number when it is spawned. Set it by hand on all bodies if two worlds must agree that do not
 /// spawn them in the same order, such as a server and its clients.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_add = stamp, clone_behavior = Ignore, summary_tick)]
 pub struct SpawnOrder(pub u64);
 

@@ -18,15 +18,20 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_platform::collections::HashMap;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 use parry3d::shape::Shape;
 use std::sync::Arc;
 
 /// The slot of a body in the [`BodyTable`]. Internal.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug, Default)]
 #[component(on_remove = leave, clone_behavior = Ignore, summary_tick)]
 pub struct BodyIndex(pub u32);
 
@@ -319,9 +324,9 @@ const THICKNESS: f32 = 2.5;
 const SLENDER: f32 = 6.0;
 
 /// All live bodies by slot: a dense copy of the data that the stages read at random, and of the state of each body in the last step.
-#[derive(Resource, Debug, Default, Reflect)]
+#[derive(Resource, Debug, Default)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(opaque)]
 #[component(map_entities)]
 pub struct BodyTable {
     slots: Vec<Option<BodyState>>,

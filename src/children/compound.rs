@@ -9,6 +9,7 @@ use crate::collider::{Collider, CollisionLayers, Moments};
 use crate::diagnosis::{BodyProblem, PartProblem};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::Vec3;
 use parry3d::math::Pose as ParryPose;
@@ -16,9 +17,9 @@ use std::sync::Arc;
 
 /// The shape of a body with colliders on child entities, or with a scale. This component is computed; bodies whose shape is simply their own
 /// [`Collider`] do not have it.
-#[derive(Component, Clone, Debug, Reflect)]
+#[derive(Component, Clone, Debug)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(opaque)]
 #[component(on_remove = crate::body::lost_description, map_entities, clone_behavior = Ignore, summary_tick)]
 pub struct CompoundCollider {
     /// What it was made from.

@@ -4,6 +4,7 @@ use crate::body::{BodyState, BodyTable};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, ManifoldPatch};
 use bevy_ecs::entity::{Entity, EntityMapper};
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
@@ -193,13 +194,13 @@ impl BodyState {
 /// The parts of the two bodies of a contact patch: for A and B, 0 or the number of a child collider.
 ///
 /// It takes three bytes, which are free behind the other fields of a patch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PatchParts([u8; 3]);
 
 impl PatchParts {

@@ -2,6 +2,7 @@
 
 use super::polyhedron::Polyhedron;
 use super::{Collider, ColliderError};
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 use parry3d::shape::{
@@ -24,13 +25,17 @@ use parry3d::shape::{
 /// let same = Collider::try_from(shape).unwrap();
 /// assert_eq!(same.description(), wedge.description());
 /// ```
-#[derive(Clone, Debug, PartialEq, Reflect)]
-#[reflect(Debug, PartialEq, no_field_bounds)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Debug, PartialEq, no_field_bounds)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ColliderShape {
     /// A ball.
     Ball {
@@ -137,13 +142,17 @@ pub enum ColliderShape {
 }
 
 /// One shape of a [`ColliderShape::Compound`].
-#[derive(Clone, Debug, PartialEq, Reflect)]
-#[reflect(Debug, PartialEq, no_field_bounds)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Debug, PartialEq, no_field_bounds)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CompoundPart {
     /// Position in the body's frame, m.
     pub position: Vec3,

@@ -3,6 +3,7 @@
 use crate::body::KeptProperty;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Bodies that this body does not collide with, whatever their [`CollisionLayers`](super::CollisionLayers) say. It is enough that one of the two
@@ -29,13 +30,17 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// }
 /// assert_eq!(world.get::<Transform>(handle), Some(&at));
 /// ```
-#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, map_entities, summary_tick)]
 pub struct CollisionExceptions(pub EntityHashSet);
 

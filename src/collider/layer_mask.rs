@@ -1,16 +1,18 @@
 //! Collision layers by name: enums whose variants are layers.
 
 use super::CollisionLayers;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use std::ops::{BitOr, Not};
 
 /// A set of up to 32 layers, as bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LayerMask(pub u32);
 
 impl LayerMask {

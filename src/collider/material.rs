@@ -3,16 +3,18 @@
 use crate::body::{KeptProperty, limits};
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// The rule that combines the coefficients a and b of two surfaces. If the two bodies have different rules, the later one in this list is
 /// used.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CombineRule {
     /// (a + b) / 2
     #[default]
@@ -40,13 +42,17 @@ impl CombineRule {
 }
 
 /// Coulomb friction of a body's surface. Default: a coefficient of 0.5.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Friction {
     /// Coefficient of friction μ, without unit: not negative, and at most [`limits::FRICTION`](crate::body::limits::FRICTION).
@@ -56,13 +62,17 @@ pub struct Friction {
 }
 
 /// Restitution (bounciness) of a body's surface. Default: a coefficient of 0.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct Restitution {
     /// Coefficient of restitution e, without unit, from 0 (no bounce) to 1 (no loss).
@@ -79,13 +89,17 @@ pub struct Restitution {
 /// a rolling ball keeps rolling and a creeping one stops. Spin about the normal is resisted at any speed.
 ///
 /// Only [`SoftStep`](crate::solver::SoftStep) has rolling friction; point solvers ignore it.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct RollingFriction {
     /// Coefficient as a share of the radius, without unit; not negative.

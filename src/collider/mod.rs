@@ -35,6 +35,7 @@ pub use surface_velocity::SurfaceVelocity;
 
 use crate::body::{MassProperties, SpawnOrder};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
@@ -53,11 +54,15 @@ use thiserror::Error;
 /// that body, and without a body above it stands still; see [`children`](crate::children). The shape follows the scale of its `Transform`.
 ///
 /// [`description`](Self::description) returns the shape with all of its parameters. With the feature `serde` a collider is written to files in that form.
-#[derive(Component, Reflect)]
-#[reflect(opaque)]
-#[reflect(Component, Clone, Debug, Default)]
+#[derive(Component)]
 #[cfg_attr(
-    feature = "serde",
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(opaque),
+    reflect(Component, Clone, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[component(on_insert = crate::children::collider_inserted, on_remove = crate::body::lost_description, summary_tick)]

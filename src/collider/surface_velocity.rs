@@ -3,6 +3,7 @@
 use crate::body::{KeptProperty, limits};
 use crate::diagnosis::BodyProblem;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
@@ -28,13 +29,17 @@ use glam::Vec3;
 /// }
 /// assert!((world.get::<Velocity>(parcel).unwrap().linear.x - 2.0).abs() < 1e-3);
 /// ```
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct SurfaceVelocity(pub Vec3);
 

@@ -6,6 +6,7 @@ use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// The bodies that touch this one, kept up to date by the stage *contact events* on bodies that have this component. It changes when
@@ -28,13 +29,17 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// }
 /// assert!(world.get::<CollidingEntities>(plate).unwrap().contains(&ball));
 /// ```
-#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct CollidingEntities(
     #[cfg_attr(

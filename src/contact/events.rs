@@ -7,25 +7,30 @@ use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ContactEvents;
 
 /// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope. As
 /// an entity event its target is `body`; as a message `body` is A of the pair.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Message, Debug)]
 pub struct ContactStarted {
     /// One body.
     #[event_target]
@@ -76,9 +81,9 @@ impl Hit {
 }
 
 /// Two bodies ceased to touch, or one of them was removed. As an entity event its target is `body`.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Message, Debug)]
 pub struct ContactEnded {
     /// One body; it may have been despawned.
     #[event_target]

@@ -39,17 +39,22 @@ use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// Requests a [`ContactForce`], as a message and for observers, for each body that presses on this body with more than a threshold.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactForceEvents {
     /// Normal force between the two bodies, N, as a mean over the step. Default: 0, which reports every contact that presses. NaN reports
     /// none.
@@ -67,9 +72,9 @@ impl Default for ContactForceEvents {
 /// Reports that two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. The event is sent in every such
 /// step. If both bodies have the component, one event is sent for each. Pairs of two [inactive](crate::body::Inactive) bodies are not reported, because their
 /// forces do not change.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Message, Debug)]
 pub struct ContactForce {
     /// The body that has [`ContactForceEvents`].
     #[event_target]

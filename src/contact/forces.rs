@@ -42,6 +42,7 @@ use crate::joint::{JointEdge, JointForces};
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -357,13 +358,17 @@ fn sticks(anchors: &ContactAnchors, range: Range<usize>, number: usize) -> bool 
 
 /// Component that holds the sum of the contact forces on a body. Add it to the bodies that you want to observe. It is updated at the end of
 /// every step.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Load {
     /// The sum of all contact forces on the body, N, world. At rest it is its weight, upwards.
     pub force: Vec3,

@@ -3,6 +3,7 @@
 use super::{ContactPair, Manifold};
 use crate::body::{BodyState, KeptProperty};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 use std::fmt;
@@ -56,8 +57,8 @@ pub trait ContactHook: Send + Sync + 'static {
 /// }
 /// assert!((world.get::<Transform>(ball).unwrap().translation.y - 0.35).abs() < 0.01);
 /// ```
-#[derive(Resource, Clone, Reflect)]
-#[reflect(opaque)]
+#[derive(Resource, Clone)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 pub struct ContactHooks(Arc<dyn ContactHook>);
 
 impl ContactHooks {
@@ -78,13 +79,17 @@ impl fmt::Debug for ContactHooks {
 }
 
 /// Calls the [`ContactHooks`] for contacts of this body. It is enough that one body of a pair has it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ActiveContactHooks {
     /// Whether [`ContactHook::filter_pair`] is called. Default: false.

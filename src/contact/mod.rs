@@ -52,14 +52,15 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 
 /// Two bodies near each other. A is `bodies[0]`; B is `bodies[1]`, which was spawned later. Normals point from B to A.
-#[derive(Component, Clone, Copy, Debug, Reflect)]
+#[derive(Component, Clone, Copy, Debug)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug)]
 #[component(on_remove = lose_pair, clone_behavior = Ignore)]
 #[require(
     Manifold,
@@ -75,7 +76,7 @@ pub struct ContactPair {
     /// Slots of A and B in the [`BodyTable`](crate::body::BodyTable).
     pub slots: [u32; 2],
     /// The number of the pair's edge in the [constraint graph](crate::graph).
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     pub(crate) edge: u32,
     /// Numbers of A and B in the order of spawning.
     pub spawn_orders: [SpawnOrder; 2],
@@ -90,15 +91,15 @@ pub struct ContactPair {
     /// Whether some point is inside the collision envelope.
     pub touching: bool,
     /// What the stages have to do for the pair.
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     pub(crate) state: PairState,
     /// Changes when contacts are detected anew, not recycled, and when the user edits the pair. See [`revision`](crate::revision).
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     pub(crate) revision: Revision,
     /// Number of steps for which detection is skipped, for a pair of a [crowd](crate::narrowphase::crowd).
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     pub(crate) waits: u8,
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     flags: PairFlags,
 }
 
@@ -270,13 +271,17 @@ fn lose_pair(mut world: DeferredWorld, context: HookContext) {
 }
 
 /// The contact points of two bodies, where they touch or may touch within the step.
-#[derive(Component, Debug, Default, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Debug, Default)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 pub struct Manifold {
     /// The parts of the manifold with one normal each. A pair of convex bodies has at most one.
@@ -313,13 +318,13 @@ impl Manifold {
 }
 
 /// Contact points with one normal.
-#[derive(Clone, Copy, Debug, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct ManifoldPatch {
     /// Unit vector from B to A, world axes.
@@ -346,13 +351,13 @@ impl ManifoldPatch {
 }
 
 /// One contact point.
-#[derive(Clone, Copy, Debug, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct ContactPoint {
     /// From the centre of mass of A to the midpoint between the surfaces at detection, world axes, m.
@@ -366,9 +371,13 @@ pub struct ContactPoint {
 }
 
 /// The velocities that the two stabilizations demand at the contact points.
-#[derive(Component, Debug, Default, Reflect)]
+#[derive(Component, Debug, Default)]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub struct ContactTargets {
     /// One for each point; empty under patch solvers.
@@ -378,9 +387,9 @@ pub struct ContactTargets {
 }
 
 /// The velocity that a contact point should have after the solve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Debug)]
 pub struct Target {
     /// Lower bound of the normal velocity, m/s: u_collision + c_n of equations (4) and (6).
     pub normal: f32,
@@ -389,13 +398,17 @@ pub struct Target {
 }
 
 /// The impulses λ of the step, the sum over all its substeps, including restitution.
-#[derive(Component, Debug, Default, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Debug, Default)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 pub struct ContactImpulses {
     /// One for each point.
@@ -405,7 +418,7 @@ pub struct ContactImpulses {
     /// Friction of each point, under point solvers. Empty under patch solvers, which have one friction impulse for each patch.
     pub friction: Vec<PointFriction>,
     /// The impulses of the earlier substeps of this step.
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) earlier: Option<Box<Earlier>>,
 }
@@ -463,13 +476,13 @@ impl ContactImpulses {
 }
 
 /// The normal impulse on A at a contact point. B gets the opposite.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Impulse {
     /// λ_n ≥ 0, N·s.
     pub normal: f32,
@@ -480,13 +493,13 @@ pub struct Impulse {
 }
 
 /// The friction impulse on A at a contact point. B gets the opposite.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointFriction {
     /// λ_t, N·s, world axes.
     pub tangential: Vec3,
@@ -495,13 +508,13 @@ pub struct PointFriction {
 }
 
 /// The friction state of a patch, under patch solvers. Zero under point solvers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PatchImpulse {
     /// λ_t of the step on A, N·s, world axes.
     pub tangential: Vec3,
@@ -530,13 +543,17 @@ pub(crate) struct ImpulseSum {
 }
 
 /// The tracked contact anchors of section 3 of the paper.
-#[derive(Component, Debug, Default, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Debug, Default)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 pub struct ContactAnchors {
     /// One for each point; none with pair-pose anchors.
@@ -544,7 +561,7 @@ pub struct ContactAnchors {
     /// One for each patch, with pair-pose anchors.
     pub patches: SmallVec<[PatchAnchor; 1]>,
     /// The revision of the pair when slips were last measured; `None` if an anchor was written since.
-    #[reflect(ignore)]
+    #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) measured: Option<Revision>,
 }
@@ -553,13 +570,13 @@ pub struct ContactAnchors {
 ///
 /// A vector is loaded into a register of four numbers. So the bytes after it must not hold a small integer: read as a number it would be
 /// subnormal, which made the stage *friction error* four times as slow.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct PatchAnchor {
     /// The origin of A in the frame of B, m.
@@ -591,13 +608,13 @@ impl PatchAnchor {
 }
 
 /// The anchor that holds one contact point while it sticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Anchor {
     /// Whether the point was classified as sticking in the last step, equation (10).
     pub sticking: bool,

@@ -39,6 +39,7 @@ use bevy_ecs::prelude::*;
 use bevy_gizmos::AppGizmoBuilder;
 use bevy_gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy_gizmos::gizmos::Gizmos;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::TransformSystems;
 use glam::Vec3;
@@ -58,8 +59,8 @@ impl Plugin for PhysicsGizmosPlugin {
 }
 
 /// The gizmo config group of physics: which kinds of gizmos are drawn. By default the shapes, with sleeping bodies paler.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect, GizmoConfigGroup)]
-#[reflect(Default)]
+#[derive(Clone, Copy, Debug, PartialEq, GizmoConfigGroup)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Default))]
 pub struct PhysicsGizmos {
     /// Draw the outlines of all shapes. Default: true.
     pub shapes: bool,

@@ -11,6 +11,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{BVec3, Quat, Vec3};
 
@@ -63,13 +64,13 @@ fn any_closes(hands: Query<(&Hand, &HandState)>) -> bool {
 /// # drystone::step(world, 1.0 / 60.0).unwrap();
 /// assert_eq!(world.get::<HandState>(hand).unwrap().held(), Some(brick));
 /// ```
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[require(HandState)]
 pub struct Hand {
     /// The ray that it points along. With `None` the body is held where it is.
@@ -93,9 +94,13 @@ pub struct Hand {
 }
 
 /// The body that a [`Hand`] holds. The clone of a hand holds nothing.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug, Default)]
 #[component(on_remove = let_go, clone_behavior = Ignore, map_entities)]
 pub enum HandState {
     /// The hand is open.

@@ -11,6 +11,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{BVec3, Quat, Vec3};
 
@@ -43,13 +44,13 @@ use glam::{BVec3, Quat, Vec3};
 /// let force = world.get::<GrabForce>(brick).unwrap().force.y;
 /// assert!((force - 500.0 * 9.81).abs() < 1.0);
 /// ```
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = let_go, clone_behavior = Ignore)]
 #[require(GrabForce)]
 pub struct Grab {
@@ -75,13 +76,17 @@ pub struct Grab {
 }
 
 /// Force and torque of the hand on a body in the last step. Zero if the body is not held.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 pub struct GrabForce {
     /// Force at the held point, N, world axes.
@@ -91,9 +96,9 @@ pub struct GrabForce {
 }
 
 /// The [`Hand`] that holds a body by its [`Grab`]. A body whose `Grab` was inserted by the user does not have it.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct HeldBy(#[entities] pub(crate) Entity);
 

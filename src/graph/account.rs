@@ -2,6 +2,7 @@
 
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
 use bevy_platform::collections::HashMap;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
@@ -51,13 +52,13 @@ impl Accounts {
 }
 
 /// The forces of all contacts on a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Wrench {
     /// N.
     pub force: Vec3,

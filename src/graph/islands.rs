@@ -21,6 +21,7 @@ use crate::state::clone_fields;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use std::fmt;
 
@@ -28,9 +29,9 @@ use std::fmt;
 ///
 /// A *structure* is a set of dynamic bodies that are connected by links, whether they sleep or not. An *island* is a set of awake bodies that
 /// are connected by links between awake bodies: they are solved together. Static, kinematic and sleeping bodies separate islands.
-#[derive(Resource, Debug, Reflect)]
+#[derive(Resource, Debug)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(opaque)]
 #[component(map_entities)]
 pub struct Islands {
     /// Islands. In the step in which sleeping bodies are added, they and the sleeping bodies that they touch are islands too.

@@ -4,6 +4,7 @@ use super::{JointFrame, JointProblem};
 use crate::body::limits;
 use crate::solver::{JointAxis, JointMotor, Section};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
@@ -62,13 +63,13 @@ pub(crate) enum Distance {
 
 /// The limits of a coordinate of a joint: m for lengths, rad for angles. The minimum must not be above the maximum. Infinite limits do not
 /// limit.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug, Default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, Default))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointLimits {
     /// Minimum, m or rad.
     pub min: f32,

@@ -2,12 +2,14 @@
 
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use std::fmt;
 use thiserror::Error;
 
 /// A problem of a joint, which disables it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum JointProblem {
     /// An anchor is not finite or out of bounds.
@@ -84,8 +86,8 @@ impl MapEntities for JointProblem {
 }
 
 /// A message: a joint is disabled because of its input. Its bodies and all others are simulated on.
-#[derive(Message, Clone, Debug, PartialEq, Reflect, Error)]
-#[reflect(Message, Debug)]
+#[derive(Message, Clone, Debug, PartialEq, Error)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 pub struct JointError {
     /// The joint.
     pub joint: Entity,
@@ -118,9 +120,9 @@ impl fmt::Display for JointError {
 
 /// Marks a joint that does nothing because of invalid input. Once the input is corrected, the next step removes the marker, and the joint works
 /// again.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug)]
 #[component(clone_behavior = Ignore, map_entities)]
 pub struct QuarantinedJoint {
     /// The problem.

@@ -6,6 +6,7 @@ use super::list::look_again;
 use super::{JointAnchor, JointBasis, JointForces, JointFrame};
 use crate::body::SpawnOrder;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
@@ -32,13 +33,13 @@ use glam::{Quat, Vec3};
 /// assert!((forces.force.y - 98.1).abs() < 0.1);
 /// assert!((forces.torque.z - 0.5 * 98.1).abs() < 0.1);
 /// ```
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct FixedJoint {

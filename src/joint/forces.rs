@@ -6,19 +6,24 @@ use crate::body::{SpawnOrder, limits};
 use crate::solver::{COORDINATES, JointConstraint};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// Force and torque of a joint on body 2 in the last step; body 1 gets the opposite. Drystone writes it. Zero while the joint is disabled.
 ///
 /// For bodies that sleep they are those with which they came to rest.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 pub struct JointForces {
     /// The mean force at the anchor on body 2 over the step, N, world axes.
@@ -80,13 +85,17 @@ impl JointForces {
 /// assert!(world.entity(hook).contains::<JointDisabled>());
 /// assert!(world.get::<Transform>(lamp).unwrap().translation.y < 1.0);
 /// ```
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = look_again)]
 pub struct BreakForce {
     /// Maximum force, N. Default: infinite.
@@ -138,9 +147,9 @@ impl BreakForce {
 }
 
 /// A joint has broken. It is sent as a message, and triggered as an entity event on the joint after the step.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Message, Debug)]
 pub struct JointBroke {
     /// The joint.
     #[event_target]

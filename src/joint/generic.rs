@@ -7,6 +7,7 @@ use super::{JointAnchor, JointBasis, JointForces, JointFrame};
 use crate::body::SpawnOrder;
 use crate::solver::{JointAxis, JointMotor};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 use std::ops::BitOr;
@@ -38,13 +39,13 @@ use std::ops::BitOr;
 /// let at = world.get::<Transform>(puck).unwrap().translation;
 /// assert!(at.distance(Vec3::new(0.5, 1.0, 0.5)) < 0.02);
 /// ```
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct GenericJoint {
@@ -123,12 +124,13 @@ impl JointType for GenericJoint {
 }
 
 /// Some of the six axes of a joint. Combine them with `|`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointAxes(u8);
 
 impl JointAxes {

@@ -12,7 +12,6 @@ use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
 use crate::state::visitor::Visitor;
-use bevy_app::App;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -85,7 +84,8 @@ macro_rules! joint_types {
         }
 
         /// Registers all types for reflection.
-        pub(crate) fn register(app: &mut App) {
+        #[cfg(feature = "bevy_reflect")]
+        pub(crate) fn register(app: &mut bevy_app::App) {
             $(app.register_type::<$Type>();)+
         }
 

@@ -67,7 +67,6 @@ mod forces;
 mod frame;
 mod generic;
 mod list;
-mod motor;
 mod prismatic;
 mod query;
 mod revolute;
@@ -94,7 +93,9 @@ pub(crate) use forces::trigger;
 pub use forces::{BreakForce, JointBroke, JointForces, joint_events};
 pub use frame::{JointAnchor, JointBasis, JointFrame};
 pub use generic::{GenericJoint, JointAxes};
-pub(crate) use list::{added, copy, look_again, register, visit};
+#[cfg(feature = "bevy_reflect")]
+pub(crate) use list::register;
+pub(crate) use list::{added, copy, look_again, visit};
 pub use prismatic::PrismaticJoint;
 pub use query::{BodyJoint, Joints, joints_of};
 pub use revolute::RevoluteJoint;
@@ -103,17 +104,22 @@ pub use spring::SpringJoint;
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Marks a joint that is switched off: it does nothing, and its bodies collide. Remove the component to switch it on again. A joint that broke
 /// has it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_insert = list::look_again)]
 pub struct JointDisabled;
 

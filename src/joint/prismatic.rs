@@ -7,6 +7,7 @@ use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
 use crate::body::SpawnOrder;
 use crate::solver::{JointAxis, JointMotor};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
@@ -36,13 +37,13 @@ use glam::{Quat, Vec3};
 /// let height = world.get::<Transform>(lift).unwrap().translation.y;
 /// assert!((height - 1.5).abs() < 0.02);
 /// ```
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct PrismaticJoint {

@@ -7,6 +7,7 @@ use super::{JointAnchor, JointBasis, JointForces, JointFrame, JointLimits};
 use crate::body::SpawnOrder;
 use crate::solver::{JointAxis, JointMotor};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
@@ -38,13 +39,13 @@ use glam::{Quat, Vec3};
 /// assert!((at.with_y(0.0).length() - 0.5).abs() < 1e-2);
 /// assert!(at.z > 0.0 && (at.y - 1.0).abs() < 1e-2);
 /// ```
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct RevoluteJoint {

@@ -7,6 +7,7 @@ use super::{JointAnchor, JointBasis, JointForces, JointFrame};
 use crate::body::SpawnOrder;
 use crate::solver::{JointAxis, JointMotor};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
@@ -36,13 +37,13 @@ use glam::{Quat, Vec3};
 /// let height = world.get::<Transform>(weight).unwrap().translation.y;
 /// assert!((height - (2.0 - 2.0 * 9.81 / 200.0)).abs() < 2e-3);
 /// ```
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct SpringJoint {

@@ -67,6 +67,7 @@ use crate::body::{Pose, RigidBody};
 use crate::collider::Collider;
 use bevy_ecs::bundle::NoBundleEffect;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
@@ -119,13 +120,17 @@ impl Block {
 }
 
 /// Marker of bodies that were spawned from a [`Block`]. It requires a [`RigidBody`], which is dynamic by default.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[require(RigidBody)]
 pub struct Laid;
 

@@ -5,14 +5,15 @@ use crate::joint::JointEdge;
 use crate::solver::{MortarFailure, Utilization};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::Vec3;
 
 /// A patch of mortar has broken; from then on its bodies touch as dry stone. It is sent as a message, in which `body` is body 1 of the
 /// [`MortarJoint`](super::MortarJoint), and triggered as an entity event on both bodies after the step. The joint has been despawned.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Message, Debug)]
 pub struct MortarBroke {
     /// One body.
     #[event_target]

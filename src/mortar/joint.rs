@@ -6,6 +6,7 @@ use crate::body::SpawnOrder;
 use crate::joint::{JointDefinition, JointEnds, JointForces, JointFrame, JointType, look_again};
 use crate::solver::Section;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 use glam::Vec2;
 
@@ -13,13 +14,13 @@ use glam::Vec2;
 ///
 /// It holds the bodies as they were when it was made, like a [`FixedJoint`](crate::joint::FixedJoint), until the stress in the patch exceeds its
 /// strength. [`JointForces`] has the force and the torque about the centre of the patch.
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug)]
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = look_again)]
 #[require(JointForces, SpawnOrder)]
 pub struct MortarJoint {

@@ -88,19 +88,24 @@ pub(crate) use joint::corners;
 pub use lay::lay_mortar;
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Fresh mortar on a body: in the first step in which it rests on other bodies, face to face, it is bonded to all of them, and the component
 /// is removed. Insert it again to bond the body to what it touches by then.
 ///
 /// The default has the characteristic strengths of clay bricks in a common cement mortar (EN 1996-1-1, 3.6: M2.5 to M9).
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mortar {
     /// Tensile strength, Pa. Default: 100 kPa.
     pub tensile_strength: f32,

@@ -9,18 +9,23 @@ use crate::joint::JointForces;
 use crate::sensor::SensorOverlap;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// What must be saved of an entity besides its components: its place in the order of spawning, its contacts, the forces of a joint, the contents of a
 /// sensor, and the forces with which a body beside awake ones fell asleep. [`prepare`](super::prepare) inserts it, and the next step takes it up and removes it, in the world that was saved as in that of the scene.
-#[derive(Component, Clone, Debug, Default, Reflect)]
-#[reflect(Component, Debug, Default)]
+#[derive(Component, Clone, Debug, Default)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Component, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct Saved {
     /// Its number in the order of spawning. Loaded entities get new numbers, in the same order.
@@ -50,13 +55,13 @@ impl MapEntities for Saved {
 }
 
 /// A contact of a [`Saved`] body with one that was spawned earlier: points, forces and anchors.
-#[derive(Clone, Debug, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SavedContact {
     /// A of the pair.
     pub(super) other: Entity,
@@ -70,13 +75,13 @@ pub struct SavedContact {
 }
 
 /// The relative pose of two bodies at the last detection of their contact, if it is kept. Files need not hold infinite numbers.
-#[derive(Clone, Copy, Debug, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Detection {
     between: Vec3,
     rotations: [[f32; 4]; 2],

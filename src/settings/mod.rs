@@ -32,17 +32,22 @@ pub use time::{STEP_LENGTHS, StepTime};
 use crate::body::Velocity;
 use crate::solver::Settling;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// Acceleration of gravity, m/s². Default: (0, −9.81, 0).
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gravity(pub Vec3);
 
 impl Default for Gravity {
@@ -52,13 +57,17 @@ impl Default for Gravity {
 }
 
 /// Maximum speeds of a body. Bodies that forces or contacts make faster are slowed down to these limits.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpeedLimits {
     /// Maximum linear speed, m/s. Default: 1000.
     pub linear: f32,
@@ -92,13 +101,17 @@ impl SpeedLimits {
 const SLOW: f32 = 10.0;
 
 /// When bodies fall asleep. Sleeping bodies are not simulated until something wakes them.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SleepSettings {
     /// Whether bodies may fall asleep. Default: true.
     pub enabled: bool,
@@ -117,13 +130,13 @@ pub struct SleepSettings {
 }
 
 /// Which sleeping bodies wake when awake ones touch them.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Waking {
     /// All bodies that are connected with them by contacts and joints. What is touched costs as much as all that it is connected with.
     Islands,

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Pauses physics, and makes it slower or faster, without a change of the app's own time. An app's steps follow it; [`step`](crate::step())
@@ -34,13 +35,17 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// # assert!(world.resource::<PhysicsTime>().is_paused());
 /// # world.run_system_cached(look_closely).unwrap();
 /// ```
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhysicsTime {
     paused: bool,
     relative_speed: f32,

@@ -3,18 +3,23 @@
 use super::Preset;
 use crate::solver::{Nncg, PatchSolver, Pgs, PointSolver, SoftStep};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use std::fmt;
 use std::sync::Arc;
 
 /// The contact solver, and how a step is divided.
-#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolverSettings {
     /// The contact solver with its settings. Default: [`SoftStep`].
     pub solver: ContactSolver,
@@ -45,11 +50,15 @@ impl Default for SolverSettings {
 /// Point solvers treat each contact point as a constraint, as the paper does. Patch solvers treat all points of a contact face together.
 ///
 /// With the feature `serde`, built-in solvers can be written to files. A solver of your own cannot, because it is code; that is an error.
-#[derive(Clone, Reflect)]
-#[reflect(opaque)]
-#[reflect(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 #[cfg_attr(
-    feature = "serde",
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(opaque),
+    reflect(Clone, Debug, PartialEq)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 pub enum ContactSolver {

@@ -2,17 +2,18 @@
 
 use super::Preset;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// How penetration is corrected (paper, section 2). Point solvers read it; [`SoftStep`](crate::solver::SoftStep) corrects penetration
 /// itself.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum NormalStabilization {
     /// No correction. Contacts bound velocities only, and bodies sink slowly into each other.
     None,
@@ -31,13 +32,13 @@ pub enum NormalStabilization {
 }
 
 /// How the anchor of a sticking contact is chosen and kept (paper, section 3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AnchorRule {
     /// A new anchor in every step, equation (11) taken literally. It divides the drift by about 1 + k_t.
     Literal,
@@ -50,13 +51,13 @@ pub enum AnchorRule {
 }
 
 /// The rule that decides whether a contact sticks, equation (10).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Classifier {
     /// Each point sticks by itself if ‖λ_t‖ < μ λ_n.
     PerPoint,
@@ -71,13 +72,13 @@ pub enum Classifier {
 }
 
 /// Settings of friction stabilization (paper, section 3). Sticking contacts remember an anchor, and slip away from it is corrected.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrictionStabilization {
     /// Whether slip is corrected. Default: true.
     pub enabled: bool,
@@ -102,13 +103,17 @@ pub struct FrictionStabilization {
 }
 
 /// Settings of normal and friction stabilization, and of the collision envelope.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StabilizationSettings {
     /// Size δ of the collision envelope, m: bodies nearer than its outer boundary have contacts. Default: 0.02.
     pub envelope: f32,

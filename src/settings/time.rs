@@ -2,19 +2,24 @@
 
 use bevy_ecs::prelude::*;
 use bevy_math::ops;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Valid lengths of a step, s. Single precision cannot divide by shorter ones; longer ones are a mistake.
 pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 
 /// Number and length of the current substep. Written by [`step`](crate::step()); read-only for other systems.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepTime {
     /// Length of the current substep, s.
     pub dt: f32,

@@ -6,16 +6,21 @@ use crate::solver::SolveReport;
 use crate::warm_start::{Island, ProblemSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+#[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// The reports of the last step's solves, one for each island that had contacts.
-#[derive(Resource, Default, Clone, Debug, Reflect)]
-#[reflect(Resource, Debug, Default)]
+#[derive(Resource, Default, Clone, Debug)]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Resource, Debug, Default)
+)]
 pub struct SolveReports(pub Vec<IslandReport>);
 
 /// The report of one island's solve.
-#[derive(Clone, Debug, PartialEq, Reflect)]
-#[reflect(Debug)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 pub struct IslandReport {
     /// Number of its bodies, including copies of static and kinematic ones.
     pub bodies: usize,

@@ -76,7 +76,7 @@ impl Rows for PatchRows {
             added: begun.len(),
         });
         let revisions = begun.iter().map(|_| Revision::next());
-        self.memory.patches.splice(patches.clone(), revisions);
+        self.memory.patches_mut().splice(patches.clone(), revisions);
         self.curved
             .splice(patches.clone(), begun.iter().map(|_| false));
         self.patches.splice(patches, begun);
@@ -158,7 +158,7 @@ impl PatchRows {
         make_room(&mut self.firsts, contacts.len());
         make_room(&mut self.patches, patches);
         make_room(&mut self.curved, patches);
-        make_room(&mut self.memory.patches, patches);
+        make_room(self.memory.patches_mut(), patches);
         make_room(&mut self.points, points);
     }
 
@@ -171,7 +171,7 @@ impl PatchRows {
                 let first = self.points.len() as u32;
                 self.points.extend(points);
                 self.curved.push(patch.curved);
-                self.memory.patches.push(contact.pair.revision);
+                self.memory.patches_mut().push(contact.pair.revision);
                 self.patches.push(PatchConstraint {
                     bodies: *ends,
                     first,
@@ -198,7 +198,7 @@ impl PatchRows {
                     return false;
                 }
                 let points = &mut self.points[kept.range()];
-                if self.memory.patches[number] != revision {
+                if self.memory.patches()[number] != revision {
                     let (constraint, found) = contact.patch(i, patch, range, ideal);
                     *kept = PatchConstraint {
                         bodies: kept.bodies,
@@ -209,7 +209,7 @@ impl PatchRows {
                         *to = point;
                     }
                     self.curved[number] = patch.curved;
-                    self.memory.patches[number] = revision;
+                    self.memory.patches_mut()[number] = revision;
                 } else {
                     kept.slip = contact.slip(i);
                     refresh(&contact.manifold.points[range], kept, points, rate, ideal);

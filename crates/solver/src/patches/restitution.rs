@@ -1,0 +1,327 @@
+//! Restitution, after the substeps: bodies that contacts have stopped bounce (Box2D v3's `restitution` stage).
+//!
+//! A point that arrives at u leaves at −e u, and the other points of its group yield no further in the meantime. Then a bounce takes the
+//! share 1 − e² of the energy that the contacts have taken out of the approach, however many bodies have a part in it, and none at e = 1:
+//! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn do not satisfy this, so a bounce that would
+//! gain energy is weakened.
+
+use crate::groups::Groups;
+use crate::{Body, PatchPoint, PatchProblem};
+use glam::{DVec3, Vec3};
+
+/// Upper bound of visits to all points of a group.
+const VISITS: usize = 50;
+
+/// Visits end when none has changed a velocity by more than this share of the fastest bounce.
+const SETTLED: f32 = 1e-6;
+
+/// Points that may bounce.
+pub struct Bounces {
+    points: Vec<Bouncing>,
+    /// By body: change of its velocity by the forces of this step.
+    pushes: Vec<[Vec3; 2]>,
+}
+
+/// A point that may bounce.
+struct Bouncing {
+    /// Its index among the problem's.
+    point: usize,
+    /// The index of its patch.
+    patch: usize,
+    /// Normal velocity to leave with, m/s.
+    leave: f32,
+    /// Time of its arrival, s from the start of the step.
+    arrives: f32,
+}
+
+/// Finds the points that will bounce if they are stopped, and their speeds; called before the substeps.
+///
+/// They leave with a share e of the velocity with which they arrive, equation (2) of the paper: the velocity before this step's forces, and
+/// the velocity that these add on the way to the surface. Without the second a ball would lose height in every bounce.
+pub fn find(problem: &PatchProblem) -> Bounces {
+    let mut points = Vec::new();
+    let patches = problem.patches.iter().enumerate();
+    for (number, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
+        let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
+        for point in patch.range() {
+            let PatchPoint {
+                offset, separation, ..
+            } = problem.points[point];
+            let arms = patch.arms.map(|arm| arm + offset);
+            let came = approach(bodies.map(|body| body.start), &arms, patch.normal);
+            if came < 0.0 {
+                let gained = approach(bodies.map(Body::push), &arms, patch.normal);
+                let fallen = -2.0 * gained / problem.dt * separation.max(0.0);
+                let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
+                // A body that would be back within the step rests.
+                if leave > -0.5 * gained {
+                    points.push(Bouncing {
+                        point,
+                        patch: number,
+                        leave,
+                        arrives: separation.max(0.0) / -came,
+                    });
+                }
+            }
+        }
+    }
+    let pushes = match points.is_empty() {
+        true => Vec::new(),
+        false => problem.bodies.iter().map(Body::push).collect(),
+    };
+    Bounces { points, pushes }
+}
+
+/// A point that takes part in a bounce: it bounces itself, or it carried an impulse.
+struct Row {
+    point: usize,
+    patch: usize,
+    /// Its group; rows of other groups have no part in its bounce.
+    group: u32,
+    bodies: [usize; 2],
+    normal: Vec3,
+    arms: [Vec3; 2],
+    /// Inverse effective mass W, 1/kg.
+    response: f32,
+    /// Normal velocity to leave with, m/s; 0 for a point that does not bounce.
+    leave: f32,
+    /// Lower bound of its impulse, N·s. A point that does not bounce may lose the impulse that it carries.
+    least: f32,
+    /// Its impulse so far, N·s.
+    impulse: f32,
+}
+
+impl Row {
+    fn speed(&self, bodies: &[Body]) -> f32 {
+        let velocities = self
+            .bodies
+            .map(|body| [bodies[body].linear, bodies[body].angular]);
+        approach(velocities, &self.arms, self.normal)
+    }
+
+    /// Adds to its impulse. Returns the amount that was added, N·s.
+    fn give(&mut self, change: f32, bodies: &mut [Body]) -> f32 {
+        let found = (self.impulse + change).max(self.least);
+        let given = found - self.impulse;
+        self.impulse = found;
+        let push = given * self.normal;
+        bodies[self.bodies[0]].apply(push, self.arms[0]);
+        bodies[self.bodies[1]].apply(-push, self.arms[1]);
+        given
+    }
+}
+
+/// Applies restitution to points that were stopped, after `substeps` substeps.
+pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
+    let mut bouncing = bounces.points;
+    let at_once = problem.dt / substeps as f32;
+    for patch in bouncing.chunk_by_mut(|a, b| a.patch == b.patch) {
+        let stopped = |bouncing: &Bouncing| problem.points[bouncing.point].normal > 0.0;
+        let arrived = patch.iter().filter(|point| stopped(point));
+        let last = arrived
+            .map(|point| point.arrives)
+            .fold(f32::NEG_INFINITY, f32::max);
+        for point in patch {
+            // A face that lands at the very end of the step bounces as a whole, or one of its edges would throw it.
+            if !stopped(point) && point.arrives > last + at_once {
+                point.leave = 0.0;
+            }
+        }
+    }
+    bouncing.retain(|bouncing| bouncing.leave > 0.0);
+    if bouncing.is_empty() {
+        return;
+    }
+    let mut rows = rows(problem, &bouncing, substeps);
+    group(&mut rows, problem.bodies);
+    for group in rows.chunk_by_mut(|a, b| a.group == b.group) {
+        if group.iter().any(|row| row.leave > 0.0) {
+            throw(group, problem.points, problem.bodies, &bounces.pushes);
+        }
+    }
+    for row in rows {
+        let point = &mut problem.points[row.point];
+        point.normal += row.impulse;
+        if row.leave > 0.0 {
+            // The point has left the surface and carries nothing.
+            point.normal_impulse = 0.0;
+            let patch = &mut problem.patches[row.patch];
+            (patch.friction_impulse, patch.twist_impulse) = (Vec3::ZERO, 0.0);
+            patch.rolling_impulse = Vec3::ZERO;
+        }
+    }
+}
+
+/// Sorts rows into groups. The rows of a group share movable bodies, directly or through others.
+fn group(rows: &mut [Row], bodies: &[Body]) {
+    let mut groups = Groups::default();
+    groups.begin(bodies.len());
+    let moves = |body: usize| bodies[body].inverse_mass > 0.0;
+    for row in rows.iter() {
+        if row.bodies.into_iter().all(moves) {
+            groups.link(row.bodies.map(|body| body as u32));
+        }
+    }
+    for row in rows.iter_mut() {
+        let moved = row.bodies.into_iter().find(|&body| moves(body));
+        row.group = groups.first_of(moved.unwrap_or(0) as u32);
+    }
+    rows.sort_by_key(|row| row.group);
+}
+
+/// Bounces one group.
+fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
+    let mut ends: Vec<usize> = group.iter().flat_map(|row| row.bodies).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let before: Vec<_> = ends
+        .iter()
+        .map(|&end| [bodies[end].linear, bodies[end].angular])
+        .collect();
+    let fastest = group.iter().map(|row| row.leave).fold(0.0, f32::max);
+    for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
+        throw_together(patch, points, bodies);
+    }
+    for _ in 0..VISITS {
+        let mut change = 0.0f32;
+        for row in group.iter_mut() {
+            let missing = row.leave - row.speed(bodies);
+            let given = row.give(missing / row.response, bodies);
+            change = change.max(given.abs() * row.response);
+        }
+        if change < SETTLED * fastest {
+            break;
+        }
+    }
+    let share = affordable(group, bodies, &ends, &before, pushes);
+    if share < 1.0 {
+        for (&end, before) in ends.iter().zip(&before) {
+            let body = &mut bodies[end];
+            body.linear = before[0] + share * (body.linear - before[0]);
+            body.angular = before[1] + share * (body.angular - before[1]);
+        }
+        for row in group {
+            row.impulse *= share;
+        }
+    }
+}
+
+fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut next = bouncing.iter().peekable();
+    for (number, patch) in problem.patches.iter().enumerate() {
+        for index in patch.range() {
+            let bounces = next.next_if(|bouncing| bouncing.point == index);
+            let point = &problem.points[index];
+            if point.normal <= 0.0 && bounces.is_none() {
+                continue;
+            }
+            let bodies = patch.bodies.map(|body| body as usize);
+            let arms = patch.arms.map(|arm| arm + point.offset);
+            let response = |i: usize| problem.bodies[bodies[i]].response(patch.normal, arms[i]);
+            let response = response(0) + response(1);
+            if response <= 0.0 {
+                // Locked axes keep both bodies from moving along the normal.
+                continue;
+            }
+            rows.push(Row {
+                point: index,
+                patch: number,
+                group: 0,
+                bodies,
+                normal: patch.normal,
+                arms,
+                response,
+                leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
+                least: match bounces {
+                    Some(_) => 0.0,
+                    None => -point.normal_impulse / substeps as f32,
+                },
+                impulse: 0.0,
+            });
+        }
+    }
+    rows
+}
+
+/// Bounces a patch as a whole: its points get impulses in the proportion in which they were stopped, with the speed that fits them best. So
+/// a body that landed on a face leaves it as it came.
+fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body]) {
+    let (mut push, mut turns, mut missing) = (0.0, [Vec3::ZERO; 2], 0.0);
+    for row in patch.iter().filter(|row| row.leave > 0.0) {
+        let given = points[row.point].normal;
+        push += given;
+        for (turn, arm) in turns.iter_mut().zip(row.arms) {
+            *turn += arm.cross(given * row.normal);
+        }
+        missing += given * (row.leave - row.speed(bodies));
+    }
+    let first = &patch[0];
+    let [a, b] = first.bodies.map(|body| &bodies[body]);
+    let masses = [a, b].map(|body| body.inverse_mass_along(first.normal));
+    let takes = push * push * (masses[0] + masses[1])
+        + turns[0].dot(a.inverse_inertia * turns[0])
+        + turns[1].dot(b.inverse_inertia * turns[1]);
+    if missing > 0.0 && takes > 0.0 {
+        for row in patch.iter_mut().filter(|row| row.leave > 0.0) {
+            row.give(missing / takes * points[row.point].normal, bodies);
+        }
+    }
+}
+
+/// The share of a bounce for which the energy, kinetic and potential, is at most that before the step. `before` holds the velocities of the
+/// bodies in `ends` before the bounce.
+fn affordable(
+    group: &[Row],
+    bodies: &[Body],
+    ends: &[usize],
+    before: &[[Vec3; 2]],
+    pushes: &[[Vec3; 2]],
+) -> f32 {
+    let moves = |end: &Body| end.inverse_mass > 0.0;
+    let driven = |end: &Body| !moves(end) && end.start != [Vec3::ZERO; 2];
+    if ends.iter().any(|&end| driven(&bodies[end])) {
+        // A driven body does work.
+        return 1.0;
+    }
+    // E(s) = E(0) + s d + s² q.
+    let (mut d, mut q) = (0.0f64, 0.0f64);
+    for row in group {
+        let was = row.bodies.map(|body| {
+            let end = ends.binary_search(&body).expect("all ends were collected");
+            before[end]
+        });
+        let was = approach(was, &row.arms, row.normal);
+        d += (row.impulse * was) as f64;
+        q += (0.5 * row.impulse * (row.speed(bodies) - was)) as f64;
+    }
+    let spare: f64 = ends
+        .iter()
+        .zip(before)
+        .filter(|(end, _)| moves(&bodies[**end]))
+        .map(|(&end, before)| spent(&bodies[end], *before, pushes[end]))
+        .sum();
+    if d + q <= spare || q <= 0.0 {
+        return 1.0;
+    }
+    let root = (d * d + 4.0 * q * spare).max(0.0).sqrt();
+    ((root - d) / (2.0 * q)).clamp(0.0, 1.0) as f32
+}
+
+/// The energy that contacts have taken from a body in the substeps, J: its energy before the step, plus the work of forces, less its energy
+/// now.
+fn spent(body: &Body, now: [Vec3; 2], push: [Vec3; 2]) -> f64 {
+    let inertia = body.inertia();
+    let product = |[v, w]: [DVec3; 2], [x, y]: [DVec3; 2]| {
+        v.dot(x) / body.inverse_mass as f64 + w.dot(inertia * y)
+    };
+    let [start, now, push, moved] =
+        [body.start, now, push, body.motion.unwrap_or(now)].map(|v| v.map(|v| v.as_dvec3()));
+    0.5 * (product(start, start) - product(now, now)) + product(push, moved)
+}
+
+/// Normal velocity of A against B, from linear and angular velocities, m/s.
+fn approach([a, b]: [[Vec3; 2]; 2], arms: &[Vec3; 2], normal: Vec3) -> f32 {
+    let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
+    normal.dot(at(a, arms[0]) - at(b, arms[1]))
+}

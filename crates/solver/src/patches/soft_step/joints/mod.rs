@@ -1,0 +1,621 @@
+//! Joints, solved directly in every sweep.
+//!
+//! Rows that are relaxed one by one need sweeps in proportion to the number of links times the ratio of masses: a chain of 40 links under a
+//! load of a thousand links stretches by centimetres, or flies apart. So each connected [piece] of the joint graph is solved as a
+//! whole by a [sparse factorization](factor), after the contacts of every soft and every rigid sweep; the other way round it flies apart.
+//!
+//! - **Rows** ([`row`]) are springs a hundred thousand times as stiff as those of contacts. They are never quite rigid: joints that hold each
+//!   other redundantly would have no unique forces.
+//! - **Arms turn** within a step: directions, errors, inertias and the factorization are refreshed in each substep for what has turned by
+//!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way ([`Bend::inward_rate`](crate::joint::Bend::inward_rate)).
+//! - **Impulses** are applied anew where arms have turned. The extrapolation of velocities, which contacts use, would repeat forces in
+//!   directions in which they no longer act.
+//! - **Geometric stiffness** ([`Member::stiffen`]): a light link under a large pull vibrates faster than any substep.
+//! - **Contacts** that carry jointed bodies are a part of the solve ([`leaf`]).
+//! - **Bounds** of motors, limits and friction hold within the solve ([`piece`]).
+//! - **Breaking**: forces pass a low-pass with a time constant, since the force of a single substep grows with the rate of substeps
+//!   wherever something hits. Bonded patches break within the step ([`breaking`]), and share loads by their areas ([`sharing`]).
+
+mod borders;
+mod breaking;
+mod factor;
+mod leaf;
+mod loads;
+mod member;
+mod piece;
+mod row;
+mod sharing;
+mod springs;
+
+use super::block::{Pass, Spring};
+use crate::batches::Batches;
+use crate::groups::Groups;
+use crate::joint::{
+    COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
+};
+use crate::lanes::{F32xN, State, has_fused};
+use crate::{JointConstraint, Lanes, PatchProblem};
+use glam::{Mat3, Vec3};
+pub use leaf::Contacts;
+use leaf::{LeafPatch, read};
+use member::Member;
+use piece::{Lists, Piece};
+use row::{Link, Row};
+use std::cell::Cell;
+use std::ops::Range;
+
+/// A motor of infinite stiffness takes at least as many substeps to its target.
+const APPROACH: f32 = 4.0;
+
+/// Upper bounds of the speed of bodies that were placed, m/s and rad/s, and of the error of joints between them, m and rad.
+const PUT: f32 = 0.01;
+const PLACED: f32 = 0.005;
+
+/// The joints of an island.
+#[derive(Default)]
+pub struct Joints {
+    /// The bodies and the rows of each joint; the pieces were found for them.
+    shape: Vec<Shape>,
+    /// By body: it moves. Pieces depend on it.
+    moves: Vec<bool>,
+    /// Moving bodies, piece by piece, and then fixed ones.
+    members: Vec<Member>,
+    /// By body: its member if it moves, else `u32::MAX`.
+    member_of: Vec<u32>,
+    links: Vec<Link>,
+    rows: Vec<Row>,
+    pieces: Vec<Piece>,
+    patches: Vec<LeafPatch>,
+    offsets: Vec<Vec3>,
+    /// By link: what it has done in this step.
+    logs: Vec<Log>,
+    /// By member of a piece: the push and the moment of its joints, and their geometric stiffness.
+    pushes: Vec<[Vec3; 2]>,
+    bends: Vec<Mat3>,
+    /// The joints of the problem.
+    joints: Vec<JointConstraint>,
+    h: f32,
+    substeps: usize,
+    /// Number of substeps that have drifted.
+    drifted: usize,
+    /// b of the springs of contacts.
+    stiffness: f32,
+    bias_rate: f32,
+    fastest: f32,
+}
+
+/// The bodies of a joint and which rows it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shape {
+    bodies: [u32; 2],
+    rows: u32,
+}
+
+impl Shape {
+    fn of(joint: &JointConstraint, problem: &PatchProblem) -> Self {
+        let rows = match joint.acts(problem.bodies) {
+            true => rows_of(joint).fold(0, |rows, (number, part)| {
+                rows | 1 << (3 * number + part as usize)
+            }),
+            false => 0,
+        };
+        Self {
+            bodies: joint.bodies,
+            rows,
+        }
+    }
+}
+
+/// The forces of a joint over a step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Log {
+    /// Sums of force and torque, N and N·m.
+    sum: [Vec3; 2],
+    filtered: [Vec3; 2],
+    /// Of the last rigid sweep.
+    late: [Vec3; 2],
+    peak: [f32; 2],
+    /// How near its section is to breaking, if forces of a substep exceed its strength; and how it broke.
+    used: Option<Utilization>,
+    broke: Option<Utilization>,
+}
+
+impl Joints {
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// Whether joints hold a body.
+    pub fn hold(&self, body: usize) -> bool {
+        self.member_of
+            .get(body)
+            .is_some_and(|&member| member != u32::MAX)
+    }
+
+    /// The bodies of each piece, and its inverse mass as a whole, 1/kg; 0 if something holds it that does not move.
+    pub fn wholes(&self) -> impl Iterator<Item = (impl Iterator<Item = usize> + '_, f32)> + '_ {
+        self.pieces.iter().map(|piece| {
+            let members = &self.members[piece.members.clone()];
+            let links = self.links[piece.links.clone()].iter();
+            let is_free = links
+                .flat_map(|link| link.ends)
+                .all(|end| piece.members.contains(&end))
+                && members.iter().all(Member::moves_along_all_axes);
+            let mass: f32 = members.iter().map(|member| 1.0 / member.inverse_mass).sum();
+            let bodies = members.iter().map(|member| member.body as usize);
+            (bodies, if is_free { 1.0 / mass } else { 0.0 })
+        })
+    }
+
+    /// Finds the pieces, if the joints are not those of the last step.
+    pub fn place(&mut self, problem: &PatchProblem, batches: &Batches) {
+        let shape = problem.joints.iter().map(|joint| Shape::of(joint, problem));
+        let moves = problem.bodies.iter().map(|body| body.inverse_mass > 0.0);
+        if self.shape.iter().copied().eq(shape.clone())
+            && (problem.joints.is_empty() || self.moves.iter().copied().eq(moves.clone()))
+        {
+            return;
+        }
+        *self = Self {
+            shape: shape.collect(),
+            moves: moves.collect(),
+            ..Self::default()
+        };
+        self.find_pieces(problem);
+        let member_of = |body: u32| {
+            let member = self.member_of[body as usize];
+            (member != u32::MAX).then_some(member as usize)
+        };
+        let mut patches = LeafPatch::find(problem, batches, member_of);
+        let piece_of = |patch: &LeafPatch| {
+            let pieces = &self.pieces;
+            pieces.partition_point(|piece| piece.members.end <= patch.member)
+        };
+        patches.sort_by_key(piece_of);
+        for piece in &mut self.pieces {
+            let Range { start, end } = piece.members;
+            let [first, end] =
+                [start, end].map(|end| patches.partition_point(|patch| patch.member < end));
+            piece.patches = first..end;
+        }
+        self.patches = patches;
+    }
+
+    fn find_pieces(&mut self, problem: &PatchProblem) {
+        let (bodies, joints) = (&*problem.bodies, &*problem.joints);
+        let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
+        let acting = joints.iter().enumerate();
+        let acting = acting.filter(|(number, _)| self.shape[*number].rows != 0);
+        let acting: Vec<(usize, [u32; 2])> = acting
+            .map(|(number, joint)| (number, joint.bodies))
+            .collect();
+        let mut groups = Groups::default();
+        groups.begin(bodies.len());
+        for &(_, ends) in &acting {
+            if ends.into_iter().all(moves) {
+                groups.link(ends);
+            }
+        }
+        let mut ends: Vec<u32> = acting.iter().flat_map(|(_, ends)| *ends).collect();
+        ends.sort_unstable();
+        ends.dedup();
+        // Piece by piece, and fixed bodies last.
+        ends.sort_by_key(|&body| match moves(body) {
+            true => groups.first_of(body),
+            false => u32::MAX,
+        });
+        let mut place = vec![0; bodies.len()];
+        self.member_of.resize(bodies.len(), u32::MAX);
+        for (member, &body) in ends.iter().enumerate() {
+            place[body as usize] = member;
+            if moves(body) {
+                self.member_of[body as usize] = member as u32;
+            }
+        }
+        self.members = ends.iter().map(|&body| Member::new(body)).collect();
+        // The joints of a piece, those between the same bodies together, in the order in which they came.
+        let mut sorted: Vec<_> = acting
+            .iter()
+            .map(|&(number, ends)| {
+                let moved = ends.into_iter().find(|&body| moves(body));
+                let piece = groups.first_of(moved.unwrap_or(ends[0]));
+                let pair = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+                (piece, pair, number)
+            })
+            .collect();
+        sorted.sort_unstable();
+        let mut member = 0;
+        for piece in sorted.chunk_by(|a, b| a.0 == b.0) {
+            let first_link = self.links.len();
+            for &(_, _, number) in piece {
+                let joint = &joints[number];
+                let first = self.rows.len();
+                let rows = rows_of(joint);
+                self.rows
+                    .extend(rows.map(|(number, part)| Row::new(number, part)));
+                let ends = joint.bodies.map(|body| place[body as usize]);
+                let geometry = Geometry::new(joint, [Placement::START; 2]);
+                let rows = first..self.rows.len();
+                self.links.push(Link::new(number, ends, rows, geometry));
+            }
+            let first = member;
+            while member < ends.len()
+                && moves(ends[member])
+                && groups.first_of(ends[member]) == piece[0].0
+            {
+                member += 1;
+            }
+            let links = first_link..self.links.len();
+            let is_driven = self.rows[self.links[first_link].rows.start..]
+                .iter()
+                .any(|row| row.part == Part::Motor);
+            let piece = Piece::new(first..member, links, &self.links, is_driven);
+            self.pieces.push(piece);
+        }
+    }
+
+    /// Begins a step with substeps of `h` s, and applies the impulses to begin with to velocities.
+    pub fn begin<L: F32xN>(
+        &mut self,
+        problem: &PatchProblem,
+        spring: &Spring,
+        substeps: usize,
+        lanes: Lanes,
+        contacts: Contacts<L>,
+    ) {
+        self.begin_on(&[], problem, spring, substeps, lanes, contacts);
+    }
+
+    /// Like [`begin`](Self::begin), but pieces that were just built may also stand on these bodies (by number) that move, as if they did
+    /// not.
+    pub fn begin_on<L: F32xN>(
+        &mut self,
+        supports: &[bool],
+        problem: &PatchProblem,
+        spring: &Spring,
+        substeps: usize,
+        lanes: Lanes,
+        mut contacts: Contacts<L>,
+    ) {
+        if self.is_empty() {
+            return;
+        }
+        self.h = spring.h;
+        self.substeps = substeps;
+        self.drifted = 0;
+        (self.stiffness, self.bias_rate) = spring.stiffness_and_bias();
+        self.fastest = problem.max_correction_speed;
+        self.joints.clear();
+        self.joints.extend_from_slice(problem.joints);
+        for member in &mut self.members {
+            member.begin(&problem.bodies[member.body as usize]);
+        }
+        self.offsets.clear();
+        for patch in &mut self.patches {
+            patch.begin(problem, &mut self.offsets);
+        }
+        self.logs.clear();
+        let joints = &self.joints;
+        let logs = self.links.iter().map(|link| Log {
+            filtered: joints[link.joint].filtered,
+            late: joints[link.joint].late,
+            ..Log::default()
+        });
+        self.logs.extend(logs);
+        let times = self.times();
+        for link in &mut self.links {
+            let joint = &self.joints[link.joint];
+            for row in &mut self.rows[link.rows.clone()] {
+                *row = Row::new(row.coordinate, row.part);
+            }
+            link.point(joint, &mut self.rows, &self.members);
+            link.find_responses(&mut self.rows, &self.members);
+            link.start(joint, &mut self.rows, &times);
+        }
+        self.share_stiffness();
+        for link in &self.links {
+            let joint = &self.joints[link.joint];
+            link.ask(joint, &mut self.rows, &times);
+            link.soften(&mut self.rows, self.stiffness);
+        }
+        self.break_misfits();
+        let is_fused = lanes != Lanes::Four && has_fused();
+        for piece in &mut self.pieces {
+            piece.is_stale = true;
+            piece.is_refreshed = true;
+            piece.is_calm = false;
+            piece.is_first = true;
+            piece.is_strained = false;
+            piece.is_fused = is_fused;
+            let mut links = self.links[piece.links.clone()].iter();
+            piece.is_bonded = links.any(|link| self.joints[link.joint].section.is_some());
+        }
+        self.restart(contacts.velocities, |member, velocities| {
+            let [linear, angular] = read(velocities, member.body as usize);
+            let was = problem.bodies[member.body as usize].start[1];
+            (linear, was, angular - was)
+        });
+        self.cold_start(supports, problem, &mut contacts);
+    }
+
+    /// Finds the impulses of pieces that were just built, and of the contacts on which they stand: whose joints have none yet, and whose bodies
+    /// rest where joints want them. Then finds their geometric stiffness.
+    fn cold_start<L: F32xN>(
+        &mut self,
+        supports: &[bool],
+        problem: &PatchProblem,
+        contacts: &mut Contacts<L>,
+    ) {
+        let mut lists = Lists {
+            members: &mut self.members,
+            links: &self.links,
+            rows: &mut self.rows,
+            patches: &self.patches,
+            offsets: &self.offsets,
+        };
+        // The distance that a body falls from rest in a step.
+        let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
+        let closed = fallen.max(PLACED);
+        let joints = &self.joints;
+        let mut is_any_cold = false;
+        for piece in &mut self.pieces {
+            let links = lists.links[piece.links.clone()].iter();
+            let mut forces = links.flat_map(|link| joints[link.joint].forces);
+            if forces.all(|force| force == 0.0)
+                && piece.is_built(&lists, PUT, self.bias_rate * PLACED)
+            {
+                piece.cold_start(self.h, (closed, supports), &mut lists, contacts);
+                piece.is_refreshed = true;
+                is_any_cold = true;
+            }
+        }
+        if !is_any_cold {
+            return;
+        }
+        self.restart(contacts.velocities, |member, velocities| {
+            let [linear, angular] = read(velocities, member.body as usize);
+            let was = problem.bodies[member.body as usize].start[1];
+            let [moves, turns] = member.given;
+            (linear - moves, was, angular - was - turns)
+        });
+    }
+
+    fn times(&self) -> Times {
+        let left = (self.substeps - self.drifted) as f32;
+        Times {
+            h: self.h,
+            left: self.h * left.max(APPROACH),
+            bias_rate: self.bias_rate,
+            fastest: self.fastest,
+        }
+    }
+
+    /// Solves all pieces. Returns Σ Δλ times what each row lacked, J.
+    pub fn visit<L: F32xN>(&mut self, pass: &Pass, mut contacts: Contacts<L>) -> f32 {
+        let mut lists = Lists {
+            members: &mut self.members,
+            links: &self.links,
+            rows: &mut self.rows,
+            patches: &self.patches,
+            offsets: &self.offsets,
+        };
+        let mut sum = 0.0;
+        for piece in &mut self.pieces {
+            if piece.stays_calm(pass, &lists, &contacts) {
+                continue;
+            }
+            record(
+                piece,
+                (lists.links, &mut *lists.rows),
+                &mut self.logs,
+                (&self.joints, self.h),
+            );
+            sum += piece.visit(pass, &mut lists, &mut contacts);
+        }
+        sum
+    }
+
+    /// Follows the drift of bodies after a soft sweep. `velocities` are those with which they drifted.
+    pub fn drift(&mut self, velocities: &[Cell<State>], motions: &[Cell<State>]) {
+        self.drifted += 1;
+        for member in &mut self.members {
+            let body = member.body as usize;
+            member.drift(read(velocities, body), read(motions, body), self.h);
+        }
+        let times = self.times();
+        for piece in &mut self.pieces {
+            let slack = piece.calm() / self.bias_rate.max(f32::MIN_POSITIVE);
+            let members = &self.members[piece.members.clone()];
+            if piece.is_calm && members.iter().all(|member| member.is_still(slack)) {
+                continue;
+            }
+            piece.is_calm = false;
+            let links = &mut self.links[piece.links.clone()];
+            if links.iter().any(|link| link.is_stale(&self.members)) {
+                for member in &mut self.members[piece.members.clone()] {
+                    member.refresh();
+                }
+                for link in links {
+                    link.point(&self.joints[link.joint], &mut self.rows, &self.members);
+                }
+                (piece.is_stale, piece.is_refreshed) = (true, true);
+            } else {
+                for link in links {
+                    link.follow(&mut self.rows, &self.members);
+                }
+            }
+            for link in &self.links[piece.links.clone()] {
+                let joint = &self.joints[link.joint];
+                link.ask(joint, &mut self.rows, &times);
+            }
+        }
+    }
+
+    /// Ends a substep: records its forces, and prepares the velocities of the next one if there is any. `ended` are the velocities with
+    /// which it ended; `velocities` are extrapolated from them.
+    pub fn end_substep(
+        &mut self,
+        is_last: bool,
+        ended: &[Cell<State>],
+        velocities: &[Cell<State>],
+    ) {
+        for piece in &mut self.pieces {
+            piece.unrecorded += 1;
+            if is_last || !piece.is_calm || piece.is_strained {
+                record(
+                    piece,
+                    (&self.links, &mut self.rows),
+                    &mut self.logs,
+                    (&self.joints, self.h),
+                );
+            }
+        }
+        self.break_sections();
+        if is_last {
+            return;
+        }
+        self.restart(velocities, |member, velocities| {
+            let body = member.body as usize;
+            let ([linear, angular], was) = (read(velocities, body), read(ended, body));
+            let [moves, turns] = member.given;
+            (linear - moves, was[1], angular - was[1] - turns)
+        });
+    }
+
+    /// Applies the impulses of all pieces whose directions have changed. `bare` returns the velocities of a body without them: the linear
+    /// one, the angular one at the end of the last substep, and what it has gained since.
+    fn restart(
+        &mut self,
+        velocities: &[Cell<State>],
+        bare: impl Fn(&Member, &[Cell<State>]) -> (Vec3, Vec3, Vec3),
+    ) {
+        for piece in &mut self.pieces {
+            let is_refreshed = std::mem::take(&mut piece.is_refreshed);
+            let members = &mut self.members[piece.members.clone()];
+            // What does not turn needs no spin carried over.
+            let turns = |member: &Member| !piece.is_calm || member.turns(piece.calm());
+            let is_stiffened = members
+                .iter()
+                .any(|member| member.is_stiffened() && turns(member));
+            if !is_refreshed && !is_stiffened {
+                continue;
+            }
+            let (pushes, bends) = (&mut self.pushes, &mut self.bends);
+            pushes.clear();
+            pushes.resize(members.len(), [Vec3::ZERO; 2]);
+            bends.clear();
+            bends.resize(members.len(), Mat3::ZERO);
+            let first = piece.members.start;
+            for link in &self.links[piece.links.clone()] {
+                let impulse = link.impulse(&self.rows);
+                for (side, end) in link.ends.into_iter().enumerate() {
+                    if !piece.members.contains(&end) {
+                        continue;
+                    }
+                    let wrench = link.wrench(side, impulse);
+                    for (push, wrench) in pushes[end - first].iter_mut().zip(wrench) {
+                        *push += wrench;
+                    }
+                    let (arm, force) = (link.geometry.arms[side], wrench[0] / self.h);
+                    let along = Mat3::from_diagonal(Vec3::splat(arm.dot(force)));
+                    let across = Mat3::from_cols(force.x * arm, force.y * arm, force.z * arm);
+                    bends[end - first] += along - across;
+                }
+            }
+            let forces = pushes.iter().zip(&*bends);
+            for (member, (&[push, moment], bend)) in members.iter_mut().zip(forces) {
+                if is_refreshed {
+                    member.stiffen(bend, self.h);
+                }
+                let (linear, was, gained) = bare(member, velocities);
+                let carried = member.carry_spin(was) - was;
+                let [moves, turns] = member.respond(push, moment);
+                member.seen[1] = was + carried;
+                // The next substep carries the spin anew, too.
+                member.given = [moves, turns + carried];
+                let state = [linear + moves, was + gained + member.given[1]];
+                velocities[member.body as usize].set(state.map(|velocity| velocity.extend(0.0)));
+            }
+            piece.is_stale |= is_refreshed;
+        }
+    }
+
+    /// Stores the results. Loads at rest of contacts have followed by the share `rate`.
+    pub fn store(&self, problem: &mut PatchProblem, motions: &[State], rate: f32) {
+        if self.is_empty() {
+            return;
+        }
+        loads::follow(&self.patches, problem, rate);
+        for (link, log) in self.links.iter().zip(&self.logs) {
+            let joint = &mut problem.joints[link.joint];
+            joint.forces = [0.0; COORDINATES];
+            for row in &self.rows[link.rows.clone()] {
+                joint.forces[row.coordinate] += row.impulse / self.h;
+            }
+            joint.mean = log.sum.map(|sum| sum / self.substeps as f32);
+            (joint.filtered, joint.late, joint.peak) = (log.filtered, log.late, log.peak);
+            joint.broke = log.broke;
+        }
+        for member in self.members.iter().filter(|member| member.moves) {
+            let body = &mut problem.bodies[member.body as usize];
+            let motion = member.motion_of_step(&motions[member.body as usize]);
+            body.motion = Some(motion.map(|motion| motion / problem.dt));
+            body.motion_is_exact = true;
+        }
+    }
+}
+
+/// Records the forces of the substeps of a piece that were not recorded yet. They were the same in all of them.
+///
+/// Where arms turn, a rigid sweep stops the motion to which the next substep would have given its impulse. In filtered forces, that impulse counts as
+/// one of the next substep: a pendulum would seem to pull with 1, 3 and 5 times its weight in turns, and not with 3.
+fn record(
+    piece: &mut Piece,
+    (links, rows): (&[Link], &mut [Row]),
+    logs: &mut [Log],
+    (joints, h): (&[JointConstraint], f32),
+) {
+    let substeps = std::mem::take(&mut piece.unrecorded);
+    if substeps == 0 {
+        return;
+    }
+    piece.is_strained = false;
+    let links = links[piece.links.clone()].iter();
+    // Nearly all joints of a piece have the same filter.
+    let (mut filter, mut shares) = (f32::NAN, [0.0; 2]);
+    for (link, log) in links.zip(&mut logs[piece.links.clone()]) {
+        let joint = &joints[link.joint];
+        let (mut forces, mut late) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
+        for row in &mut rows[link.rows.clone()] {
+            let after = std::mem::take(&mut row.late);
+            let kind = usize::from(row.is_angular());
+            forces[kind] += row.impulse / h * row.direction;
+            late[kind] += after / h * row.direction;
+        }
+        if filter != joint.filter {
+            filter = joint.filter;
+            shares = [1, substeps - 1].map(|count| filter_share(count as f32 * h, filter));
+        }
+        let late = late.map(|force| link.geometry.local(force));
+        let carried = std::mem::replace(&mut log.late, late);
+        // The first substep has what the one before left over.
+        let parts = shares.into_iter().zip([carried, [Vec3::ZERO; 2]]);
+        for (share, carried) in parts.take(substeps as usize) {
+            for i in 0..2 {
+                let force = link.geometry.local(forces[i]) - late[i] + carried[i];
+                log.filtered[i] += share * (force - log.filtered[i]);
+                log.peak[i] = log.peak[i].max(log.filtered[i].length());
+            }
+        }
+        for (sum, force) in log.sum.iter_mut().zip(forces) {
+            *sum += substeps as f32 * force;
+        }
+        if let Some(section) = &joint.section
+            && log.broke.is_none()
+        {
+            let now = forces.map(|force| link.geometry.local(force));
+            log.used = breaking::lesser(section, log.filtered, now);
+            piece.is_strained |= log.used.is_some();
+        }
+    }
+}

@@ -1,0 +1,657 @@
+//! A connected piece of the joint graph, and its direct solve.
+//!
+//! Motors, friction and limits have bounded impulses, and contacts only push. A solve takes the rows as it found them in the last sweep,
+//! bounded or free. Where an impulse passes its bound it is fixed there, a fixed one that would come back is freed, and the piece is solved
+//! again, at most [`PASSES`] times. An impulse that is cut without another solve leaves its joint open.
+//!
+//! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its bodies
+//! neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
+
+use super::borders::{Borders, MOST_BORDERS, Wanted};
+use super::factor::{Coupling, Factor, Numbers};
+use super::leaf::{Contacts, Held, Leaf, LeafPatch, add, read};
+use super::member::Member;
+use super::row::{Bound, Link, Row};
+use super::springs::{self, Springs};
+use crate::lanes::{F32xN, PlainKernel, State, run_plain};
+use crate::patches::soft_step::block::Pass;
+use glam::{DVec3, Vec3};
+use std::cell::Cell;
+use std::ops::Range;
+
+/// Upper bound of solves in a visit. With 5, a joint of a ragdoll in a heap of 100 opened by 7.1 mm in a blow; with 20 none by more than 0.16 mm.
+/// Few visits need so many.
+const PASSES: usize = 20;
+
+/// A rate below which a fixed row counts as content, m/s or rad/s.
+const CONTENT: f64 = 1e-7;
+
+/// What a row or a contact may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it. With 1e-7, which
+/// is rounding of the velocities of a link under a hundred times its weight, a chain at rest is seldom calm; with 1e-5 it is nearly always,
+/// and trembles by 2e-5 m/s where it wakes.
+const CALM: f32 = 1e-6;
+
+/// What bonds may lack. They are so stiff that what they lack in a loop would strain them.
+const CALM_BOND: f32 = 1e-7;
+
+/// Number of borders from which on another factorization is less work than to add them.
+const MANY: usize = 3;
+
+/// How much softer than it is a contact may be in the solve. Its compliance changes with the number of contacts of its other body.
+const SOFTER: f64 = 2.0;
+
+/// Where a joint acts in the system.
+#[derive(Clone, Debug)]
+struct Seat {
+    /// The places of those of its bodies that move.
+    places: [Option<usize>; 2],
+    /// Its block, if both move.
+    coupling: Option<Coupling>,
+}
+
+/// Bodies that are connected by joints, directly or through others that move.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Its moving bodies among the members.
+    pub members: Range<usize>,
+    pub links: Range<usize>,
+    /// By link.
+    seats: Vec<Seat>,
+    factor: Factor,
+    /// The system differs from the factorized one.
+    pub is_stale: bool,
+    /// Directions have changed since the substep began.
+    pub is_refreshed: bool,
+    /// It has motors, whose targets come closer in every substep.
+    is_driven: bool,
+    /// It has bonds.
+    pub is_bonded: bool,
+    /// Forces of a substep exceed the strength of a bond, which breaks if they last.
+    pub is_strained: bool,
+    /// Nothing was factorized in this step yet.
+    pub is_first: bool,
+    /// All rows are content.
+    pub is_calm: bool,
+    /// Number of substeps that it was calm in and whose forces were not recorded.
+    pub unrecorded: usize,
+    /// Its patches among the leaf patches.
+    pub patches: Range<usize>,
+    leaves: Vec<Leaf>,
+    /// The contacts of the factorized system and of its borders.
+    held: Vec<Held>,
+    /// Rows that are solved for and not part of the factorized system, and those that are and are held by bounds.
+    borders: Borders,
+    /// The solution of the factorized system in this visit, without its borders, if it `is_begun`.
+    unbordered: Vec<Numbers>,
+    is_begun: bool,
+    /// It includes changes of impulses that bounds hold.
+    has_fixed: bool,
+    solution: Vec<Numbers>,
+    /// Solves use AVX2 and FMA.
+    pub is_fused: bool,
+}
+
+/// The lists of all pieces.
+pub struct Lists<'a> {
+    pub members: &'a mut [Member],
+    pub links: &'a [Link],
+    pub rows: &'a mut [Row],
+    pub patches: &'a [LeafPatch],
+    pub offsets: &'a [Vec3],
+}
+
+impl Piece {
+    /// `all` are the links of all pieces.
+    pub fn new(members: Range<usize>, links: Range<usize>, all: &[Link], is_driven: bool) -> Self {
+        let moving = |end: usize| members.contains(&end).then(|| end - members.start);
+        let ends = all[links.clone()].iter().map(|link| link.ends.map(moving));
+        let both = |ends: [Option<usize>; 2]| Some([ends[0]?, ends[1]?]);
+        let edges: Vec<_> = ends.clone().filter_map(both).collect();
+        let factor = Factor::new(members.len(), &edges);
+        let seats = ends.map(|ends| Seat {
+            places: ends.map(|end| Some(factor.place_of(end?))),
+            coupling: both(ends).map(|ends| factor.coupling(ends)),
+        });
+        Self {
+            seats: seats.collect(),
+            members,
+            links,
+            held: Vec::new(),
+            borders: Borders::default(),
+            unbordered: Vec::new(),
+            is_begun: false,
+            has_fixed: false,
+            solution: Vec::new(),
+            is_fused: false,
+            factor,
+            is_stale: true,
+            is_refreshed: true,
+            is_driven,
+            is_bonded: false,
+            is_strained: false,
+            is_first: true,
+            is_calm: false,
+            unrecorded: 0,
+            patches: 0..0,
+            leaves: Vec::new(),
+        }
+    }
+
+    /// Whether it is still calm. Finds its contacts that carry.
+    pub fn stays_calm<L: F32xN>(
+        &mut self,
+        pass: &Pass,
+        lists: &Lists,
+        contacts: &Contacts<L>,
+    ) -> bool {
+        let members = &lists.members[self.members.clone()];
+        let velocities = contacts.velocities;
+        self.is_calm
+            && members.iter().all(|member| {
+                member.is_as_calm(read(velocities, member.body as usize), self.calm())
+            })
+            && (self.patches.is_empty() || {
+                self.find_leaves(pass, lists, contacts);
+                self.leaves_are_content()
+            })
+    }
+
+    fn leaves_are_content(&self) -> bool {
+        let mut leaves = self.leaves.iter();
+        leaves.all(|leaf| leaf.lack.abs() < CALM as f64)
+    }
+
+    /// What its rows may lack while it is calm, m/s and rad/s.
+    pub fn calm(&self) -> f32 {
+        match self.is_bonded {
+            true => CALM_BOND,
+            false => CALM,
+        }
+    }
+
+    /// Finds whether it is calm, after what rows lack.
+    fn calm_down(&mut self, soft: bool, lists: &mut Lists, velocities: &[Cell<State>]) {
+        let links = &lists.links[self.links.clone()];
+        let mut rows = links.iter().flat_map(|link| &lists.rows[link.rows.clone()]);
+        self.is_calm = !self.is_driven
+            && rows.all(|row| row.is_content(soft, self.calm()))
+            && self.leaves_are_content();
+        if self.is_calm {
+            for member in &mut lists.members[self.members.clone()] {
+                member.calm_down(read(velocities, member.body as usize));
+            }
+        }
+    }
+
+    /// Brings the rates of its rows to the wanted ones. Returns Σ Δλ times what each row lacked, J.
+    pub fn visit<L: F32xN>(
+        &mut self,
+        pass: &Pass,
+        lists: &mut Lists,
+        contacts: &mut Contacts<L>,
+    ) -> f32 {
+        self.find_leaves(pass, lists, contacts);
+        let velocities = contacts.velocities;
+        self.find_lacks(pass.soft, 1.0 / pass.rate, lists, velocities);
+        self.calm_down(pass.soft, lists, velocities);
+        if self.is_calm {
+            return 0.0;
+        }
+        self.solve_within_bounds(lists);
+        let sum = self.apply(pass.soft, lists, velocities);
+        sum + self.apply_to_contacts(lists, contacts)
+    }
+
+    /// Finds the impulses that hold everything still, before the first sweep: joints that were just added have none to begin with, and a first
+    /// sweep of contacts would find nothing that bears them. Contacts that carry nothing yet get impulses and loads at rest too, with fixed
+    /// bodies and with those of `supports`, if their points are not farther apart than `closed` m.
+    pub fn cold_start<L: F32xN>(
+        &mut self,
+        h: f32,
+        (closed, supports): (f32, &[bool]),
+        lists: &mut Lists,
+        contacts: &mut Contacts<L>,
+    ) {
+        self.leaves.clear();
+        for number in self.patches.clone() {
+            let patch = &lists.patches[number];
+            let reach = (closed, supports);
+            patch.collect_new(number, contacts, lists.offsets, reach, &mut self.leaves);
+        }
+        self.find_lacks(false, h, lists, contacts.velocities);
+        self.calm_down(false, lists, contacts.velocities);
+        if !self.is_calm {
+            self.solve_within_bounds(lists);
+            self.apply(true, lists, contacts.velocities);
+            self.apply_to_contacts(lists, contacts);
+            for leaf in &self.leaves {
+                leaf.rest(lists.patches, contacts);
+            }
+        }
+        self.is_calm = false;
+    }
+
+    /// Whether no body is faster than `put` (m/s and rad/s), and no row corrects an error faster than `correction` (m/s and rad/s).
+    pub fn is_built(&self, lists: &Lists, put: f32, correction: f32) -> bool {
+        let mut links = lists.links[self.links.clone()].iter();
+        let mut members = lists.members[self.members.clone()].iter();
+        members.all(|member| !member.is_faster(put))
+            && links.all(|link| {
+                let mut rows = lists.rows[link.rows.clone()].iter();
+                rows.all(|row| (row.law.rate - row.law.rigid).abs() <= correction)
+            })
+    }
+
+    fn find_lacks(&self, soft: bool, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
+        for link in &lists.links[self.links.clone()] {
+            let now = |end: usize| read(velocities, lists.members[end].body as usize);
+            let relative = link.relative(link.ends.map(now));
+            let seen = link.ends.map(|end| lists.members[end].seen);
+            let bend = link.geometry.bend(seen);
+            for row in &mut lists.rows[link.rows.clone()] {
+                row.find_lack(soft, h, &bend, &relative);
+            }
+        }
+    }
+
+    /// Solves until impulses are within their bounds.
+    fn solve_within_bounds(&mut self, lists: &mut Lists) {
+        self.is_begun = false;
+        for round in 1..=PASSES {
+            run_plain(self.is_fused, Solve { piece: self, lists });
+            let last = round == PASSES;
+            if !self.fix_bounds(lists, last) {
+                break;
+            }
+            if last {
+                run_plain(self.is_fused, Solve { piece: self, lists });
+            }
+        }
+    }
+
+    /// What rows still lack with the solution.
+    #[inline(always)]
+    fn find_left(&self, lists: &mut Lists) {
+        let change = |place: Option<usize>| match place {
+            Some(place) => self.solution[place].map(|[x, y, z, _]| DVec3::new(x, y, z)),
+            None => [DVec3::ZERO; 2],
+        };
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            let [a, b] = seat.places.map(change);
+            let [one, other] = link.geometry.arms.map(Vec3::as_dvec3);
+            let along = (b[0] + b[1].cross(other)) - (a[0] + a[1].cross(one));
+            let relative = [along, b[1] - a[1]];
+            for row in &mut lists.rows[link.rows.clone()] {
+                let rate = row
+                    .direction
+                    .as_dvec3()
+                    .dot(relative[usize::from(row.is_angular())]);
+                row.left = row.lack as f64 - rate;
+            }
+        }
+    }
+
+    /// Finds the contacts that carry.
+    fn find_leaves<L: F32xN>(&mut self, pass: &Pass, lists: &Lists, contacts: &Contacts<L>) {
+        self.leaves.clear();
+        for number in self.patches.clone() {
+            lists.patches[number].collect(number, contacts, lists.offsets, pass, &mut self.leaves);
+        }
+        Leaf::share(&mut self.leaves, lists.patches);
+    }
+
+    /// Solves with the present bounds.
+    #[inline(always)]
+    fn solve<const FUSED: bool>(&mut self, lists: &mut Lists) {
+        if self.is_stale || !self.follow(lists) {
+            self.assemble::<FUSED>(lists);
+            self.factor.factorize::<FUSED>(self.is_first);
+            (self.is_stale, self.is_begun, self.is_first) = (false, false, false);
+        }
+        if !self.is_begun {
+            self.begin(lists);
+            self.factor.solve(&mut self.unbordered).run::<FUSED>();
+            self.is_begun = true;
+        }
+        self.borders.apply(&self.unbordered, &mut self.solution);
+        self.find_left(lists);
+    }
+
+    /// Takes over what is solved for now into the borders of the factorized system. Returns whether that is less work than another
+    /// factorization.
+    fn follow(&mut self, lists: &mut Lists) -> bool {
+        if !self.is_begun && !self.find_held() {
+            return false;
+        }
+        let rows = lists.rows[self.rows(lists)].iter();
+        let new = rows
+            .filter(|row| row.border.is_none() && row.is_moved())
+            .count();
+        let is_moved = |held: &&Held| held.is_factorized && held.border.is_none();
+        let ended = self.held.iter().filter(is_moved);
+        let ended = ended.filter(|held| !held.leaf.is_some_and(|leaf| self.leaves[leaf].is_active));
+        let begun = self.leaves.iter();
+        let begun = begun.filter(|leaf| leaf.is_active && leaf.held.is_none());
+        let new = new + ended.count() + begun.count();
+        if new >= MANY || self.borders.len() + new > MOST_BORDERS {
+            return false;
+        }
+        for held in &self.held {
+            if let Some(leaf) = held.leaf {
+                self.leaves[leaf].compliance = held.compliance;
+            }
+        }
+        self.borders.reset();
+        self.border_rows(lists);
+        self.border_leaves();
+        true
+    }
+
+    /// Its rows.
+    fn rows(&self, lists: &Lists) -> Range<usize> {
+        let links = &lists.links[self.links.clone()];
+        let [first, last] = [links.first(), links.last()];
+        first.map_or(0, |link| link.rows.start)..last.map_or(0, |link| link.rows.end)
+    }
+
+    fn border_rows(&mut self, lists: &mut Lists) {
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            for row in &mut lists.rows[link.rows.clone()] {
+                if row.border.is_none() && row.is_moved() {
+                    // Its impulse may have a part in what is solved already.
+                    self.is_begun &= row.is_factorized || !self.has_fixed;
+                    let compliance = row.compliance as f64;
+                    let corner = if row.is_factorized {
+                        compliance
+                    } else {
+                        -compliance
+                    };
+                    let direction = [0, 1].map(|side| {
+                        let place = seat.places[side]?;
+                        Some((place, springs::jacobian(link, row, side)))
+                    });
+                    let is_fused = self.is_fused;
+                    row.border = Some(self.borders.add(direction, corner, &self.factor, is_fused));
+                }
+                if let Some(border) = row.border {
+                    let [lack, compliance] = [row.lack, row.compliance].map(f64::from);
+                    let given = row.given_change();
+                    let wanted = Wanted::of(row.is_factorized, lack, compliance, given);
+                    self.borders.ask(border, wanted);
+                }
+            }
+        }
+    }
+
+    fn border_leaves(&mut self) {
+        for (number, leaf) in self.leaves.iter_mut().enumerate() {
+            if leaf.is_active && leaf.held.is_none() {
+                self.is_begun &= !self.has_fixed;
+                let place = self.factor.place_of(leaf.member - self.members.start);
+                leaf.held = Some(self.held.len());
+                self.held.push(leaf.hold(place, false, number));
+            }
+        }
+        for held in &mut self.held {
+            let leaf = held.leaf.map(|leaf| &self.leaves[leaf]);
+            let is_active = leaf.is_some_and(|leaf| leaf.is_active);
+            if held.border.is_none() && held.is_factorized != is_active {
+                let direction = [Some((held.place, held.numbers)), None];
+                let corner = match held.is_factorized {
+                    true => held.compliance,
+                    false => -held.compliance,
+                };
+                let is_fused = self.is_fused;
+                held.border = Some(self.borders.add(direction, corner, &self.factor, is_fused));
+            }
+            let Some(border) = held.border else {
+                continue;
+            };
+            let wanted = match leaf {
+                Some(leaf) => {
+                    let given = (!is_active).then_some(leaf.change);
+                    Wanted::of(held.is_factorized, leaf.lack, held.compliance, given)
+                }
+                None if held.is_factorized => Wanted::Value(0.0),
+                None => Wanted::Nothing,
+            };
+            self.borders.ask(border, wanted);
+        }
+    }
+
+    /// Finds which leaves of this visit are in the solve. Returns whether their compliances are near enough to those of the solve.
+    fn find_held(&mut self) -> bool {
+        let mut are_near = true;
+        for held in &mut self.held {
+            held.leaf = None;
+        }
+        for (number, leaf) in self.leaves.iter_mut().enumerate() {
+            leaf.held = self.held.iter().position(|held| held.key == leaf.key);
+            if let Some(held) = leaf.held {
+                let held = &mut self.held[held];
+                held.leaf = Some(number);
+                // Stiffer than it is would throw bodies.
+                let softer = held.compliance / leaf.compliance;
+                are_near &= (1.0 - CONTENT..SOFTER).contains(&softer);
+            }
+        }
+        are_near
+    }
+
+    /// Solves the factorized system without its borders.
+    #[inline(always)]
+    fn begin(&mut self, lists: &Lists) {
+        self.has_fixed = false;
+        let solution = &mut self.unbordered;
+        solution.clear();
+        solution.resize(self.factor.bodies(), Numbers::default());
+        let mut push = |place: usize, share: f64, numbers: Numbers| {
+            let to = solution[place].as_flattened_mut();
+            for (to, number) in to.iter_mut().zip(numbers.as_flattened()) {
+                *to += share * number;
+            }
+        };
+        for leaf in &self.leaves {
+            let place = self.factor.place_of(leaf.member - self.members.start);
+            let share = match leaf.held.map(|held| self.held[held].is_factorized) {
+                Some(true) => leaf.lack / leaf.compliance,
+                Some(false) => continue,
+                None => leaf.change,
+            };
+            self.has_fixed |= leaf.held.is_none();
+            push(place, share, leaf.numbers);
+        }
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            let mut sums = [DVec3::ZERO; 2];
+            for row in &lists.rows[link.rows.clone()] {
+                let impulse = if row.is_factorized {
+                    row.stiffness * row.lack as f64
+                } else if row.border.is_none() {
+                    row.fixed_change() as f64
+                } else {
+                    continue;
+                };
+                self.has_fixed |= !row.is_factorized && impulse != 0.0;
+                sums[usize::from(row.is_angular())] += impulse * row.direction.as_dvec3();
+            }
+            for (side, place) in seat.places.into_iter().enumerate() {
+                if let Some(place) = place {
+                    push(place, 1.0, springs::wrench(link, side, sums));
+                }
+            }
+        }
+    }
+
+    /// Writes the system, without borders. Rows that a bound holds are not part of it.
+    #[inline(always)]
+    fn assemble<const FUSED: bool>(&mut self, lists: &mut Lists) {
+        self.borders.clear();
+        self.factor.clear();
+        for number in self.members.clone() {
+            let member = &lists.members[number];
+            let place = self.factor.place_of(number - self.members.start);
+            let pivot = self.factor.pivot(place);
+            let masses = member.masses();
+            let inertia = member.inertia + member.excess;
+            for i in 0..3 {
+                pivot[i][0][i] = masses[i];
+                pivot[i + 3][1] = springs::quad(inertia.col(i));
+            }
+        }
+        self.held.clear();
+        for (number, leaf) in self.leaves.iter_mut().enumerate() {
+            leaf.held = leaf.is_active.then_some(self.held.len());
+            if !leaf.is_active {
+                continue;
+            }
+            let place = self.factor.place_of(leaf.member - self.members.start);
+            self.held.push(leaf.hold(place, true, number));
+            for (j, column) in self.factor.pivot(place).iter_mut().enumerate() {
+                let scaled = leaf.numbers[j / 3][j % 3] / leaf.compliance;
+                let to = column.as_flattened_mut().iter_mut();
+                for (to, number) in to.zip(leaf.numbers.as_flattened()) {
+                    *to += scaled * number;
+                }
+            }
+        }
+        for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
+            let rows = &mut lists.rows[link.rows.clone()];
+            for row in &mut *rows {
+                row.border = None;
+                row.is_factorized = row.bound == Bound::Free;
+            }
+            let springs = Springs::of::<FUSED>(link, rows);
+            for (side, place) in seat.places.into_iter().enumerate() {
+                if let Some(place) = place {
+                    springs.add_to::<FUSED>(self.factor.pivot(place), [side; 2]);
+                }
+            }
+            if let Some(coupling) = seat.coupling {
+                let (block, is_transposed) = self.factor.coupled(coupling);
+                let sides = if is_transposed { [1, 0] } else { [0, 1] };
+                springs.add_to::<FUSED>(block, sides);
+            }
+        }
+    }
+
+    /// Fixes impulses that have passed their bounds, and frees those that would come back; in the `last` round only the first. Returns
+    /// whether there were any.
+    fn fix_bounds(&mut self, lists: &mut Lists, last: bool) -> bool {
+        let mut changed = false;
+        let Self {
+            factor,
+            members,
+            solution,
+            leaves,
+            ..
+        } = self;
+        let of = |member: usize| &solution[factor.place_of(member - members.start)];
+        for leaf in leaves.iter_mut() {
+            let left = leaf.lack - leaf.rate(of(leaf.member));
+            if leaf.is_active {
+                leaf.change = left / leaf.compliance;
+                if leaf.impulse + leaf.change < 0.0 {
+                    leaf.change = -leaf.impulse;
+                    leaf.is_active = false;
+                    changed = true;
+                }
+            } else if !last && left - leaf.compliance * leaf.change > CONTENT {
+                leaf.is_active = true;
+                changed = true;
+            }
+        }
+        let rows = self.rows(lists);
+        for row in &mut lists.rows[rows] {
+            let [low, high] = row.law.bounds;
+            let bound = match row.bound {
+                Bound::Free => {
+                    let change = row.left * row.stiffness;
+                    let impulse = row.impulse as f64 + change;
+                    // Beyond rounding.
+                    let slack = 1e-6 * (row.impulse.abs() as f64 + change.abs());
+                    if impulse < low as f64 - slack {
+                        Bound::Low
+                    } else if impulse > high as f64 + slack {
+                        Bound::High
+                    } else {
+                        continue;
+                    }
+                }
+                fixed => {
+                    if last || row.is_released() {
+                        continue;
+                    }
+                    let left = row.left - (row.compliance * row.fixed_change()) as f64;
+                    let comes_back = match fixed {
+                        Bound::Low => left > CONTENT,
+                        _ => left < -CONTENT,
+                    };
+                    if !comes_back {
+                        continue;
+                    }
+                    Bound::Free
+                }
+            };
+            row.bound = bound;
+            changed = true;
+        }
+        changed
+    }
+
+    /// Applies the solution.
+    fn apply(&mut self, soft: bool, lists: &mut Lists, velocities: &[Cell<State>]) -> f32 {
+        let mut sum = 0.0;
+        for number in self.members.clone() {
+            let place = self.factor.place_of(number - self.members.start);
+            let [along, about] = self.solution[place].map(|[x, y, z, _]| DVec3::new(x, y, z));
+            let member = &mut lists.members[number];
+            let change = member.allowed(along, about);
+            add(velocities, member.body as usize, change);
+            member.seen = read(velocities, member.body as usize);
+            for (given, change) in member.given.iter_mut().zip(change) {
+                *given += change;
+            }
+        }
+        let rows = self.rows(lists);
+        for row in &mut lists.rows[rows] {
+            let [low, high] = row.law.bounds;
+            let impulse = (row.impulse + row.change()).clamp(low, high);
+            sum += (impulse - row.impulse) * row.lack;
+            if !soft {
+                row.count_late(impulse - row.impulse);
+            }
+            row.impulse = impulse;
+        }
+        sum
+    }
+
+    /// Applies the changes of contacts to them. Returns Σ Δλ times what each lacked, J.
+    fn apply_to_contacts<L: F32xN>(&self, lists: &mut Lists, contacts: &mut Contacts<L>) -> f32 {
+        let mut sum = 0.0;
+        for leaf in &self.leaves {
+            sum += (leaf.change * leaf.lack) as f32;
+            leaf.apply(lists.patches, lists.offsets, contacts);
+            let member = &mut lists.members[leaf.member];
+            let effect = leaf.effect(member);
+            for (given, change) in member.given.iter_mut().zip(effect) {
+                *given -= change;
+            }
+        }
+        sum
+    }
+}
+
+/// A solve with the present bounds, as a kernel.
+struct Solve<'a, 'b> {
+    piece: &'a mut Piece,
+    lists: &'a mut Lists<'b>,
+}
+
+impl PlainKernel for Solve<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        self.piece.solve::<FUSED>(self.lists);
+    }
+}

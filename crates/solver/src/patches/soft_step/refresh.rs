@@ -1,0 +1,297 @@
+//! The begin and the end of a step for blocks: they load the state of a problem, and store the results.
+
+use super::block::{Pass, Spring};
+use super::halves::Part;
+use super::island::Island;
+use super::joints::Contacts;
+use super::pipeline::Following;
+use crate::PatchProblem;
+use crate::batches::Batches;
+use crate::lanes::{F32xN, Kernel, State, cells};
+use glam::Vec4;
+use smallvec::SmallVec;
+use std::ops::Range;
+
+/// The data from which blocks are refreshed.
+pub struct Fresh<'a, 'p> {
+    pub problem: &'a PatchProblem<'p>,
+    pub batches: &'a Batches,
+    /// Whether effective masses were computed before.
+    pub prepared: bool,
+    /// By patch: its contact has another revision.
+    pub changed: &'a [bool],
+    /// By body: its inertia has changed; none if none has.
+    pub turned: Option<&'a [bool]>,
+    pub substeps: usize,
+    /// Velocities of the free motion.
+    pub free: &'a [State],
+    pub spring: &'a Spring,
+    /// See [`Island::frequencies`].
+    pub frequencies: &'a [f32],
+    pub pass: &'a Pass,
+    /// Points farther apart than this are open and get no impulse, m.
+    pub closed: f32,
+    /// Springs see no depth beyond this separation, m.
+    pub deepest: f32,
+}
+
+/// Refreshes some blocks and computes the merit of their free motion, J; both at once, while a block is in the cache.
+pub struct Refresh<'a, 'p, L: F32xN> {
+    pub part: Part<'a, L, L>,
+    pub fresh: &'a Fresh<'a, 'p>,
+}
+
+impl<L: F32xN> Kernel for Refresh<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { part, fresh } = self;
+        let problem = fresh.problem;
+        let mut i = 0;
+        while i < part.blocks.len() {
+            let points = part.points_of(i);
+            let (block, points) = (&mut part.blocks[i], &mut part.points[points]);
+            let patches = fresh.batches.block(part.first + i);
+            let mut stale = !fresh.prepared;
+            for (lane, number) in patches.clone() {
+                let patch = &problem.patches[number as usize];
+                if fresh.changed[number as usize] {
+                    let stiffness = block.stiffness[lane];
+                    block.load(points, lane, patch, problem, stiffness);
+                    stale = true;
+                } else if let Some(turned) = fresh.turned {
+                    for (side, body) in patch.bodies.into_iter().enumerate() {
+                        if turned[body as usize] {
+                            let body = &problem.bodies[body as usize];
+                            block.turn(lane, side, &body.inverse_inertia);
+                            stale = true;
+                        }
+                    }
+                }
+            }
+            block.begin(
+                points,
+                patches.clone(),
+                problem,
+                fresh.substeps,
+                fresh.deepest,
+            );
+            if fresh.closed < f32::INFINITY {
+                block.rest(points, fresh.closed);
+            }
+            if stale {
+                block.prepare(points);
+            }
+            let mut omega = L::splat(fresh.spring.omega);
+            if !fresh.frequencies.is_empty() {
+                for (lane, number) in patches {
+                    omega[lane] = fresh.frequencies[number as usize];
+                }
+            }
+            block.soften(fresh.spring, omega);
+            part.found[i] = block.missing(points, fresh.free, fresh.pass);
+            i += 1;
+        }
+    }
+}
+
+/// Stores the impulses in the problem.
+pub struct End<'a, 'p, L: F32xN> {
+    pub island: &'a Island<L>,
+    pub problem: &'a mut PatchProblem<'p>,
+    pub rate: f32,
+}
+
+impl<L: F32xN> Kernel for End<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            island,
+            problem,
+            rate,
+        } = self;
+        for (block, patches) in island.blocks.iter().zip(island.batches.iter()) {
+            let points = &island.points[block.range()];
+            block.end(
+                points,
+                patches,
+                problem,
+                (island.substeps, island.skipped),
+                rate,
+            );
+        }
+    }
+}
+
+/// Number of blocks that one thread refreshes before it applies their warm-start impulses. They stay in its cache for both.
+const AT_A_TIME: usize = 64;
+
+impl<L: F32xN> Island<L> {
+    /// Refreshes all blocks from the problem, and applies the warm-start impulses of contacts and grabs in the order of the sweep. Returns the
+    /// merit of the free motion, J.
+    pub fn refresh(
+        &mut self,
+        problem: &PatchProblem,
+        spring: &Spring,
+        pass: &Pass,
+        closed: f32,
+    ) -> f32 {
+        self.refresh_before(problem, spring, pass, closed, |_, _| ())
+    }
+
+    /// Like [`refresh`](Self::refresh). Calls `then` after every few blocks, with the number of blocks that are done.
+    fn refresh_before(
+        &mut self,
+        problem: &PatchProblem,
+        spring: &Spring,
+        pass: &Pass,
+        closed: f32,
+        mut then: impl FnMut(&mut Self, usize),
+    ) -> f32 {
+        self.free.clone_from(&self.velocities);
+        for held in &self.grabs {
+            held.start(cells(&mut self.velocities));
+        }
+        self.missing.resize(self.blocks.len(), L::ZERO);
+        let count = self.blocks.len();
+        let size = match problem.threads == 1 && self.batches.laps() == 1 {
+            true => AT_A_TIME,
+            false => count.max(1),
+        };
+        for first in (0..count).step_by(size) {
+            let blocks = first..(first + size).min(count);
+            self.refresh_blocks(blocks.clone(), problem, spring, pass, closed);
+            self.warm_start(blocks.clone());
+            then(self, blocks.end);
+        }
+        self.prepared = true;
+        let missing = self.missing.iter();
+        missing.fold(L::ZERO, |sum, &missing| sum + missing).sum()
+    }
+
+    /// Refreshes some blocks, and computes the merit of the free motion in each.
+    fn refresh_blocks(
+        &mut self,
+        blocks: Range<usize>,
+        problem: &PatchProblem,
+        spring: &Spring,
+        pass: &Pass,
+        closed: f32,
+    ) {
+        let fresh = Fresh {
+            problem,
+            batches: &self.batches,
+            prepared: self.prepared,
+            changed: &self.changed,
+            turned: self.any_turned.then_some(&*self.turned),
+            substeps: self.substeps,
+            free: &self.free,
+            spring,
+            frequencies: &self.frequencies,
+            pass,
+            closed,
+            deepest: self.deepest,
+        };
+        let points =
+            self.blocks[blocks.start].range().start..self.blocks[blocks.end - 1].range().end;
+        let part = Part {
+            first: blocks.start,
+            points: &mut self.points[points],
+            found: &mut self.missing[blocks.clone()],
+            blocks: &mut self.blocks[blocks],
+        };
+        part.each(problem.threads, &|part| {
+            L::run(Refresh {
+                part,
+                fresh: &fresh,
+            });
+        });
+    }
+
+    /// Prepares the first sweep: effective masses, the forces of a substep, and the warm start. Returns the merit of the free motion, √J.
+    pub fn start(
+        &mut self,
+        problem: &PatchProblem,
+        substeps: usize,
+        spring: &Spring,
+        passes: &[Pass],
+    ) -> f32 {
+        self.start_before(problem, substeps, spring, passes, |_, _| ())
+    }
+
+    /// Like [`start`](Self::start). Calls `then` after every few blocks, with the number of blocks that are prepared.
+    pub(super) fn start_before(
+        &mut self,
+        problem: &PatchProblem,
+        substeps: usize,
+        spring: &Spring,
+        passes: &[Pass],
+        then: impl FnMut(&mut Self, usize),
+    ) -> f32 {
+        self.begin(problem, substeps);
+        self.push(problem.bodies, 1.0 / substeps as f32);
+        let h = problem.dt / substeps as f32;
+        self.grab_places.begin(problem, h, &mut self.grabs);
+        let missing = self.refresh_before(problem, spring, &passes[0], f32::INFINITY, then);
+        let contacts = Contacts {
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            velocities: cells(&mut self.velocities),
+            motions: cells(&mut self.motions),
+        };
+        self.joints
+            .begin(problem, spring, substeps, self.lanes, contacts);
+        missing.sqrt()
+    }
+
+    /// Like [`start`](Self::start). If the blocks are larger than caches, sweeps follow through the blocks as these are prepared, so that blocks are read
+    /// from memory once: at most the first `sweeps` of the passes. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ² of each sweep that is done, J.
+    pub fn start_and_sweep(
+        &mut self,
+        problem: &PatchProblem,
+        substeps: usize,
+        spring: &Spring,
+        (passes, sweeps): (&[Pass], usize),
+    ) -> (f32, SmallVec<[f32; 8]>) {
+        let may_follow = problem.threads == 1 && self.batches.laps() == 1;
+        let pipeline = may_follow.then(|| self.take_pipeline(problem)).flatten();
+        let upwards = passes[..sweeps].iter().take_while(|pass| !pass.down);
+        let upwards = &passes[..upwards.count()];
+        let bytes = self.bytes();
+        let mut following = pipeline
+            .as_ref()
+            .and_then(|pipeline| Following::new(pipeline, upwards, bytes));
+        let follow = |island: &mut Self, past: usize| {
+            if let Some(following) = &mut following {
+                following.follow(island.work(), past);
+            }
+        };
+        let merit = self.start_before(problem, substeps, spring, passes, follow);
+        let changes = following.iter().flat_map(Following::changes).collect();
+        if may_follow {
+            self.pipeline = pipeline;
+        }
+        (merit, changes)
+    }
+
+    /// Stores the results in the problem. Loads at rest follow them by the share `rate`.
+    pub fn store(&self, problem: &mut PatchProblem, rate: f32) {
+        L::run(End {
+            island: self,
+            problem,
+            rate,
+        });
+        for (grab, held) in problem.grabs.iter_mut().zip(&self.grabs) {
+            *grab = held.found();
+        }
+        let states = self.velocities.iter().zip(&self.motions);
+        for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
+            [body.linear, body.angular] = velocity.map(Vec4::truncate);
+            body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
+        }
+        self.joints.store(problem, &self.motions, rate);
+    }
+}

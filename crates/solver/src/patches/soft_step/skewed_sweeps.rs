@@ -1,0 +1,217 @@
+//! Skewed sweeps: several sweeps at once, side by side in the lanes of one block.
+//!
+//! Where contacts stand in a row, as in a stack, no two of them can be relaxed side by side in one sweep. But the next sweep can follow
+//! this one up the row, in the lanes beside it. The sequence of blocks is cut into *laps* ([`Batches::skewed`]), each of which is one sweep
+//! behind the lap before it. In a *turn* every block is visited once, and each lap does its part of its own sweep. Contacts that share a
+//! body come in the same order as in sweeps one after the other: those of one lap because the turn keeps their order, those of two laps
+//! because a lap is at least as long as the distance between the first and the last contact of a body. The work on a body between two
+//! sweeps is done right after the last block that holds it. Grabs stand before a block, in one of its laps ([`edges`](super::edges)). So
+//! the result is that of sweeps one after the other, to the bit.
+
+use super::block::Pass;
+use super::island::Island;
+use super::kinds::{Kinds, Mixed, Rigid, Soft};
+use crate::PatchProblem;
+use crate::lanes::{F32xN, Kernel, State, cells};
+use std::cell::Cell;
+
+/// The visits after which a sweep has finished with bodies, found once for the blocks of an island.
+#[derive(Default)]
+pub struct SkewedSweeps {
+    /// Bodies that move, in the order of the last block of their last lap.
+    bodies: Vec<Last>,
+    /// By block: where its bodies end in `bodies`.
+    ends: Vec<u32>,
+    /// Σ Wᵢᵢ Δλᵢ² of each sweep, J.
+    changes: Vec<f32>,
+}
+
+/// By lap: the pass that it is in; none if it is idle.
+type AtWork<'a> = [Option<&'a Pass>; MOST];
+
+/// Upper bound of laps: one lane each.
+const MOST: usize = 8;
+
+/// A body, and the lap of the last of its contacts.
+#[derive(Clone, Copy)]
+struct Last {
+    body: u32,
+    lap: u32,
+}
+
+impl SkewedSweeps {
+    pub fn new<L: F32xN>(island: &Island<L>, problem: &PatchProblem) -> Self {
+        let batches = &island.batches;
+        // A sweep has finished at once with a body without contacts.
+        let mut last = vec![(0, 0); problem.bodies.len()];
+        for (block, lanes) in (0..).zip(batches.iter()) {
+            for (lane, patch) in lanes {
+                let lap = batches.lap_of(lane) as u32;
+                for body in problem.patches[patch as usize].bodies {
+                    let last = &mut last[body as usize];
+                    *last = (lap, block).max(*last);
+                }
+            }
+        }
+        let moves = |body: &u32| problem.bodies[*body as usize].inverse_mass > 0.0;
+        let mut bodies: Vec<u32> = (0..last.len() as u32).filter(moves).collect();
+        bodies.sort_by_key(|&body| last[body as usize].1);
+        let ends = (0..batches.blocks() as u32)
+            .map(|block| bodies.partition_point(|&body| last[body as usize].1 <= block) as u32);
+        Self {
+            ends: ends.collect(),
+            bodies: bodies
+                .iter()
+                .map(|&body| Last {
+                    body,
+                    lap: last[body as usize].0,
+                })
+                .collect(),
+            changes: Vec::new(),
+        }
+    }
+
+    /// The bodies with which a sweep has finished after a block.
+    #[inline(always)]
+    fn done(&self, block: usize) -> &[Last] {
+        let first = match block {
+            0 => 0,
+            _ => self.ends[block - 1],
+        };
+        &self.bodies[first as usize..self.ends[block] as usize]
+    }
+}
+
+/// The sweep that a lap is in during a turn; none if it is idle.
+fn sweep_of(lap: usize, turn: usize, passes: &[Pass]) -> Option<usize> {
+    let sweep = turn.checked_sub(lap)?;
+    (sweep < passes.len()).then_some(sweep)
+}
+
+impl<L: F32xN> Island<L> {
+    /// Runs all sweeps. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
+    pub fn sweep_skewed(
+        &mut self,
+        skewed: &mut SkewedSweeps,
+        passes: &[Pass],
+        tell: impl FnMut(f32),
+    ) {
+        skewed.changes.clear();
+        skewed.changes.resize(passes.len(), 0.0);
+        for turn in 0..passes.len() + self.batches.laps() - 1 {
+            let mut at_work = [None; MOST];
+            for (lap, pass) in at_work.iter_mut().take(self.batches.laps()).enumerate() {
+                *pass = sweep_of(lap, turn, passes).map(|sweep| &passes[sweep]);
+            }
+            let (change, held) = self.visit_all(skewed, &at_work);
+            for lane in 0..L::LANES {
+                if let Some(sweep) = sweep_of(self.batches.lap_of(lane), turn, passes) {
+                    skewed.changes[sweep] += change[lane];
+                }
+            }
+            for (lap, held) in held.into_iter().enumerate() {
+                if let Some(sweep) = sweep_of(lap, turn, passes) {
+                    skewed.changes[sweep] += held;
+                }
+            }
+        }
+        skewed.changes.iter().copied().for_each(tell);
+    }
+
+    /// Visits each block once. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by lap.
+    fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MOST]) {
+        let mine = &passes[..self.batches.laps()];
+        let all = |is: fn(&Pass) -> bool| mine.iter().all(|pass| pass.is_some_and(is));
+        if all(|pass| !pass.soft) {
+            self.visit_all_as(skewed, passes, Rigid)
+        } else if all(|pass| pass.soft && !pass.first) {
+            self.visit_all_as(skewed, passes, Soft { first: false })
+        } else {
+            let lanes = |is: fn(&Pass) -> bool| self.lanes_of(|lap| passes[lap].is_some_and(is));
+            let kinds = Mixed {
+                soft: lanes(|pass| pass.soft),
+                rigid: lanes(|pass| !pass.soft),
+                soft_again: lanes(|pass| pass.soft && !pass.first),
+            };
+            self.visit_all_as(skewed, passes, kinds)
+        }
+    }
+
+    fn visit_all_as<K: Kinds<L>>(
+        &mut self,
+        skewed: &SkewedSweeps,
+        passes: &AtWork,
+        kinds: K,
+    ) -> (L, [f32; MOST]) {
+        L::run(Visits {
+            island: self,
+            skewed,
+            passes,
+            kinds,
+        })
+    }
+}
+
+/// One visit to each block. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by lap.
+struct Visits<'a, L: F32xN, K> {
+    island: &'a mut Island<L>,
+    skewed: &'a SkewedSweeps,
+    passes: &'a AtWork<'a>,
+    kinds: K,
+}
+
+impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
+    type Output = (L, [f32; MOST]);
+
+    #[inline(always)]
+    fn run(self) -> (L, [f32; MOST]) {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            before,
+            motions,
+            grab_places,
+            grabs,
+            fastest,
+            ..
+        } = self.island;
+        let states: [&[Cell<State>]; 3] = [cells(velocities), cells(before), cells(motions)];
+        let [velocities, before, motions] = states;
+        // The passes differ only in the kinds of their lanes and in the work after visits, so any of them will do.
+        let Some(any) = self.passes.iter().flatten().next() else {
+            return (L::ZERO, [0.0; MOST]);
+        };
+        let mut change = L::ZERO;
+        let mut held = [0.0; MOST];
+        let groups = grab_places.places.groups();
+        let mut group = 0;
+        for (number, block) in blocks.iter_mut().enumerate() {
+            while group < groups.len() && groups[group].block as usize == number {
+                let lap = groups[group].lap as usize;
+                if self.passes[lap].is_some() {
+                    held[lap] += grab_places.places.visit(
+                        &groups[group],
+                        grabs,
+                        velocities,
+                        motions,
+                        *fastest,
+                    );
+                }
+                group += 1;
+            }
+            let points = &mut points[block.range()];
+            change += block.relax(self.kinds, points, velocities, motions, any);
+            for &Last { body, lap } in self.skewed.done(number) {
+                if let Some(pass) = self.passes[lap as usize] {
+                    let body = body as usize;
+                    pass.end(&velocities[body], &before[body], &motions[body]);
+                }
+            }
+        }
+        (change, held)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! The acceptance list: what the method must hold, and what must fall without friction stabilization.
 //!
-//! Δt 0.1, 60 s, three seeds, no warm start, the new normal stabilization unless said. Limits of drift are the README's figures with a
-//! little room, or the list's.
+//! Δt 0.1, 60 s, three seeds, no warm start, the new normal stabilization unless said. Limits of drift are the figures of
+//! `docs/findings.md` with a little room, or the list's.
 
 use drystone::body::Velocity;
 use drystone::settings::{AnchorRule, ContactSolver, NormalStabilization, PhysicsThreads, Preset};

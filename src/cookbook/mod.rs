@@ -98,6 +98,9 @@ pub mod drag {}
 pub mod explosion {}
 
 #[doc = include_str!("save.md")]
+/// ```ignore
+#[doc = include_str!("save.rs")]
+/// ```
 pub mod save {}
 
 #[doc = include_str!("replay.md")]

@@ -6,75 +6,8 @@
 //! that slept are asleep at once, nothing settles anew, loads and supports are those of before, and no [`ContactStarted`](crate::contact::ContactStarted)
 //! or [`SensorEntered`](crate::sensor::SensorEntered) is sent again.
 //!
-//! Enable the feature `serde`, because shapes are written by it.
-//!
-//! ```
-//! # #[cfg(feature = "serde")] {
-//! use bevy_app::App;
-//! use bevy_ecs::entity::EntityHashMap;
-//! use bevy_ecs::prelude::*;
-//! use bevy_world_serialization::serde::WorldDeserializer;
-//! use bevy_world_serialization::{DynamicWorldBuilder, WorldFilter};
-//! use drystone::masonry::{Bond, Wall};
-//! use drystone::prelude::*;
-//! use drystone::saving;
-//! use serde::de::DeserializeSeed;
-//!
-//! # struct NoAssets;
-//! # impl bevy_asset::LoadFromPath for NoAssets {
-//! #     fn load_from_path_erased(&mut self, _: std::any::TypeId, _: bevy_asset::AssetPath<'static>) -> bevy_asset::UntypedHandle {
-//! #         unreachable!("the scene has no assets")
-//! #     }
-//! # }
-//! # fn new_app() -> App {
-//! #     let mut app = App::new();
-//! #     app.add_plugins(DrystonePlugins::default());
-//! #     app
-//! # }
-//! let mut app = new_app(); // with `DrystonePlugins`
-//! let world = app.world_mut();
-//! world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
-//! for brick in Wall::new(Bond::Running).blocks().unwrap() {
-//!     world.spawn(brick.bundle());
-//! }
-//! for _ in 0..120 {
-//!     drystone::step(world, 1.0 / 60.0).unwrap();
-//! }
-//!
-//! // Save.
-//! let entities = saving::prepare(world); // and your own
-//! let registry = world.resource::<AppTypeRegistry>().clone();
-//! let text = DynamicWorldBuilder::from_world(world, &registry.read())
-//!     .with_component_filter(WorldFilter::Denylist(saving::computed(world).collect()))
-//!     .with_resource_filter(WorldFilter::Allowlist(saving::settings().collect())) // and your own
-//!     .extract_entities(entities.into_iter())
-//!     .extract_resources()
-//!     .build()
-//!     .serialize(&registry.read())
-//!     .unwrap();
-//!
-//! // Load. In a game, the asset server does this with a file.
-//! let mut app = new_app();
-//! let world = app.world_mut();
-//! let registry = world.resource::<AppTypeRegistry>().clone();
-//! let scene = WorldDeserializer {
-//!     type_registry: &registry.read(),
-//!     load_from_path: &mut NoAssets,
-//! };
-//! let scene = scene.deserialize(&mut ron::de::Deserializer::from_str(&text).unwrap()).unwrap();
-//! scene.write_to_world(world, &mut EntityHashMap::default()).unwrap();
-//! let mut bricks = world.query::<(&RigidBody, &Pose, &Sleeping)>();
-//! let heights = |world: &World, bricks: &mut QueryState<(&RigidBody, &Pose, &Sleeping)>| {
-//!     let mut heights: Vec<f32> = bricks.iter(world).map(|(_, pose, _)| pose.position.y).collect();
-//!     heights.sort_by(f32::total_cmp);
-//!     heights
-//! };
-//! let before = heights(world, &mut bricks);
-//! drystone::step(world, 1.0 / 60.0).unwrap();
-//! assert!(bricks.iter(world).all(|(kind, _, sleeping)| *kind != RigidBody::Dynamic || sleeping.asleep));
-//! assert_eq!(heights(world, &mut bricks), before);
-//! # }
-//! ```
+//! Enable the features `bevy_reflect`, by which scenes find components, and `serde`, which writes shapes. The cookbook of this documentation has
+//! [functions that save and load](crate::cookbook::save).
 //!
 //! # What comes back
 //!

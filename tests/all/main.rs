@@ -43,14 +43,12 @@ mod quiet;
 #[cfg(feature = "serde")]
 mod recording;
 mod reference;
-mod reflection;
 mod refresh;
 mod rest;
 mod restraints;
 mod rods;
 mod round;
 #[cfg(feature = "serde")]
-mod saving;
 mod sensors;
 mod settling;
 mod sizes;

@@ -122,29 +122,6 @@ fn threads_and_other_entities_change_no_bit() {
 }
 
 #[test]
-fn joints_reflect_and_are_registered() {
-    use bevy_ecs::reflect::{AppTypeRegistry, ReflectComponent};
-    use std::any::TypeId;
-    let lab = Lab::new();
-    let registry = lab.world.resource::<AppTypeRegistry>().read();
-    for kind in [
-        TypeId::of::<FixedJoint>(),
-        TypeId::of::<RevoluteJoint>(),
-        TypeId::of::<PrismaticJoint>(),
-        TypeId::of::<SphericalJoint>(),
-        TypeId::of::<DistanceJoint>(),
-        TypeId::of::<SpringJoint>(),
-        TypeId::of::<GenericJoint>(),
-        TypeId::of::<BreakForce>(),
-        TypeId::of::<JointForces>(),
-        TypeId::of::<JointDisabled>(),
-    ] {
-        let known = registry.get_type_data::<ReflectComponent>(kind);
-        assert!(known.is_some(), "{kind:?}");
-    }
-}
-
-#[test]
 fn a_preview_copies_joints() {
     let mut lab = Lab::new();
     lab.dt = 1.0 / 60.0;

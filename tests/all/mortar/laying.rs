@@ -152,19 +152,3 @@ fn previews_take_bonds_along() {
     assert_eq!(moved(&on(1)), []);
     assert_eq!(moved(&on(5)), all[1..]);
 }
-
-/// Spawned with its bonds from another world's data: all are components.
-#[test]
-fn mortar_can_be_reflected() {
-    let mut app = bevy_app::App::new();
-    app.add_plugins(DrystonePlugins::default());
-    let registry = app.world().resource::<AppTypeRegistry>().read();
-    for name in [
-        "drystone::mortar::Mortar",
-        "drystone::mortar::joint::MortarJoint",
-    ] {
-        let found = registry.get_with_type_path(name);
-        let found = found.unwrap_or_else(|| panic!("{name} is not registered"));
-        assert!(found.data::<ReflectComponent>().is_some(), "{name}");
-    }
-}

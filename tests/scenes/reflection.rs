@@ -208,6 +208,17 @@ fn types_can_be_inserted_and_sent_through_reflection() {
     let app = app();
     has::<Collider, ReflectComponent>(&app);
     has::<RevoluteJoint, ReflectComponent>(&app);
+    has::<PrismaticJoint, ReflectComponent>(&app);
+    has::<SphericalJoint, ReflectComponent>(&app);
+    has::<FixedJoint, ReflectComponent>(&app);
+    has::<DistanceJoint, ReflectComponent>(&app);
+    has::<SpringJoint, ReflectComponent>(&app);
+    has::<GenericJoint, ReflectComponent>(&app);
+    has::<BreakForce, ReflectComponent>(&app);
+    has::<JointForces, ReflectComponent>(&app);
+    has::<JointDisabled, ReflectComponent>(&app);
+    has::<Mortar, ReflectComponent>(&app);
+    has::<MortarJoint, ReflectComponent>(&app);
     has::<ContactPair, ReflectComponent>(&app);
     has::<SolverSettings, ReflectResource>(&app);
     has::<PhysicsTime, ReflectResource>(&app);

@@ -726,3 +726,15 @@ fn a_sleeping_body_wakes_at_the_same_weight_after_loading() {
         }
     }
 }
+
+/// The code of the cookbook's page about saving.
+mod cookbook {
+    use super::NoAssets;
+
+    include!("../../src/cookbook/save.rs");
+
+    #[test]
+    fn its_code_saves_and_loads() {
+        an_arch_is_saved_and_loaded();
+    }
+}

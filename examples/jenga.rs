@@ -4,7 +4,7 @@
 //! out on a copy of the tower ([`Shadow`]), and asks how far that could be tilted then ([`stability`]). It takes the first that is safe, and ends when none is.
 //!
 //! ```text
-//! cargo run --release -p drystone-lab --features stability --example jenga -- [LAYERS [LEAST_TILT_IN_DEGREES]]
+//! cargo run --release -p drystone-examples --features stability --example jenga -- [LAYERS [LEAST_TILT_IN_DEGREES]]
 //! ```
 //!
 //! It prints the tower and leaves pictures of it in `target/jenga/`.

@@ -252,7 +252,6 @@ impl MapEntities for Suspects {
 
 /// Warnings that were sent. They are not repeated while their cause lasts.
 #[derive(Resource, Clone, Debug, Default)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct Told {

@@ -130,7 +130,7 @@ pub mod query;
 #[cfg(feature = "serde")]
 pub mod recording;
 #[cfg(feature = "bevy_reflect")]
-mod reflection;
+pub mod reflection;
 pub mod revision;
 pub mod saving;
 pub mod schedule;

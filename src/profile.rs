@@ -10,8 +10,6 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{Adapt, AdapterSystem, IntoAdapterSystem, RunSystemError, System, SystemIn};
 use bevy_platform::time::Instant;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use std::any::TypeId;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,7 +18,6 @@ use std::time::Duration;
 
 /// The time that each system took in the last step, in the order in which the systems were added.
 #[derive(Resource, Clone, Debug, Default)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
     /// Types of drystone's own systems.

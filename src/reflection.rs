@@ -1,33 +1,43 @@
-//! The types that are registered for reflection: all public components, resources, settings and messages, and the types in their fields.
+//! Reflection (feature `bevy_reflect`): the types that inspectors, scenes and the remote protocol see.
 //!
-//! Types that are only names here are opaque and cannot be inserted through reflection: they belong to one world, hold code or threads, or are
-//! computed in every step. So a scene that is saved does not contain them.
+//! The [plugins](crate::DrystonePlugins) register what a user reads, edits or saves, and the types in the fields of these:
+//!
+//! | of | types |
+//! |---|---|
+//! | bodies | `RigidBody`, `Pose`, `Velocity`, `Motion`, `Sleeping`, `SpawnOrder`, `BodyIndex`, `MassProperties`, `Mass`, `AngularInertia`, `CenterOfMass`, `Density`, `Damping`, `GravityScale`, `ExternalForce`, `ExternalImpulse`, `LockedAxes`, `Dominance`, `MaxLinearSpeed`, `MaxAngularSpeed`, `SolverEffort`, `Teleport`, `Quarantined`, `RigidBodyDisabled`, `ColliderDisabled`, `Load`, `Watch`, `Laid`, `Saved` |
+//! | colliders | `Collider`, `ColliderShape`, `ColliderOf`, `ImplicitBody`, `CompoundCollider`, `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity`, `CollisionLayers`, `CollisionExceptions`, `ContactEvents`, `ContactForceEvents`, `ActiveContactHooks`, `CollidingEntities`, `Sensor`, `SensorOverlaps` |
+//! | joints, mortar | `FixedJoint`, `RevoluteJoint`, `PrismaticJoint`, `SphericalJoint`, `DistanceJoint`, `SpringJoint`, `GenericJoint`, `JointAxes`, `JointForces`, `BreakForce`, `JointDisabled`, `QuarantinedJoint`, `Mortar`, `MortarJoint` |
+//! | hands | `Grab`, `GrabForce`, `Hand`, `HandState`, `HeldBy` |
+//! | pairs | `ContactPair`, `Manifold`, `ContactTargets`, `ContactImpulses`, `ContactAnchors` |
+//! | settings | `Gravity`, `PhysicsTime`, `StepTime`, `SolverSettings`, `ContactSolver`, `SoftStep`, `Pgs`, `Nncg`, `StabilizationSettings`, `NarrowphaseSettings`, `SleepSettings`, `SpeedLimits`, `CollapseSettings` |
+//! | messages and reports | `ContactStarted`, `ContactEnded`, `ContactForce`, `SensorEntered`, `SensorExited`, `JointBroke`, `MortarBroke`, `Collapse`, `CollapseEnded`, `BodyError`, `JointError`, `StepError`, `SolveReports` |
+//! | Bevy | `Transform`, `ChildOf`, `Children`, `Name`, `Disabled` |
+//!
+//! Types that belong to one world, hold code or threads, or are computed in every step are not reflected: the table of bodies, the broadphase, the
+//! constraint graph, islands, the profile, hooks, threads and the log of edits. A shape is opaque, and is read by its
+//! [description](crate::collider::Collider::description). With the feature `serde` the types are also serialized by reflection, as scenes do.
 
-use crate::body::{self, Inactive, Quarantined, RigidBodyDisabled, Teleport};
-use crate::broadphase::Broadphase;
+use crate::body::{self, Quarantined, RigidBodyDisabled, Teleport};
 use crate::children::{ColliderOf, ImplicitBody};
 use crate::collapse::{Collapse, CollapseEnded, CollapseSettings, Watch};
 use crate::collider::ColliderShape;
 use crate::contact::{
     CollidingEntities, ContactAnchors, ContactEnded, ContactForce, ContactForceEvents,
-    ContactHooks, ContactImpulses, ContactPair, ContactStarted, ContactTargets, Load, Manifold,
-    MovingSurfaces,
+    ContactImpulses, ContactPair, ContactStarted, ContactTargets, Load, Manifold,
 };
-use crate::diagnosis::{BodyError, StepError, Told};
+use crate::diagnosis::{BodyError, StepError};
 use crate::grab::{GrabForce, Hand, HandState, HeldBy};
-use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::{
-    self, BreakForce, JointAxes, JointBroke, JointDisabled, JointEdge, JointError, JointForces,
+    self, BreakForce, JointAxes, JointBroke, JointDisabled, JointError, JointForces,
     QuarantinedJoint,
 };
-use crate::masonry::{EditLog, Laid};
+use crate::masonry::Laid;
 use crate::mortar::{Mortar, MortarBroke};
-use crate::profile::Profile;
 use crate::saving::Saved;
 use crate::sensor::{Sensor, SensorEntered, SensorExited, SensorOverlaps};
 use crate::settings::{
-    ActiveSettings, ContactSolver, Gravity, NarrowphaseSettings, PhysicsThreads, PhysicsTime,
-    SleepSettings, SolverSettings, SpeedLimits, StabilizationSettings, StepTime,
+    ContactSolver, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
+    SpeedLimits, StabilizationSettings, StepTime,
 };
 use crate::solve::SolveReports;
 use crate::solver::{Nncg, Pgs, SoftStep};
@@ -43,7 +53,7 @@ macro_rules! register {
     };
 }
 
-/// Registers all of them.
+/// Registers them.
 pub(crate) fn register(app: &mut App) {
     // Bodies and colliders.
     body::register(app);
@@ -123,15 +133,4 @@ pub(crate) fn register(app: &mut App) {
     register!(app, SensorEntered, SensorExited, MortarBroke);
     // Components of Bevy that bodies have, which it registers only with plugins of its own.
     register!(app, Transform, ChildOf, Children, Name, Disabled);
-    // Names.
-    register!(app, Inactive, JointEdge, body::BodyTable, Broadphase);
-    register!(
-        app,
-        ConstraintGraph,
-        Islands,
-        ActiveSettings,
-        MovingSurfaces,
-        Told
-    );
-    register!(app, ContactHooks, PhysicsThreads, Profile, EditLog);
 }

@@ -13,14 +13,11 @@ use super::{BodyTable, Pose, Simulated};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 
 /// Marks a body that the stages skip because nothing about it changes. They skip a pair if both of its bodies are inactive; see
 /// [`ConstraintGraph::active_pairs`](crate::graph::ConstraintGraph::active_pairs).
 #[derive(Component, Clone, Copy, Debug)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore)]
 pub struct Inactive(());

@@ -325,7 +325,6 @@ const SLENDER: f32 = 6.0;
 
 /// All live bodies by slot: a dense copy of the data that the stages read at random, and of the state of each body in the last step.
 #[derive(Resource, Debug, Default)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct BodyTable {

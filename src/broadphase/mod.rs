@@ -15,8 +15,6 @@ use crate::collider::Collider;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
 use crate::state::clone_fields;
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use fixedbitset::FixedBitSet;
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -44,7 +42,6 @@ const SPARE: u32 = 8;
 
 /// The tree, and the overlaps that were found in it.
 #[derive(Resource, Default)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Broadphase {
     #[cfg_attr(feature = "serde", serde(with = "crate::state::written::tree"))]

@@ -58,7 +58,6 @@ pub trait ContactHook: Send + Sync + 'static {
 /// assert!((world.get::<Transform>(ball).unwrap().translation.y - 0.35).abs() < 0.01);
 /// ```
 #[derive(Resource, Clone)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 pub struct ContactHooks(Arc<dyn ContactHook>);
 
 impl ContactHooks {

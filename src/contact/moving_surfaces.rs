@@ -2,14 +2,11 @@
 
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use glam::Vec3;
 
 /// Velocities that friction demands of A against B, by the number of the pair's edge, m/s, world axes. Written anew in every step, in the stage
 /// *narrowphase*.
 #[derive(Resource, Clone, Debug, Default)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[doc(hidden)]
 pub struct MovingSurfaces(

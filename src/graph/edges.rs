@@ -15,8 +15,6 @@ use crate::body::make_room;
 use crate::state::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use smallvec::SmallVec;
 use std::fmt;
 
@@ -141,7 +139,6 @@ impl Changes {
 
 /// The constraint graph: bodies by slot, and the edges between them. See the [module](super).
 #[derive(Resource, Default)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct ConstraintGraph {

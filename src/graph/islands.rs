@@ -21,8 +21,6 @@ use crate::state::clone_fields;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use std::fmt;
 
 /// The island, the structure and the level of support of each body: views of the [`ConstraintGraph`].
@@ -30,7 +28,6 @@ use std::fmt;
 /// A *structure* is a set of dynamic bodies that are connected by links, whether they sleep or not. An *island* is a set of awake bodies that
 /// are connected by links between awake bodies: they are solved together. Static, kinematic and sleeping bodies separate islands.
 #[derive(Resource, Debug)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct Islands {

@@ -8,8 +8,6 @@ use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 
 /// Rounding of the place of an anchor, as a share of its distance from the origin: of a position, and of an arm by a rotation.
@@ -17,7 +15,6 @@ const ROUNDING: f32 = 2.0 * f32::EPSILON;
 
 /// A joint that takes part in the simulation: its edge, and its definition with local frames. Internal.
 #[derive(Component, Clone, Debug)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = lose_edge, clone_behavior = Ignore, map_entities)]
 pub struct JointEdge {

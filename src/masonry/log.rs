@@ -3,8 +3,6 @@
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 use std::collections::VecDeque;
 use thiserror::Error;
@@ -44,7 +42,6 @@ use crate::preview::Moved;
 /// assert_eq!(world.get::<Transform>(brick).unwrap().translation.x, 3.0);
 /// ```
 #[derive(Resource, Clone, Debug, Default)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 pub struct EditLog {
     done: VecDeque<Entry>,
     undone: Vec<Operation>,

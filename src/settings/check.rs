@@ -7,12 +7,9 @@ use super::{
 use crate::body::limits;
 use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
 #[derive(Resource, Clone, Default, Debug)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ActiveSettings {
     gravity: Gravity,

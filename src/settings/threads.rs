@@ -2,8 +2,6 @@
 
 use super::columns::Columns;
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::Reflect;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,7 +14,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A large step runs on one of these threads as a whole, unless the [`PhysicsSchedule`](crate::schedule::PhysicsSchedule) has a system of yours
 /// that is exclusive or needs data of the main thread. Run conditions in that schedule must not need such data.
 #[derive(Resource, Clone, Debug)]
-#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
     min_items: usize,

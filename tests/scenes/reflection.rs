@@ -1,4 +1,4 @@
-//! Every public component, resource and message is registered for reflection by the plugins.
+//! The plugins register what a user reads, edits or saves for reflection, and the documentation of `drystone::reflection` names it.
 
 use bevy_app::App;
 use bevy_ecs::component::Mutable;
@@ -6,15 +6,32 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::{ReflectComponent, ReflectMessage, ReflectResource};
 use bevy_reflect::{GetTypeRegistration, TypePath, TypeRegistry};
 use drystone::DrystonePlugins;
-use drystone::masonry::EditLog;
 use drystone::prelude::*;
-use drystone::settings::PhysicsThreads;
 use drystone::state::{Stored, Visitor};
 use std::any::TypeId;
 use std::fmt::Debug;
 
 /// Types that are not registered, and why.
-const INTERNAL: [(&str, &str); 21] = [
+const INTERNAL: [(&str, &str); 34] = [
+    ("body::inactive::Inactive", "private; stages insert it"),
+    ("joint::edge::JointEdge", "private; stages insert it"),
+    ("body::table::BodyTable", "computed in every step"),
+    ("broadphase::Broadphase", "computed in every step"),
+    ("graph::edges::ConstraintGraph", "computed in every step"),
+    ("graph::islands::Islands", "computed in every step"),
+    (
+        "settings::check::ActiveSettings",
+        "the settings of the last step",
+    ),
+    (
+        "contact::moving_surfaces::MovingSurfaces",
+        "computed in every step",
+    ),
+    ("diagnosis::Told", "what was reported"),
+    ("contact::hooks::ContactHooks", "code"),
+    ("settings::threads::PhysicsThreads", "threads"),
+    ("profile::Profile", "clocks"),
+    ("masonry::log::EditLog", "belongs to one world"),
     (
         "recording::recorder::Recorder",
         "a file and what it watches; no state",
@@ -224,10 +241,33 @@ fn types_can_be_inserted_and_sent_through_reflection() {
     has::<PhysicsTime, ReflectResource>(&app);
     has::<ContactStarted, ReflectMessage>(&app);
     has::<Collapse, ReflectMessage>(&app);
+}
+
+/// The table names exactly the types that can be inserted, read or sent.
+#[test]
+fn the_documentation_names_them() {
+    let page = include_str!("../../src/reflection.rs");
+    let table = page.lines().filter(|line| line.starts_with("//! | "));
+    let mut named: Vec<&str> = table
+        .flat_map(|line| line.split('`').skip(1).step_by(2))
+        .collect();
+    named.sort_unstable();
+    let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
-    // They belong to one world.
-    for name in [PhysicsThreads::type_path(), EditLog::type_path()] {
-        let of = registry.get_with_type_path(name).unwrap();
-        assert!(of.data::<ReflectResource>().is_none());
+    for name in &named {
+        assert!(
+            registry.get_with_short_type_path(name).is_some(),
+            "{name} is not registered"
+        );
+    }
+    let registered = registry.iter().filter(|of| {
+        of.type_info().type_path().starts_with("drystone")
+            && (of.data::<ReflectComponent>().is_some()
+                || of.data::<ReflectResource>().is_some()
+                || of.data::<ReflectMessage>().is_some())
+    });
+    for of in registered {
+        let name = of.type_info().type_path_table().short_path();
+        assert!(named.binary_search(&name).is_ok(), "{name} is not named");
     }
 }

@@ -10,9 +10,8 @@
 //! add others:
 //!
 //! ```
-//! use drystone::settings::{ContactSolver, SolverSettings};
-//! use drystone::solver::{Direction, FrictionCone, Grouping, PointProblem, PointSolver, SolveReport};
-//! use std::sync::Arc;
+//! use drystone_solver::{Body, Direction, FrictionCone, Grouping, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport};
+//! use glam::{Mat3, Vec3};
 //!
 //! /// Plain Gauss–Seidel, three sweeps.
 //! struct ThreeSweeps;
@@ -32,10 +31,41 @@
 //!     }
 //! }
 //!
-//! let solver = ContactSolver::Points(Arc::new(ThreeSweeps));
-//! let settings = SolverSettings { solver, ..Default::default() };
-//! assert_eq!(settings.solver.name(), "three-sweeps");
+//! // A ball of 2 kg and radius 0.1 m on the ground, which is body 1. Gravity has acted on it for a sixtieth of a second.
+//! let dt = 1.0 / 60.0;
+//! let ball = Body {
+//!     linear: Vec3::new(0.0, -9.81 * dt, 0.0),
+//!     inverse_mass: 0.5,
+//!     inverse_inertia: Mat3::from_diagonal(Vec3::splat(1.0 / 0.008)),
+//!     ..Body::default()
+//! };
+//! let mut bodies = [ball, Body::default()];
+//! let contact = PointInput {
+//!     bodies: [0, 1],
+//!     normal: Vec3::Y,
+//!     arms: [Vec3::new(0.0, -0.1, 0.0), Vec3::ZERO],
+//!     friction: 0.5,
+//!     ..PointInput::default()
+//! };
+//! let mut problem = PointProblem {
+//!     constraints: &mut [PointConstraint::prepare(&contact, &bodies)],
+//!     bodies: &mut bodies,
+//!     grabs: &mut [],
+//!     joints: &mut [],
+//!     dt,
+//!     effort: 1.0,
+//!     free_merit: 0.0,
+//!     record_history: false,
+//! };
+//! problem.warm_start(0.0);
+//! let report = ThreeSweeps.solve(&mut problem);
+//! let impulse = problem.constraints[0].impulse.x;
+//! assert_eq!(report.sweeps, 3);
+//! assert!((impulse - 2.0 * 9.81 * dt).abs() < 1e-6);
+//! assert!(problem.bodies[0].linear.length() < 1e-6);
 //! ```
+//!
+//! In drystone, `SolverSettings` takes it as `ContactSolver::Points(Arc::new(ThreeSweeps))`.
 
 mod blocks;
 mod constraint;

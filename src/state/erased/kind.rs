@@ -59,6 +59,7 @@ pub(super) struct Functions {
     pub first_difference: Option<unsafe fn(*const u8, *const u8, usize) -> usize>,
     pub debug: fn(*const u8) -> *const dyn Debug,
     /// Puts the default value where there is none yet.
+    #[cfg(feature = "serde")]
     pub default: Option<unsafe fn(*mut u8)>,
     #[cfg(feature = "serde")]
     pub code: Option<Code>,
@@ -118,6 +119,7 @@ impl<T: Component + Clone + Debug> Of<T> {
         map: map::<T>,
         first_difference: None,
         debug: debug::<T>,
+        #[cfg(feature = "serde")]
         default: None,
         #[cfg(feature = "serde")]
         code: None,
@@ -163,6 +165,7 @@ impl<T: Component + Stored + PartialEq> Of<T> {
 impl<T: Component + Clone + Debug + Default> Of<T> {
     const VALUELESS: &Functions = &Functions {
         how: How::Valueless,
+        #[cfg(feature = "serde")]
         default: Some(default::<T>),
         ..Self::PLAIN
     };
@@ -302,6 +305,7 @@ fn debug<T: Debug + 'static>(value: *const u8) -> *const dyn Debug {
 
 /// # Safety
 /// See [`Functions`]. There is room for a value.
+#[cfg(feature = "serde")]
 unsafe fn default<T: Default>(to: *mut u8) {
     // SAFETY: By the caller.
     unsafe { to.cast::<T>().write(T::default()) };

@@ -1,10 +1,13 @@
 //! A list of values.
 
 use super::{Kind, Slice, SliceMut};
+#[cfg(any(feature = "serde", test))]
 use bevy_ecs::change_detection::MaybeLocation;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::ptr::OwningPtr;
-use bevy_ecs::world::{EntityWorldMut, World};
+use bevy_ecs::world::EntityWorldMut;
+#[cfg(any(feature = "serde", test))]
+use bevy_ecs::world::World;
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error, realloc};
 use std::any::TypeId;
 use std::fmt;
@@ -88,6 +91,7 @@ impl Values {
         self.kind
     }
 
+    #[cfg(any(feature = "serde", test))]
     pub fn len(&self) -> usize {
         self.len
     }
@@ -281,6 +285,7 @@ impl Values {
     }
 
     /// Makes the last value that of the resource of a world, and removes it from the list.
+    #[cfg(any(feature = "serde", test))]
     pub fn insert_resource(&mut self, world: &mut World) {
         let id = self.kind.register(world);
         // SAFETY: *World*.

@@ -33,6 +33,10 @@ pub(crate) struct InMut<'w> {
 #[derive(Clone, Copy)]
 pub(crate) struct Cells<'a> {
     /// The entities that have them.
+    #[cfg_attr(
+        not(any(feature = "serde", test)),
+        expect(dead_code, reason = "recordings read it")
+    )]
     pub entities: &'a [Entity],
     pub values: Slice<'a>,
     pub added: &'a [Tick],
@@ -130,6 +134,7 @@ impl<'w> In<'w> {
     }
 
     /// The values of all entities, some at a time.
+    #[cfg(feature = "serde")]
     pub fn all(self) -> Vec<Cells<'w>> {
         if self.kind.is_sparse() {
             let holders = self.holders().into_iter();

@@ -10,6 +10,7 @@ use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_transform::components::Transform;
+use std::any::TypeId;
 
 /// Whether the table has a value already: the expression of a line of the list.
 macro_rules! known {
@@ -128,22 +129,12 @@ macro_rules! listed {
             }
         }
 
-        /// The properties that the table copies, for spawning a copy of a body.
-        pub fn properties_of(body: EntityRef) -> impl Bundle + use<> {
-            ($(body.get::<$Kept>().cloned().unwrap_or_default(),)*)
-        }
-
-        /// Inserts the components that only some bodies have into a copy.
-        pub fn copy_description(body: EntityRef, copy: &mut EntityWorldMut) {
-            $(if let Some(property) = body.get::<$Pushing>() {
-                copy.insert(property.clone());
-            })*
-            $(if let Some(property) = body.get::<$Described>()
-                && !copy.contains::<$Described>()
-            {
-                copy.insert(property.clone());
-            })*
-        }
+        /// The properties of a body that a copy has, as far as the body has them.
+        pub const COPIED: &[TypeId] = &[
+            $(TypeId::of::<$Pushing>(),)*
+            $(TypeId::of::<$Described>(),)*
+            $(TypeId::of::<$Kept>(),)*
+        ];
 
         /// Passes every component of the list to a visitor.
         pub fn visit(visitor: &mut impl Visitor) {

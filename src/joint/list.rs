@@ -5,17 +5,20 @@
 
 use super::{
     DistanceJoint, FixedJoint, GenericJoint, JointChanges, JointDefinition, JointDisabled,
-    JointEdge, JointEnds, JointFrame, JointType, PrismaticJoint, QuarantinedJoint, RevoluteJoint,
-    SphericalJoint, SpringJoint,
+    JointEdge, JointEnds, JointForces, JointFrame, JointType, PrismaticJoint, QuarantinedJoint,
+    RevoluteJoint, SphericalJoint, SpringJoint,
 };
 use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
+use crate::state::components_of;
+use crate::state::erased::Values;
 use crate::state::visitor::Visitor;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use std::any::TypeId;
 
 macro_rules! joint_types {
     ($($Type:ident),+ $(,)?) => {
@@ -74,13 +77,20 @@ macro_rules! joint_types {
             })+
         }
 
-        /// The joint component of an entity as a copy that refers to other bodies.
-        pub(crate) fn copy(joint: EntityRef, bodies: [Option<Entity>; 2], to: &mut EntityWorldMut) {
-            $(if let Some(of) = joint.get::<$Type>() {
-                let mut of = of.clone();
-                of.set_bodies(bodies);
-                to.insert(of);
-            })+
+        /// The components of a copy of a joint, which refers to other bodies.
+        pub(crate) fn copy(world: &World, joint: Entity, bodies: [Option<Entity>; 2]) -> Vec<Values> {
+            let types = [
+                TypeId::of::<JointForces>(),
+                TypeId::of::<BreakForce>(),
+                $(TypeId::of::<$Type>(),)+
+            ];
+            let mut copy = components_of(world, joint, &types);
+            for values in &mut copy {
+                $(if let Some([joint]) = values.as_mut().typed::<$Type>() {
+                    joint.set_bodies(bodies);
+                })+
+            }
+            copy
         }
 
         /// Registers all types for reflection.

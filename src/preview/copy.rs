@@ -1,29 +1,28 @@
 //! Copies of bodies and contacts, in a world with the same settings.
 
 use crate::DrystonePlugins;
-use crate::body::{
-    BodyState, BodyTable, ExternalImpulse, Pose, Sleeping, Velocity, copy_description,
-    properties_of,
-};
+use crate::body::{BodyState, BodyTable, COPIED, ExternalImpulse, Pose, Sleeping, Velocity};
 use crate::children::CompoundCollider;
-use crate::collider::Collider;
 use crate::contact::{
     ContactAnchors, ContactHooks, ContactImpulses, ContactPair, ContactTargets, Manifold,
     NarrowphaseCache,
 };
 use crate::graph::{ConstraintGraph, Islands, Wrench};
-use crate::joint::{self, BreakForce, JointForces};
+use crate::joint;
 use crate::mortar::Mortar;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
+use crate::state::erased::Values;
+use crate::state::{self, components_of};
 use bevy_app::App;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 use bevy_transform::components::Transform;
+use std::any::TypeId;
 
 /// State of the original world besides components of bodies, keyed by the copies. The shadow starts from it.
 #[derive(Resource, Default)]
@@ -189,24 +188,29 @@ pub(super) fn copy(
         Activity::AsOriginal => (),
         Activity::Asleep => sleeping.asleep |= still,
     }
-    // Insert most components at once: each further insertion moves the entity to another table.
-    let parts = (
-        (body.kind, to_transform(pose), velocity, impulse, sleeping),
-        properties_of(original),
-    );
-    let mut copy = match original.get::<Collider>() {
-        Some(collider) => shadow.spawn((parts, collider.clone())),
-        None => shadow.spawn(parts),
-    };
-    copy_description(original, &mut copy);
-    if let Some(&mortar) = original.get::<Mortar>() {
-        copy.insert(mortar);
-    }
+    // All components are inserted at once: each further insertion would move the entity to another table.
+    let mut parts = vec![
+        with(body.kind),
+        with(to_transform(pose)),
+        with(velocity),
+        with(impulse),
+        with(sleeping),
+    ];
+    parts.extend(components_of(world, body.entity, COPIED));
+    parts.extend(components_of(world, body.entity, &[TypeId::of::<Mortar>()]));
     // The parts of the original are not copied.
-    if let Some(mut compound) = copy.get_mut::<CompoundCollider>() {
-        compound.detach();
+    for part in &mut parts {
+        if let Some([compound]) = part.as_mut().typed::<CompoundCollider>() {
+            compound.detach();
+        }
     }
+    let mut copy = shadow.spawn_empty();
+    Values::insert_all_into(&mut parts, &mut copy);
     copy.id()
+}
+
+fn with<T: 'static>(value: T) -> Values {
+    Values::with(state::list().component(TypeId::of::<T>()), value)
 }
 
 /// A copy of a joint between these bodies of the copy.
@@ -216,15 +220,9 @@ pub(super) fn copy_joint(
     shadow: &mut World,
     bodies: [Option<Entity>; 2],
 ) -> Option<Entity> {
-    let original = world.get_entity(joint).ok()?;
+    world.get_entity(joint).ok()?;
     let mut copy = shadow.spawn_empty();
-    if let Some(forces) = original.get::<JointForces>() {
-        copy.insert(*forces);
-    }
-    if let Some(breaks) = original.get::<BreakForce>() {
-        copy.insert(*breaks);
-    }
-    joint::copy(original, bodies, &mut copy);
+    Values::insert_all_into(&mut joint::copy(world, joint, bodies), &mut copy);
     Some(copy.id())
 }
 

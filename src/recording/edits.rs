@@ -3,13 +3,15 @@
 //! Values are recorded, not actions: what every entity that was touched has become, and what hooks have noted for the next step. So a replay need
 //! not repeat the order of the actions, and a value that was written twice is recorded once.
 
-use super::kinds::{AnyKind, Values};
+use super::kinds;
 use super::resources::{AnyResource, Value};
 use crate::body::SpawnOrder;
 use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{read, write};
 use crate::snapshot::layout::Kinds;
 use crate::snapshot::renaming::Renaming;
+use crate::state;
+use crate::state::erased::Values;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::{EntityHashMap, SceneEntityMapper};
 use bevy_ecs::entity_disabling::Disabled;
@@ -89,7 +91,7 @@ struct Column {
     kind: usize,
     /// The rows that have it.
     rows: Vec<usize>,
-    values: Box<dyn Values>,
+    values: Values,
 }
 
 /// What was changed between two steps, read from bytes.
@@ -102,19 +104,15 @@ pub(super) struct Edits {
 
 impl Edits {
     /// Reads edits.
-    pub fn read(
-        from: &mut &[u8],
-        kinds: &[Box<dyn AnyKind>],
-        known: &[Box<dyn AnyResource>],
-    ) -> Result<Self, SnapshotError> {
+    pub fn read(from: &mut &[u8], known: &[Box<dyn AnyResource>]) -> Result<Self, SnapshotError> {
         let (touched, numbers) = Touched::read(from)?;
         let mut columns = Vec::new();
-        for (kind, of) in kinds.iter().enumerate() {
+        for (kind, &of) in state::list().components.iter().enumerate() {
             let rows = touched.rows.iter().enumerate();
             let rows = rows.filter(|(_, row)| row.recorded().contains(kind));
             let rows: Vec<usize> = rows.map(|(number, _)| number).collect();
             if !rows.is_empty() {
-                let values = of.read(rows.len(), from)?;
+                let values = kinds::read(of, rows.len(), from)?;
                 columns.push(Column { kind, rows, values });
             }
         }
@@ -130,12 +128,7 @@ impl Edits {
     }
 
     /// Makes the changes in a world. `map` has the entities of the world by those of the recording.
-    pub fn make(
-        &self,
-        world: &mut World,
-        (kinds, ids): (&[Box<dyn AnyKind>], &[ComponentId]),
-        map: &mut EntityHashMap<Entity>,
-    ) {
+    pub fn make(&self, world: &mut World, ids: &[ComponentId], map: &mut EntityHashMap<Entity>) {
         self.find(world, map);
         let entities: Vec<Entity> = self
             .touched
@@ -160,14 +153,14 @@ impl Edits {
         let gone: Vec<Entity> = gone.filter_map(|entity| map.get(entity).copied()).collect();
         SceneEntityMapper::world_scope(map, world, |world, mapper| {
             let to = &mut Renaming::All(mapper);
-            self.write(world, (kinds, ids), &entities, to);
+            self.write(world, ids, &entities, to);
             if !gone.is_empty() {
                 // Those that were their children have another parent by now, and stay.
                 for &entity in &gone {
                     world.try_despawn(entity).ok();
                 }
                 // Hooks of those that are gone may have written others.
-                self.write(world, (kinds, ids), &entities, to);
+                self.write(world, ids, &entities, to);
             }
             for value in &self.resources {
                 value.put(world, to);
@@ -199,7 +192,7 @@ impl Edits {
     fn write(
         &self,
         world: &mut World,
-        (kinds, ids): (&[Box<dyn AnyKind>], &[ComponentId]),
+        ids: &[ComponentId],
         entities: &[Entity],
         to: &mut Renaming,
     ) {
@@ -211,36 +204,31 @@ impl Edits {
             (column, entities.collect())
         });
         let columns: Vec<(&Column, Vec<(Entity, bool)>)> = columns.collect();
-        self.strip(world, (kinds, ids), entities);
+        self.strip(world, ids, entities);
         for (column, entities) in &columns {
-            column.values.insert(world, entities, to);
+            kinds::insert(&column.values, world, entities, to);
             world.flush();
         }
         // Hooks may have inserted components that users have removed since.
-        self.strip(world, (kinds, ids), entities);
+        self.strip(world, ids, entities);
         for (column, entities) in &columns {
-            column.values.put(world, entities, to);
+            kinds::put(&column.values, world, entities, to);
         }
         world.flush();
     }
 
     /// Removes the components that entities no longer have.
-    fn strip(
-        &self,
-        world: &mut World,
-        (kinds, ids): (&[Box<dyn AnyKind>], &[ComponentId]),
-        entities: &[Entity],
-    ) {
+    fn strip(&self, world: &mut World, ids: &[ComponentId], entities: &[Entity]) {
         for (row, &entity) in self.touched.rows.iter().zip(entities) {
             let Some(has) = row.has else {
                 continue;
             };
-            for (number, (kind, &id)) in kinds.iter().zip(ids).enumerate() {
+            for (number, &id) in ids.iter().enumerate() {
                 if !has.contains(number)
                     && let Ok(mut entity) = world.get_entity_mut(entity)
                     && entity.contains_id(id)
                 {
-                    kind.remove(&mut entity);
+                    entity.remove_by_id(id);
                 }
             }
         }

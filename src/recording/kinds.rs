@@ -5,276 +5,101 @@ use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
 };
 use crate::snapshot::SnapshotError;
-use crate::snapshot::bytes::{read, write};
+use crate::snapshot::bytes::{decode, encode};
 use crate::snapshot::renaming::Renaming;
-use crate::state::{self, Stored, Visitor};
+use crate::snapshot::replace_if_other;
+use crate::state;
+use crate::state::erased::{How, In, Kind, Values};
 use bevy_ecs::change_detection::Tick;
-use bevy_ecs::component::{ComponentId, Mutable, StorageType};
 use bevy_ecs::entity::EntityMapper;
-use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use std::any::TypeId;
-use std::fmt::Debug;
-use std::marker::PhantomData;
 
-/// How a component is read from bytes and put into a world.
-pub(super) trait How<T>: Debug + Send + Sync + 'static {
-    fn write(value: &T, out: &mut Vec<u8>) -> Result<(), SnapshotError>;
-
-    fn read(from: &mut &[u8]) -> Result<T, SnapshotError>;
-
-    /// Gives an entity the value, which was written or only kept. It is marked as changed only if it differs.
-    fn put(entity: &mut EntityWorldMut, value: T, is_written: bool);
+/// Whether it is a component of Bevy, which entities have that have nothing to do with drystone.
+pub(super) fn is_shared(kind: Kind) -> bool {
+    state::is_of_bevy(kind.type_id())
 }
 
-/// A component that users may read.
-#[derive(Debug)]
-struct Marked;
+/// Whether it is a component of pairs, which only stages spawn.
+pub(super) fn is_of_pair(kind: Kind) -> bool {
+    let of_pairs = [
+        TypeId::of::<ContactPair>(),
+        TypeId::of::<Manifold>(),
+        TypeId::of::<ContactTargets>(),
+        TypeId::of::<ContactImpulses>(),
+        TypeId::of::<ContactAnchors>(),
+        TypeId::of::<NarrowphaseCache>(),
+    ];
+    of_pairs.contains(&kind.type_id())
+}
 
-/// A component that stages write without change detection.
-#[derive(Debug)]
-struct Silent;
+/// Whether users remove it.
+pub(super) fn is_removed_by_users(kind: Kind) -> bool {
+    !is_of_pair(kind) && kind.type_id() != TypeId::of::<Inactive>()
+}
 
-/// A component that can only be replaced.
-#[derive(Debug)]
-struct Replaced;
-
-/// A component without a value.
-#[derive(Debug)]
-struct Valueless;
-
-/// Writes and reads values that can be stored.
-macro_rules! stored {
-    () => {
-        fn write(value: &T, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
-            write(value, std::any::type_name::<T>(), out)
+/// Finds the entities for which a component was inserted or written after `since`. Tables in which no entity is drystone's are left out by `is_own`.
+pub(super) fn find_written(
+    kind: Kind,
+    world: &World,
+    since: Tick,
+    is_own: &dyn Fn(Entity) -> bool,
+    found: &mut Vec<Entity>,
+) {
+    let is_new = newer_than(since, world.read_change_tick());
+    let is_shared = is_shared(kind);
+    for cells in kind.read(world).map_or_else(Vec::new, In::all) {
+        if !is_shared || is_own(cells.entities[0]) {
+            let written = new_rows(cells.changed, is_new);
+            found.extend(written.map(|row| cells.entities[row]));
         }
+    }
+}
 
-        fn read(from: &mut &[u8]) -> Result<T, SnapshotError> {
-            read(from)
-        }
+/// Appends the value of an entity to bytes, and the entities that it refers to.
+pub(super) fn write(
+    kind: Kind,
+    world: &World,
+    entity: Entity,
+    referred: &mut Vec<Entity>,
+    out: &mut Vec<u8>,
+) -> Result<(), SnapshotError> {
+    // It was found a moment ago.
+    let Some(cells) = kind.read(world).and_then(|known| known.entity(entity)) else {
+        return Err(SnapshotError::NotWritable(kind.name()));
     };
-}
-
-impl<T: Component<Mutability = Mutable> + Stored + PartialEq> How<T> for Marked {
-    stored!();
-
-    fn put(entity: &mut EntityWorldMut, value: T, is_written: bool) {
-        let Some(mut known) = entity.get_mut::<T>() else {
-            entity.insert(value);
-            return;
-        };
-        let differs = *known != value;
-        // Equal values that were written may have other bits: 0 and -0. A value that was not written is not replaced by an equal one, because stages compare
-        // compound shapes by identity: an equal shape would count as a new one.
-        if differs || is_written {
-            *known.bypass_change_detection() = value;
-        }
-        if differs {
-            known.set_changed();
-        }
+    Values::of(cells.values)
+        .as_mut()
+        .map(&mut Referred(referred));
+    match kind.how() {
+        How::Valueless => Ok(()),
+        _ => encode(cells.values, out),
     }
 }
 
-impl<T: Component<Mutability = Mutable> + Stored> How<T> for Silent {
-    stored!();
-
-    fn put(entity: &mut EntityWorldMut, value: T, _: bool) {
-        match entity.get_mut::<T>() {
-            Some(mut known) => *known.bypass_change_detection() = value,
-            None => _ = entity.insert(value),
-        }
+/// Adds the entities that the values of all entities refer to.
+pub(super) fn find_referred(kind: Kind, world: &World, referred: &mut Vec<Entity>) {
+    // Bevy's own components refer to entities above others, which every snapshot has.
+    if is_shared(kind) || is_of_pair(kind) {
+        return;
+    }
+    let mut values = Values::new(kind);
+    for cells in kind.read(world).map_or_else(Vec::new, In::all) {
+        values.clear();
+        values.push(cells.values);
+        values.as_mut().map(&mut Referred(referred));
     }
 }
 
-impl<T: Component + Stored + PartialEq> How<T> for Replaced {
-    stored!();
-
-    fn put(entity: &mut EntityWorldMut, value: T, _: bool) {
-        if entity.get::<T>() != Some(&value) {
-            entity.insert(value);
+/// Takes as many values from the front of bytes.
+pub(super) fn read(kind: Kind, count: usize, from: &mut &[u8]) -> Result<Values, SnapshotError> {
+    let mut values = Values::new(kind);
+    for _ in 0..count {
+        if !values.push_default() {
+            decode(from, &mut values)?;
         }
     }
-}
-
-impl<T: Component + Default> How<T> for Valueless {
-    fn write(_: &T, _: &mut Vec<u8>) -> Result<(), SnapshotError> {
-        Ok(())
-    }
-
-    fn read(_: &mut &[u8]) -> Result<T, SnapshotError> {
-        Ok(T::default())
-    }
-
-    fn put(entity: &mut EntityWorldMut, value: T, _: bool) {
-        if !entity.contains::<T>() {
-            entity.insert(value);
-        }
-    }
-}
-
-/// Some component on the list.
-pub(super) trait AnyKind: Send + Sync {
-    /// Whether it is a component of Bevy, which entities have that have nothing to do with drystone.
-    fn is_shared(&self) -> bool;
-
-    /// Whether it is a component of pairs, which only stages spawn.
-    fn is_of_pair(&self) -> bool;
-
-    /// Whether users remove it.
-    fn is_removed_by_users(&self) -> bool;
-
-    /// Makes the world know the component.
-    fn register(&self, world: &mut World) -> ComponentId;
-
-    /// Finds the entities for which the component was inserted or written after `since`. Tables in which no entity is drystone's are left out
-    /// by `is_own`.
-    fn find_written(
-        &mut self,
-        world: &World,
-        since: Tick,
-        is_own: &dyn Fn(Entity) -> bool,
-        found: &mut Vec<Entity>,
-    );
-
-    /// Appends the value of an entity to bytes, and the entities that it refers to.
-    fn write(
-        &self,
-        world: &World,
-        entity: Entity,
-        referred: &mut Vec<Entity>,
-        out: &mut Vec<u8>,
-    ) -> Result<(), SnapshotError>;
-
-    /// Adds the entities that the values of all entities refer to.
-    fn find_referred(&self, world: &World, referred: &mut Vec<Entity>);
-
-    /// Takes as many values from the front of bytes.
-    fn read(&self, count: usize, from: &mut &[u8]) -> Result<Box<dyn Values>, SnapshotError>;
-
-    /// Removes the component from an entity.
-    fn remove(&self, entity: &mut EntityWorldMut);
-}
-
-/// Values of one component that were read.
-pub(super) trait Values: Debug + Send + Sync {
-    /// Inserts the component into those of the entities that lack it.
-    fn insert(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming);
-
-    /// Gives the entities their values. With each entity comes whether its value was written, or only kept.
-    fn put(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming);
-}
-
-/// A component on the list.
-struct Kind<T: Component, H> {
-    query: Option<QueryState<(Entity, Ref<'static, T>, Has<Disabled>)>>,
-    how: PhantomData<H>,
-}
-
-impl<T: Component, H> Default for Kind<T, H> {
-    fn default() -> Self {
-        Self {
-            query: None,
-            how: PhantomData,
-        }
-    }
-}
-
-impl<T: Component + Clone + Debug, H: How<T>> AnyKind for Kind<T, H> {
-    fn is_shared(&self) -> bool {
-        state::is_of_bevy::<T>()
-    }
-
-    fn is_of_pair(&self) -> bool {
-        let of_pairs = [
-            TypeId::of::<ContactPair>(),
-            TypeId::of::<Manifold>(),
-            TypeId::of::<ContactTargets>(),
-            TypeId::of::<ContactImpulses>(),
-            TypeId::of::<ContactAnchors>(),
-            TypeId::of::<NarrowphaseCache>(),
-        ];
-        of_pairs.contains(&TypeId::of::<T>())
-    }
-
-    fn is_removed_by_users(&self) -> bool {
-        !self.is_of_pair() && TypeId::of::<T>() != TypeId::of::<Inactive>()
-    }
-
-    fn register(&self, world: &mut World) -> ComponentId {
-        world.register_component::<T>()
-    }
-
-    fn find_written(
-        &mut self,
-        world: &World,
-        since: Tick,
-        is_own: &dyn Fn(Entity) -> bool,
-        found: &mut Vec<Entity>,
-    ) {
-        let is_shared = self.is_shared();
-        if self.query.is_none() {
-            self.query = QueryState::try_new(world);
-        }
-        let Some(query) = &mut self.query else {
-            return;
-        };
-        let now = world.read_change_tick();
-        let is_new = newer_than(since, now);
-        if matches!(T::STORAGE_TYPE, StorageType::SparseSet) {
-            let written = query.iter(world);
-            let written = written.filter(|(_, value, _)| is_new(value.last_changed()));
-            found.extend(written.map(|(entity, ..)| entity));
-            return;
-        }
-        let tables = query.contiguous_iter(world);
-        for (entities, column, _) in tables.expect("it is kept in tables") {
-            if is_shared && !entities.first().is_some_and(|&first| is_own(first)) {
-                continue;
-            }
-            let written = new_rows(column.changed_ticks_slice(), is_new);
-            found.extend(written.map(|row| entities[row]));
-        }
-    }
-
-    fn write(
-        &self,
-        world: &World,
-        entity: Entity,
-        referred: &mut Vec<Entity>,
-        out: &mut Vec<u8>,
-    ) -> Result<(), SnapshotError> {
-        // It was found a moment ago.
-        let Some(value) = world.get::<T>(entity) else {
-            return Err(SnapshotError::NotWritable(std::any::type_name::<T>()));
-        };
-        T::map_entities(&mut value.clone(), &mut Referred(referred));
-        H::write(value, out)
-    }
-
-    fn find_referred(&self, world: &World, referred: &mut Vec<Entity>) {
-        // Bevy's own components refer to entities above others, which every snapshot has.
-        if self.is_shared() || self.is_of_pair() {
-            return;
-        }
-        if let Some(mut query) = world.try_query::<(&T, Has<Disabled>)>() {
-            for (value, _) in query.iter(world) {
-                T::map_entities(&mut value.clone(), &mut Referred(referred));
-            }
-        }
-    }
-
-    fn read(&self, count: usize, from: &mut &[u8]) -> Result<Box<dyn Values>, SnapshotError> {
-        let values = (0..count).map(|_| H::read(from));
-        Ok(Box::new(Read::<T, H> {
-            values: values.collect::<Result<_, _>>()?,
-            how: PhantomData,
-        }))
-    }
-
-    fn remove(&self, entity: &mut EntityWorldMut) {
-        entity.remove::<T>();
-    }
+    Ok(values)
 }
 
 /// Collects the entities that a value refers to.
@@ -289,65 +114,62 @@ impl EntityMapper for Referred<'_> {
     fn set_mapped(&mut self, _: Entity, _: Entity) {}
 }
 
-/// Values of one component that were read.
-#[derive(Debug)]
-struct Read<T, H> {
-    values: Vec<T>,
-    how: PhantomData<H>,
+/// Inserts a component into those of the entities that lack it.
+pub(super) fn insert(
+    values: &Values,
+    world: &mut World,
+    entities: &[(Entity, bool)],
+    to: &mut Renaming,
+) {
+    let mut pairs = (0..)
+        .zip(entities)
+        .map(|(at, &(entity, _))| (entity, values.one(at)));
+    to.insert_missing(world, values.kind(), &mut pairs);
 }
 
-impl<T: Component + Clone + Debug, H: How<T>> Values for Read<T, H> {
-    fn insert(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming) {
-        let entities = entities.iter().map(|&(entity, _)| entity);
-        to.insert_missing(world, entities.zip(&self.values));
+/// Gives entities their values. With each entity comes whether its value was written, or only kept.
+pub(super) fn put(
+    values: &Values,
+    world: &mut World,
+    entities: &[(Entity, bool)],
+    to: &mut Renaming,
+) {
+    let mut value = Values::new(values.kind());
+    for (at, &(entity, is_written)) in entities.iter().enumerate() {
+        value.overwrite(0, values.one(at));
+        to.apply(&mut value.as_mut());
+        put_one(&mut value, world, entity, is_written);
     }
+}
 
-    fn put(&self, world: &mut World, entities: &[(Entity, bool)], to: &mut Renaming) {
-        for (value, &(entity, is_written)) in self.values.iter().zip(entities) {
-            if let Ok(mut entity) = world.get_entity_mut(entity) {
-                let mut value = value.clone();
-                to.apply(&mut value);
-                H::put(&mut entity, value, is_written);
+/// Gives an entity a value, which was written or only kept. It is marked as changed only if it differs.
+fn put_one(value: &mut Values, world: &mut World, entity: Entity, is_written: bool) {
+    let kind = value.kind();
+    if kind.how() == How::Replaced {
+        replace_if_other(world, entity, value);
+        return;
+    }
+    let now = world.change_tick();
+    if let Some(mut known) = kind.write(world)
+        && let Some(mut cells) = known.entity(entity)
+    {
+        match kind.how() {
+            How::Valueless => (),
+            How::Silent => cells.values.swap(&mut value.as_mut()),
+            _ => {
+                let differs = cells.values.as_slice().first_difference(value.as_slice());
+                let differs = differs.is_some();
+                // Equal values that were written may have other bits: 0 and -0. A value that was not written is not replaced by an equal one, because stages
+                // compare compound shapes by identity: an equal shape would count as a new one.
+                if differs || is_written {
+                    cells.values.swap(&mut value.as_mut());
+                }
+                if differs {
+                    cells.set_changed(0, now);
+                }
             }
         }
+    } else if let Ok(mut entity) = world.get_entity_mut(entity) {
+        value.insert_into(&mut entity);
     }
-}
-
-/// All components on the list, in its order.
-pub(super) fn all() -> Vec<Box<dyn AnyKind>> {
-    let mut list = List(Vec::new());
-    state::visit(&mut list);
-    list.0
-}
-
-struct List(Vec<Box<dyn AnyKind>>);
-
-impl List {
-    fn push<T: Component + Clone + Debug, H: How<T>>(&mut self) {
-        self.0.push(Box::new(Kind::<T, H>::default()));
-    }
-}
-
-impl Visitor for List {
-    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
-        self.push::<T, Marked>();
-    }
-
-    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.push::<T, Silent>();
-    }
-
-    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
-        self.push::<T, Replaced>();
-    }
-
-    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {
-        self.push::<T, Valueless>();
-    }
-
-    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {}
-
-    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {}
-
-    fn derived<T: Resource + Default>(&mut self) {}
 }

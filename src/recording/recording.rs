@@ -4,7 +4,6 @@ use super::chunk::{self, Missing, NAME, Tag, VERSION};
 use super::digest::Digest;
 use super::edits::Edits;
 use super::error::RecordingError;
-use super::kinds::{self, AnyKind};
 use super::recorder::flags;
 use super::resources::{self, AnyResource};
 use crate::collider::SharedShapes;
@@ -83,7 +82,6 @@ impl Recording {
             Err(Missing::End | Missing::CutOff) => return Err(RecordingError::Empty),
         };
         let mut reader = Reader {
-            kinds: kinds::all(),
             resources: resources::all(),
             steps: Vec::new(),
         };
@@ -144,7 +142,6 @@ impl From<SnapshotError> for NotRead {
 }
 
 struct Reader {
-    kinds: Vec<Box<dyn AnyKind>>,
     resources: Vec<Box<dyn AnyResource>>,
     steps: Vec<Step>,
 }
@@ -197,7 +194,7 @@ impl Reader {
             let (len, others) = rest.split_first_chunk().ok_or(NotRead)?;
             let len = u32::from_le_bytes(*len) as usize;
             let (mut edits, others) = others.split_at_checked(len).ok_or(NotRead)?;
-            change = Change::Edits(Edits::read(&mut edits, &self.kinds, &self.resources)?);
+            change = Change::Edits(Edits::read(&mut edits, &self.resources)?);
             if !edits.is_empty() {
                 return Err(NotRead);
             }

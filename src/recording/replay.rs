@@ -2,11 +2,11 @@
 
 use super::digest::Hasher;
 use super::error::RecordingError;
-use super::kinds::{self, AnyKind};
 use super::recording::{Change, Recording};
 use crate::body::SpawnOrder;
 use crate::schedule::step;
 use crate::snapshot::Snapshot;
+use crate::state;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::name::Name;
@@ -60,7 +60,6 @@ pub struct Replay<'a> {
     is_changed: bool,
     /// The entities of the world by those of the recording.
     map: EntityHashMap<Entity>,
-    kinds: Vec<Box<dyn AnyKind>>,
     ids: Vec<ComponentId>,
     hasher: Hasher,
     divergence: Option<Divergence>,
@@ -87,14 +86,13 @@ impl<'a> Replay<'a> {
     /// If the world lacks a plugin. It is as it was then.
     pub fn start(recording: &'a Recording, world: &mut World) -> Result<Self, RecordingError> {
         let map = recording.start.restore(world)?;
-        let kinds = kinds::all();
+        let kinds = state::list().components.iter();
         Ok(Self {
             recording,
             next: 0,
             is_changed: false,
             map,
-            ids: kinds.iter().map(|kind| kind.register(world)).collect(),
-            kinds,
+            ids: kinds.map(|kind| kind.register(world)).collect(),
             hasher: Hasher::new(world),
             divergence: None,
             keeps_every: None,
@@ -158,7 +156,7 @@ impl<'a> Replay<'a> {
         match (&of.change, &of.key_frame) {
             (Change::Edits(edits), _) => {
                 world.flush();
-                edits.make(world, (&self.kinds, &self.ids), &mut self.map);
+                edits.make(world, &self.ids, &mut self.map);
             }
             (Change::Replaced, Some(snapshot)) => self.map = snapshot.restore(world)?,
             (Change::Nothing | Change::Replaced, _) => (),

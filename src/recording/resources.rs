@@ -9,16 +9,16 @@ use crate::joint::{BrokenJoints, JointChanges};
 use crate::mortar::BrokenMortar;
 use crate::sensor::UntriggeredSensorEvents;
 use crate::snapshot::SnapshotError;
-use crate::snapshot::bytes::{read, write};
+use crate::snapshot::bytes::{decode, encode, read, write};
 use crate::snapshot::renaming::Renaming;
-use crate::state::{self, Stored, Visitor};
+use crate::state;
+use crate::state::erased::{Kind, Values};
 use crate::streaming::Suspended;
-use bevy_ecs::component::{ComponentId, Mutable};
+use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::MapEntities;
 use bevy_ecs::prelude::*;
 use std::any::TypeId;
 use std::fmt::Debug;
-use std::marker::PhantomData;
 
 /// Some resource on the list.
 pub(super) trait AnyResource: Send + Sync {
@@ -48,11 +48,12 @@ pub(super) trait Value: Debug + Send + Sync {
     fn put(&self, world: &mut World, to: &mut Renaming);
 }
 
-struct Kept<T>(PhantomData<T>);
+/// A resource that is recorded as a whole.
+struct Kept(Kind);
 
-impl<T: Resource + Component<Mutability = Mutable> + Stored> AnyResource for Kept<T> {
+impl AnyResource for Kept {
     fn register(&self, world: &mut World) -> ComponentId {
-        world.register_component::<T>()
+        self.0.register(world)
     }
 
     fn is_of_stages(&self) -> bool {
@@ -63,33 +64,31 @@ impl<T: Resource + Component<Mutability = Mutable> + Stored> AnyResource for Kep
             TypeId::of::<LostPairs>(),
             TypeId::of::<Suspended>(),
         ];
-        of_stages.contains(&TypeId::of::<T>())
+        of_stages.contains(&self.0.type_id())
     }
 
     fn is_of_hooks(&self) -> bool {
-        TypeId::of::<T>() == TypeId::of::<Unassembled>()
+        self.0.type_id() == TypeId::of::<Unassembled>()
     }
 
     fn write(&self, world: &World, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
-        let name = std::any::type_name::<T>();
-        let value = world.get_resource::<T>();
-        let value = value.ok_or(SnapshotError::MissingPlugin(name))?;
-        write(value, name, out)
+        let value = self.0.read(world).and_then(|known| known.resource());
+        let value = value.ok_or(SnapshotError::MissingPlugin(self.0.name()))?;
+        encode(value.values, out)
     }
 
     fn read(&self, from: &mut &[u8]) -> Result<Box<dyn Value>, SnapshotError> {
-        Ok(Box::new(Read::<T>(read(from)?)))
+        let mut values = Values::new(self.0);
+        decode(from, &mut values)?;
+        Ok(Box::new(values))
     }
 }
 
-#[derive(Debug)]
-struct Read<T>(T);
-
-impl<T: Resource + Component<Mutability = Mutable> + Stored> Value for Read<T> {
+impl Value for Values {
     fn put(&self, world: &mut World, to: &mut Renaming) {
-        let mut value = self.0.clone();
-        T::map_entities(&mut value, to);
-        world.insert_resource(value);
+        let mut value = self.clone();
+        value.as_mut().map(to);
+        value.insert_resource(world);
     }
 }
 
@@ -193,41 +192,23 @@ impl Value for LaterChanges {
 
 /// All resources on the list that may be written between two steps, in its order.
 pub(super) fn all() -> Vec<Box<dyn AnyResource>> {
-    let mut list = List(Vec::new());
-    state::visit(&mut list);
-    list.0
-}
-
-struct List(Vec<Box<dyn AnyResource>>);
-
-impl Visitor for List {
-    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {}
-
-    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {}
-
-    fn immutable<T: Component + Stored + PartialEq>(&mut self) {}
-
-    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {}
-
-    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
-        // They are emptied when their events are triggered, after the stages; in a replay too.
-        let of_events = [
-            TypeId::of::<Untriggered>(),
-            TypeId::of::<UntriggeredSensorEvents>(),
-            TypeId::of::<BrokenJoints>(),
-            TypeId::of::<BrokenMortar>(),
-        ];
-        let id = TypeId::of::<T>();
+    // They are emptied when their events are triggered, after the stages; in a replay too.
+    let of_events = [
+        TypeId::of::<Untriggered>(),
+        TypeId::of::<UntriggeredSensorEvents>(),
+        TypeId::of::<BrokenJoints>(),
+        TypeId::of::<BrokenMortar>(),
+    ];
+    let mut all: Vec<Box<dyn AnyResource>> = Vec::new();
+    for &kind in &state::list().resources {
+        let id = kind.type_id();
         if id == TypeId::of::<BodyTable>() {
-            self.0.push(Box::new(Table));
+            all.push(Box::new(Table));
         } else if id == TypeId::of::<JointChanges>() {
-            self.0.push(Box::<Changes>::default());
-        } else if !of_events.contains(&id) {
-            self.0.push(Box::new(Kept::<T>(PhantomData)));
+            all.push(Box::<Changes>::default());
+        } else if kind.has_code() && !of_events.contains(&id) {
+            all.push(Box::new(Kept(kind)));
         }
     }
-
-    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {}
-
-    fn derived<T: Resource + Default>(&mut self) {}
+    all
 }

@@ -5,13 +5,15 @@
 //! nothing else tells of it. So a step before which nothing was changed costs a look at each column of each table.
 
 use super::edits::{Row, Touched};
-use super::kinds::{self, AnyKind};
+use super::kinds::{self, is_of_pair, is_shared};
 use super::resources::{self, AnyResource};
 use crate::body::{Pose, Quarantined, RigidBodyDisabled, SpawnOrder};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::layout::Kinds;
+use crate::state;
+use crate::state::erased::Kind;
 use bevy_ecs::change_detection::Tick;
-use bevy_ecs::component::{ComponentId, StorageType};
+use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
@@ -50,7 +52,7 @@ struct Columns {
 
 /// Watches a world.
 pub(super) struct Watch {
-    kinds: Vec<Box<dyn AnyKind>>,
+    kinds: &'static [Kind],
     /// By kind.
     ids: Vec<ComponentId>,
     transform: ComponentId,
@@ -74,13 +76,12 @@ pub(super) struct Watch {
 
 impl Watch {
     pub fn new(world: &mut World) -> Self {
-        let kinds = kinds::all();
+        let kinds = &state::list().components[..];
         let ids: Vec<ComponentId> = kinds.iter().map(|kind| kind.register(world)).collect();
         let resources = resources::all();
         let mut sparse = Kinds::default();
-        for (number, &id) in ids.iter().enumerate() {
-            let info = world.components().get_info(id);
-            if info.is_some_and(|info| info.storage_type() == StorageType::SparseSet) {
+        for (number, kind) in kinds.iter().enumerate() {
+            if kind.is_sparse() {
                 sparse.insert(number);
             }
         }
@@ -104,15 +105,15 @@ impl Watch {
     /// The components whose removal is to be noted.
     pub fn removable(&self) -> impl Iterator<Item = ComponentId> {
         let kinds = self.kinds.iter().zip(&self.ids);
-        let kinds = kinds.filter(|(kind, _)| kind.is_removed_by_users());
+        let kinds = kinds.filter(|(kind, _)| kinds::is_removed_by_users(**kind));
         kinds.map(|(_, &id)| id)
     }
 
     /// Existing entities that are not drystone's, to which components refer.
     pub fn referred(&self, world: &World) -> Vec<Entity> {
         let mut referred = self.others.clone();
-        for kind in &self.kinds {
-            kind.find_referred(world, &mut referred);
+        for &kind in self.kinds {
+            kinds::find_referred(kind, world, &mut referred);
         }
         referred.retain(|&entity| world.get_entity(entity).is_ok_and(|it| !self.is_own(it)));
         referred.sort_unstable();
@@ -142,12 +143,12 @@ impl Watch {
 
     fn is_own(&self, entity: EntityRef) -> bool {
         let mut kinds = self.kinds.iter().zip(&self.ids);
-        kinds.any(|(kind, &id)| !kind.is_shared() && !kind.is_of_pair() && entity.contains_id(id))
+        kinds.any(|(&kind, &id)| !is_shared(kind) && !is_of_pair(kind) && entity.contains_id(id))
     }
 
     fn is_pair(&self, entity: EntityRef) -> bool {
         let mut kinds = self.kinds.iter().zip(&self.ids);
-        kinds.any(|(kind, &id)| kind.is_of_pair() && entity.contains_id(id))
+        kinds.any(|(&kind, &id)| is_of_pair(kind) && entity.contains_id(id))
     }
 
     /// Finds what was changed since the last step ended, and appends it to bytes.
@@ -202,16 +203,16 @@ impl Watch {
             self.tables.push(columns);
         }
         let now = world.read_change_tick();
-        let mut kinds = Kinds::default();
+        let mut written = Kinds::default();
         for (table, columns) in tables.iter().zip(&self.tables) {
             if !columns.is_own || table.is_empty() {
                 continue;
             }
-            kinds.extend(columns.others);
+            written.extend(columns.others);
             for &(kind, id) in &columns.summed {
                 let tick = table.get_summary_tick(id);
                 if tick.is_none_or(|tick| tick.get().is_newer_than(self.since, now)) {
-                    kinds.insert(kind);
+                    written.insert(kind);
                 }
             }
         }
@@ -222,9 +223,9 @@ impl Watch {
             table.is_some_and(|table| table.is_own)
         };
         let (mut found, mut all) = (Vec::new(), Vec::new());
-        for (number, kind) in self.kinds.iter_mut().enumerate() {
-            if kinds.contains(number) {
-                kind.find_written(world, self.since, &is_own, &mut found);
+        for (number, &kind) in self.kinds.iter().enumerate() {
+            if written.contains(number) {
+                kinds::find_written(kind, world, self.since, &is_own, &mut found);
                 all.extend(found.drain(..).map(|entity| (number, entity)));
             }
         }
@@ -270,9 +271,9 @@ impl Watch {
             others: Kinds::default(),
             is_own: false,
         };
-        for (number, (kind, &id)) in self.kinds.iter().zip(&self.ids).enumerate() {
-            if !kind.is_of_pair() && table.has_column(id) {
-                columns.is_own |= !kind.is_shared();
+        for (number, (&kind, &id)) in self.kinds.iter().zip(&self.ids).enumerate() {
+            if !is_of_pair(kind) && table.has_column(id) {
+                columns.is_own |= !is_shared(kind);
                 match table.get_summary_tick(id) {
                     Some(_) => columns.summed.push((number, id)),
                     None => columns.others.insert(number),
@@ -294,7 +295,7 @@ impl Watch {
             };
             self.others.push(entity);
             for number in 0..self.kinds.len() {
-                if self.kinds[number].is_shared()
+                if is_shared(self.kinds[number])
                     && let Some(ticks) = known.get_change_ticks_by_id(self.ids[number])
                     && ticks.is_changed(self.since, now)
                 {
@@ -386,10 +387,10 @@ impl Watch {
     fn write_values(&mut self, world: &World, out: &mut Vec<u8>) -> Result<bool, SnapshotError> {
         out.clear();
         let mut referred = Vec::new();
-        for (number, kind) in self.kinds.iter().enumerate() {
+        for (number, &kind) in self.kinds.iter().enumerate() {
             for row in &self.touched.rows {
                 if row.recorded().contains(number) {
-                    kind.write(world, row.entity, &mut referred, out)?;
+                    kinds::write(kind, world, row.entity, &mut referred, out)?;
                 }
             }
         }

@@ -62,7 +62,7 @@ impl Snapshot {
                 if let Some((field, values)) = differ(here, there) {
                     return Some(Difference {
                         entity: Some(*entity),
-                        of: column.name(),
+                        of: column.kind.name(),
                         field,
                         values,
                     });
@@ -75,7 +75,7 @@ impl Snapshot {
             if let Some((field, values)) = differ(here, there) {
                 return Some(Difference {
                     entity: None,
-                    of: kept.name(),
+                    of: kept.kind.name(),
                     field,
                     values,
                 });

@@ -3,7 +3,7 @@
 //! An entity belongs to a snapshot if it has a component of drystone that is on the list of the [state](crate::state). So do the entities above
 //! it in the hierarchy, because their `Transform` decides where it is.
 
-use super::column::AnyColumn;
+use super::column::Column;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::{Entity, EntityHashSet};
 use bevy_ecs::hierarchy::ChildOf;
@@ -55,7 +55,7 @@ pub(super) struct KnownKinds {
 }
 
 impl KnownKinds {
-    pub fn of_world(world: &World, columns: &[Box<dyn AnyColumn>]) -> Self {
+    pub fn of_world(world: &World, columns: &[Column]) -> Self {
         let mut own = Kinds::default();
         for (kind, column) in columns.iter().enumerate() {
             if !column.is_shared() {
@@ -190,10 +190,11 @@ impl Layout {
         }
     }
 
-    /// The run of the entities of a table.
-    pub fn run_of(&self, table: TableId) -> Option<usize> {
-        let run = *self.by_table.get(table.as_usize())?;
-        (run != NONE).then_some(run as usize)
+    /// The tables of the world that the snapshot was taken of, with their runs.
+    pub fn tables(&self) -> impl Iterator<Item = (TableId, usize)> {
+        let runs = self.by_table.iter().enumerate();
+        let runs = runs.filter(|&(_, &run)| run != NONE);
+        runs.map(|(table, &run)| (TableId::from_usize(table), run as usize))
     }
 
     /// Returns true if some of the entities have the component with this number on the list.
@@ -225,10 +226,4 @@ pub(super) fn own_tables<'w>(
         let is_own = kinds.meets(known.own);
         is_own.then_some((TableId::from_usize(id), table, kinds))
     })
-}
-
-/// The table of an entity.
-pub(super) fn table_of(world: &World, entity: Entity) -> Option<TableId> {
-    let place = world.entities().get(entity).ok().flatten()?;
-    Some(place.table_id)
 }

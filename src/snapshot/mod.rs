@@ -58,8 +58,6 @@ mod column;
 mod difference;
 mod error;
 pub(crate) mod layout;
-#[cfg(not(feature = "serde"))]
-mod no_bytes;
 pub(crate) mod renaming;
 mod resource;
 mod structure;
@@ -71,16 +69,17 @@ pub use error::SnapshotError;
 
 use crate::body::BodyTable;
 use crate::settings::PhysicsThreads;
-use crate::state::{self, Stored, Visitor};
-use bevy_ecs::component::Mutable;
+use crate::state;
 use bevy_ecs::entity::{Entity, EntityHashMap, SceneEntityMapper};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::WorldId;
-use column::{AnyColumn, Column, Marked, On, Output, Replaced, Silent, Valueless};
+#[cfg(feature = "serde")]
+pub(crate) use column::replace_if_other;
+use column::{Column, On};
 use layout::{KnownKinds, Layout, own_tables};
 use rayon::prelude::*;
 use renaming::Renaming;
-use resource::{AnyResource, Code, Kept, Plain};
+use resource::Kept;
 use std::fmt;
 use structure::Differences;
 use target::Target;
@@ -97,35 +96,24 @@ enum Origin {
 }
 
 /// The state of a world. See the [module](self).
+#[derive(Clone)]
 pub struct Snapshot {
     origin: Origin,
     layout: Layout,
     /// By kind.
-    columns: Vec<Box<dyn AnyColumn>>,
-    resources: Vec<Box<dyn AnyResource>>,
+    columns: Vec<Column>,
+    resources: Vec<Kept>,
 }
 
 /// An empty snapshot, which cannot be restored. It is there for [`Snapshot::take_into`].
 impl Default for Snapshot {
     fn default() -> Self {
-        let mut list = List::default();
-        state::visit(&mut list);
+        let list = state::list();
         Self {
             origin: Origin::Nothing,
             layout: Layout::default(),
-            columns: list.columns,
-            resources: list.resources,
-        }
-    }
-}
-
-impl Clone for Snapshot {
-    fn clone(&self) -> Self {
-        Self {
-            origin: self.origin,
-            layout: self.layout.clone(),
-            columns: self.columns.iter().map(|column| column.boxed()).collect(),
-            resources: self.resources.iter().map(|kept| kept.boxed()).collect(),
+            columns: list.components.iter().copied().map(Column::new).collect(),
+            resources: list.resources.iter().copied().map(Kept::new).collect(),
         }
     }
 }
@@ -166,7 +154,7 @@ impl Snapshot {
             resources,
             ..
         } = self;
-        let take = |kind: usize, column: &mut Box<dyn AnyColumn>| {
+        let take = |kind: usize, column: &mut Column| {
             column.take(kind, world, layout, since);
         };
         let threads = world.get_resource::<PhysicsThreads>();
@@ -206,7 +194,7 @@ impl Snapshot {
         }
         let missing = self.resources.iter().find(|kept| kept.is_missing(world));
         if let Some(missing) = missing {
-            return Err(SnapshotError::MissingPlugin(missing.name()));
+            return Err(SnapshotError::MissingPlugin(missing.kind.name()));
         }
         world.flush();
         match self.origin == Origin::World(world.id()) {
@@ -283,70 +271,6 @@ impl Snapshot {
             kept.write(world, to);
         }
         world.resource_mut::<BodyTable>().set_visited_at(now);
-        state::visit(&mut Reset(world));
-    }
-}
-
-/// Makes an empty column of each component on the list.
-#[derive(Default)]
-struct List {
-    columns: Vec<Box<dyn AnyColumn>>,
-    resources: Vec<Box<dyn AnyResource>>,
-}
-
-impl Visitor for List {
-    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
-        self.columns.push(Box::new(Column::<T, Marked>::default()));
-    }
-
-    fn output<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
-        self.columns.push(Box::new(Column::<T, Output>::default()));
-    }
-
-    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.columns.push(Box::new(Column::<T, Silent>::default()));
-    }
-
-    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
-        self.columns
-            .push(Box::new(Column::<T, Replaced>::default()));
-    }
-
-    fn marker<T: Component<Mutability = Mutable> + Clone + fmt::Debug + Default>(&mut self) {
-        self.columns
-            .push(Box::new(Column::<T, Valueless>::default()));
-    }
-
-    fn code<T: Resource + Component<Mutability = Mutable> + Clone + fmt::Debug>(&mut self) {
-        self.resources.push(Box::new(Kept::<T, Code>::default()));
-    }
-
-    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.resources.push(Box::new(Kept::<T, Plain>::default()));
-    }
-
-    fn derived<T: Resource + Default>(&mut self) {}
-}
-
-/// Resets what is derived from the state.
-struct Reset<'a>(&'a mut World);
-
-impl Visitor for Reset<'_> {
-    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {}
-
-    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {}
-
-    fn immutable<T: Component + Stored + PartialEq>(&mut self) {}
-
-    fn marker<T: Component<Mutability = Mutable> + Clone + fmt::Debug + Default>(&mut self) {}
-
-    fn code<T: Resource + Component<Mutability = Mutable> + Clone + fmt::Debug>(&mut self) {}
-
-    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {}
-
-    fn derived<T: Resource + Default>(&mut self) {
-        if self.0.contains_resource::<T>() {
-            self.0.insert_resource(T::default());
-        }
+        state::list().reset_derived(world);
     }
 }

@@ -1,6 +1,6 @@
 //! New ids for the entities of a snapshot.
 
-use bevy_ecs::component::Component;
+use crate::state::erased::{Kind, Slice, SliceMut, Values};
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityMapper, SceneEntityMapper};
 use bevy_ecs::world::World;
 
@@ -15,31 +15,34 @@ pub(crate) enum Renaming<'a, 'm> {
 }
 
 impl Renaming<'_, '_> {
-    /// Renames the entities that a component or resource refers to.
-    #[inline]
-    pub fn apply<T: Component>(&mut self, value: &mut T) {
+    /// Renames the entities that values refer to.
+    pub fn apply(&mut self, values: &mut SliceMut) {
         if !self.is_nothing() {
-            T::map_entities(value, self);
+            values.map(self);
         }
     }
 
     /// Inserts values into those of the entities that lack the component.
-    pub fn insert_missing<'v, T: Component + Clone>(
+    pub fn insert_missing<'v>(
         &mut self,
         world: &mut World,
-        values: impl Iterator<Item = (Entity, &'v T)>,
+        kind: Kind,
+        values: &mut dyn Iterator<Item = (Entity, Slice<'v>)>,
     ) {
-        let missing = values.filter_map(|(entity, value)| {
-            let lacks = world.get_entity(entity).is_ok_and(|it| !it.contains::<T>());
-            lacks.then(|| {
-                let mut value = value.clone();
-                self.apply(&mut value);
-                (entity, value)
-            })
-        });
-        let missing: Vec<(Entity, T)> = missing.collect();
-        if !missing.is_empty() {
-            world.insert_batch(missing);
+        let id = kind.register(world);
+        let lacks = |(entity, _): &(Entity, _)| {
+            let entity = world.get_entity(*entity);
+            entity.is_ok_and(|entity| !entity.contains_id(id))
+        };
+        // Hooks may insert the component, but what is inserted here counts.
+        let missing: Vec<(Entity, Slice)> = values.filter(lacks).collect();
+        let mut renamed = Values::new(kind);
+        for (entity, value) in missing {
+            if let Ok(mut entity) = world.get_entity_mut(entity) {
+                renamed.push(value);
+                self.apply(&mut renamed.as_mut());
+                renamed.insert_into(&mut entity);
+            }
         }
     }
 

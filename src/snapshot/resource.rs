@@ -1,100 +1,59 @@
 //! A resource in a snapshot.
 
-#[cfg(feature = "serde")]
-use super::bytes::ResourceBytes as Bytes;
-#[cfg(not(feature = "serde"))]
-use super::no_bytes::Bytes;
 use super::renaming::Renaming;
-use bevy_ecs::component::Mutable;
-use bevy_ecs::prelude::*;
-use std::any::Any;
-use std::fmt::Debug;
-use std::marker::PhantomData;
+use crate::state::erased::{Kind, Values};
+use bevy_ecs::world::World;
 
-/// Data.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Plain;
-
-/// Code of the user, which cannot be written to bytes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Code;
-
-/// A resource. The last type says what it is.
+/// A resource.
 #[derive(Clone, Debug)]
-pub(super) struct Kept<T, Kind> {
-    /// `None` if the world did not have it.
-    pub value: Option<T>,
-    kind: PhantomData<Kind>,
+pub(super) struct Kept {
+    pub kind: Kind,
+    /// One, or none if the world did not have it.
+    pub value: Values,
 }
 
-impl<T, Kind> Default for Kept<T, Kind> {
-    fn default() -> Self {
+impl Kept {
+    pub fn new(kind: Kind) -> Self {
         Self {
-            value: None,
-            kind: PhantomData,
+            kind,
+            value: Values::new(kind),
         }
     }
-}
 
-/// Some resource.
-pub(super) trait AnyResource: Any + Bytes + Debug + Send + Sync {
-    fn name(&self) -> &'static str;
-
-    fn take(&mut self, world: &World);
+    pub fn take(&mut self, world: &World) {
+        match self.kind.read(world).and_then(|known| known.resource()) {
+            Some(now) => self.value.overwrite(0, now.values),
+            None => self.value.clear(),
+        }
+    }
 
     /// Returns true if the world lacks the resource.
-    fn is_missing(&self, world: &World) -> bool;
+    pub fn is_missing(&self, world: &World) -> bool {
+        let known = self.kind.read(world).and_then(|known| known.resource());
+        !self.value.is_empty() && known.is_none()
+    }
 
-    fn write(&self, world: &mut World, to: &mut Renaming);
+    pub fn write(&self, world: &mut World, to: &mut Renaming) {
+        let tick = world.change_tick();
+        if !self.value.is_empty()
+            && let Some(mut known) = self.kind.write(world)
+            && let Some(mut now) = known.resource()
+        {
+            now.values.clone_from(self.value.as_slice());
+            // Even if no entity is renamed, it drops what is derived from the places of entities in this world.
+            now.values.map(to);
+            now.set_changed(0, tick);
+        }
+    }
 
     /// The value as `Debug` writes it.
-    fn text(&self, to: &mut Renaming) -> Option<String>;
-
-    fn boxed(&self) -> Box<dyn AnyResource>;
-}
-
-impl<T, Kind> AnyResource for Kept<T, Kind>
-where
-    T: Resource + Component<Mutability = Mutable> + Clone + Debug,
-    Kind: Debug + Send + Sync + 'static,
-    Self: Bytes,
-{
-    fn name(&self) -> &'static str {
-        std::any::type_name::<T>()
-    }
-
-    fn take(&mut self, world: &World) {
-        match (&mut self.value, world.get_resource::<T>()) {
-            (Some(kept), Some(now)) => kept.clone_from(now),
-            (kept, now) => *kept = now.cloned(),
+    pub fn text(&self, to: &mut Renaming) -> Option<String> {
+        if self.value.is_empty() {
+            return None;
         }
-    }
-
-    fn is_missing(&self, world: &World) -> bool {
-        self.value.is_some() && !world.contains_resource::<T>()
-    }
-
-    fn write(&self, world: &mut World, to: &mut Renaming) {
-        if let Some(kept) = &self.value
-            && let Some(mut now) = world.get_resource_mut::<T>()
-        {
-            now.clone_from(kept);
-            // Even if no entity is renamed, it drops what is derived from the places of entities in this world.
-            T::map_entities(&mut now, to);
-        }
-    }
-
-    fn text(&self, to: &mut Renaming) -> Option<String> {
-        let mut value = self.value.clone()?;
+        let mut value = self.value.clone();
         // As in `write`.
-        T::map_entities(&mut value, to);
-        Some(format!("{value:#?}"))
-    }
-
-    fn boxed(&self) -> Box<dyn AnyResource> {
-        Box::new(Self {
-            value: self.value.clone(),
-            kind: PhantomData,
-        })
+        value.as_mut().map(to);
+        Some(format!("{:#?}", value.as_slice().debug()))
     }
 }

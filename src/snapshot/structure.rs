@@ -2,7 +2,7 @@
 //!
 //! Hooks and observers run meanwhile. All that they write is on the list of the state, and is written again afterwards.
 
-use super::column::{AnyColumn, On};
+use super::column::{Column, On};
 use super::layout::{Kinds, KnownKinds, own_tables};
 use super::renaming::Renaming;
 use super::target::{NOWHERE, RowsByIndex, run_with};
@@ -89,7 +89,7 @@ impl Differences {
 /// differences, so far as is known.
 pub(super) fn restore(
     world: &mut World,
-    columns: &[Box<dyn AnyColumn>],
+    columns: &[Column],
     on: On,
     to: &mut Renaming,
     is_same: bool,
@@ -115,7 +115,7 @@ pub(super) fn restore(
 }
 
 impl Differences {
-    fn mend(self, world: &mut World, columns: &[Box<dyn AnyColumn>], on: On, to: &mut Renaming) {
+    fn mend(self, world: &mut World, columns: &[Column], on: On, to: &mut Renaming) {
         for &(row, has) in &self.other {
             let wanted = on.layout.runs[on.layout.run_of_row(row)].kinds;
             if has != wanted
@@ -123,7 +123,8 @@ impl Differences {
             {
                 for (kind, column) in columns.iter().enumerate() {
                     if has.contains(kind) && !wanted.contains(kind) {
-                        column.remove(&mut entity);
+                        let id = column.kind.id(entity.world().components());
+                        id.into_iter().for_each(|id| _ = entity.remove_by_id(id));
                     }
                 }
             }

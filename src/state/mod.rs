@@ -9,11 +9,14 @@
 //! The list is read with a [`Visitor`].
 
 mod clone_fields;
+pub(crate) mod erased;
+mod list;
 pub(crate) mod visitor;
 #[cfg(feature = "serde")]
 pub(crate) mod written;
 
 pub(crate) use clone_fields::{clone_fields, copy, copy_into, share};
+pub(crate) use list::{components_of, list};
 pub use visitor::{Stored, Visitor};
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
@@ -48,14 +51,14 @@ use bevy_transform::components::Transform;
 use std::any::TypeId;
 
 /// Returns true for a component of Bevy, which entities have that have nothing to do with drystone.
-pub(crate) fn is_of_bevy<T: 'static>() -> bool {
+pub(crate) fn is_of_bevy(id: TypeId) -> bool {
     let of_bevy = [
         TypeId::of::<Transform>(),
         TypeId::of::<ChildOf>(),
         TypeId::of::<Name>(),
         TypeId::of::<Disabled>(),
     ];
-    of_bevy.contains(&TypeId::of::<T>())
+    of_bevy.contains(&id)
 }
 
 /// Passes every type on the list to a visitor. Components come before resources, because inserting some components changes counters in

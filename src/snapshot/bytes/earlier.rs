@@ -1,21 +1,21 @@
 //! The values of an earlier snapshot, entity by entity.
 
-use super::super::column::{AnyColumn, Column};
+use super::super::column::Column;
 use super::super::layout::Layout;
 use super::super::target::{NOWHERE, RowsByIndex};
-use super::same_type;
+use crate::state::erased::Slice;
 
 /// A column of an earlier snapshot.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Earlier<'a> {
-    column: &'a dyn AnyColumn,
+pub(super) struct Earlier<'a> {
+    pub column: &'a Column,
     layout: &'a Layout,
     /// Its row by the row of the later snapshot, or [`NOWHERE`].
     rows: &'a [u32],
 }
 
 impl<'a> Earlier<'a> {
-    pub fn new(column: &'a dyn AnyColumn, layout: &'a Layout, rows: &'a [u32]) -> Self {
+    pub fn new(column: &'a Column, layout: &'a Layout, rows: &'a [u32]) -> Self {
         Self {
             column,
             layout,
@@ -23,16 +23,11 @@ impl<'a> Earlier<'a> {
         }
     }
 
-    /// The column, whose type is that of the later one.
-    pub fn column<C: 'static>(&self) -> &'a C {
-        same_type(self.column)
-    }
-
-    /// The earlier value of an entity, given the column.
-    pub fn value<T: Clone, How>(&self, column: &'a Column<T, How>, row: usize) -> Option<&'a T> {
+    /// The earlier value of an entity.
+    pub fn value(&self, row: usize) -> Option<Slice<'a>> {
         match self.rows[row] {
             NOWHERE => None,
-            row => column.value_of(self.layout, row as usize),
+            row => self.column.value_of(self.layout, row as usize),
         }
     }
 }

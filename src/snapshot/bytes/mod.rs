@@ -18,19 +18,18 @@ mod stream;
 mod value;
 
 pub(crate) use checksum::{Checksum, mix};
-pub(super) use earlier::Earlier;
-pub(super) use stream::{Reader, Writer};
-pub(crate) use value::{read, write};
+pub(crate) use value::{decode, encode, read, write};
 
-use super::column::{Column, Edit, Marked, Output, Replaced, Silent, Valueless};
+use super::column::{Column, Edit};
 use super::error::SnapshotError;
 use super::layout::{Kinds, Layout, Run};
-use super::resource::{AnyResource, Code, Kept, Plain};
+use super::resource::Kept;
 use super::{Origin, Snapshot};
 use crate::collider::SharedShapes;
-use crate::state::Stored;
+use crate::state::erased::{How, Values};
 use bevy_ecs::entity::{Entity, EntityHashSet};
-use std::any::Any;
+use earlier::Earlier;
+use stream::{Reader, Writer};
 
 /// The first bytes of every snapshot.
 const NAME: &[u8; 8] = b"DRYSTONE";
@@ -65,12 +64,12 @@ impl Snapshot {
         put_layout(&self.layout, &earlier.layout, &mut to)?;
         let rows = earlier::rows(&self.layout, &earlier.layout);
         for (column, old) in self.columns.iter().zip(&earlier.columns) {
-            let earlier = Earlier::new(old.as_ref(), &earlier.layout, &rows);
+            let earlier = Earlier::new(old, &earlier.layout, &rows);
             column.encode(&self.layout, earlier, &mut to)?;
         }
         to.put(&self.valid_slips(), Some(&earlier.valid_slips()), SLIPS)?;
         for (kept, old) in self.resources.iter().zip(&earlier.resources) {
-            kept.encode(old.as_ref(), &mut to)?;
+            kept.encode(old, &mut to)?;
         }
         let (values, sum) = to.finish();
         let mut rest = sum.to_bytes().to_vec();
@@ -139,13 +138,13 @@ impl Snapshot {
         let rows = earlier::rows(layout, &earlier.layout);
         let columns = snapshot.columns.iter_mut().zip(&earlier.columns);
         for (kind, (column, old)) in columns.enumerate() {
-            let earlier = Earlier::new(old.as_ref(), &earlier.layout, &rows);
+            let earlier = Earlier::new(old, &earlier.layout, &rows);
             column.decode(kind, layout, earlier, from)?;
         }
         let valid: Vec<bool> = from.take(Some(&earlier.valid_slips()), SLIPS)?;
         snapshot.set_valid_slips(&valid)?;
         for (kept, old) in snapshot.resources.iter_mut().zip(&earlier.resources) {
-            kept.decode(old.as_ref(), from)?;
+            kept.decode(old, from)?;
         }
         Ok(snapshot)
     }
@@ -206,15 +205,52 @@ fn read_layout(
     is_valid.then_some(layout).ok_or(SnapshotError::Damaged)
 }
 
-/// A column that can be written.
-pub(super) trait Bytes {
+impl Column {
     /// Writes the values.
     fn encode(
         &self,
         layout: &Layout,
         earlier: Earlier,
         to: &mut Writer,
-    ) -> Result<(), SnapshotError>;
+    ) -> Result<(), SnapshotError> {
+        if self.kind.how() == How::Valueless {
+            return Ok(());
+        }
+        for (index, row) in self.rows(layout).into_iter().enumerate() {
+            to.put_with(
+                &mut |is_earlier, out| match (is_earlier, earlier.value(row)) {
+                    (false, _) => encode(self.values.one(index), out),
+                    (true, Some(earlier)) => encode(earlier, out),
+                    (true, None) => Ok(()),
+                },
+            )?;
+        }
+        let old = earlier.column;
+        to.put(&self.edits, Some(&old.edits), self.kind.name())?;
+        to.put_with(&mut |is_earlier, out| match is_earlier {
+            false => self.encode_sparse(out),
+            true => old.encode_sparse(out),
+        })
+    }
+
+    /// Appends the values of a component that is not kept in tables: as a list of entities with their values.
+    fn encode_sparse(&self, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
+        let name = self.kind.name();
+        write(&self.holders.len(), name, out)?;
+        for (index, holder) in self.holders.iter().enumerate() {
+            write(holder, name, out)?;
+            encode(self.values.one(index), out)?;
+        }
+        Ok(())
+    }
+
+    fn decode_sparse(&mut self, from: &mut &[u8]) -> Result<(), SnapshotError> {
+        for _ in 0..read::<usize>(from)? {
+            self.holders.push(read(from)?);
+            decode(from, &mut self.values)?;
+        }
+        Ok(())
+    }
 
     /// Reads the values of a component, by its number on the list.
     fn decode(
@@ -223,104 +259,64 @@ pub(super) trait Bytes {
         layout: &Layout,
         earlier: Earlier,
         from: &mut Reader,
-    ) -> Result<(), SnapshotError>;
-}
-
-macro_rules! stored {
-    ($($How:ty),+) => {$(
-        impl<T: Stored + 'static> Bytes for Column<T, $How> {
-            fn encode(&self, layout: &Layout, earlier: Earlier, to: &mut Writer) -> Result<(), SnapshotError> {
-                let name = std::any::type_name::<T>();
-                let old = earlier.column::<Self>();
-                for (row, value) in self.in_order(layout) {
-                    to.put(value, earlier.value(old, row), name)?;
-                }
-                to.put(&self.edits, Some(&old.edits), name)?;
-                to.put(&self.sparse, Some(&old.sparse), name)
-            }
-
-            fn decode(
-                &mut self,
-                kind: usize,
-                layout: &Layout,
-                earlier: Earlier,
-                from: &mut Reader,
-            ) -> Result<(), SnapshotError> {
-                let name = std::any::type_name::<T>();
-                let old = earlier.column::<Self>();
-                self.fill(kind, layout, |row| from.take(earlier.value(old, row), name))?;
-                self.edits = from.take(Some(&old.edits), name)?;
-                self.sparse = from.take(Some(&old.sparse), name)?;
-                let is_row = |edit: &Edit| edit.row < layout.entities.len();
-                match self.edits.iter().all(is_row) {
-                    true => Ok(()),
-                    false => Err(SnapshotError::Damaged),
-                }
-            }
-        }
-    )+};
-}
-stored!(Marked, Output, Silent, Replaced);
-
-impl<T: Clone + Default> Bytes for Column<T, Valueless> {
-    fn encode(&self, _: &Layout, _: Earlier, _: &mut Writer) -> Result<(), SnapshotError> {
-        Ok(())
-    }
-
-    fn decode(
-        &mut self,
-        kind: usize,
-        layout: &Layout,
-        _: Earlier,
-        _: &mut Reader,
     ) -> Result<(), SnapshotError> {
-        self.fill(kind, layout, |_| Ok(T::default()))
+        let fill = &mut |row: usize, values: &mut Values| {
+            if values.push_default() {
+                return Ok(());
+            }
+            let append = &mut |out: &mut Vec<u8>| match earlier.value(row) {
+                Some(earlier) => encode(earlier, out),
+                None => Ok(()),
+            };
+            from.take_with(append, &mut |from| decode(from, values))
+        };
+        self.fill(kind, layout, fill)?;
+        if self.kind.how() == How::Valueless {
+            return Ok(());
+        }
+        let old = earlier.column;
+        self.edits = from.take(Some(&old.edits), self.kind.name())?;
+        let append = &mut |out: &mut Vec<u8>| old.encode_sparse(out);
+        from.take_with(append, &mut |from| self.decode_sparse(from))?;
+        let is_row = |edit: &Edit| edit.row < layout.entities.len();
+        match self.edits.iter().all(is_row) {
+            true => Ok(()),
+            false => Err(SnapshotError::Damaged),
+        }
     }
 }
 
-/// A resource that can be written, or is left out. `earlier` has the same type.
-pub(super) trait ResourceBytes {
-    /// Writes the resource.
-    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError>;
+impl Kept {
+    /// Appends the value, if there is one.
+    fn append(&self, out: &mut Vec<u8>) -> Result<(), SnapshotError> {
+        out.push(u8::from(!self.value.is_empty()));
+        match self.value.is_empty() {
+            true => Ok(()),
+            false => encode(self.value.one(0), out),
+        }
+    }
+
+    /// Writes the resource. Code is left out: the world keeps what it has.
+    fn encode(&self, earlier: &Self, to: &mut Writer) -> Result<(), SnapshotError> {
+        if !self.kind.has_code() {
+            return Ok(());
+        }
+        to.put_with(&mut |is_earlier, out| match is_earlier {
+            false => self.append(out),
+            true => earlier.append(out),
+        })
+    }
 
     /// Reads the resource.
-    fn decode(&mut self, earlier: &dyn AnyResource, from: &mut Reader)
-    -> Result<(), SnapshotError>;
-}
-
-impl<T: Stored + 'static> ResourceBytes for Kept<T, Plain> {
-    fn encode(&self, earlier: &dyn AnyResource, to: &mut Writer) -> Result<(), SnapshotError> {
-        let earlier: &Self = same_type(earlier);
-        let name = std::any::type_name::<T>();
-        to.put(&self.value, Some(&earlier.value), name)
+    fn decode(&mut self, earlier: &Self, from: &mut Reader) -> Result<(), SnapshotError> {
+        if !self.kind.has_code() {
+            return Ok(());
+        }
+        self.value.clear();
+        let append = &mut |out: &mut Vec<u8>| earlier.append(out);
+        from.take_with(append, &mut |from| match read::<bool>(from)? {
+            true => decode(from, &mut self.value),
+            false => Ok(()),
+        })
     }
-
-    fn decode(
-        &mut self,
-        earlier: &dyn AnyResource,
-        from: &mut Reader,
-    ) -> Result<(), SnapshotError> {
-        let earlier: &Self = same_type(earlier);
-        let name = std::any::type_name::<T>();
-        self.value = from.take(Some(&earlier.value), name)?;
-        Ok(())
-    }
-}
-
-/// The world keeps what it has.
-impl<T> ResourceBytes for Kept<T, Code> {
-    fn encode(&self, _: &dyn AnyResource, _: &mut Writer) -> Result<(), SnapshotError> {
-        Ok(())
-    }
-
-    fn decode(&mut self, _: &dyn AnyResource, _: &mut Reader) -> Result<(), SnapshotError> {
-        Ok(())
-    }
-}
-
-/// The column or resource of an earlier snapshot, whose type is that of the later one.
-fn same_type<K: 'static>(earlier: &dyn Any) -> &K {
-    earlier
-        .downcast_ref()
-        .expect("all snapshots have the same list")
 }

@@ -4,22 +4,21 @@
 //! are equal. Without it, all slips would be measured anew after a restore, and some of them would have other bits.
 
 use super::super::Snapshot;
-use super::super::column::{Column, Silent};
+use super::super::column::Column;
 use super::super::error::SnapshotError;
 use crate::contact::{ContactAnchors, ContactPair};
-use std::any::Any;
-
-type Pairs = Column<ContactPair, Silent>;
-type Anchors = Column<ContactAnchors, Silent>;
+use std::any::TypeId;
 
 impl Snapshot {
     /// Whether the slips of each pair are valid, in the order of the pairs.
     pub(super) fn valid_slips(&self) -> Vec<bool> {
         let layout = &self.layout;
-        let anchors: &Anchors = self.column();
-        let pairs = self.column::<Pairs>().in_order(layout);
-        let valid = pairs.map(|(row, pair)| {
-            let anchors = anchors.value_of(layout, row);
+        let anchors = &self.columns[self.place_of::<ContactAnchors>()];
+        let all = values::<ContactAnchors>(anchors);
+        let pairs = &self.columns[self.place_of::<ContactPair>()];
+        let rows = pairs.rows(layout).into_iter();
+        let valid = rows.zip(values::<ContactPair>(pairs)).map(|(row, pair)| {
+            let anchors = anchors.index_of_row(layout, row).map(|at| &all[at]);
             anchors.is_some_and(|anchors| anchors.measured == Some(pair.revision))
         });
         valid.collect()
@@ -27,27 +26,40 @@ impl Snapshot {
 
     /// Makes slips valid, or not, after pairs and anchors were read.
     pub(super) fn set_valid_slips(&mut self, valid: &[bool]) -> Result<(), SnapshotError> {
-        let pairs = self.column::<Pairs>().in_order(&self.layout);
-        let measured: Vec<_> = pairs.map(|(row, pair)| (row, pair.revision)).collect();
-        if measured.len() != valid.len() {
+        let layout = &self.layout;
+        let pairs = &self.columns[self.place_of::<ContactPair>()];
+        let revisions = values::<ContactPair>(pairs)
+            .iter()
+            .map(|pair| pair.revision);
+        let revisions: Vec<_> = revisions.collect();
+        let rows = pairs.rows(layout);
+        if rows.len() != valid.len() {
             return Err(SnapshotError::Damaged);
         }
-        let mut columns = self.columns.iter_mut();
-        let anchors = columns.find_map(|column| (column.as_mut() as &mut dyn Any).downcast_mut());
-        let anchors: &mut Anchors = anchors.expect(LISTED);
-        for ((row, revision), &is_valid) in measured.into_iter().zip(valid) {
-            if let Some(anchors) = anchors.value_of_mut(&self.layout, row) {
-                anchors.measured = is_valid.then_some(revision);
+        let place = self.place_of::<ContactAnchors>();
+        let anchors = &mut self.columns[place];
+        let places = rows.iter().map(|&row| anchors.index_of_row(layout, row));
+        let places: Vec<_> = places.collect();
+        let anchors = anchors.values.as_mut().typed::<ContactAnchors>();
+        let anchors = anchors.expect(LISTED);
+        for ((place, revision), &is_valid) in places.into_iter().zip(revisions).zip(valid) {
+            if let Some(place) = place {
+                anchors[place].measured = is_valid.then_some(revision);
             }
         }
         Ok(())
     }
 
-    fn column<C: 'static>(&self) -> &C {
+    /// The number of a component on the list.
+    fn place_of<T: 'static>(&self) -> usize {
         let mut columns = self.columns.iter();
-        let column = columns.find_map(|column| (column.as_ref() as &dyn Any).downcast_ref());
-        column.expect(LISTED)
+        let place = columns.position(|column| column.kind.type_id() == TypeId::of::<T>());
+        place.expect(LISTED)
     }
+}
+
+fn values<T: 'static>(column: &Column) -> &[T] {
+    column.values.as_slice().typed().expect(LISTED)
 }
 
 const LISTED: &str = "the component is on the list of the state";

@@ -9,6 +9,9 @@ use super::value::{read, write};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+/// Appends a value to bytes, or the earlier one if it is told so.
+pub(super) type Append<'a> = &'a mut dyn FnMut(bool, &mut Vec<u8>) -> Result<(), SnapshotError>;
+
 /// Writes values.
 #[derive(Default)]
 pub(in super::super) struct Writer {
@@ -27,8 +30,19 @@ impl Writer {
         earlier: Option<&T>,
         name: &'static str,
     ) -> Result<(), SnapshotError> {
-        replace(&mut self.now, Some(value), name)?;
-        replace(&mut self.earlier, earlier, name)?;
+        self.put_with(&mut |is_earlier, out| match (is_earlier, earlier) {
+            (false, _) => write(value, name, out),
+            (true, Some(earlier)) => write(earlier, name, out),
+            (true, None) => Ok(()),
+        })
+    }
+
+    /// Writes what a function appends: first the value, and then, if it is told so, the earlier one.
+    pub fn put_with(&mut self, append: Append) -> Result<(), SnapshotError> {
+        self.now.clear();
+        self.earlier.clear();
+        append(false, &mut self.now)?;
+        append(true, &mut self.earlier)?;
         self.sum.add(&self.now);
         if self.now == self.earlier {
             self.put_length(0);
@@ -77,7 +91,26 @@ impl<'a> Reader<'a> {
         earlier: Option<&T>,
         name: &'static str,
     ) -> Result<T, SnapshotError> {
-        replace(&mut self.value, earlier, name)?;
+        let mut value = None;
+        let append = &mut |out: &mut Vec<u8>| match earlier {
+            Some(earlier) => write(earlier, name, out),
+            None => Ok(()),
+        };
+        self.take_with(append, &mut |from| {
+            value = Some(read(from)?);
+            Ok(())
+        })?;
+        value.ok_or(SnapshotError::Damaged)
+    }
+
+    /// Has a function read a value. The other one appends the same earlier value.
+    pub fn take_with(
+        &mut self,
+        append: &mut dyn FnMut(&mut Vec<u8>) -> Result<(), SnapshotError>,
+        read: &mut dyn FnMut(&mut &[u8]) -> Result<(), SnapshotError>,
+    ) -> Result<(), SnapshotError> {
+        self.value.clear();
+        append(&mut self.value)?;
         if let Some(length) = self.take_length()?.checked_sub(1) {
             let parts = self.from.split_at_checked(length);
             let (bytes, rest) = parts.ok_or(SnapshotError::Damaged)?;
@@ -89,9 +122,9 @@ impl<'a> Reader<'a> {
         }
         self.sum.add(&self.value);
         let mut bytes = self.value.as_slice();
-        let value = read(&mut bytes)?;
+        read(&mut bytes)?;
         match bytes.is_empty() {
-            true => Ok(value),
+            true => Ok(()),
             false => Err(SnapshotError::Damaged),
         }
     }
@@ -116,14 +149,4 @@ impl<'a> Reader<'a> {
             false => Err(SnapshotError::Damaged),
         }
     }
-}
-
-/// Replaces bytes by those of a value, none if there is no value.
-fn replace<T: Serialize + ?Sized>(
-    bytes: &mut Vec<u8>,
-    value: Option<&T>,
-    name: &'static str,
-) -> Result<(), SnapshotError> {
-    bytes.clear();
-    value.map_or(Ok(()), |value| write(value, name, bytes))
 }

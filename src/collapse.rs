@@ -36,6 +36,7 @@ use crate::contact::Contacts;
 use crate::grab::Grab;
 use crate::graph::Islands;
 use crate::mortar::{BrokenMortar, MortarBroke};
+use crate::plugin::init;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_app::{App, Plugin};
@@ -52,16 +53,18 @@ pub struct CollapsePlugin;
 
 impl Plugin for CollapsePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<CollapseSettings>()
-            .init_resource::<Structures>()
-            .add_message::<Collapse>()
+        let world = app.world_mut();
+        init::<CollapseSettings>(world);
+        init::<Structures>(world);
+        app.add_message::<Collapse>()
             .add_message::<CollapseEnded>()
             .add_systems(
                 PhysicsSchedule,
                 collapses.after(PhysicsSystems::ContactEvents),
             );
         let world = app.world_mut();
-        let mut messages = world.get_resource_or_init::<StepMessages>();
+        init::<StepMessages>(world);
+        let mut messages = world.resource_mut::<StepMessages>();
         messages.add::<Collapse>();
         messages.add::<CollapseEnded>();
     }
@@ -177,6 +180,7 @@ impl Stands {
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct CollapseSettings {
     /// Movement at which a body has left its place, as a share of its bounding radius. Default: 0.05.
     pub movement_threshold: f32,
@@ -203,7 +207,7 @@ impl Default for CollapseSettings {
 #[doc(hidden)]
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 pub struct Structures {
     last: u64,
     /// s

@@ -238,7 +238,7 @@ pub enum StepError {
 #[doc(hidden)]
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 pub struct Suspects(pub(crate) Vec<(Entity, BodyProblem)>);
 
 impl MapEntities for Suspects {
@@ -254,7 +254,7 @@ impl MapEntities for Suspects {
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 pub struct Told {
     /// The first bodies of islands whose solve went wrong in the last step.
     pub(crate) diverged: Vec<Entity>,

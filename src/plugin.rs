@@ -105,40 +105,41 @@ impl Plugin for StepPlugin {
         #[cfg(feature = "bevy_reflect")]
         crate::reflection::register(app);
         let profile = profile(app);
-        app.init_resource::<Gravity>()
-            .init_resource::<StabilizationSettings>()
-            .init_resource::<NarrowphaseSettings>()
-            .init_resource::<SolverSettings>()
-            .init_resource::<SleepSettings>()
-            .init_resource::<SpeedLimits>()
-            .init_resource::<ActiveSettings>()
-            .init_resource::<PhysicsThreads>()
-            .init_resource::<PhysicsTime>()
-            .init_resource::<StepTime>()
-            .init_resource::<Suspects>()
-            .init_resource::<Told>()
-            .init_resource::<BodyTable>()
-            .init_resource::<Pending>()
-            .init_resource::<Broadphase>()
-            .init_resource::<ConstraintGraph>()
-            .init_resource::<Islands>()
-            .init_resource::<IslandProblems>()
-            .init_resource::<SolveReports>()
-            .init_resource::<LostPairs>()
-            .init_resource::<EndedPairs>()
-            .init_resource::<Untriggered>()
-            .init_resource::<JointChanges>()
-            .init_resource::<BrokenJoints>()
-            .init_resource::<BrokenMortar>()
-            .init_resource::<contact::MovingSurfaces>()
-            .init_resource::<body::WrittenTransforms>()
-            .init_resource::<Unassembled>()
-            .init_resource::<Sensors>()
-            .init_resource::<UntriggeredSensorEvents>()
-            .init_resource::<Restored>()
-            .init_resource::<Suspended>()
-            .init_resource::<Arrivals>()
-            .add_message::<BodyError>()
+        let world = app.world_mut();
+        init::<Gravity>(world);
+        init::<StabilizationSettings>(world);
+        init::<NarrowphaseSettings>(world);
+        init::<SolverSettings>(world);
+        init::<SleepSettings>(world);
+        init::<SpeedLimits>(world);
+        init::<ActiveSettings>(world);
+        init::<PhysicsThreads>(world);
+        init::<PhysicsTime>(world);
+        init::<StepTime>(world);
+        init::<Suspects>(world);
+        init::<Told>(world);
+        init::<BodyTable>(world);
+        init::<Pending>(world);
+        init::<Broadphase>(world);
+        init::<ConstraintGraph>(world);
+        init::<Islands>(world);
+        init::<IslandProblems>(world);
+        init::<SolveReports>(world);
+        init::<LostPairs>(world);
+        init::<EndedPairs>(world);
+        init::<Untriggered>(world);
+        init::<JointChanges>(world);
+        init::<BrokenJoints>(world);
+        init::<BrokenMortar>(world);
+        init::<contact::MovingSurfaces>(world);
+        init::<body::WrittenTransforms>(world);
+        init::<Unassembled>(world);
+        init::<Sensors>(world);
+        init::<UntriggeredSensorEvents>(world);
+        init::<Restored>(world);
+        init::<Suspended>(world);
+        init::<Arrivals>(world);
+        app.add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>()
@@ -175,9 +176,18 @@ fn take_step(world: &mut World) {
     let _ = advance(world, delta);
 }
 
+/// Inserts a resource with its default, unless the world has it. Bevy's `init_resource` compiles to four times as much code for each type, because
+/// it spawns and inserts the resource as a bundle.
+pub(crate) fn init<R: Resource + FromWorld>(world: &mut World) {
+    if !world.contains_resource::<R>() {
+        let value = R::from_world(world);
+        world.insert_resource(value);
+    }
+}
+
 /// The profile with which stages are timed, made by whichever plugin comes first.
 fn profile(app: &mut App) -> Profile {
-    app.init_resource::<Profile>();
+    init::<Profile>(app.world_mut());
     app.world().resource::<Profile>().clone()
 }
 

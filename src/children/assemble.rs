@@ -18,7 +18,7 @@ use glam::Vec3;
 /// Entities at or below which colliders may have changed their body since the last step.
 #[derive(Resource, Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct Unassembled(Vec<Entity>);
 

@@ -59,6 +59,7 @@ pub trait ContactHook: Send + Sync + 'static {
 /// ```
 #[derive(Resource, Clone)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
+#[component(clone_behavior = Ignore)]
 pub struct ContactHooks(Arc<dyn ContactHook>);
 
 impl ContactHooks {

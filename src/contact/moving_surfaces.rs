@@ -12,6 +12,7 @@ use glam::Vec3;
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[doc(hidden)]
+#[component(clone_behavior = Ignore)]
 pub struct MovingSurfaces(
     #[cfg_attr(
         feature = "serde",

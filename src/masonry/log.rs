@@ -45,6 +45,7 @@ use crate::preview::Moved;
 /// ```
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
+#[component(clone_behavior = Ignore)]
 pub struct EditLog {
     done: VecDeque<Entry>,
     undone: Vec<Operation>,

@@ -14,6 +14,7 @@ use bevy_reflect::Reflect;
 #[derive(Resource, Clone, Default, Debug)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct ActiveSettings {
     gravity: Gravity,
     stabilization: StabilizationSettings,

@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// that is exclusive or needs data of the main thread. Run conditions in that schedule must not need such data.
 #[derive(Resource, Clone, Debug)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
+#[component(clone_behavior = Ignore)]
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
     min_items: usize,

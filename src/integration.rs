@@ -17,7 +17,10 @@ use crate::body::{
     Velocity, limits, local_pose, user_pose,
 };
 use crate::children::ImplicitBody;
+use crate::components::any;
 use crate::settings::StepTime;
+use bevy_ecs::archetype::Archetypes;
+use bevy_ecs::component::Components;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
 use bevy_transform::components::Transform;
@@ -108,8 +111,9 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
 
 /// Whether some body has a parent.
 #[doc(hidden)]
-pub fn any_children(children: Query<(), (With<BodyIndex>, With<ChildOf>)>) -> bool {
-    !children.is_empty()
+pub fn any_children(components: &Components, archetypes: &Archetypes) -> bool {
+    let child = [Components::component_id::<ChildOf>, Components::component_id::<BodyIndex>];
+    any(components, archetypes, &child)
 }
 
 /// Writes the `Transform` of bodies with a parent, in the parent's frame: the second half of the stage. Bodies at rest are included,

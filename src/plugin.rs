@@ -7,6 +7,7 @@
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
 use crate::children::{self, Unassembled};
+use crate::components::any_with;
 use crate::contact::{
     self, ContactEnded, ContactForce, ContactStarted, EndedPairs, LostPairs, Untriggered,
 };
@@ -29,8 +30,9 @@ use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
 use crate::streaming::{self, Arrivals, Suspended};
 use crate::warm_start::{self, IslandProblems};
-use crate::{grab, integration, joint, narrowphase, solve};
+use crate::{integration, joint, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
+use bevy_ecs::component::Components;
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
 use bevy_ecs::prelude::*;
@@ -208,12 +210,10 @@ pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(body::lost_parent)
-            .add_observer(children::child_joined)
+        app.add_observer(children::child_joined)
             .add_observer(children::child_left)
-            .add_observer(children::child_disabled)
-            .add_observer(children::child_enabled)
-            .add_observer(grab::let_go_of_disabled);
+            .add_observer(body::disabled)
+            .add_observer(children::child_enabled);
         let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
@@ -223,7 +223,7 @@ impl Plugin for BodyPlugin {
                 own(&profile, "prepare", children::assemble),
                 own(&profile, "prepare", body::complete),
                 own(&profile, "prepare", body::lift)
-                    .run_if(any_with_component::<body::Quarantined>),
+                    .run_if(any_with(Components::component_id::<body::Quarantined>)),
                 own(&profile, "prepare", streaming::arrive).run_if(streaming::any_arrivals),
                 own(&profile, "prepare", body::prepare),
                 own(&profile, "prepare", body::quarantine).run_if(body::any_suspects),
@@ -372,7 +372,6 @@ pub struct JointPlugin;
 
 impl Plugin for JointPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(joint::look_at_disabled);
         stages!(
             app,
             Joints: "joints" joint::joints,
@@ -389,7 +388,7 @@ impl Plugin for JointPlugin {
         app.add_systems(
             PhysicsSchedule,
             own(&profile, "narrowphase", mortar::lay_mortar)
-                .run_if(any_with_component::<Mortar>)
+                .run_if(any_with(Components::component_id::<Mortar>))
                 .after(narrowphase::modify_contacts)
                 .in_set(PhysicsSystems::Narrowphase),
         );
@@ -465,12 +464,12 @@ impl Plugin for ContactEventsPlugin {
                 own(&profile, "contact_events", contact::whole_step)
                     .run_if(contact::any_earlier_substeps),
                 own(&profile, "contact_events", contact::loads)
-                    .run_if(any_with_component::<contact::Load>),
+                    .run_if(any_with(Components::component_id::<contact::Load>)),
                 own(&profile, "contact_events", contact::contact_events),
                 own(&profile, "contact_events", contact::colliding_entities)
-                    .run_if(any_with_component::<contact::CollidingEntities>),
+                    .run_if(any_with(Components::component_id::<contact::CollidingEntities>)),
                 own(&profile, "contact_events", contact::contact_forces)
-                    .run_if(any_with_component::<contact::ContactForceEvents>),
+                    .run_if(any_with(Components::component_id::<contact::ContactForceEvents>)),
             )
                 .chain()
                 .in_set(PhysicsSystems::ContactEvents),

@@ -47,7 +47,7 @@ mod written_transforms;
 
 pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
 pub use complete::complete;
-pub(crate) use disabled::Simulated;
+pub(crate) use disabled::{Simulated, disabled};
 pub use disabled::{ColliderDisabled, RigidBodyDisabled};
 pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
@@ -79,7 +79,7 @@ pub use spawn_order::SpawnOrder;
 #[cfg(feature = "serde")]
 pub(crate) use table::Noted;
 pub use table::{BodyIndex, BodyState, BodyTable};
-pub(crate) use table::{is_body, lost_description, lost_parent};
+pub(crate) use table::{is_body, lost_description, note_loss};
 pub use written_transforms::{WrittenTransforms, find_written_transforms};
 
 use bevy_ecs::prelude::*;

@@ -9,9 +9,11 @@ use super::{
     GravityScale, Inactive, MassProperties, Pose, RigidBody, Simulated, Sleeping, SpawnOrder,
     Teleport, Velocity, WrittenTransforms, limits,
 };
+use crate::components::remove_later;
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
+use bevy_ecs::component::Components;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
@@ -125,7 +127,12 @@ pub fn prepare(
         body.spawn_order = spawn_order;
         if spawn_order == SpawnOrder::NONE {
             body.spawn_order = table.next_spawn_order();
-            commands.entity(entity).insert(body.spawn_order);
+            let spawn_order = body.spawn_order;
+            commands.queue(move |world: &mut World| {
+                if let Ok(mut body) = world.get_entity_mut(entity) {
+                    body.insert(spawn_order);
+                }
+            });
         }
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
         body.set_force(pushed.0);
@@ -234,7 +241,7 @@ impl Visitor<'_, '_, '_> {
         let (transform, parent, teleported) = placement;
         let (time, speeds) = (&self.rules.time, &self.rules.speeds);
         if teleported {
-            self.commands.entity(entity).remove::<Teleport>();
+            remove_later(self.commands, entity, Components::component_id::<Teleport>);
         }
         let pose = pose.bypass_change_detection();
         let written = self.changed.contains(&entity) || self.table.is_inactive(index.0);
@@ -248,7 +255,7 @@ impl Visitor<'_, '_, '_> {
         let goes_to = goes_to.normalized();
         let Some(body) = body.filter(|body| body.spawn_order == *spawn_order) else {
             *pose = goes_to;
-            self.commands.entity(entity).try_remove::<Inactive>();
+            remove_later(self.commands, entity, Components::component_id::<Inactive>);
             // The slot may belong to another body by now. If only the spawn order changed, the body gets a new slot.
             self.table.remove(entity, *index);
             return Some((*spawn_order, entity));
@@ -325,9 +332,7 @@ fn leave(
         }
         for body in table.take_unvisited(visit, true) {
             // Otherwise it would be inactive when it comes back.
-            if let Ok(mut body) = commands.get_entity(body) {
-                body.try_remove::<Inactive>();
-            }
+            remove_later(commands, body, Components::component_id::<Inactive>);
         }
     }
     table.take_unvisited(visit, false);

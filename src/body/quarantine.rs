@@ -12,7 +12,9 @@ use super::{
     BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     Inactive, MassProperties, Pose, RigidBody, Sleeping, Velocity,
 };
+use crate::components::remove_later;
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
+use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::{name::Name, prelude::*};
@@ -101,7 +103,7 @@ pub fn lift(
         if marker.problem == BodyProblem::NonFiniteForce && marker.pushed == now {
             continue;
         }
-        commands.entity(entity).try_remove::<Quarantined>();
+        remove_later(&mut commands, entity, Components::component_id::<Quarantined>);
         tracing::info!("body {entity} is back: its input has been mended");
     }
 }

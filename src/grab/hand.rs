@@ -1,6 +1,6 @@
 //! Hands that hold the body that a ray points at.
 
-use super::{Grab, HeldBy};
+use super::{Grab, HeldBy, let_go_of};
 use crate::body::RigidBody;
 use crate::diagnosis::Told;
 use crate::query::{QueryFilter, Ray3d, SpatialQuery};
@@ -152,7 +152,7 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
     let hand = context.entity;
     let held = world.get::<HandState>(hand).and_then(HandState::held);
     if let Some(body) = held.filter(|&body| world.get::<HeldBy>(body) == Some(&HeldBy(hand))) {
-        world.commands().entity(body).try_remove::<Grab>();
+        let_go_of(&mut world.commands(), body);
     }
 }
 
@@ -184,7 +184,7 @@ pub fn hands(
             continue;
         }
         if let Some(body) = state.held().filter(|&body| holds(&bodies, entity, body)) {
-            commands.entity(body).try_remove::<Grab>();
+            let_go_of(&mut commands, body);
             freed.insert(body);
         }
         *state = HandState::Open;

@@ -452,7 +452,7 @@ impl Order {
 }
 
 /// The values of a column, for reading.
-fn values<T>(column: ContiguousMut<T>) -> &[T] {
+fn values<T>(column: ContiguousMut<'_, T>) -> &[T] {
     let (values, _) = ContiguousMut::bypass_change_detection_split(column);
     values
 }

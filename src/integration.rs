@@ -13,8 +13,8 @@
 //! angular momentum. That keeps momentum and energy at any speed, but not the way in which the body tumbles.
 
 use crate::body::{
-    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, RigidBody, Simulated,
-    Velocity, limits, local_pose, user_pose,
+    ActiveBodies, ActiveBodyItem, BodyIndex, BodyState, BodyTable, MassProperties, Motion, Pose,
+    RigidBody, Simulated, Velocity, limits, local_pose, user_pose,
 };
 use crate::children::ImplicitBody;
 use crate::components::any;
@@ -30,22 +30,21 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 pub fn integration(
     time: Res<StepTime>,
     table: Res<BodyTable>,
-    mut bodies: Query<
-        (
-            Entity,
-            &BodyIndex,
-            &MassProperties,
-            &Motion,
-            &mut Velocity,
-            &mut Pose,
-            &mut Transform,
-            Has<ChildOf>,
-        ),
-        (Simulated, Without<Inactive>),
-    >,
+    mut bodies: ActiveBodies,
 ) {
     let dt = time.dt;
-    for (entity, index, mass, motion, mut velocity, mut pose, mut transform, child) in &mut bodies {
+    for body in &mut bodies {
+        let ActiveBodyItem {
+            entity,
+            index,
+            mass,
+            motion,
+            mut velocity,
+            mut pose,
+            mut transform,
+            is_child,
+            ..
+        } = body;
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
@@ -73,7 +72,7 @@ pub fn integration(
                     (turned_about(angular, before, dt), velocity.angular)
                 }
                 (RigidBody::Dynamic, None) => rotate(mass, before, velocity.angular, dt),
-                (RigidBody::Dynamic, Some(_)) if !matches!(motion, Motion::Exact { .. }) => {
+                (RigidBody::Dynamic, Some(_)) if !matches!(*motion, Motion::Exact { .. }) => {
                     carried(mass, before, angular, velocity.angular, dt)
                 }
                 _ => (turned_about(angular, before, dt), velocity.angular),
@@ -85,7 +84,7 @@ pub fn integration(
                 false => from + way,
             };
         }
-        if !child {
+        if !is_child {
             transform.translation = pose.position;
             transform.rotation = pose.rotation;
         }

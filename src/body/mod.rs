@@ -36,6 +36,11 @@ mod pending;
 mod placement;
 mod prepare;
 mod quarantine;
+#[expect(
+    missing_debug_implementations,
+    reason = "`derive(QueryData)` generates state types without `Debug`"
+)]
+mod queries;
 mod rows;
 mod sleeping;
 mod slot_list;
@@ -70,6 +75,7 @@ pub use prepare::prepare;
 pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
 pub use quarantine::any_suspects;
+pub(crate) use queries::{ActiveBodies, ActiveBodyItem, PlacedActive, PlacedBodies};
 pub use quarantine::{Quarantined, lift, quarantine};
 pub(crate) use rows::{new_rows, newer_than, written_rows};
 pub use sleeping::Sleeping;

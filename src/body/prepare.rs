@@ -2,7 +2,7 @@
 
 use super::describe::{DescribingBodies, describe, find_described};
 use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
-use super::listed::Described;
+use super::listed::DescribedBodies;
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,
@@ -58,7 +58,7 @@ pub fn prepare(
         Query<Moving, Simulated>,
     )>,
     teleported: Query<Entity, (With<Teleport>, IsInactive)>,
-    mut described: Query<Described, Simulated>,
+    mut described: DescribedBodies,
     placed: Placed,
 ) {
     let reduced = table.take_reduced();
@@ -163,8 +163,9 @@ pub struct Rules<'w> {
 /// What is read of bodies that were spawned asleep in a [batch](crate::streaming::spawn_asleep).
 pub(crate) type NewBodies = (
     Rules<'static>,
-    Query<'static, 'static, (Moving<'static>, Described), Simulated>,
-    Query<'static, 'static, (&'static Transform, Option<&'static ChildOf>)>,
+    Query<'static, 'static, Moving<'static>, Simulated>,
+    DescribedBodies<'static, 'static>,
+    Placed<'static, 'static>,
 );
 
 /// Adds bodies that were spawned asleep to the table, as if they had been inactive for long. Returns the slots of those that were added; the others
@@ -172,12 +173,13 @@ pub(crate) type NewBodies = (
 pub(crate) fn add_asleep(
     table: &mut BodyTable,
     list: &[Entity],
-    (rules, mut bodies, placed): <NewBodies as SystemParam>::Item<'_, '_>,
+    (rules, mut bodies, mut described, placed): <NewBodies as SystemParam>::Item<'_, '_>,
 ) -> (Vec<u32>, Vec<Entity>) {
     let (mut slots, mut others) = (Vec::with_capacity(list.len()), Vec::new());
     table.reserve(list.len());
     for &entity in list {
-        let Ok((moving, description)) = bodies.get_mut(entity) else {
+        let (Ok(moving), Ok(description)) = (bodies.get_mut(entity), described.get_mut(entity))
+        else {
             // A disabled body must lose the marker `Inactive`, or it would still have it when it is enabled.
             others.push(entity);
             continue;
@@ -234,7 +236,7 @@ impl Visitor<'_, '_, '_> {
     fn visit(
         &mut self,
         (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
-        described: &mut Query<Described, Simulated>,
+        described: &mut DescribedBodies,
         placed: Placed,
     ) -> Option<(SpawnOrder, Entity)> {
         let (entity, kind, spawn_order, sleeping) = of;

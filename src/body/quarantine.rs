@@ -5,7 +5,7 @@
 //! their contacts with it. The stage runs before the broadphase and again after *forces*, before the solve.
 
 use super::describe::describe;
-use super::listed::Described;
+use super::listed::DescribedBodies;
 use super::placement::{Placed, user_pose};
 use super::prepare::{Pushed, check};
 use super::{
@@ -79,7 +79,7 @@ type Stopped<'w> = (
 pub fn lift(
     mut commands: Commands,
     stopped: Query<Stopped, With<RigidBody>>,
-    mut described: Query<Described, With<Quarantined>>,
+    mut described: DescribedBodies,
     placed: Placed,
 ) {
     for (entity, marker, (pose, velocity, transform, parent), pushed) in &stopped {

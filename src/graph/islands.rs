@@ -10,9 +10,9 @@ use super::account::Accounts;
 use super::activation::{Deactivation, activate, deactivate};
 use super::forces::Forces;
 use super::levels::{Kind, Levels};
-use super::need::{Impulses, Need};
+use super::need::{Need, Sleepers};
 use super::partition::Partition;
-use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder, cover, written_rows};
+use crate::body::{BodyState, BodyTable, SpawnOrder, cover, written_rows};
 use crate::contact::{LostPairs, PairsRef, Part};
 use crate::revision::Revision;
 use crate::saving::Restored;
@@ -292,9 +292,9 @@ pub fn islands(
     mut table: ResMut<BodyTable>,
     (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
     (lost, mut restored): (Res<LostPairs>, ResMut<Restored>),
-    (pairs, forces, impulses): (PairsRef, Forces, Impulses),
+    (pairs, forces): (PairsRef, Forces),
     (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
-    (mut sleepers, places): (Query<&mut Sleeping>, &Entities),
+    (mut sleepers, places): (Sleepers, &Entities),
 ) {
     let (graph, islands) = (&mut *graph, &mut *islands);
     islands.begin();
@@ -322,7 +322,7 @@ pub fn islands(
             graph,
             table: &table,
             forces: &forces,
-            impulses: &impulses,
+            sleepers: &sleepers,
             speed: settings.linear_speed,
             gravity: gravity.0,
             dt: time.dt,

@@ -96,14 +96,15 @@ pub struct Pairs<'w, 's> {
     places: &'w Entities,
 }
 
-type Grabs<'w, 's> = Query<
+/// The bodies that are held. *Solve* writes the forces.
+pub(crate) type Grabs<'w, 's> = Query<
     'w,
     's,
     (
         Entity,
         &'static BodyIndex,
         &'static Grab,
-        &'static GrabForce,
+        &'static mut GrabForce,
     ),
     (Simulated, Without<Inactive>),
 >;

@@ -27,11 +27,7 @@ use bevy_transform::components::Transform;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 /// Moves the bodies, and writes the `Transform` of those without a parent: the first half of the stage.
-pub fn integration(
-    time: Res<StepTime>,
-    table: Res<BodyTable>,
-    mut bodies: ActiveBodies,
-) {
+pub fn integration(time: Res<StepTime>, table: Res<BodyTable>, mut bodies: ActiveBodies) {
     let dt = time.dt;
     for body in &mut bodies {
         let ActiveBodyItem {
@@ -111,7 +107,10 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
 /// Whether some body has a parent.
 #[doc(hidden)]
 pub fn any_children(components: &Components, archetypes: &Archetypes) -> bool {
-    let child = [Components::component_id::<ChildOf>, Components::component_id::<BodyIndex>];
+    let child = [
+        Components::component_id::<ChildOf>,
+        Components::component_id::<BodyIndex>,
+    ];
     any(components, archetypes, &child)
 }
 

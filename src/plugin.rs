@@ -466,10 +466,12 @@ impl Plugin for ContactEventsPlugin {
                 own(&profile, "contact_events", contact::loads)
                     .run_if(any_with(Components::component_id::<contact::Load>)),
                 own(&profile, "contact_events", contact::contact_events),
-                own(&profile, "contact_events", contact::colliding_entities)
-                    .run_if(any_with(Components::component_id::<contact::CollidingEntities>)),
-                own(&profile, "contact_events", contact::contact_forces)
-                    .run_if(any_with(Components::component_id::<contact::ContactForceEvents>)),
+                own(&profile, "contact_events", contact::colliding_entities).run_if(any_with(
+                    Components::component_id::<contact::CollidingEntities>,
+                )),
+                own(&profile, "contact_events", contact::contact_forces).run_if(any_with(
+                    Components::component_id::<contact::ContactForceEvents>,
+                )),
             )
                 .chain()
                 .in_set(PhysicsSystems::ContactEvents),

@@ -52,8 +52,8 @@ mod written_transforms;
 
 pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
 pub use complete::complete;
-pub(crate) use disabled::{Simulated, disabled};
 pub use disabled::{ColliderDisabled, RigidBodyDisabled};
+pub(crate) use disabled::{Simulated, disabled};
 pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
@@ -75,8 +75,8 @@ pub use prepare::prepare;
 pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
 pub use quarantine::any_suspects;
-pub(crate) use queries::{ActiveBodies, ActiveBodyItem, PlacedActive, PlacedBodies};
 pub use quarantine::{Quarantined, lift, quarantine};
+pub(crate) use queries::{ActiveBodies, ActiveBodyItem, PlacedActive, PlacedBodies};
 pub(crate) use rows::{new_rows, newer_than, written_rows};
 pub use sleeping::Sleeping;
 pub(crate) use slot_list::{cover, make_room};

@@ -1,7 +1,7 @@
 //! The stage **prepare**: reads the user's changes, validates them, and fills the [`BodyTable`].
 
 use super::describe::{DescribingBodies, describe, find_described};
-use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
+use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_written};
 use super::listed::DescribedBodies;
 use super::placement::{Placed, user_pose};
 use super::{
@@ -9,10 +9,11 @@ use super::{
     GravityScale, Inactive, MassProperties, Pose, RigidBody, Simulated, Sleeping, SpawnOrder,
     Teleport, Velocity, WrittenTransforms, limits,
 };
-use crate::components::remove_later;
+use crate::components::{holders, remove_later};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
+use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::{SystemChangeTick, SystemParam};
@@ -57,7 +58,7 @@ pub fn prepare(
         Query<Moving, (Simulated, Without<Inactive>)>,
         Query<Moving, Simulated>,
     )>,
-    teleported: Query<Entity, (With<Teleport>, IsInactive)>,
+    (components, archetypes): (&Components, &Archetypes),
     mut described: DescribedBodies,
     placed: Placed,
 ) {
@@ -85,7 +86,12 @@ pub fn prepare(
     };
     dirty.append(&mut transforms.moved);
     dirty.extend(find_carried(bodies.p2(), placed));
-    dirty.extend(&teleported);
+    // Those that are not simulated are left out below.
+    let teleported = [
+        Components::component_id::<Teleport>,
+        Components::component_id::<Inactive>,
+    ];
+    dirty.extend(holders(components, archetypes, &teleported));
     let resting = bodies.p1();
     dirty.extend(reduced.into_iter().filter(|body| resting.contains(*body)));
     dirty.sort_unstable();

@@ -103,7 +103,11 @@ pub fn lift(
         if marker.problem == BodyProblem::NonFiniteForce && marker.pushed == now {
             continue;
         }
-        remove_later(&mut commands, entity, Components::component_id::<Quarantined>);
+        remove_later(
+            &mut commands,
+            entity,
+            Components::component_id::<Quarantined>,
+        );
         tracing::info!("body {entity} is back: its input has been mended");
     }
 }

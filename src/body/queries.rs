@@ -50,5 +50,4 @@ type Sound = (With<RigidBody>, Simulated);
 pub(crate) type PlacedBodies<'w, 's> = Query<'w, 's, Placing<'static>, Sound>;
 
 /// Those of them that are active.
-pub(crate) type PlacedActive<'w, 's> =
-    Query<'w, 's, Placing<'static>, (Sound, Without<Inactive>)>;
+pub(crate) type PlacedActive<'w, 's> = Query<'w, 's, Placing<'static>, (Sound, Without<Inactive>)>;

@@ -6,8 +6,8 @@ use super::gather::{ColliderOf, scale_of};
 use super::implicit::ImplicitBody;
 use crate::body::{RigidBody, note_loss, weigh, weigh_above, weigh_body};
 use crate::collider::Collider;
-use crate::sensor::Sensor;
 use crate::components::remove_later;
+use crate::sensor::Sensor;
 use bevy_ecs::component::Components;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
@@ -54,7 +54,11 @@ pub(crate) fn mark_if_part(world: &mut DeferredWorld, entity: Entity) {
 pub(crate) fn changed_kind(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     if world.get::<ImplicitBody>(entity).is_some() {
-        remove_later(&mut world.commands(), entity, Components::component_id::<ImplicitBody>);
+        remove_later(
+            &mut world.commands(),
+            entity,
+            Components::component_id::<ImplicitBody>,
+        );
         mark(&mut world, entity);
     } else if world.get::<ColliderOf>(entity).is_some() || is_composite(&world, entity) {
         mark(&mut world, entity);

@@ -1,7 +1,9 @@
 //! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies that
 //! have [`ContactEvents`].
 
-use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, PairsMut, Part};
+use super::{
+    ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, PairsMut, Part,
+};
 use crate::body::{BodyTable, SpawnOrder};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;

@@ -33,8 +33,8 @@
 //! assert!((events[0].impulse - 5327.0).abs() < 50.0); // the blow, and the weight for a step
 //! ```
 
-use super::events::Untriggered;
 use super::PairsRef;
+use super::events::Untriggered;
 use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;

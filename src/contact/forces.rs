@@ -373,19 +373,13 @@ pub struct Load {
     pub friction_use: f32,
 }
 
-/// The loads of bodies that are active, and all loads.
-type Loads<'w, 's> = (
-    Query<'w, 's, (Entity, &'static mut Load), Or<(Without<Inactive>, Added<Load>)>>,
-    Query<'w, 's, &'static mut Load>,
-);
-
 /// Updates every [`Load`]; a part of the stage *contact events*.
 pub fn loads(
     contacts: Contacts,
     islands: Res<Islands>,
     gravity: Res<Gravity>,
     time: Res<StepTime>,
-    mut bodies: ParamSet<Loads>,
+    mut loads: Query<(Entity, &mut Load, Has<Inactive>)>,
 ) {
     if !time.is_last() {
         return;
@@ -402,14 +396,15 @@ pub fn loads(
         }
         load.set_if_neq(sum);
     };
-    for (body, load) in &mut bodies.p0() {
-        update(body, load);
+    for (body, load, is_inactive) in &mut loads {
+        if !is_inactive || load.is_added() {
+            update(body, load);
+        }
     }
     // Awake bodies press on these.
-    let mut loads = bodies.p1();
     for &slot in islands.boundary() {
         if let Some(body) = contacts.table.get(slot)
-            && let Ok(load) = loads.get_mut(body.entity)
+            && let Ok((_, load, _)) = loads.get_mut(body.entity)
         {
             update(body.entity, load);
         }

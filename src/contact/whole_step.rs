@@ -112,10 +112,7 @@ pub fn any_earlier_substeps(time: Res<StepTime>) -> bool {
 }
 
 /// After the last substep, adds the impulses of the earlier ones to those of the last.
-pub fn whole_step(
-    graph: Res<ConstraintGraph>,
-    mut pairs: PairsMut,
-) {
+pub fn whole_step(graph: Res<ConstraintGraph>, mut pairs: PairsMut) {
     let mut active = pairs.iter_many_mut(graph.active_pairs());
     while let Some(pair) = active.fetch_next() {
         if let Ok((_, (_, _, manifold, mut impulses, ..))) = pair {

@@ -116,7 +116,11 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
         *force = GrabForce::default();
     }
     let mut commands = world.commands();
-    remove_later(&mut commands, context.entity, Components::component_id::<HeldBy>);
+    remove_later(
+        &mut commands,
+        context.entity,
+        Components::component_id::<HeldBy>,
+    );
 }
 
 /// Releases a body that is disabled.

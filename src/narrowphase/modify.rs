@@ -43,9 +43,11 @@ pub fn modify_contacts(
     if modifying.is_empty() {
         return;
     }
-    let edges = modifying.iter().flat_map(|index| graph.edges_of(index.0));
     // The pairs do not depend on each other, so neither their order nor the number of threads matters.
-    let found: EntityHashSet = edges.collect();
+    let mut found = EntityHashSet::default();
+    for index in &modifying {
+        found.extend(graph.edges_of(index.0));
+    }
     let context = Context {
         hook: hooks.as_deref().map(ContactHooks::hook),
         dt: time.dt,

@@ -4,9 +4,7 @@ use super::detect::Detector;
 use super::events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
 use super::overlaps::{SensorOverlap, SensorOverlaps};
 use super::zones::{Content, Sensors, Tracked, box_of};
-use crate::body::{
-    BodyIndex, BodyState, BodyTable, PlacedActive, PlacedBodies, Pose, RigidBody,
-};
+use crate::body::{BodyIndex, BodyState, BodyTable, PlacedActive, PlacedBodies, Pose, RigidBody};
 use crate::broadphase::Broadphase;
 use crate::children::CompoundCollider;
 use crate::saving::Restored;

@@ -5,8 +5,8 @@
 
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactPoint, ContactTargets, Lists, Manifold,
-    ManifoldPatch, MovingSurfaces, PairsMut, Part, PatchAnchor, Target, fit, revise_edited,
+    Anchor, ContactAnchors, ContactPoint, ContactTargets, Lists, Manifold, ManifoldPatch,
+    MovingSurfaces, PairsMut, Part, PatchAnchor, Target, fit, revise_edited,
 };
 use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{

@@ -124,9 +124,15 @@ pub fn child_transforms(
     mut placed: Query<(&mut Transform, Option<&ChildOf>)>,
 ) {
     // Parents come before their children, so that every frame is up to date when it is used.
-    let mut children: Vec<_> = bodies.iter_mut().collect();
-    children.sort_by_cached_key(|(child, ..)| parents.iter_ancestors(*child).count());
-    for (child, index, mut pose, parent, is_implicit) in children {
+    let mut children: Vec<(usize, Entity)> = Vec::new();
+    for (child, ..) in &bodies {
+        children.push((parents.iter_ancestors(child).count(), child));
+    }
+    children.sort_by_key(|&(depth, _)| depth);
+    for (_, child) in children {
+        let Ok((_, index, mut pose, parent, is_implicit)) = bodies.get_mut(child) else {
+            continue;
+        };
         let mut local = local_pose(*pose, Some(parent), placed.as_readonly());
         if is_implicit
             && let Ok((transform, parent)) = placed.get(child)

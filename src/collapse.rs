@@ -30,18 +30,21 @@
 //! ```
 
 use crate::body::{
-    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
+    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, Quarantined, RigidBody, RigidBodyDisabled,
+    SpawnOrder, Velocity,
 };
 use crate::contact::Contacts;
 use crate::grab::Grab;
 use crate::graph::Islands;
 use crate::mortar::{BrokenMortar, MortarBroke};
+use crate::plugin::init;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use bevy_app::{App, Plugin};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::message::{Message, MessageWriter};
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use bevy_platform::collections::{HashMap, HashSet};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -52,16 +55,18 @@ pub struct CollapsePlugin;
 
 impl Plugin for CollapsePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<CollapseSettings>()
-            .init_resource::<Structures>()
-            .add_message::<Collapse>()
+        let world = app.world_mut();
+        init::<CollapseSettings>(world);
+        init::<Structures>(world);
+        app.add_message::<Collapse>()
             .add_message::<CollapseEnded>()
             .add_systems(
                 PhysicsSchedule,
                 collapses.after(PhysicsSystems::ContactEvents),
             );
         let world = app.world_mut();
-        let mut messages = world.get_resource_or_init::<StepMessages>();
+        init::<StepMessages>(world);
+        let mut messages = world.resource_mut::<StepMessages>();
         messages.add::<Collapse>();
         messages.add::<CollapseEnded>();
     }
@@ -177,6 +182,7 @@ impl Stands {
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct CollapseSettings {
     /// Movement at which a body has left its place, as a share of its bounding radius. Default: 0.05.
     pub movement_threshold: f32,
@@ -203,7 +209,7 @@ impl Default for CollapseSettings {
 #[doc(hidden)]
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 pub struct Structures {
     last: u64,
     /// s
@@ -260,38 +266,38 @@ struct Falling {
     bodies: Vec<(Entity, Pose)>,
 }
 
-type Watched<'w, 's> = Query<
-    'w,
-    's,
-    (
-        (Entity, &'static BodyIndex),
-        (&'static Pose, &'static Velocity),
-        (&'static Watch, &'static mut Stands),
-        (
-            Option<&'static Grab>,
-            Option<&'static ExternalForce>,
-            Has<Inactive>,
-        ),
-    ),
-    (
-        Simulated,
-        // Inactive bodies only matter when they become inactive, because they then stand, and when their `Watch` changes.
-        Or<(Without<Inactive>, Added<Inactive>, Changed<Watch>)>,
-    ),
->;
+/// The components of a watched body.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct WatchedBody {
+    entity: Entity,
+    index: &'static BodyIndex,
+    pose: &'static Pose,
+    velocity: &'static Velocity,
+    watch: Option<Ref<'static, Watch>>,
+    stands: &'static mut Stands,
+    grab: Option<&'static Grab>,
+    force: Option<&'static ExternalForce>,
+    inactive: Option<Ref<'static, Inactive>>,
+    is_quarantined: Has<Quarantined>,
+    is_disabled: Has<RigidBodyDisabled>,
+}
 
-type AllWatched<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Entity,
-        &'static BodyIndex,
-        &'static Pose,
-        &'static mut Stands,
-        Has<Inactive>,
-    ),
-    With<RigidBody>,
->;
+/// The bodies that are watched, or were.
+type Watched<'w, 's> = Query<'w, 's, WatchedBody, With<RigidBody>>;
+
+impl WatchedBodyItem<'_, '_> {
+    /// The threshold of a body that is looked at in this step. Inactive bodies only matter when they become inactive, because they then stand,
+    /// and when their [`Watch`] changes.
+    fn watch(&self) -> Option<Watch> {
+        let watch = self.watch.as_ref()?;
+        let inactive = self.inactive.as_ref();
+        let is_looked_at = !self.is_quarantined
+            && !self.is_disabled
+            && (inactive.is_none_or(DetectChanges::is_added) || watch.is_changed());
+        is_looked_at.then_some(**watch)
+    }
+}
 
 /// Detects collapses, at the end of every step.
 pub(crate) fn collapses(
@@ -303,7 +309,7 @@ pub(crate) fn collapses(
     ),
     (table, islands, contacts): (Res<BodyTable>, Res<Islands>, Contacts),
     (mut structures, broken): (ResMut<Structures>, Res<BrokenMortar>),
-    mut watched: ParamSet<(Watched, AllWatched)>,
+    mut watched: Watched,
     mut begun: MessageWriter<Collapse>,
     mut ended: MessageWriter<CollapseEnded>,
 ) {
@@ -312,10 +318,10 @@ pub(crate) fn collapses(
             .get(index.0)
             .is_some_and(|body| body.put_from.is_some())
     };
-    for ((_, index), _, (_, mut stands), _) in &mut watched.p0() {
+    for mut of in &mut watched {
         // The user has placed the body. This happens before the first substep.
-        if time.substep == 0 && put(index) {
-            stands.leave();
+        if time.substep == 0 && of.watch().is_some() && put(of.index) {
+            of.stands.leave();
         }
     }
     if !time.is_last() {
@@ -332,8 +338,22 @@ pub(crate) fn collapses(
     let mut left: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
     let mut settled: Vec<(u32, Entity, u32, Pose)> = Vec::new();
     let mut known: HashMap<u32, u64> = HashMap::default();
-    for ((entity, index), (pose, velocity), (watch, mut stands), state) in &mut watched.p0() {
-        let (grab, force, rests) = state;
+    for of in &mut watched {
+        let Some(watch) = of.watch() else {
+            continue;
+        };
+        let WatchedBodyItem {
+            entity,
+            index,
+            pose,
+            velocity,
+            mut stands,
+            grab,
+            force,
+            inactive,
+            ..
+        } = of;
+        let rests = inactive.is_some();
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
@@ -398,7 +418,7 @@ pub(crate) fn collapses(
             }
         }
     }
-    structures.end(&settings, &table, &watched.p1(), &mut ended);
+    structures.end(&settings, &table, &watched, &mut ended);
     let since = structures.now - f64::from(settings.memory);
     structures.pulled.retain(|_, pulled| pulled.when > since);
     structures.broken.retain(|&(when, _)| when > since);
@@ -407,7 +427,8 @@ pub(crate) fn collapses(
     let fallen: HashSet<u64> = told.iter().map(|(structure, _)| *structure).collect();
     if !told.is_empty() {
         let mut rest: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
-        for (entity, .., mut stands, _) in &mut watched.p1() {
+        for of in &mut watched {
+            let (entity, mut stands) = (of.entity, of.stands);
             if let Some((place, structure)) = stands.at.filter(|(_, of)| fallen.contains(of)) {
                 rest.entry(structure).or_default().push((entity, place));
                 stands.leave();
@@ -437,14 +458,16 @@ pub(crate) fn collapses(
                     .map(|&(_, broke)| broke),
                 rest: rest.into_iter().map(|(body, _)| body).collect(),
                 bodies: bodies.len(),
-                mass: mass(&table, &watched.p1(), bodies.iter().map(|(body, _)| *body)),
+                mass: mass(&table, &watched, bodies.iter().map(|(body, _)| *body)),
             });
             // Inactive bodies still stand, as another structure, because they do not move until something else happens.
             structures.last += 1;
             let anew = structures.last;
             for &(body, place) in &bodies {
-                if let Ok((.., mut stands, true)) = watched.p1().get_mut(body) {
-                    stands.at = Some((place, anew));
+                if let Ok(mut of) = watched.get_mut(body)
+                    && of.inactive.is_some()
+                {
+                    of.stands.at = Some((place, anew));
                 }
             }
             structures.falling.push(Falling {
@@ -458,9 +481,9 @@ pub(crate) fn collapses(
     settled.sort_unstable_by_key(|(island, ..)| *island);
     for (island, entity, slot, pose) in settled {
         let structure = known.get(&island).copied().unwrap_or_else(|| {
-            let all = watched.p1();
             let others = islands.structure(slot).iter();
-            let stands = others.filter_map(|&slot| all.get(table.get(slot)?.entity).ok()?.3.at);
+            let stands =
+                others.filter_map(|&slot| watched.get(table.get(slot)?.entity).ok()?.stands.at);
             stands
                 .map(|(_, structure)| structure)
                 .min()
@@ -473,8 +496,8 @@ pub(crate) fn collapses(
         if fallen.contains(&structure) {
             continue;
         }
-        if let Ok((.., mut stands, _)) = watched.p1().get_mut(entity) {
-            stands.at = Some((pose, structure));
+        if let Ok(mut of) = watched.get_mut(entity) {
+            of.stands.at = Some((pose, structure));
         }
     }
 }
@@ -486,8 +509,8 @@ fn has_left(place: Pose, pose: Pose, radius: f32, settings: &CollapseSettings) -
 }
 
 /// The mass of those that are still there, kg.
-fn mass(table: &BodyTable, all: &AllWatched, bodies: impl Iterator<Item = Entity>) -> f32 {
-    let states = bodies.filter_map(|body| table.get(all.get(body).ok()?.1.0));
+fn mass(table: &BodyTable, all: &Watched, bodies: impl Iterator<Item = Entity>) -> f32 {
+    let states = bodies.filter_map(|body| table.get(all.get(body).ok()?.index.0));
     states.map(|body| body.mass.mass()).sum()
 }
 
@@ -497,7 +520,7 @@ impl Structures {
         &mut self,
         settings: &CollapseSettings,
         table: &BodyTable,
-        all: &AllWatched,
+        all: &Watched,
         ended: &mut MessageWriter<CollapseEnded>,
     ) {
         let now = self.now;
@@ -506,12 +529,13 @@ impl Structures {
                 .bodies
                 .iter()
                 .filter_map(|(body, _)| all.get(*body).ok());
-            let stand = left.all(|(.., stands, _)| stands.at.is_some());
+            let stand = left.all(|of| of.stands.at.is_some());
             if !stand && now - falling.since < f64::from(settings.max_time) {
                 return true;
             }
             let moved = falling.bodies.iter().filter_map(|&(entity, place)| {
-                let (_, index, pose, ..) = all.get(entity).ok()?;
+                let of = all.get(entity).ok()?;
+                let (index, pose) = (of.index, of.pose);
                 let body = table.get(index.0).filter(|body| body.entity == entity)?;
                 has_left(place, *pose, body.radius, settings).then_some((body.spawn_order, entity))
             });

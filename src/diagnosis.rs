@@ -238,7 +238,7 @@ pub enum StepError {
 #[doc(hidden)]
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 pub struct Suspects(pub(crate) Vec<(Entity, BodyProblem)>);
 
 impl MapEntities for Suspects {
@@ -253,7 +253,7 @@ impl MapEntities for Suspects {
 /// Warnings that were sent. They are not repeated while their cause lasts.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 pub struct Told {
     /// The first bodies of islands whose solve went wrong in the last step.
     pub(crate) diverged: Vec<Entity>,

@@ -13,36 +13,34 @@
 //! angular momentum. That keeps momentum and energy at any speed, but not the way in which the body tumbles.
 
 use crate::body::{
-    BodyIndex, BodyState, BodyTable, Inactive, MassProperties, Motion, Pose, RigidBody, Simulated,
-    Velocity, limits, local_pose, user_pose,
+    ActiveBodies, ActiveBodyItem, BodyIndex, BodyState, BodyTable, MassProperties, Motion, Pose,
+    RigidBody, Simulated, Velocity, limits, local_pose, user_pose,
 };
 use crate::children::ImplicitBody;
+use crate::components::any;
 use crate::settings::StepTime;
+use bevy_ecs::archetype::Archetypes;
+use bevy_ecs::component::Components;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
 use bevy_transform::components::Transform;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 /// Moves the bodies, and writes the `Transform` of those without a parent: the first half of the stage.
-pub fn integration(
-    time: Res<StepTime>,
-    table: Res<BodyTable>,
-    mut bodies: Query<
-        (
-            Entity,
-            &BodyIndex,
-            &MassProperties,
-            &Motion,
-            &mut Velocity,
-            &mut Pose,
-            &mut Transform,
-            Has<ChildOf>,
-        ),
-        (Simulated, Without<Inactive>),
-    >,
-) {
+pub fn integration(time: Res<StepTime>, table: Res<BodyTable>, mut bodies: ActiveBodies) {
     let dt = time.dt;
-    for (entity, index, mass, motion, mut velocity, mut pose, mut transform, child) in &mut bodies {
+    for body in &mut bodies {
+        let ActiveBodyItem {
+            entity,
+            index,
+            mass,
+            motion,
+            mut velocity,
+            mut pose,
+            mut transform,
+            is_child,
+            ..
+        } = body;
         let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
             continue;
         };
@@ -70,7 +68,7 @@ pub fn integration(
                     (turned_about(angular, before, dt), velocity.angular)
                 }
                 (RigidBody::Dynamic, None) => rotate(mass, before, velocity.angular, dt),
-                (RigidBody::Dynamic, Some(_)) if !matches!(motion, Motion::Exact { .. }) => {
+                (RigidBody::Dynamic, Some(_)) if !matches!(*motion, Motion::Exact { .. }) => {
                     carried(mass, before, angular, velocity.angular, dt)
                 }
                 _ => (turned_about(angular, before, dt), velocity.angular),
@@ -82,7 +80,7 @@ pub fn integration(
                 false => from + way,
             };
         }
-        if !child {
+        if !is_child {
             transform.translation = pose.position;
             transform.rotation = pose.rotation;
         }
@@ -108,8 +106,12 @@ fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
 
 /// Whether some body has a parent.
 #[doc(hidden)]
-pub fn any_children(children: Query<(), (With<BodyIndex>, With<ChildOf>)>) -> bool {
-    !children.is_empty()
+pub fn any_children(components: &Components, archetypes: &Archetypes) -> bool {
+    let child = [
+        Components::component_id::<ChildOf>,
+        Components::component_id::<BodyIndex>,
+    ];
+    any(components, archetypes, &child)
 }
 
 /// Writes the `Transform` of bodies with a parent, in the parent's frame: the second half of the stage. Bodies at rest are included,
@@ -122,9 +124,15 @@ pub fn child_transforms(
     mut placed: Query<(&mut Transform, Option<&ChildOf>)>,
 ) {
     // Parents come before their children, so that every frame is up to date when it is used.
-    let mut children: Vec<_> = bodies.iter_mut().collect();
-    children.sort_by_cached_key(|(child, ..)| parents.iter_ancestors(*child).count());
-    for (child, index, mut pose, parent, is_implicit) in children {
+    let mut children: Vec<(usize, Entity)> = Vec::new();
+    for (child, ..) in &bodies {
+        children.push((parents.iter_ancestors(child).count(), child));
+    }
+    children.sort_by_key(|&(depth, _)| depth);
+    for (_, child) in children {
+        let Ok((_, index, mut pose, parent, is_implicit)) = bodies.get_mut(child) else {
+            continue;
+        };
         let mut local = local_pose(*pose, Some(parent), placed.as_readonly());
         if is_implicit
             && let Ok((transform, parent)) = placed.get(child)

@@ -106,6 +106,7 @@ pub mod broadphase;
 pub mod children;
 pub mod collapse;
 pub mod collider;
+mod components;
 pub mod contact;
 #[cfg(any(doc, doctest))]
 pub mod cookbook;

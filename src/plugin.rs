@@ -7,6 +7,7 @@
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
 use crate::children::{self, Unassembled};
+use crate::components::any_with;
 use crate::contact::{
     self, ContactEnded, ContactForce, ContactStarted, EndedPairs, LostPairs, Untriggered,
 };
@@ -29,8 +30,9 @@ use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
 use crate::streaming::{self, Arrivals, Suspended};
 use crate::warm_start::{self, IslandProblems};
-use crate::{grab, integration, joint, narrowphase, solve};
+use crate::{integration, joint, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
+use bevy_ecs::component::Components;
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
 use bevy_ecs::prelude::*;
@@ -105,40 +107,41 @@ impl Plugin for StepPlugin {
         #[cfg(feature = "bevy_reflect")]
         crate::reflection::register(app);
         let profile = profile(app);
-        app.init_resource::<Gravity>()
-            .init_resource::<StabilizationSettings>()
-            .init_resource::<NarrowphaseSettings>()
-            .init_resource::<SolverSettings>()
-            .init_resource::<SleepSettings>()
-            .init_resource::<SpeedLimits>()
-            .init_resource::<ActiveSettings>()
-            .init_resource::<PhysicsThreads>()
-            .init_resource::<PhysicsTime>()
-            .init_resource::<StepTime>()
-            .init_resource::<Suspects>()
-            .init_resource::<Told>()
-            .init_resource::<BodyTable>()
-            .init_resource::<Pending>()
-            .init_resource::<Broadphase>()
-            .init_resource::<ConstraintGraph>()
-            .init_resource::<Islands>()
-            .init_resource::<IslandProblems>()
-            .init_resource::<SolveReports>()
-            .init_resource::<LostPairs>()
-            .init_resource::<EndedPairs>()
-            .init_resource::<Untriggered>()
-            .init_resource::<JointChanges>()
-            .init_resource::<BrokenJoints>()
-            .init_resource::<BrokenMortar>()
-            .init_resource::<contact::MovingSurfaces>()
-            .init_resource::<body::WrittenTransforms>()
-            .init_resource::<Unassembled>()
-            .init_resource::<Sensors>()
-            .init_resource::<UntriggeredSensorEvents>()
-            .init_resource::<Restored>()
-            .init_resource::<Suspended>()
-            .init_resource::<Arrivals>()
-            .add_message::<BodyError>()
+        let world = app.world_mut();
+        init::<Gravity>(world);
+        init::<StabilizationSettings>(world);
+        init::<NarrowphaseSettings>(world);
+        init::<SolverSettings>(world);
+        init::<SleepSettings>(world);
+        init::<SpeedLimits>(world);
+        init::<ActiveSettings>(world);
+        init::<PhysicsThreads>(world);
+        init::<PhysicsTime>(world);
+        init::<StepTime>(world);
+        init::<Suspects>(world);
+        init::<Told>(world);
+        init::<BodyTable>(world);
+        init::<Pending>(world);
+        init::<Broadphase>(world);
+        init::<ConstraintGraph>(world);
+        init::<Islands>(world);
+        init::<IslandProblems>(world);
+        init::<SolveReports>(world);
+        init::<LostPairs>(world);
+        init::<EndedPairs>(world);
+        init::<Untriggered>(world);
+        init::<JointChanges>(world);
+        init::<BrokenJoints>(world);
+        init::<BrokenMortar>(world);
+        init::<contact::MovingSurfaces>(world);
+        init::<body::WrittenTransforms>(world);
+        init::<Unassembled>(world);
+        init::<Sensors>(world);
+        init::<UntriggeredSensorEvents>(world);
+        init::<Restored>(world);
+        init::<Suspended>(world);
+        init::<Arrivals>(world);
+        app.add_message::<BodyError>()
             .add_message::<StepError>()
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>()
@@ -175,9 +178,18 @@ fn take_step(world: &mut World) {
     let _ = advance(world, delta);
 }
 
+/// Inserts a resource with its default, unless the world has it. Bevy's `init_resource` compiles to four times as much code for each type, because
+/// it spawns and inserts the resource as a bundle.
+pub(crate) fn init<R: Resource + FromWorld>(world: &mut World) {
+    if !world.contains_resource::<R>() {
+        let value = R::from_world(world);
+        world.insert_resource(value);
+    }
+}
+
 /// The profile with which stages are timed, made by whichever plugin comes first.
 fn profile(app: &mut App) -> Profile {
-    app.init_resource::<Profile>();
+    init::<Profile>(app.world_mut());
     app.world().resource::<Profile>().clone()
 }
 
@@ -198,12 +210,10 @@ pub struct BodyPlugin;
 
 impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(body::lost_parent)
-            .add_observer(children::child_joined)
+        app.add_observer(children::child_joined)
             .add_observer(children::child_left)
-            .add_observer(children::child_disabled)
-            .add_observer(children::child_enabled)
-            .add_observer(grab::let_go_of_disabled);
+            .add_observer(body::disabled)
+            .add_observer(children::child_enabled);
         let profile = profile(app);
         app.add_systems(
             PhysicsSchedule,
@@ -213,7 +223,7 @@ impl Plugin for BodyPlugin {
                 own(&profile, "prepare", children::assemble),
                 own(&profile, "prepare", body::complete),
                 own(&profile, "prepare", body::lift)
-                    .run_if(any_with_component::<body::Quarantined>),
+                    .run_if(any_with(Components::component_id::<body::Quarantined>)),
                 own(&profile, "prepare", streaming::arrive).run_if(streaming::any_arrivals),
                 own(&profile, "prepare", body::prepare),
                 own(&profile, "prepare", body::quarantine).run_if(body::any_suspects),
@@ -362,7 +372,6 @@ pub struct JointPlugin;
 
 impl Plugin for JointPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(joint::look_at_disabled);
         stages!(
             app,
             Joints: "joints" joint::joints,
@@ -379,7 +388,7 @@ impl Plugin for JointPlugin {
         app.add_systems(
             PhysicsSchedule,
             own(&profile, "narrowphase", mortar::lay_mortar)
-                .run_if(any_with_component::<Mortar>)
+                .run_if(any_with(Components::component_id::<Mortar>))
                 .after(narrowphase::modify_contacts)
                 .in_set(PhysicsSystems::Narrowphase),
         );
@@ -455,12 +464,14 @@ impl Plugin for ContactEventsPlugin {
                 own(&profile, "contact_events", contact::whole_step)
                     .run_if(contact::any_earlier_substeps),
                 own(&profile, "contact_events", contact::loads)
-                    .run_if(any_with_component::<contact::Load>),
+                    .run_if(any_with(Components::component_id::<contact::Load>)),
                 own(&profile, "contact_events", contact::contact_events),
-                own(&profile, "contact_events", contact::colliding_entities)
-                    .run_if(any_with_component::<contact::CollidingEntities>),
-                own(&profile, "contact_events", contact::contact_forces)
-                    .run_if(any_with_component::<contact::ContactForceEvents>),
+                own(&profile, "contact_events", contact::colliding_entities).run_if(any_with(
+                    Components::component_id::<contact::CollidingEntities>,
+                )),
+                own(&profile, "contact_events", contact::contact_forces).run_if(any_with(
+                    Components::component_id::<contact::ContactForceEvents>,
+                )),
             )
                 .chain()
                 .in_set(PhysicsSystems::ContactEvents),

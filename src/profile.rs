@@ -15,9 +15,11 @@ use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+use tracing::span::EnteredSpan;
 
 /// The time that each system took in the last step, in the order in which the systems were added.
 #[derive(Resource, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
 pub struct Profile {
     clocks: Arc<Mutex<Vec<Arc<Clock>>>>,
     /// Types of drystone's own systems.
@@ -139,6 +141,10 @@ impl Profile {
         self.own.lock().expect("no holder panics").contains(&system)
     }
 
+    fn add_own(&self, system: TypeId) {
+        self.own.lock().expect("no holder panics").insert(system);
+    }
+
     pub(crate) fn end_step(&mut self, step: Duration) {
         self.step = step;
         let clocks = self.clocks.lock().expect("no holder panics");
@@ -229,11 +235,30 @@ impl<S: System> Adapt<S> for Timed {
         input: SystemIn<'_, S>,
         run_system: impl FnOnce(SystemIn<'_, S>) -> Result<S::Out, RunSystemError>,
     ) -> Result<S::Out, RunSystemError> {
-        let _span = tracing::info_span!("stage", name = self.clock.name).entered();
-        let start = self.ends.start();
+        let running = self.begin();
         let out = run_system(input);
-        self.clock.add(self.ends.spent_since(start));
+        self.end(running);
         out
+    }
+}
+
+/// The span of a running system, and when it began, ns after the origin of [`Ends`].
+struct Running {
+    _span: EnteredSpan,
+    start: u64,
+}
+
+/// The part of [`Adapt`] that does not depend on the system, so that it is compiled once.
+impl Timed {
+    fn begin(&self) -> Running {
+        Running {
+            _span: tracing::info_span!("stage", name = self.clock.name).entered(),
+            start: self.ends.start(),
+        }
+    }
+
+    fn end(&self, running: Running) {
+        self.clock.add(self.ends.spent_since(running.start));
     }
 }
 
@@ -251,8 +276,6 @@ pub(crate) fn own<S, M>(
 where
     S: IntoSystem<(), (), M>,
 {
-    let mut own = profile.own.lock().expect("no holder panics");
-    own.insert(TypeId::of::<AdapterSystem<Timed, S::System>>());
-    drop(own);
+    profile.add_own(TypeId::of::<AdapterSystem<Timed, S::System>>());
     timed(profile, name, system)
 }

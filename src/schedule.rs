@@ -102,6 +102,7 @@ pub(crate) fn order_stages(schedule: &mut Schedule, profile: &Profile) {
 
 /// Messages of plugins beside the step, which [`step`] updates as an app does by itself.
 #[derive(Resource, Clone, Default)]
+#[component(clone_behavior = Ignore)]
 pub(crate) struct StepMessages(Vec<fn(&mut World)>);
 
 impl StepMessages {

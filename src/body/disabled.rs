@@ -1,7 +1,10 @@
 //! Bodies and colliders that a user has switched off, without losing a component.
 
 use super::Quarantined;
+use crate::{children, grab, joint};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -67,3 +70,10 @@ pub struct ColliderDisabled;
 
 /// Filter for entities that are not taken out of the simulation, by a user or because of invalid input.
 pub(crate) type Simulated = (Without<Quarantined>, Without<RigidBodyDisabled>);
+
+/// Observer: an entity was disabled. Its body must be assembled again without it, hands let go of it, and *joints* looks at it.
+pub(crate) fn disabled(disabled: On<Insert<Disabled>>, mut world: DeferredWorld) {
+    children::mark_if_part(&mut world, disabled.entity);
+    grab::let_go_of_disabled(&mut world, disabled.entity);
+    joint::look_at_disabled(&mut world, disabled.entity);
+}

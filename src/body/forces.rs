@@ -1,9 +1,7 @@
 //! External forces, gravity scale and damping of a body, and the stage **forces**, which applies them: v += Δt M⁻¹ f.
 
-use super::{
-    BodyIndex, BodyState, BodyTable, Inactive, LockedAxes, MassProperties, Pose, Simulated,
-    Velocity, limits,
-};
+use super::queries::{ActiveBodies, ActiveBodyItem};
+use super::{BodyState, BodyTable, LockedAxes, MassProperties, Velocity, limits};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::settings::{Gravity, SpeedLimits, StepTime};
 use bevy_ecs::prelude::*;
@@ -172,21 +170,22 @@ pub fn forces(
     (time, gravity, speeds): (Res<StepTime>, Res<Gravity>, Res<SpeedLimits>),
     table: Res<BodyTable>,
     mut suspects: ResMut<Suspects>,
-    mut bodies: Query<
-        (
-            (Entity, &BodyIndex, &Pose, &MassProperties),
-            Option<&ExternalForce>,
-            Option<&mut ExternalImpulse>,
-            Option<&Damping>,
-            Option<&GravityScale>,
-            &mut Velocity,
-        ),
-        (Simulated, Without<Inactive>),
-    >,
+    mut bodies: ActiveBodies,
 ) {
     let dt = time.dt;
-    for (of, force, impulse, damping, scale, mut velocity) in &mut bodies {
-        let (entity, index, pose, mass) = of;
+    for of in &mut bodies {
+        let ActiveBodyItem {
+            entity,
+            index,
+            pose,
+            mass,
+            mut velocity,
+            force,
+            impulse,
+            damping,
+            gravity_scale: scale,
+            ..
+        } = of;
         let is_awake =
             |body: &BodyState| body.entity == entity && body.is_dynamic() && !body.asleep;
         if !table.get(index.0).is_some_and(is_awake) {

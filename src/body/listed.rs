@@ -81,6 +81,9 @@ macro_rules! listed {
             pub properties: &'static mut MassProperties,
         }
 
+        /// The bodies, with the components that describe them. They are found by other queries first, which have filters.
+        pub type DescribedBodies<'w, 's> = Query<'w, 's, Described>;
+
         impl DescribedItem<'_, '_> {
             /// The properties that the table copies.
             ///

@@ -36,6 +36,11 @@ mod pending;
 mod placement;
 mod prepare;
 mod quarantine;
+#[expect(
+    missing_debug_implementations,
+    reason = "`derive(QueryData)` generates state types without `Debug`"
+)]
+mod queries;
 mod rows;
 mod sleeping;
 mod slot_list;
@@ -47,8 +52,8 @@ mod written_transforms;
 
 pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
 pub use complete::complete;
-pub(crate) use disabled::Simulated;
 pub use disabled::{ColliderDisabled, RigidBodyDisabled};
+pub(crate) use disabled::{Simulated, disabled};
 pub use dominance::Dominance;
 pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
@@ -71,6 +76,7 @@ pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
 pub use quarantine::any_suspects;
 pub use quarantine::{Quarantined, lift, quarantine};
+pub(crate) use queries::{ActiveBodies, ActiveBodyItem, PlacedActive, PlacedBodies};
 pub(crate) use rows::{new_rows, newer_than, written_rows};
 pub use sleeping::Sleeping;
 pub(crate) use slot_list::{cover, make_room};
@@ -79,7 +85,7 @@ pub use spawn_order::SpawnOrder;
 #[cfg(feature = "serde")]
 pub(crate) use table::Noted;
 pub use table::{BodyIndex, BodyState, BodyTable};
-pub(crate) use table::{is_body, lost_description, lost_parent};
+pub(crate) use table::{is_body, lost_description, note_loss};
 pub use written_transforms::{WrittenTransforms, find_written_transforms};
 
 use bevy_ecs::prelude::*;

@@ -7,11 +7,10 @@
 
 use super::describe::{DescribingBodies, describe, find_described};
 use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_written};
-use super::listed::Described;
+use super::listed::DescribedBodies;
 use super::placement::{Placed, user_pose};
 use super::{
-    BodyIndex, BodyState, BodyTable, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
-    WrittenTransforms, limits,
+    BodyState, BodyTable, PlacedActive, PlacedBodies, Pose, SpawnOrder, WrittenTransforms, limits,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -137,29 +136,14 @@ impl Pending {
     }
 }
 
-type Placing<'w> = (
-    (
-        Entity,
-        &'w SpawnOrder,
-        &'w BodyIndex,
-        &'w Pose,
-        &'w Velocity,
-    ),
-    (&'w Transform, Option<&'w ChildOf>),
-);
-
-type Sound = (With<RigidBody>, Simulated);
-
-type Active = (Sound, Without<Inactive>);
-
 /// Finds the bodies that differ from those of the table, and updates their [`MassProperties`](super::MassProperties).
 pub fn refresh(
     mut pending: ResMut<Pending>,
     (table, mut transforms): (Res<BodyTable>, ResMut<WrittenTransforms>),
     described_bodies: DescribingBodies,
     (resting, children): (InactiveBodies, InactiveChildren),
-    (active, all): (Query<Placing, Active>, Query<Placing, Sound>),
-    mut described: Query<Described, Simulated>,
+    (active, all): (PlacedActive, PlacedBodies),
+    mut described: DescribedBodies,
     placed: Placed,
 ) {
     if pending.visit != table.visits() {

@@ -1,17 +1,20 @@
 //! The stage **prepare**: reads the user's changes, validates them, and fills the [`BodyTable`].
 
 use super::describe::{DescribingBodies, describe, find_described};
-use super::inactive::{InactiveBodies, InactiveChildren, IsInactive, find_carried, find_written};
-use super::listed::Described;
+use super::inactive::{InactiveBodies, InactiveChildren, find_carried, find_written};
+use super::listed::DescribedBodies;
 use super::placement::{Placed, user_pose};
 use super::{
     BodyIndex, BodyProperties, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse,
     GravityScale, Inactive, MassProperties, Pose, RigidBody, Simulated, Sleeping, SpawnOrder,
     Teleport, Velocity, WrittenTransforms, limits,
 };
+use crate::components::{holders, remove_later};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
+use bevy_ecs::archetype::Archetypes;
+use bevy_ecs::component::Components;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
@@ -55,8 +58,8 @@ pub fn prepare(
         Query<Moving, (Simulated, Without<Inactive>)>,
         Query<Moving, Simulated>,
     )>,
-    teleported: Query<Entity, (With<Teleport>, IsInactive)>,
-    mut described: Query<Described, Simulated>,
+    (components, archetypes): (&Components, &Archetypes),
+    mut described: DescribedBodies,
     placed: Placed,
 ) {
     let reduced = table.take_reduced();
@@ -83,7 +86,12 @@ pub fn prepare(
     };
     dirty.append(&mut transforms.moved);
     dirty.extend(find_carried(bodies.p2(), placed));
-    dirty.extend(&teleported);
+    // Those that are not simulated are left out below.
+    let teleported = [
+        Components::component_id::<Teleport>,
+        Components::component_id::<Inactive>,
+    ];
+    dirty.extend(holders(components, archetypes, &teleported));
     let resting = bodies.p1();
     dirty.extend(reduced.into_iter().filter(|body| resting.contains(*body)));
     dirty.sort_unstable();
@@ -125,7 +133,12 @@ pub fn prepare(
         body.spawn_order = spawn_order;
         if spawn_order == SpawnOrder::NONE {
             body.spawn_order = table.next_spawn_order();
-            commands.entity(entity).insert(body.spawn_order);
+            let spawn_order = body.spawn_order;
+            commands.queue(move |world: &mut World| {
+                if let Ok(mut body) = world.get_entity_mut(entity) {
+                    body.insert(spawn_order);
+                }
+            });
         }
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
         body.set_force(pushed.0);
@@ -156,8 +169,9 @@ pub struct Rules<'w> {
 /// What is read of bodies that were spawned asleep in a [batch](crate::streaming::spawn_asleep).
 pub(crate) type NewBodies = (
     Rules<'static>,
-    Query<'static, 'static, (Moving<'static>, Described), Simulated>,
-    Query<'static, 'static, (&'static Transform, Option<&'static ChildOf>)>,
+    Query<'static, 'static, Moving<'static>, Simulated>,
+    DescribedBodies<'static, 'static>,
+    Placed<'static, 'static>,
 );
 
 /// Adds bodies that were spawned asleep to the table, as if they had been inactive for long. Returns the slots of those that were added; the others
@@ -165,12 +179,13 @@ pub(crate) type NewBodies = (
 pub(crate) fn add_asleep(
     table: &mut BodyTable,
     list: &[Entity],
-    (rules, mut bodies, placed): <NewBodies as SystemParam>::Item<'_, '_>,
+    (rules, mut bodies, mut described, placed): <NewBodies as SystemParam>::Item<'_, '_>,
 ) -> (Vec<u32>, Vec<Entity>) {
     let (mut slots, mut others) = (Vec::with_capacity(list.len()), Vec::new());
     table.reserve(list.len());
     for &entity in list {
-        let Ok((moving, description)) = bodies.get_mut(entity) else {
+        let (Ok(moving), Ok(description)) = (bodies.get_mut(entity), described.get_mut(entity))
+        else {
             // A disabled body must lose the marker `Inactive`, or it would still have it when it is enabled.
             others.push(entity);
             continue;
@@ -227,14 +242,14 @@ impl Visitor<'_, '_, '_> {
     fn visit(
         &mut self,
         (of, index, mut pose, mut velocity, placement, pushed): Item<Moving>,
-        described: &mut Query<Described, Simulated>,
+        described: &mut DescribedBodies,
         placed: Placed,
     ) -> Option<(SpawnOrder, Entity)> {
         let (entity, kind, spawn_order, sleeping) = of;
         let (transform, parent, teleported) = placement;
         let (time, speeds) = (&self.rules.time, &self.rules.speeds);
         if teleported {
-            self.commands.entity(entity).remove::<Teleport>();
+            remove_later(self.commands, entity, Components::component_id::<Teleport>);
         }
         let pose = pose.bypass_change_detection();
         let written = self.changed.contains(&entity) || self.table.is_inactive(index.0);
@@ -248,7 +263,7 @@ impl Visitor<'_, '_, '_> {
         let goes_to = goes_to.normalized();
         let Some(body) = body.filter(|body| body.spawn_order == *spawn_order) else {
             *pose = goes_to;
-            self.commands.entity(entity).try_remove::<Inactive>();
+            remove_later(self.commands, entity, Components::component_id::<Inactive>);
             // The slot may belong to another body by now. If only the spawn order changed, the body gets a new slot.
             self.table.remove(entity, *index);
             return Some((*spawn_order, entity));
@@ -325,9 +340,7 @@ fn leave(
         }
         for body in table.take_unvisited(visit, true) {
             // Otherwise it would be inactive when it comes back.
-            if let Ok(mut body) = commands.get_entity(body) {
-                body.try_remove::<Inactive>();
-            }
+            remove_later(commands, body, Components::component_id::<Inactive>);
         }
     }
     table.take_unvisited(visit, false);

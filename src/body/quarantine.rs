@@ -5,14 +5,16 @@
 //! their contacts with it. The stage runs before the broadphase and again after *forces*, before the solve.
 
 use super::describe::describe;
-use super::listed::Described;
+use super::listed::DescribedBodies;
 use super::placement::{Placed, user_pose};
 use super::prepare::{Pushed, check};
 use super::{
     BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     Inactive, MassProperties, Pose, RigidBody, Sleeping, Velocity,
 };
+use crate::components::remove_later;
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
+use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::{name::Name, prelude::*};
@@ -77,7 +79,7 @@ type Stopped<'w> = (
 pub fn lift(
     mut commands: Commands,
     stopped: Query<Stopped, With<RigidBody>>,
-    mut described: Query<Described, With<Quarantined>>,
+    mut described: DescribedBodies,
     placed: Placed,
 ) {
     for (entity, marker, (pose, velocity, transform, parent), pushed) in &stopped {
@@ -101,7 +103,11 @@ pub fn lift(
         if marker.problem == BodyProblem::NonFiniteForce && marker.pushed == now {
             continue;
         }
-        commands.entity(entity).try_remove::<Quarantined>();
+        remove_later(
+            &mut commands,
+            entity,
+            Components::component_id::<Quarantined>,
+        );
         tracing::info!("body {entity} is back: its input has been mended");
     }
 }

@@ -23,23 +23,24 @@ impl Rows<'_> {
         known: impl Fn(&BodyState, &T) -> bool,
         found: &mut Vec<Entity>,
     ) {
-        let Self {
-            table,
-            entities,
-            slots,
-            since,
-            only_known,
-        } = self;
-        look(column, since, |row, value| {
-            if only_known && slots[row] == BodyIndex::NONE {
+        look(column, self.since, |row, value| {
+            if self.passes_over(row) {
                 return;
             }
-            let body = table.get(slots[row].0);
-            let body = body.filter(|body| body.entity == entities[row]);
-            if !body.is_some_and(|body| known(body, value)) {
-                found.push(entities[row]);
+            if !self.body(row).is_some_and(|body| known(body, value)) {
+                found.push(self.entities[row]);
             }
         });
+    }
+
+    fn passes_over(&self, row: usize) -> bool {
+        self.only_known && self.slots[row] == BodyIndex::NONE
+    }
+
+    /// The body of a row, if it is in the table.
+    fn body(&self, row: usize) -> Option<&BodyState> {
+        let body = self.table.get(self.slots[row].0);
+        body.filter(|body| body.entity == self.entities[row])
     }
 }
 
@@ -53,29 +54,69 @@ pub(crate) fn newer_than(last: Tick, this: Tick) -> impl Fn(Tick) -> bool + Copy
     move |tick| this.wrapping_sub(tick.get()) < since
 }
 
-/// The rows of a column whose tick is new. Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which
-/// nothing was written.
+/// The rows of a column whose tick is new.
 #[inline]
-pub(crate) fn new_rows(
-    ticks: &[Tick],
-    is_new: impl Fn(Tick) -> bool + Copy,
-) -> impl Iterator<Item = usize> {
-    const CHUNK: usize = 64;
-    let chunks = ticks.chunks(CHUNK).enumerate();
-    let chunks =
-        chunks.filter(move |(_, ticks)| ticks.iter().fold(false, |any, &tick| any | is_new(tick)));
-    chunks.flat_map(move |(chunk, ticks)| {
-        let rows = ticks.iter().zip(CHUNK * chunk..);
-        let rows = rows.filter(move |(tick, _)| is_new(**tick));
-        rows.map(|(_, row)| row)
-    })
+pub(crate) fn new_rows<F: Fn(Tick) -> bool + Copy>(ticks: &[Tick], is_new: F) -> NewRows<'_, F> {
+    NewRows {
+        ticks,
+        is_new,
+        row: 0,
+        end: 0,
+    }
+}
+
+/// The iterator of [`new_rows`]. It is written by hand because there is one for each component of a body: a chain of adapters is compiled anew with
+/// each closure that it is given.
+pub(crate) struct NewRows<'a, F> {
+    ticks: &'a [Tick],
+    is_new: F,
+    /// The next row.
+    row: usize,
+    /// The end of the chunk with new rows that `row` is in, if it is in one.
+    end: usize,
+}
+
+impl<F: Fn(Tick) -> bool + Copy> Iterator for NewRows<'_, F> {
+    type Item = usize;
+
+    fn next(&mut self) -> Option<usize> {
+        const CHUNK: usize = 64;
+        loop {
+            while self.row < self.end {
+                let row = self.row;
+                self.row += 1;
+                if (self.is_new)(self.ticks[row]) {
+                    return Some(row);
+                }
+            }
+            // Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
+            let rest = &self.ticks[self.row..];
+            let chunk = &rest[..rest.len().min(CHUNK)];
+            if chunk.is_empty() {
+                return None;
+            }
+            let mut any = false;
+            for &tick in chunk {
+                any |= (self.is_new)(tick);
+            }
+            match any {
+                true => self.end = self.row + chunk.len(),
+                false => self.row += chunk.len(),
+            }
+        }
+    }
 }
 
 /// The rows of a column that were written since the system ran last. It reads the tick of every row, since Bevy's summary tick of the column misses some
 /// writes of observers.
 pub(crate) fn written_rows<T>(column: &ContiguousRef<T>) -> impl Iterator<Item = usize> {
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
-    new_rows(column.changed_ticks_slice(), newer_than(last, this))
+    rows_since(column.changed_ticks_slice(), last, this)
+}
+
+/// The rows that were written since a system ran last. As a function of its own it names the same type for all components.
+fn rows_since(ticks: &[Tick], last: Tick, this: Tick) -> impl Iterator<Item = usize> {
+    new_rows(ticks, newer_than(last, this))
 }
 
 /// Calls `written` with the index and the value of each row of a column that has been written.
@@ -91,7 +132,9 @@ pub(crate) fn look<T>(
     let rows = column.changed_ticks_slice();
     let (values, ticks) = ContiguousRef::split(column);
     if ticks.summary_tick_is_changed() != Some(false) {
-        new_rows(rows, newer_than(last, this)).for_each(|row| written(row, &values[row]));
+        for row in rows_since(rows, last, this) {
+            written(row, &values[row]);
+        }
     }
 }
 

@@ -16,7 +16,7 @@ use crate::state::clone_fields;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::{hierarchy::ChildOf, lifecycle::HookContext, prelude::*, world::DeferredWorld};
+use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 use bevy_platform::collections::HashMap;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -56,7 +56,8 @@ pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
     children::mark_if_part(&mut world, context.entity);
 }
 
-fn note_loss(world: &mut DeferredWorld, body: Entity) {
+/// Has *prepare* read a body again, if it is one.
+pub(crate) fn note_loss(world: &mut DeferredWorld, body: Entity) {
     if world.get::<BodyIndex>(body).is_some()
         && let Some(mut table) = world.get_resource_mut::<BodyTable>()
     {
@@ -70,11 +71,6 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
     if let (Some(index), Some(mut table)) = (index, world.get_resource_mut::<BodyTable>()) {
         table.left.push((context.entity, index));
     }
-}
-
-/// Observer: after a body lost its parent *prepare* reads it again, because its `Transform` now means another pose.
-pub(crate) fn lost_parent(lost: On<Remove<ChildOf>>, mut world: DeferredWorld) {
-    note_loss(&mut world, lost.entity);
 }
 
 /// A quarter of the largest error of a rounded coordinate, as a share of it.

@@ -2,7 +2,7 @@
 //! boxes. Until then [queries](crate::query) must test these bodies in addition to the tree.
 
 use super::{Broadphase, expected_travel};
-use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Simulated};
+use crate::body::{ActiveBodies, BodyState, BodyTable, Pose};
 use crate::settings::{Gravity, StepTime};
 use bevy_ecs::prelude::*;
 use parry3d::bounding_volume::BoundingVolume;
@@ -13,10 +13,12 @@ pub fn escaped_aabb(
     table: Res<BodyTable>,
     time: Res<StepTime>,
     gravity: Res<Gravity>,
-    bodies: Query<(Entity, &BodyIndex, &Pose), (Changed<Pose>, Simulated, Without<Inactive>)>,
+    mut bodies: ActiveBodies,
 ) {
     broadphase.escaped_aabb.clear();
-    for (entity, index, pose) in &bodies {
+    let moved = bodies.iter_mut().filter(|body| body.pose.is_changed());
+    for body in moved {
+        let (entity, index, pose) = (body.entity, body.index, &*body.pose);
         let body = table.get(index.0).filter(|body| body.entity == entity);
         if let Some(body) = body
             && way(body, pose) > expected_travel(body, gravity.0, time.dt)

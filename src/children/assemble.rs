@@ -6,7 +6,9 @@ use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
 use super::implicit::{ImplicitBody, make_body, take_body};
 use crate::body::{Density, Mass, RigidBody, WrittenTransforms, weigh_body};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::components::holders_in;
 use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
+use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
@@ -18,7 +20,7 @@ use glam::Vec3;
 /// Entities at or below which colliders may have changed their body since the last step.
 #[derive(Resource, Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct Unassembled(Vec<Entity>);
 
@@ -31,8 +33,7 @@ impl Unassembled {
 /// Contains the colliders that were spawned before the plugins were added, when no hook noted them.
 impl FromWorld for Unassembled {
     fn from_world(world: &mut World) -> Self {
-        let mut colliders = world.query_filtered::<Entity, With<Collider>>();
-        Self(colliders.iter(world).collect())
+        Self(holders_in(world, &[Components::component_id::<Collider>]))
     }
 }
 
@@ -72,18 +73,12 @@ pub struct Searches {
     written: QueryState<Entity, Written>,
     redefined: QueryState<Entity, Redefined>,
     nodes: QueryState<Entity, MovedNodes>,
-    carried: QueryState<(Entity, Option<&'static CompoundCollider>), IsCarried>,
-    implicit: QueryState<Entity, (With<ImplicitBody>, With<ChildOf>)>,
 }
-
-type IsCarried = (With<RigidBody>, HasShape, With<ChildOf>);
-
-type HasShape = Or<(With<Collider>, With<CompoundCollider>)>;
 
 /// Finds the bodies whose parts or scale have changed, and makes their [`CompoundCollider`] anew. Makes colliders without a body static.
 pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     let searches = searches.get_or_insert_with(|| Searches::from_world(world));
-    carry(world, &mut searches.implicit);
+    carry(world);
     let mut roots = std::mem::take(&mut world.resource_mut::<Unassembled>().0);
     roots.extend(searches.written.iter(world));
     let mut bodies: Vec<Entity> = searches.redefined.iter(world).collect();
@@ -91,9 +86,16 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     let mut nodes = searches.nodes.iter(world).peekable();
     if nodes.peek().is_some() {
         bodies.extend(nodes.filter_map(|node| body_of(world, node)));
-        let carried = searches.carried.iter(world);
-        let carried = carried.filter(|&(body, known)| scale_of(world, body) != known_scale(known));
-        bodies.extend(carried.map(|(body, _)| body));
+        let all = [
+            Components::component_id::<ChildOf>,
+            Components::component_id::<RigidBody>,
+        ];
+        let carried = holders_in(world, &all).into_iter().filter(|&body| {
+            let known = world.get::<CompoundCollider>(body);
+            let has_shape = known.is_some() || world.get::<Collider>(body).is_some();
+            has_shape && scale_of(world, body) != known_scale(known)
+        });
+        bodies.extend(carried);
     }
     if roots.is_empty() && bodies.is_empty() {
         return;

@@ -3,6 +3,8 @@
 use super::gather::body_of;
 use super::implicit::ImplicitBody;
 use crate::body::{BodyIndex, BodyTable, MassProperties, Pose, Velocity};
+use crate::components::holders_in;
+use bevy_ecs::component::Components;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 
@@ -10,12 +12,12 @@ use bevy_ecs::prelude::*;
 /// place; see [`child_transforms`](crate::integration::child_transforms).
 ///
 /// A body that is moved by its `Transform` moves them by theirs.
-pub(super) fn carry(
-    world: &mut World,
-    carried: &mut QueryState<Entity, (With<ImplicitBody>, With<ChildOf>)>,
-) {
-    let carried: Vec<Entity> = carried.iter(world).collect();
-    for entity in carried {
+pub(super) fn carry(world: &mut World) {
+    let all = [
+        Components::component_id::<ImplicitBody>,
+        Components::component_id::<ChildOf>,
+    ];
+    for entity in holders_in(world, &all) {
         if let Some(velocity) = velocity_below(world, entity)
             && let Some(mut known) = world.get_mut::<Velocity>(entity)
         {

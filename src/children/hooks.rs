@@ -4,9 +4,11 @@ use super::assemble::Unassembled;
 use super::compound::CompoundCollider;
 use super::gather::{ColliderOf, scale_of};
 use super::implicit::ImplicitBody;
-use crate::body::{RigidBody, weigh, weigh_above, weigh_body};
+use crate::body::{RigidBody, note_loss, weigh, weigh_above, weigh_body};
 use crate::collider::Collider;
+use crate::components::remove_later;
 use crate::sensor::Sensor;
+use bevy_ecs::component::Components;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::lifecycle::HookContext;
@@ -52,7 +54,11 @@ pub(crate) fn mark_if_part(world: &mut DeferredWorld, entity: Entity) {
 pub(crate) fn changed_kind(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     if world.get::<ImplicitBody>(entity).is_some() {
-        world.commands().entity(entity).remove::<ImplicitBody>();
+        remove_later(
+            &mut world.commands(),
+            entity,
+            Components::component_id::<ImplicitBody>,
+        );
         mark(&mut world, entity);
     } else if world.get::<ColliderOf>(entity).is_some() || is_composite(&world, entity) {
         mark(&mut world, entity);
@@ -93,16 +99,12 @@ pub(crate) fn child_joined(joined: On<Insert<ChildOf>>, mut world: DeferredWorld
     }
 }
 
-/// Observer: an entity lost its parent.
+/// Observer: an entity lost its parent. The `Transform` of a body now means another pose, so *prepare* reads the body again.
 pub(crate) fn child_left(left: On<Remove<ChildOf>>, mut world: DeferredWorld) {
+    note_loss(&mut world, left.entity);
     if may_carry(&world, left.entity) {
         mark(&mut world, left.entity);
     }
-}
-
-/// Observer: an entity was disabled.
-pub(crate) fn child_disabled(disabled: On<Insert<Disabled>>, mut world: DeferredWorld) {
-    mark_if_part(&mut world, disabled.entity);
 }
 
 /// Observer: an entity was enabled again. What was written while it was disabled has not been noticed.

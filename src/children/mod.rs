@@ -84,8 +84,8 @@ pub(crate) use compound::{compound_mass, shape_of};
 pub use gather::ColliderOf;
 pub(crate) use gather::body_of;
 pub(crate) use hooks::{
-    changed_kind, child_disabled, child_enabled, child_joined, child_left, collider_inserted,
-    lost_kind, mark, mark_if_part, sensor_changed,
+    changed_kind, child_enabled, child_joined, child_left, collider_inserted, lost_kind, mark,
+    mark_if_part, sensor_changed,
 };
 pub use implicit::ImplicitBody;
 pub use parts::PatchParts;

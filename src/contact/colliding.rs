@@ -1,6 +1,6 @@
 //! Which bodies a body touches, as a component.
 
-use super::ContactPair;
+use super::PairsRef;
 use crate::body::{BodyIndex, BodyTable};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
@@ -68,7 +68,7 @@ impl MapEntities for CollidingEntities {
 pub fn colliding_entities(
     (table, graph, time): (Res<BodyTable>, Res<ConstraintGraph>, Res<StepTime>),
     mut bodies: Query<(Entity, &BodyIndex, &mut CollidingEntities)>,
-    pairs: Query<&ContactPair>,
+    pairs: PairsRef,
 ) {
     if !time.is_last() {
         return;
@@ -77,8 +77,8 @@ pub fn colliding_entities(
         let slot = Some(index.0).filter(|_| table.holds(entity, *index));
         let edges = slot.into_iter().flat_map(|slot| graph.edges_of(slot));
         let touching = edges.filter_map(|pair| {
-            let pair = pairs.get(pair).ok().filter(|pair| pair.announced())?;
-            let others = pair.bodies;
+            let (_, (pair, ..)) = pairs.get(pair).ok()?;
+            let others = Some(pair.bodies).filter(|_| pair.announced())?;
             others.into_iter().find(|&other| other != entity)
         });
         let touching: EntityHashSet = touching.collect();

@@ -1,7 +1,9 @@
 //! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies that
 //! have [`ContactEvents`].
 
-use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, Part};
+use super::{
+    ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, PairsMut, Part,
+};
 use crate::body::{BodyTable, SpawnOrder};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
@@ -95,14 +97,14 @@ pub struct ContactEnded {
 /// Pairs that were removed after [`ContactStarted`] was sent for them, so that [`ContactEnded`] must follow.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct EndedPairs(pub(crate) Vec<([SpawnOrder; 2], [Entity; 2])>);
 
 /// Events for observers that are triggered after the step.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct Untriggered {
     started: Vec<ContactStarted>,
@@ -142,10 +144,7 @@ impl MapEntities for Untriggered {
 
 /// Sends [`ContactStarted`] and [`ContactEnded`]. With several substeps it does so once, for the whole step.
 pub fn contact_events(
-    mut pairs: Query<(
-        Entity,
-        (Entity, &mut ContactPair, &Manifold, &ContactImpulses),
-    )>,
+    mut pairs: PairsMut,
     (table, time): (Res<BodyTable>, Res<StepTime>),
     (graph, places): (Res<ConstraintGraph>, &Entities),
     mut removed: ResMut<EndedPairs>,
@@ -178,9 +177,10 @@ pub fn contact_events(
     let tables = pairs.contiguous_iter_mut();
     for (entities, mut columns) in tables.expect("pair components are stored in tables") {
         for rows in &*graph.active_rows(entities, places) {
-            let (entities, mut pairs, manifolds, impulses) = columns.part(rows);
+            let entities = &entities[rows.start as usize..rows.end as usize];
+            let (mut pairs, _, manifolds, impulses, ..) = columns.part(rows);
             let rows = pairs.bypass_change_detection().iter_mut().zip(entities);
-            for (((pair, &entity), manifold), impulses) in rows.zip(manifolds).zip(impulses) {
+            for (((pair, &entity), manifold), impulses) in rows.zip(&*manifolds).zip(&*impulses) {
                 look(entity, pair, manifold, impulses);
             }
         }

@@ -33,8 +33,8 @@
 //! assert!((events[0].impulse - 5327.0).abs() < 50.0); // the blow, and the weight for a step
 //! ```
 
+use super::PairsRef;
 use super::events::Untriggered;
-use super::{ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
@@ -98,7 +98,7 @@ pub struct ContactForce {
 /// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it runs once, for the whole step.
 pub fn contact_forces(
     askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Inactive>>,
-    pairs: Query<(&ContactPair, &Manifold, &ContactImpulses)>,
+    pairs: PairsRef,
     (table, graph, time): (Res<BodyTable>, Res<ConstraintGraph>, Res<StepTime>),
     mut messages: MessageWriter<ContactForce>,
     mut untriggered: ResMut<Untriggered>,
@@ -112,7 +112,7 @@ pub fn contact_forces(
             continue;
         };
         for pair in graph.edges_of(index.0) {
-            let Ok((ends, manifold, impulses)) = pairs.get(pair) else {
+            let Ok((_, (ends, manifold, impulses, _))) = pairs.get(pair) else {
                 continue;
             };
             if !graph.is_active(ends.edge) {

@@ -35,7 +35,7 @@
 //! # let _ = ground;
 //! ```
 
-use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch};
+use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PairsRef};
 use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{JointEdge, JointForces};
@@ -85,13 +85,6 @@ pub struct FaceForce {
 #[error("{0} is no body, or none yet: bodies are known from the step after they came")]
 pub struct NotABody(pub Entity);
 
-type Pair = (
-    &'static ContactPair,
-    &'static Manifold,
-    &'static ContactImpulses,
-    &'static ContactAnchors,
-);
-
 /// System parameter for the contact forces between bodies. Outside of a system use [`contacts`].
 ///
 /// The forces are those of the last step, at the points where contacts were detected. For [inactive](crate::body::Inactive) bodies they are
@@ -103,7 +96,7 @@ pub struct Contacts<'w, 's> {
     graph: Res<'w, ConstraintGraph>,
     time: Res<'w, StepTime>,
     bodies: Query<'w, 's, &'static BodyIndex, With<RigidBody>>,
-    pairs: Query<'w, 's, Pair>,
+    pairs: PairsRef<'w, 's>,
     pub(super) joints: Query<'w, 's, (&'static JointEdge, &'static JointForces)>,
 }
 
@@ -168,7 +161,7 @@ impl Contacts<'_, '_> {
     fn pairs_of(&self, slot: u32) -> SmallVec<[Entity; 16]> {
         let pairs = self.graph.edges_of(slot);
         let pairs =
-            pairs.filter_map(|pair| Some((self.pairs.get(pair).ok()?.0.spawn_orders, pair)));
+            pairs.filter_map(|pair| Some((self.pairs.get(pair).ok()?.1.0.spawn_orders, pair)));
         let mut pairs: SmallVec<[_; 16]> = pairs.collect();
         pairs.sort_unstable_by_key(|&(spawn_orders, _)| spawn_orders);
         pairs.into_iter().map(|(_, pair)| pair).collect()
@@ -178,8 +171,8 @@ impl Contacts<'_, '_> {
     pub(super) fn neighbours(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 8]> {
         let mut found = SmallVec::<[_; 8]>::new();
         for pair in self.graph.edges_of(slot) {
-            if let Ok((pair, manifold, impulses, _)) = self.pairs.get(pair)
-                && let Some(force) = self.whole(manifold, impulses, self.rests(pair))
+            if let Ok((_, (pair, manifold, impulses, _))) = self.pairs.get(pair)
+                && let Some(force) = self.whole(&manifold, impulses, self.rests(pair))
             {
                 let of_a = pair.slots[0] == slot;
                 let by = pair.bodies[usize::from(of_a)];
@@ -249,7 +242,7 @@ impl Contacts<'_, '_> {
 
     /// Adds the forces of a pair on one of its bodies.
     fn faces(&self, pair: Entity, on: Entity, faces: &mut Vec<FaceForce>) {
-        let Ok((pair, manifold, impulses, anchors)) = self.pairs.get(pair) else {
+        let Ok((_, (pair, manifold, impulses, anchors))) = self.pairs.get(pair) else {
             return;
         };
         let Some(a) = self.table.get(pair.slots[0]) else {
@@ -380,19 +373,13 @@ pub struct Load {
     pub friction_use: f32,
 }
 
-/// The loads of bodies that are active, and all loads.
-type Loads<'w, 's> = (
-    Query<'w, 's, (Entity, &'static mut Load), Or<(Without<Inactive>, Added<Load>)>>,
-    Query<'w, 's, &'static mut Load>,
-);
-
 /// Updates every [`Load`]; a part of the stage *contact events*.
 pub fn loads(
     contacts: Contacts,
     islands: Res<Islands>,
     gravity: Res<Gravity>,
     time: Res<StepTime>,
-    mut bodies: ParamSet<Loads>,
+    mut loads: Query<(Entity, &mut Load, Has<Inactive>)>,
 ) {
     if !time.is_last() {
         return;
@@ -409,14 +396,15 @@ pub fn loads(
         }
         load.set_if_neq(sum);
     };
-    for (body, load) in &mut bodies.p0() {
-        update(body, load);
+    for (body, load, is_inactive) in &mut loads {
+        if !is_inactive || load.is_added() {
+            update(body, load);
+        }
     }
     // Awake bodies press on these.
-    let mut loads = bodies.p1();
     for &slot in islands.boundary() {
         if let Some(body) = contacts.table.get(slot)
-            && let Ok(load) = loads.get_mut(body.entity)
+            && let Ok((_, load, _)) = loads.get_mut(body.entity)
         {
             update(body.entity, load);
         }

@@ -58,6 +58,7 @@ pub trait ContactHook: Send + Sync + 'static {
 /// assert!((world.get::<Transform>(ball).unwrap().translation.y - 0.35).abs() < 0.01);
 /// ```
 #[derive(Resource, Clone)]
+#[component(clone_behavior = Ignore)]
 pub struct ContactHooks(Arc<dyn ContactHook>);
 
 impl ContactHooks {

@@ -10,6 +10,7 @@
 
 pub(crate) mod cache;
 mod colliding;
+mod columns;
 mod copy;
 mod edits;
 mod events;
@@ -27,6 +28,7 @@ mod whole_step;
 pub use cache::NarrowphaseCache;
 pub(crate) use cache::{CachedRelativePose, ParryCache, ParryManifold};
 pub use colliding::{CollidingEntities, colliding_entities};
+pub(crate) use columns::{PairColumns, PairsMut, PairsRef};
 pub(crate) use edits::{is_edited, revise_edited};
 pub(crate) use events::trigger;
 pub use events::{
@@ -249,7 +251,7 @@ pub(crate) enum PairState {
 /// Pairs that were despawned, by drystone or by the user, until the broadphase has handled them.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct LostPairs(pub(crate) Vec<(Entity, ContactPair)>);
 

@@ -9,6 +9,7 @@ use glam::Vec3;
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[doc(hidden)]
+#[component(clone_behavior = Ignore)]
 pub struct MovingSurfaces(
     #[cfg_attr(
         feature = "serde",

@@ -4,7 +4,7 @@
 //! [`Earlier`] holds the sums of the substeps before it.
 
 use super::lists::fit_sums;
-use super::{ContactImpulses, ImpulseSum, Manifold, Origins};
+use super::{ContactImpulses, ImpulseSum, Manifold, Origins, PairsMut};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use bevy_ecs::prelude::*;
@@ -112,14 +112,11 @@ pub fn any_earlier_substeps(time: Res<StepTime>) -> bool {
 }
 
 /// After the last substep, adds the impulses of the earlier ones to those of the last.
-pub fn whole_step(
-    graph: Res<ConstraintGraph>,
-    mut pairs: Query<(&Manifold, &mut ContactImpulses)>,
-) {
+pub fn whole_step(graph: Res<ConstraintGraph>, mut pairs: PairsMut) {
     let mut active = pairs.iter_many_mut(graph.active_pairs());
     while let Some(pair) = active.fetch_next() {
-        if let Ok((manifold, mut impulses)) = pair {
-            impulses.bypass_change_detection().add_up(manifold);
+        if let Ok((_, (_, _, manifold, mut impulses, ..))) = pair {
+            impulses.bypass_change_detection().add_up(&manifold);
         }
     }
 }

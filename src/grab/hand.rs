@@ -1,6 +1,6 @@
 //! Hands that hold the body that a ray points at.
 
-use super::{Grab, HeldBy};
+use super::{Grab, HeldBy, let_go_of};
 use crate::body::RigidBody;
 use crate::diagnosis::Told;
 use crate::query::{QueryFilter, Ray3d, SpatialQuery};
@@ -24,8 +24,7 @@ impl Plugin for HandPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             PhysicsSchedule,
-            // A hand that closes grabs bodies as they are now, including those that were spawned or moved since the last step.
-            (refresh.run_if(any_closes), hands)
+            (refresh_for_hands, hands)
                 .chain()
                 .before(PhysicsSystems::Prepare),
         );
@@ -36,9 +35,18 @@ impl Plugin for HandPlugin {
     }
 }
 
-fn any_closes(hands: Query<(&Hand, &HandState)>) -> bool {
-    let mut hands = hands.iter();
-    hands.any(|(hand, state)| hand.closed && *state == HandState::Open && hand.ray.is_some())
+/// A hand that closes grabs bodies as they are now, including those that were spawned or moved since the last step.
+fn refresh_for_hands(
+    world: &mut World,
+    hands: &mut QueryState<(Entity, &'static mut Hand, &'static mut HandState)>,
+) {
+    let mut closes = false;
+    for (_, hand, state) in hands.query(world) {
+        closes |= hand.closed && *state == HandState::Open && hand.ray.is_some();
+    }
+    if closes {
+        refresh(world);
+    }
 }
 
 /// A hand that points along a ray of a camera, a player or a pointer. When it is closed it grabs the first dynamic body that the ray hits, and
@@ -152,7 +160,7 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
     let hand = context.entity;
     let held = world.get::<HandState>(hand).and_then(HandState::held);
     if let Some(body) = held.filter(|&body| world.get::<HeldBy>(body) == Some(&HeldBy(hand))) {
-        world.commands().entity(body).try_remove::<Grab>();
+        let_go_of(&mut world.commands(), body);
     }
 }
 
@@ -184,7 +192,7 @@ pub fn hands(
             continue;
         }
         if let Some(body) = state.held().filter(|&body| holds(&bodies, entity, body)) {
-            commands.entity(body).try_remove::<Grab>();
+            let_go_of(&mut commands, body);
             freed.insert(body);
         }
         *state = HandState::Open;

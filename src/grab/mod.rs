@@ -6,8 +6,9 @@ mod hand;
 pub use hand::{Hand, HandPlugin, HandState, hands};
 
 use crate::body::{BodyState, Pose, limits};
+use crate::components::remove_later;
 use crate::solver::GrabConstraint;
-use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::component::Components;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
@@ -115,18 +116,23 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
         *force = GrabForce::default();
     }
     let mut commands = world.commands();
-    commands.entity(context.entity).try_remove::<HeldBy>();
+    remove_later(
+        &mut commands,
+        context.entity,
+        Components::component_id::<HeldBy>,
+    );
 }
 
 /// Releases a body that is disabled.
-pub(crate) fn let_go_of_disabled(
-    disabled: On<Insert<Disabled>>,
-    mut commands: Commands,
-    held: Query<(), (With<Grab>, Allow<Disabled>)>,
-) {
-    if held.contains(disabled.entity) {
-        commands.entity(disabled.entity).try_remove::<Grab>();
+pub(crate) fn let_go_of_disabled(world: &mut DeferredWorld, body: Entity) {
+    if world.get::<Grab>(body).is_some() {
+        let_go_of(&mut world.commands(), body);
     }
+}
+
+/// Releases a body, when commands are applied.
+fn let_go_of(commands: &mut Commands, body: Entity) {
+    remove_later(commands, body, Components::component_id::<Grab>);
 }
 
 impl Grab {

@@ -4,8 +4,7 @@ use super::ConstraintGraph;
 use super::account::Wrench;
 use super::edges::{EdgeKind, Link};
 use crate::body::SpawnOrder;
-use crate::contact::{ContactImpulses, ContactPair, Manifold};
-use bevy_ecs::prelude::*;
+use crate::contact::{ContactImpulses, ContactPair, Manifold, PairsRef};
 use bevy_ecs::system::SystemParam;
 use smallvec::SmallVec;
 
@@ -15,13 +14,14 @@ type Contact<'a> = (&'a ContactPair, &'a Manifold, &'a ContactImpulses);
 /// The contacts of bodies, inactive ones included.
 #[derive(SystemParam, Debug)]
 pub struct Forces<'w, 's> {
-    contacts: Query<'w, 's, Contact<'static>>,
+    contacts: PairsRef<'w, 's>,
 }
 
 impl Forces<'_, '_> {
     /// The contact of a link.
     pub(super) fn contact(&self, link: &Link) -> Option<Contact<'_>> {
-        self.contacts.get(link.pair).ok()
+        let (_, (pair, manifold, impulses, _)) = self.contacts.get(link.pair).ok()?;
+        Some((pair, manifold.into_inner(), impulses))
     }
 
     /// The forces of a contact on one of its bodies, with the spawn orders of both.

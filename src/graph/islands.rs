@@ -10,10 +10,10 @@ use super::account::Accounts;
 use super::activation::{Deactivation, activate, deactivate};
 use super::forces::Forces;
 use super::levels::{Kind, Levels};
-use super::need::{Impulses, Need};
+use super::need::{Need, Sleepers};
 use super::partition::Partition;
-use crate::body::{BodyState, BodyTable, Sleeping, SpawnOrder, cover, written_rows};
-use crate::contact::{ContactPair, LostPairs, Manifold, Part};
+use crate::body::{BodyState, BodyTable, SpawnOrder, cover, written_rows};
+use crate::contact::{LostPairs, PairsRef, Part};
 use crate::revision::Revision;
 use crate::saving::Restored;
 use crate::settings::{Gravity, SleepSettings, StepTime};
@@ -186,9 +186,6 @@ struct Update {
     activity_changed: Vec<u32>,
 }
 
-pub(super) type Pairs<'w, 's> =
-    Query<'w, 's, (Entity, &'static ContactPair, Ref<'static, Manifold>)>;
-
 impl Islands {
     /// The island of an awake body, by its slot: a number below [`Self::count`]. `None` if the body is not dynamic or sleeps.
     #[inline]
@@ -292,9 +289,9 @@ pub fn islands(
     mut table: ResMut<BodyTable>,
     (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
     (lost, mut restored): (Res<LostPairs>, ResMut<Restored>),
-    (pairs, forces, impulses): (Pairs, Forces, Impulses),
+    (pairs, forces): (PairsRef, Forces),
     (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
-    (mut sleepers, places): (Query<&mut Sleeping>, &Entities),
+    (mut sleepers, places): (Sleepers, &Entities),
 ) {
     let (graph, islands) = (&mut *graph, &mut *islands);
     islands.begin();
@@ -322,7 +319,7 @@ pub fn islands(
             graph,
             table: &table,
             forces: &forces,
-            impulses: &impulses,
+            sleepers: &sleepers,
             speed: settings.linear_speed,
             gravity: gravity.0,
             dt: time.dt,
@@ -342,7 +339,7 @@ pub fn islands(
 }
 
 /// Second part of the stage *islands*: makes bodies and pairs inactive or active, and updates the islands accordingly.
-pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
+pub fn activation(world: &mut World, pairs: &mut SystemState<PairsRef>) {
     let deactivation = std::mem::take(&mut world.resource_mut::<Islands>().deactivation);
     if deactivation.is_empty() && world.resource::<BodyTable>().dirty.is_empty() {
         return;
@@ -361,12 +358,12 @@ pub fn activation(world: &mut World, pairs: &mut SystemState<Pairs>) {
 }
 
 /// Edges of active contacts whose manifold was written since the stage ran last, by change detection.
-fn edited(graph: &ConstraintGraph, pairs: &Pairs, places: &Entities) -> Vec<(u32, bool)> {
+fn edited(graph: &ConstraintGraph, pairs: &PairsRef, places: &Entities) -> Vec<(u32, bool)> {
     let mut found = Vec::new();
     let tables = pairs.contiguous_iter();
-    for mut table in tables.expect("pair components are stored in tables") {
-        for rows in &*graph.active_rows(table.0, places) {
-            let (_, pairs, manifolds) = table.part(rows);
+    for (entities, mut columns) in tables.expect("pair components are stored in tables") {
+        for rows in &*graph.active_rows(entities, places) {
+            let (pairs, manifolds, ..) = columns.part(rows);
             let written = written_rows(&manifolds);
             found.extend(written.map(|row| (pairs[row].edge, false)));
         }
@@ -376,11 +373,11 @@ fn edited(graph: &ConstraintGraph, pairs: &Pairs, places: &Entities) -> Vec<(u32
 
 impl Islands {
     /// Checks the reported contacts: whether they link their bodies, and whether those have parted.
-    pub(super) fn look(&mut self, graph: &mut ConstraintGraph, pairs: &Pairs) {
+    pub(super) fn look(&mut self, graph: &mut ConstraintGraph, pairs: &PairsRef) {
         for (edge, parted) in graph.take_reported() {
             if graph.is_active(edge)
                 && let Some(entity) = graph.entity(edge)
-                && let Ok((_, pair, manifold)) = pairs.get(entity)
+                && let Ok((_, (pair, manifold, ..))) = pairs.get(entity)
             {
                 if parted {
                     self.parted.extend(pair.slots);
@@ -676,7 +673,7 @@ impl ConstraintGraph {
     pub(super) fn take_idle(
         &mut self,
         table: &BodyTable,
-        pairs: &Pairs,
+        pairs: &PairsRef,
         time: &StepTime,
     ) -> Vec<(u32, [u32; 2])> {
         let mut idle = Vec::new();
@@ -684,7 +681,7 @@ impl ConstraintGraph {
         settling.retain(|&(edge, entity)| {
             let pair = pairs.get(entity).ok();
             let pair = pair.filter(|_| self.entity(edge) == Some(entity) && self.is_active(edge));
-            let Some((_, pair, _)) = pair else {
+            let Some((_, (pair, ..))) = pair else {
                 return false;
             };
             if !pair.slots.iter().all(|&slot| table.is_inactive(slot)) {

@@ -20,13 +20,14 @@ use super::account::{Accounts, Wrench};
 use super::edges::{EdgeKind, Link};
 use super::forces::Forces;
 use super::rising::Rising;
-use crate::body::{BodyState, BodyTable, ExternalImpulse};
+use crate::body::{BodyState, BodyTable, ExternalImpulse, Sleeping};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use smallvec::SmallVec;
 
-/// The impulses that users give.
-pub(super) type Impulses<'w, 's> = Query<'w, 's, &'static ExternalImpulse>;
+/// Which bodies sleep, and the impulses that users give.
+pub(super) type Sleepers<'w, 's> =
+    Query<'w, 's, (&'static mut Sleeping, Option<&'static ExternalImpulse>)>;
 
 /// Bodies that hold another one up, by slot, with their forces, N.
 type Supports = SmallVec<[(u32, f32); 8]>;
@@ -39,7 +40,7 @@ pub(super) struct Need<'a, 'w, 's> {
     pub graph: &'a ConstraintGraph,
     pub table: &'a BodyTable,
     pub forces: &'a Forces<'w, 's>,
-    pub impulses: &'a Impulses<'w, 's>,
+    pub sleepers: &'a Sleepers<'w, 's>,
     /// A body counts as still below this speed, m/s.
     pub speed: f32,
     /// m/s².
@@ -54,7 +55,8 @@ impl Need<'_, '_, '_> {
         let Some(body) = self.table.get(slot) else {
             return;
         };
-        let impulse = self.impulses.get(body.entity).copied().unwrap_or_default();
+        let impulse = self.sleepers.get(body.entity).ok().and_then(|of| of.1);
+        let impulse = impulse.copied().unwrap_or_default();
         let [linear, angular] = [body.velocity.linear, body.velocity.angular].map(Vec3::length);
         let given = impulse.linear.length() + impulse.angular.length() / body.radius;
         let momentum = body.mass.mass() * (linear + angular * body.radius) + given;

@@ -49,7 +49,6 @@ pub fn pair_changes(
     world: &mut World,
     mut ending: Local<Vec<Entity>>,
     broken: &mut QueryState<Entity, Broken>,
-    pairs: &mut QueryState<(Entity, &ContactPair)>,
 ) {
     let restored = world.resource_mut::<Restored>().take_contacts();
     ending.clear();
@@ -77,9 +76,11 @@ pub fn pair_changes(
     let disturbed = disturbed.flat_map(|&slot| graph.contact_ends(slot));
     let doubtful = disturbed.filter(|&(_, slots)| !broadphase.still_overlap(table, slots));
     let doubtful = doubtful.map(|(pair, _)| pair);
-    let doubtful = pairs.query(world).iter_many_inner(doubtful).flatten();
-    let ended = doubtful.filter(|(_, pair)| !goes_on(pair));
-    ending.extend(ended.map(|(entity, _)| entity));
+    let ended = doubtful.filter(|&pair| {
+        let pair = world.get::<ContactPair>(pair);
+        pair.is_some_and(|pair| !goes_on(pair))
+    });
+    ending.extend(ended);
     for pair in ending.drain(..) {
         world.try_despawn(pair).ok();
     }

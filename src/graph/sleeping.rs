@@ -5,7 +5,7 @@
 //! an awake body hits it or changes what it bears, and when a body that it touched is removed; see [`islands`](super::islands()).
 
 use super::Islands;
-use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Simulated, Sleeping, Velocity};
+use crate::body::{ActiveBodies, BodyIndex, BodyState, BodyTable, Velocity};
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_math::FloatPow;
@@ -15,10 +15,7 @@ pub fn sleeping(
     time: Res<StepTime>,
     settings: Res<SleepSettings>,
     (table, islands): (Res<BodyTable>, Res<Islands>),
-    mut bodies: Query<
-        (Entity, &BodyIndex, &mut Velocity, &mut Sleeping),
-        (Simulated, Without<Inactive>),
-    >,
+    mut bodies: ActiveBodies,
     mut restless: Local<Vec<bool>>,
 ) {
     if !settings.enabled {
@@ -31,10 +28,11 @@ pub fn sleeping(
         table.get(index.0).filter(|body| is_awake(body))?;
         islands.of(index.0)
     };
-    for (entity, index, velocity, mut sleeping) in &mut bodies {
-        let Some(island) = island_of(entity, index) else {
+    for mut body in &mut bodies {
+        let Some(island) = island_of(body.entity, body.index) else {
             continue;
         };
+        let (velocity, sleeping) = (body.velocity, &mut body.sleeping);
         let sleeping = sleeping.bypass_change_detection();
         let still = velocity.linear.length_squared() < settings.linear_speed.squared()
             && velocity.angular.length_squared() < settings.angular_speed.squared();
@@ -47,10 +45,11 @@ pub fn sleeping(
             restless[island] = true;
         }
     }
-    for (entity, index, mut velocity, mut sleeping) in &mut bodies {
-        if island_of(entity, index).is_some_and(|island| !restless[island]) {
-            *velocity = Velocity::default();
-            sleeping.asleep = true;
+    for mut body in &mut bodies {
+        let island = island_of(body.entity, body.index);
+        if island.is_some_and(|island| !restless[island]) {
+            *body.velocity = Velocity::default();
+            body.sleeping.asleep = true;
         }
     }
 }

@@ -11,9 +11,9 @@ use super::ConstraintGraph;
 use super::account::Wrench;
 use super::edges::EdgeKind;
 use super::islands::{Islands, is_among};
-use super::need::Need;
+use super::need::{Need, Sleepers};
 use super::rising::Rising;
-use crate::body::{BodyState, BodyTable, Sleeping, Velocity};
+use crate::body::{BodyState, BodyTable, Velocity};
 use crate::settings::Waking;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
@@ -142,7 +142,7 @@ impl Islands {
         &mut self,
         table: &mut BodyTable,
         rising: Vec<u32>,
-        sleepers: &mut Query<&mut Sleeping>,
+        sleepers: &mut Sleepers,
     ) {
         self.woke |= !rising.is_empty();
         for slot in rising {
@@ -150,7 +150,7 @@ impl Islands {
             let body = table.get_mut(slot).expect("it was just seen");
             body.asleep = false;
             let entity = body.entity;
-            if let Ok(mut sleeping) = sleepers.get_mut(entity) {
+            if let Ok((mut sleeping, _)) = sleepers.get_mut(entity) {
                 // Bevy would mark the column of all inactive bodies as changed, so all of it would be searched. `activate` marks the body in its new table.
                 match table.is_inactive(slot) {
                     true => sleeping.bypass_change_detection().wake(),
@@ -167,7 +167,7 @@ impl Islands {
         &mut self,
         graph: &ConstraintGraph,
         table: &mut BodyTable,
-        sleepers: &mut Query<&mut Sleeping>,
+        sleepers: &mut Sleepers,
         restored: &RestoredAccounts,
     ) {
         let mut wakes = Vec::new();

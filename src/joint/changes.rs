@@ -80,7 +80,8 @@ pub(crate) fn update(world: &mut World, joint: Entity) {
         Finding::Ready(definition, slots) => {
             attach(world, joint, *definition, slots);
             let mut joint = world.entity_mut(joint);
-            if joint.take::<QuarantinedJoint>().is_some() {
+            if joint.contains::<QuarantinedJoint>() {
+                joint.remove::<QuarantinedJoint>();
                 tracing::info!(
                     "joint {} works again: its input has been mended",
                     joint.id()

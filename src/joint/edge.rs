@@ -38,7 +38,7 @@ impl MapEntities for JointEdge {
 /// Joints that have to be looked at in the next step, and those that have lost their edge.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct JointChanges {
     /// Joints whose components were removed or inserted.

@@ -188,7 +188,7 @@ impl MapEntities for JointBroke {
 /// Joints that broke in this step, and events that are still to be triggered.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct BrokenJoints {
     pub(crate) found: Vec<(SpawnOrder, JointBroke)>,

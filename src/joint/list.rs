@@ -53,10 +53,10 @@ macro_rules! joint_types {
         /// step, and those that wait for a body.
         pub(crate) fn added(world: &World) -> Vec<(Entity, [Option<Entity>; 2])> {
             // Before the first step there is nothing that they could join.
-            let Some(mut joints) = world.try_query_filtered::<EntityRef, DetachedJoints>() else {
+            let Some(mut joints) = world.try_query_filtered::<Entity, DetachedJoints>() else {
                 return Vec::new();
             };
-            let joints = joints.iter(world);
+            let joints = joints.iter(world).map(|joint| world.entity(joint));
             let joints = joints.filter(|joint| !joint.contains::<QuarantinedJoint>());
             let mut joints: Vec<_> = joints
                 .filter_map(|joint| {

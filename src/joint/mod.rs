@@ -102,8 +102,8 @@ pub use revolute::RevoluteJoint;
 pub use spherical::SphericalJoint;
 pub use spring::SpringJoint;
 
-use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -124,14 +124,10 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 pub struct JointDisabled;
 
 /// Looks at a joint again that was disabled as an entity.
-pub(crate) fn look_at_disabled(
-    disabled: On<Insert<Disabled>>,
-    joints: Query<(), (With<JointEdge>, Allow<Disabled>)>,
-    changes: Option<ResMut<JointChanges>>,
-) {
-    if let Some(mut changes) = changes
-        && joints.contains(disabled.entity)
+pub(crate) fn look_at_disabled(world: &mut DeferredWorld, joint: Entity) {
+    if world.get::<JointEdge>(joint).is_some()
+        && let Some(mut changes) = world.get_resource_mut::<JointChanges>()
     {
-        changes.written.push(disabled.entity);
+        changes.written.push(joint);
     }
 }

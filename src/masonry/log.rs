@@ -42,6 +42,7 @@ use crate::preview::Moved;
 /// assert_eq!(world.get::<Transform>(brick).unwrap().translation.x, 3.0);
 /// ```
 #[derive(Resource, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
 pub struct EditLog {
     done: VecDeque<Entry>,
     undone: Vec<Operation>,

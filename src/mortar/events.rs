@@ -61,7 +61,7 @@ impl MapEntities for MortarBroke {
 /// Bonds that broke in this substep, and all of the step, whose events are still to be triggered.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct BrokenMortar {
     pub(crate) found: Vec<(SpawnOrder, MortarBroke)>,

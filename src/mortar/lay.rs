@@ -5,11 +5,13 @@
 
 use super::patch::Patch;
 use super::{Mortar, MortarJoint};
-use crate::body::{BodyIndex, BodyTable, Simulated, SpawnOrder};
+use crate::body::{BodyIndex, BodyTable, Quarantined, RigidBodyDisabled, SpawnOrder};
+use crate::components::holders_in;
 use crate::contact::{ContactPair, Manifold};
 use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
 use crate::joint;
 use crate::settings::StabilizationSettings;
+use bevy_ecs::component::Components;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_math::FloatPow;
@@ -34,14 +36,21 @@ struct Bond {
 }
 
 /// Lays the fresh mortar of bodies.
-pub fn lay_mortar(
-    world: &mut World,
-    fresh: &mut QueryState<(Entity, &BodyIndex, &Mortar), Simulated>,
-) {
-    let found = fresh.iter(world);
-    let mut found: Vec<(Entity, u32, Mortar)> = found
-        .map(|(body, index, mortar)| (body, index.0, *mortar))
-        .collect();
+pub fn lay_mortar(world: &mut World) {
+    let all = [
+        Components::component_id::<Mortar>,
+        Components::component_id::<BodyIndex>,
+    ];
+    let mut found: Vec<(Entity, u32, Mortar)> = Vec::new();
+    for body in holders_in(world, &all) {
+        let of = world.entity(body);
+        if let (Some(index), Some(mortar)) = (of.get::<BodyIndex>(), of.get::<Mortar>())
+            && !of.contains::<Quarantined>()
+            && !of.contains::<RigidBodyDisabled>()
+        {
+            found.push((body, index.0, *mortar));
+        }
+    }
     found.retain(|(body, _, mortar)| match mortar.is_valid() {
         true => true,
         false => {

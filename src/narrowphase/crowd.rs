@@ -6,9 +6,9 @@
 //!
 //! Only overlaps deeper than those in any structure count, so that bodies on a large floor or in a bowl are not a crowd.
 
-use super::{PairColumns, is_idle};
+use super::is_idle;
 use crate::body::BodyTable;
-use crate::contact::{ContactPair, Manifold, Origins, PairState, Part, reorder};
+use crate::contact::{ContactPair, Manifold, Origins, PairState, PairsMut, Part, reorder};
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
@@ -36,7 +36,7 @@ struct DeepPair {
 pub fn crowd(
     (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
     places: &Entities,
-    mut pairs: Query<(Entity, PairColumns)>,
+    mut pairs: PairsMut,
     (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
 ) {
     let is_crowded = |slot: u32| graph.edges_of(slot).len() > MOST;
@@ -104,7 +104,7 @@ fn find_deep(
     table: &BodyTable,
     graph: &ConstraintGraph,
     places: &Entities,
-    pairs: &mut Query<(Entity, PairColumns)>,
+    pairs: &mut PairsMut,
 ) -> Vec<DeepPair> {
     let mut deep = Vec::new();
     let tables = pairs.contiguous_iter_mut();

@@ -29,7 +29,7 @@ pub use modify::modify_contacts;
 
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-    PairState, Part, reorder, revise_edited,
+    PairState, PairsMut, Part, reorder, revise_edited,
 };
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
@@ -47,15 +47,6 @@ const CREPT: f32 = 0.02;
 /// Number of pairs that are kept in the time in which the contacts of one pair are detected anew.
 const DETECTION: usize = 32;
 
-type PairColumns<'w> = (
-    &'w mut ContactPair,
-    &'w mut NarrowphaseCache,
-    &'w mut Manifold,
-    &'w mut ContactImpulses,
-    &'w mut ContactAnchors,
-    &'w mut ContactTargets,
-);
-
 /// Computes the contacts of all pairs.
 pub fn narrowphase(
     table: Res<BodyTable>,
@@ -63,7 +54,7 @@ pub fn narrowphase(
     (stabilization, manifolds): (Res<StabilizationSettings>, Res<NarrowphaseSettings>),
     threads: Res<PhysicsThreads>,
     (mut graph, places): (ResMut<ConstraintGraph>, &Entities),
-    mut pairs: Query<(Entity, PairColumns)>,
+    mut pairs: PairsMut,
     mut detected: Local<usize>,
 ) {
     let table = &*table;

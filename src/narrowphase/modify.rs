@@ -3,12 +3,11 @@
 //! It visits only pairs of bodies that have one of these components, on several threads if they are many. A pair that loses points is detected anew in the next step, so that a hook
 //! always sees all points.
 
-use super::PairColumns;
 use crate::body::{BodyIndex, BodyState, BodyTable, Simulated, limits};
 use crate::collider::SurfaceVelocity;
 use crate::contact::{
     ActiveContactHooks, ContactHook, ContactHooks, ContactModification, Manifold, MovingSurfaces,
-    Origins, PairState, reorder,
+    Origins, PairColumns, PairState, PairsMut, reorder,
 };
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
@@ -38,15 +37,17 @@ pub fn modify_contacts(
         Res<PhysicsThreads>,
     ),
     modifying: Query<&BodyIndex, Modifying>,
-    mut pairs: Query<PairColumns>,
+    mut pairs: PairsMut,
 ) {
     let before = surfaces.take();
     if modifying.is_empty() {
         return;
     }
-    let edges = modifying.iter().flat_map(|index| graph.edges_of(index.0));
     // The pairs do not depend on each other, so neither their order nor the number of threads matters.
-    let found: EntityHashSet = edges.collect();
+    let mut found = EntityHashSet::default();
+    for index in &modifying {
+        found.extend(graph.edges_of(index.0));
+    }
     let context = Context {
         hook: hooks.as_deref().map(ContactHooks::hook),
         dt: time.dt,
@@ -54,7 +55,7 @@ pub fn modify_contacts(
         first: time.substep == 0,
     };
     let rows = pairs.iter_many_unique_mut(found).filter_map(|columns| {
-        let columns = columns.ok()?;
+        let (_, columns) = columns.ok()?;
         let bodies = table.both(columns.0.slots)?;
         (!columns.0.is_idle()).then(|| (columns, bodies, Modified::default()))
     });

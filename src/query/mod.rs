@@ -74,7 +74,7 @@ pub struct SpatialQuery<'w, 's> {
     table: Res<'w, BodyTable>,
     pending: Res<'w, Pending>,
     poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Simulated)>,
-    slots: Query<'w, 's, &'static BodyIndex>,
+    slots: Query<'w, 's, &'static BodyIndex, With<RigidBody>>,
     threads: Res<'w, PhysicsThreads>,
 }
 

@@ -42,7 +42,7 @@ pub struct SensorExited {
 /// Events for observers of sensors that are triggered after the step.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct UntriggeredSensorEvents {
     pub(super) exited: Vec<SensorExited>,

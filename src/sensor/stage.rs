@@ -4,21 +4,11 @@ use super::detect::Detector;
 use super::events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
 use super::overlaps::{SensorOverlap, SensorOverlaps};
 use super::zones::{Content, Sensors, Tracked, box_of};
-use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined, RigidBody};
+use crate::body::{BodyIndex, BodyState, BodyTable, PlacedActive, PlacedBodies, Pose, RigidBody};
 use crate::broadphase::Broadphase;
 use crate::children::CompoundCollider;
 use crate::saving::Restored;
 use bevy_ecs::prelude::*;
-
-/// The poses at the end of the step.
-type Poses<'w, 's> = Query<'w, 's, &'static Pose, (With<RigidBody>, Without<Quarantined>)>;
-
-type Active<'w, 's> = Query<
-    'w,
-    's,
-    (&'static BodyIndex, &'static Pose),
-    (With<RigidBody>, Without<Quarantined>, Without<Inactive>),
->;
 
 type WithSensors<'w, 's> =
     Query<'w, 's, &'static BodyIndex, (With<RigidBody>, With<CompoundCollider>)>;
@@ -28,7 +18,7 @@ pub fn sensors(
     mut sensors: ResMut<Sensors>,
     (table, broadphase): (Res<BodyTable>, Res<Broadphase>),
     owners: WithSensors,
-    (active, poses): (Active, Poses),
+    (active, poses): (PlacedActive, PlacedBodies),
     mut overlaps: Query<&mut SensorOverlaps>,
     mut restored: ResMut<Restored>,
     mut reports: Reports,
@@ -50,7 +40,7 @@ pub fn sensors(
         for &zone in &moved {
             stage.compare_zone(zone);
         }
-        for (index, pose) in &active {
+        for ((_, _, index, pose, _), _) in &active {
             stage.compare_body(*index, *pose, &moved);
         }
         changes = stage.changes;
@@ -154,12 +144,18 @@ impl Reports<'_> {
     }
 }
 
+/// The pose of a body at the end of the step.
+fn pose_of(poses: &PlacedBodies, body: &BodyState) -> Option<Pose> {
+    let ((_, _, _, &pose, _), _) = poses.get(body.entity).ok()?;
+    Some(pose)
+}
+
 /// Brings the list of zones up to date. Returns those that are new, have moved or were changed, in order.
 fn find_moved_zones(
     sensors: &mut Sensors,
     table: &BodyTable,
     owners: &WithSensors,
-    poses: &Poses,
+    poses: &PlacedBodies,
     changes: &mut Vec<Change>,
 ) -> Vec<u32> {
     let is_gone = |zone: &Tracked| zone.of(table).is_none();
@@ -184,7 +180,7 @@ fn find_moved_zones(
         if zones.is_empty() {
             continue;
         }
-        let Ok(&pose) = poses.get(body.entity) else {
+        let Some(pose) = pose_of(poses, body) else {
             continue;
         };
         for (number, zone) in (0..).zip(zones) {
@@ -207,7 +203,7 @@ struct Stage<'a, 'w, 's> {
     sensors: &'a mut Sensors,
     table: &'a BodyTable,
     broadphase: &'a Broadphase,
-    poses: &'a Poses<'w, 's>,
+    poses: &'a PlacedBodies<'w, 's>,
     changes: Vec<Change>,
 }
 
@@ -250,7 +246,7 @@ impl Stage<'_, '_, '_> {
         let mut found = Vec::new();
         for slot in slots {
             if let Some(body) = self.table.get(slot)
-                && let Ok(&pose) = self.poses.get(body.entity)
+                && let Some(pose) = pose_of(self.poses, body)
             {
                 detector.detect(body, slot, pose, &mut found);
             }

@@ -75,7 +75,7 @@ impl Tracked {
 /// The sensors of all bodies, and what is inside them.
 #[derive(Resource, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(map_entities)]
+#[component(clone_behavior = Ignore, map_entities)]
 #[doc(hidden)]
 pub struct Sensors {
     /// Index is the leaf in the tree.

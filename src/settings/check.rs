@@ -11,6 +11,7 @@ use bevy_ecs::prelude::*;
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
 #[derive(Resource, Clone, Default, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct ActiveSettings {
     gravity: Gravity,
     stabilization: StabilizationSettings,

@@ -48,6 +48,7 @@ use glam::Vec3;
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct Gravity(pub Vec3);
 
 impl Default for Gravity {
@@ -68,6 +69,7 @@ impl Default for Gravity {
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct SpeedLimits {
     /// Maximum linear speed, m/s. Default: 1000.
     pub linear: f32,
@@ -112,6 +114,7 @@ const SLOW: f32 = 10.0;
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct SleepSettings {
     /// Whether bodies may fall asleep. Default: true.
     pub enabled: bool,

@@ -17,6 +17,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct NarrowphaseSettings {
     /// How far two bodies may move relative to each other before their manifold is computed anew, as a share of the size of the smaller
     /// body. Until then the manifold is recycled: its normal and lever arms stay as they are. The size of a body is its bounding radius,

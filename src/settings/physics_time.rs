@@ -46,6 +46,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct PhysicsTime {
     paused: bool,
     relative_speed: f32,

@@ -20,6 +20,7 @@ use std::sync::Arc;
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct SolverSettings {
     /// The contact solver with its settings. Default: [`SoftStep`].
     pub solver: ContactSolver,

@@ -114,6 +114,7 @@ pub struct FrictionStabilization {
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct StabilizationSettings {
     /// Size δ of the collision envelope, m: bodies nearer than its outer boundary have contacts. Default: 0.02.
     pub envelope: f32,

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A large step runs on one of these threads as a whole, unless the [`PhysicsSchedule`](crate::schedule::PhysicsSchedule) has a system of yours
 /// that is exclusive or needs data of the main thread. Run conditions in that schedule must not need such data.
 #[derive(Resource, Clone, Debug)]
+#[component(clone_behavior = Ignore)]
 pub struct PhysicsThreads {
     pool: Option<Arc<rayon::ThreadPool>>,
     min_items: usize,

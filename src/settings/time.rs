@@ -20,6 +20,7 @@ pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(clone_behavior = Ignore)]
 pub struct StepTime {
     /// Length of the current substep, s.
     pub dt: f32,

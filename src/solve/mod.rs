@@ -21,9 +21,8 @@ mod store;
 
 pub(crate) use patches::{keep, settle};
 
-use crate::body::{BodyIndex, BodyTable, Inactive, Motion, Simulated, Velocity, limits};
+use crate::body::{ActiveBodies, BodyTable, Velocity, limits};
 use crate::contact::{ContactImpulses, Manifold};
-use crate::grab::GrabForce;
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
@@ -31,7 +30,7 @@ use crate::profile::SolvePart;
 use crate::settings::Method;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use crate::warm_start::{
-    Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
+    Grabs, Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
 };
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
@@ -41,20 +40,6 @@ pub use reports::{IslandReport, ReportWriter, SolveReports};
 
 /// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
 const TOGETHER: usize = 256;
-
-type Bodies<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Entity,
-        &'static BodyIndex,
-        &'static mut Velocity,
-        &'static mut Motion,
-    ),
-    (Simulated, Without<Inactive>),
->;
-
-type Grabs<'w, 's> = Query<'w, 's, &'static mut GrabForce, (Simulated, Without<Inactive>)>;
 
 /// The contacts of an island, for one kind of solver.
 trait SolveRows: Rows {
@@ -99,7 +84,7 @@ pub fn solve(
     ),
     (mut problems, mut reports): (ResMut<IslandProblems>, ReportWriter),
     mut pairs: Pairs,
-    mut bodies: Bodies,
+    mut bodies: ActiveBodies,
     (mut grabs, mut joints): (Grabs, Joints),
     (mut broken, mut broken_mortar): (ResMut<BrokenJoints>, ResMut<BrokenMortar>),
 ) {
@@ -157,7 +142,7 @@ impl Solve<'_> {
         solver: &R::Solver,
         problems: &mut ProblemSet<R>,
         pairs: &mut Pairs,
-        bodies: &mut Bodies,
+        bodies: &mut ActiveBodies,
         acting: &mut Acting,
     ) {
         let start = Instant::now();
@@ -171,7 +156,7 @@ impl Solve<'_> {
     }
 
     /// Takes the current velocities of the bodies from their components.
-    fn take_velocities<R: SolveRows>(&self, problems: &mut ProblemSet<R>, bodies: &Bodies) {
+    fn take_velocities<R: SolveRows>(&self, problems: &mut ProblemSet<R>, bodies: &ActiveBodies) {
         let ProblemSet {
             order,
             islands,
@@ -179,8 +164,9 @@ impl Solve<'_> {
             ..
         } = problems;
         outside.clear();
-        for (entity, index, velocity, _) in bodies {
-            if !self.table.holds(entity, *index) {
+        for body in bodies {
+            let (index, velocity) = (body.index, body.velocity);
+            if !self.table.holds(body.entity, *index) {
                 continue;
             }
             // A static or kinematic body may have copies in several problems.

@@ -16,6 +16,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
     derive(Reflect),
     reflect(Resource, Debug, Default)
 )]
+#[component(clone_behavior = Ignore)]
 pub struct SolveReports(pub Vec<IslandReport>);
 
 /// The report of one island's solve.

@@ -1,13 +1,13 @@
 //! Storing the results of a solve in the components of bodies, pairs and grabs, which are found by their entities.
 
-use super::{Acting, Bodies, Grabs, Solve, SolveRows};
-use crate::body::{Motion, Velocity, limits};
+use super::{Acting, Solve, SolveRows};
+use crate::body::{ActiveBodies, Motion, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::grab::GrabForce;
 use crate::joint::{JointBroke, JointForces};
 use crate::mortar::MortarBroke;
 use crate::solver::GrabConstraint;
-use crate::warm_start::{Island, LARGE, Pairs, ProblemSet, Stored};
+use crate::warm_start::{Grabs, Island, LARGE, Pairs, ProblemSet, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ impl Solve<'_> {
         &self,
         problems: &mut ProblemSet<R>,
         pairs: &mut Pairs,
-        bodies: &mut Bodies,
+        bodies: &mut ActiveBodies,
         acting: &mut Acting,
     ) {
         self.store_impulses(problems, pairs);
@@ -53,9 +53,11 @@ impl Solve<'_> {
     }
 
     /// Stores the velocities and motions of awake bodies.
-    fn store_bodies<R: SolveRows>(&self, problems: &ProblemSet<R>, bodies: &mut Bodies) {
+    fn store_bodies<R: SolveRows>(&self, problems: &ProblemSet<R>, bodies: &mut ActiveBodies) {
         let fall = self.context.gravity.0.length() * self.context.time.dt;
-        for (entity, index, mut velocity, mut motion) in bodies {
+        for of in bodies {
+            let (entity, index) = (of.entity, of.index);
+            let (mut velocity, mut motion) = (of.velocity, of.motion);
             let Some(body) = self.table.get(index.0).filter(|body| body.entity == entity) else {
                 continue;
             };
@@ -128,7 +130,7 @@ fn store_grabs<R: SolveRows>(problems: &ProblemSet<R>, grabs: &mut Grabs) {
     for held in &problems.held {
         let mut solved = problems.islands[held.island].grabs.iter();
         if let Some(grab) = solved.find(|grab| grab.body == held.local)
-            && let Ok(mut kept) = grabs.get_mut(held.entity)
+            && let Ok((.., mut kept)) = grabs.get_mut(held.entity)
         {
             let &GrabConstraint { force, torque, .. } = grab;
             kept.set_if_neq(GrabForce { force, torque });

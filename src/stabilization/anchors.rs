@@ -6,7 +6,7 @@ use super::friction::slip_velocity;
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Lists, Manifold,
-    ManifoldPatch, Part, PatchAnchor, fit, revise_edited,
+    ManifoldPatch, PairsMut, Part, PatchAnchor, fit, revise_edited,
 };
 use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
@@ -67,15 +67,7 @@ pub fn anchors(
     (graph, places): (Res<ConstraintGraph>, &Entities),
     (settings, time): (Res<StabilizationSettings>, Res<StepTime>),
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(
-        Entity,
-        (
-            &mut ContactPair,
-            Ref<Manifold>,
-            &mut ContactImpulses,
-            &mut ContactAnchors,
-        ),
-    )>,
+    mut pairs: PairsMut,
 ) {
     let friction = settings.friction;
     if !friction.enabled {
@@ -85,7 +77,7 @@ pub fn anchors(
     let tables = pairs.contiguous_iter_mut();
     for (entities, mut columns) in tables.expect("pair components are stored in tables") {
         for rows in &*graph.active_rows(entities, places) {
-            let (mut pairs, manifolds, mut impulses, mut anchors) = columns.part(rows);
+            let (mut pairs, _, manifolds, mut impulses, mut anchors, _) = columns.part(rows);
             revise_edited!(pairs, manifolds);
             let columns = (
                 &*pairs,

@@ -5,8 +5,8 @@
 
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{
-    Anchor, ContactAnchors, ContactPair, ContactPoint, ContactTargets, Lists, Manifold,
-    ManifoldPatch, MovingSurfaces, Part, PatchAnchor, Target, fit, revise_edited,
+    Anchor, ContactAnchors, ContactPoint, ContactTargets, Lists, Manifold, ManifoldPatch,
+    MovingSurfaces, PairsMut, Part, PatchAnchor, Target, fit, revise_edited,
 };
 use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
@@ -238,15 +238,7 @@ pub fn friction_error(
     settings: Res<StabilizationSettings>,
     solver: Res<SolverSettings>,
     (threads, active_settings): (Res<PhysicsThreads>, Res<ActiveSettings>),
-    mut pairs: Query<(
-        Entity,
-        (
-            &mut ContactPair,
-            Ref<Manifold>,
-            &mut ContactAnchors,
-            &mut ContactTargets,
-        ),
-    )>,
+    mut pairs: PairsMut,
 ) {
     let (table, settings, last) = (&*table, &*settings, time.previous_dt);
     let by_points = solver.solver.is_point_solver();
@@ -254,7 +246,7 @@ pub fn friction_error(
     let tables = pairs.contiguous_iter_mut();
     for (entities, mut columns) in tables.expect("pair components are stored in tables") {
         for rows in &*graph.active_rows(entities, places) {
-            let (mut pairs, manifolds, mut anchors, mut targets) = columns.part(rows);
+            let (mut pairs, _, manifolds, _, mut anchors, mut targets) = columns.part(rows);
             revise_edited!(pairs, manifolds, anchors);
             let activate = active_settings.changed || islands.woke();
             let always = active_settings.changed || by_points || !by_pose;

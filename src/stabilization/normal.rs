@@ -5,7 +5,7 @@
 //! *lets points come down* that are above it but inside the envelope. Every contact settles on the ideal plane, and none flickers.
 
 use crate::body::BodyTable;
-use crate::contact::{ContactPair, ContactTargets, Lists, Manifold, Part, fit};
+use crate::contact::{Lists, PairsMut, Part, fit};
 use crate::graph::ConstraintGraph;
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::entity::Entities;
@@ -93,15 +93,15 @@ pub fn normal_correction(
     time: Res<StepTime>,
     settings: Res<StabilizationSettings>,
     threads: Res<PhysicsThreads>,
-    mut pairs: Query<(Entity, (&ContactPair, &Manifold, &mut ContactTargets))>,
+    mut pairs: PairsMut,
 ) {
     let (table, settings, dt) = (&*table, &*settings, time.dt);
     let (rest, share) = (settings.rest_distance(), dt / time.max_recent_dt);
     let tables = pairs.contiguous_iter_mut();
     for (entities, mut columns) in tables.expect("pair components are stored in tables") {
         for rows in &*graph.active_rows(entities, places) {
-            let (pairs, manifolds, mut targets) = columns.part(rows);
-            let columns = (pairs, manifolds, targets.bypass_change_detection());
+            let (pairs, _, manifolds, _, _, mut targets) = columns.part(rows);
+            let columns = (&*pairs, &*manifolds, targets.bypass_change_detection());
             threads.each(columns, |(pair, manifold, targets)| {
                 let Some([a, b]) = table.both(pair.slots) else {
                     return;

@@ -25,7 +25,7 @@ mod problems;
 mod splice;
 
 use crate::body::{BodyIndex, BodyTable, Inactive, Simulated};
-use crate::contact::{ContactImpulses, ContactPair, ContactTargets, Manifold, MovingSurfaces};
+use crate::contact::{MovingSurfaces, PairsMut};
 use crate::grab::{Grab, GrabForce};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::{Profile, SolvePart};
@@ -92,30 +92,19 @@ const SHARE: usize = 8;
 /// The columns of pairs that are gathered and stored.
 #[derive(SystemParam, Debug)]
 pub struct Pairs<'w, 's> {
-    columns: Query<
-        'w,
-        's,
-        (
-            Entity,
-            (
-                &'static mut ContactPair,
-                Ref<'static, Manifold>,
-                &'static ContactTargets,
-                &'static mut ContactImpulses,
-            ),
-        ),
-    >,
+    columns: PairsMut<'w, 's>,
     places: &'w Entities,
 }
 
-type Grabs<'w, 's> = Query<
+/// The bodies that are held. *Solve* writes the forces.
+pub(crate) type Grabs<'w, 's> = Query<
     'w,
     's,
     (
         Entity,
         &'static BodyIndex,
         &'static Grab,
-        &'static GrabForce,
+        &'static mut GrabForce,
     ),
     (Simulated, Without<Inactive>),
 >;

@@ -325,14 +325,11 @@ impl Order {
         for (entities, mut columns) in tables.expect("pair components are stored in tables") {
             let runs = graph.active_rows(entities, pairs.places);
             for rows in &*runs {
-                let (mut pairs, manifolds, _, impulses) = columns.part(rows);
+                let (mut pairs, _, manifolds, impulses, ..) = columns.part(rows);
                 revise_edited!(pairs, pairs, manifolds, impulses);
             }
-            let (pairs, manifolds, targets, impulses) = columns;
-            let (pairs, _) = ContiguousMut::bypass_change_detection_split(pairs);
-            let pairs = &*pairs;
-            let manifolds = manifolds.into_inner();
-            let (impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
+            let (pairs, _, manifolds, impulses, _, targets) = columns;
+            let pairs = values(pairs);
             for row in runs.iter().cloned().flatten() {
                 let here = row as usize;
                 let pair = &pairs[here];
@@ -351,7 +348,7 @@ impl Order {
                 self.rows[(island.first + at.index) as usize] = PairRow { table, row };
                 found += 1;
             }
-            gathered.push((pairs, manifolds, targets, &*impulses));
+            gathered.push((pairs, values(manifolds), values(targets), values(impulses)));
         }
         let complete = found == count;
         if !complete {
@@ -428,9 +425,8 @@ impl Order {
         let mut found = 0;
         let tables = pairs.columns.contiguous_iter_mut();
         for (entities, columns) in tables.expect("pair components are stored in tables") {
-            let (pairs_in_it, manifolds, _, impulses) = columns;
-            let (pairs_in_it, _) = ContiguousMut::bypass_change_detection_split(pairs_in_it);
-            let manifolds = manifolds.into_inner();
+            let (pairs_in_it, _, manifolds, impulses, ..) = columns;
+            let (pairs_in_it, manifolds) = (values(pairs_in_it), values(manifolds));
             let (mut impulses, _) = ContiguousMut::bypass_change_detection_split(impulses);
             let mut taken = 0;
             for rows in &*graph.active_rows(entities, pairs.places) {
@@ -453,6 +449,12 @@ impl Order {
             self.forget();
         }
     }
+}
+
+/// The values of a column, for reading.
+fn values<T>(column: ContiguousMut<'_, T>) -> &[T] {
+    let (values, _) = ContiguousMut::bypass_change_detection_split(column);
+    values
 }
 
 impl IslandOrder {

@@ -23,9 +23,9 @@ fn supports_do_not_depend_on_the_order_of_links() {
     for _ in 0..120 {
         crate::step(world, 1.0 / 60.0).unwrap();
     }
-    let mut state = SystemState::<(Res<BodyTable>, Forces, Impulses)>::new(world);
+    let mut state = SystemState::<(Res<BodyTable>, Forces, Sleepers)>::new(world);
     let graph = world.resource::<ConstraintGraph>().clone();
-    let (table, forces, impulses) = state.get(world).unwrap();
+    let (table, forces, sleepers) = state.get(world).unwrap();
     let found = table.iter().find(|(_, body)| body.entity == plank);
     let (slot, _) = found.unwrap();
     let supports = |graph: &ConstraintGraph| {
@@ -33,7 +33,7 @@ fn supports_do_not_depend_on_the_order_of_links() {
             graph,
             table: &table,
             forces: &forces,
-            impulses: &impulses,
+            sleepers: &sleepers,
             speed: 0.01,
             gravity: Vec3::NEG_Y,
             dt: 1.0 / 60.0,

@@ -1,0 +1,99 @@
+//! Components by their identifiers, for code that runs rarely. Bevy compiles some thousands of lines for each query, and some hundreds for each
+//! type of a command. What takes an identifier is compiled once.
+
+use bevy_ecs::archetype::{Archetype, ArchetypeEntity, Archetypes};
+use bevy_ecs::component::{ComponentId, Components};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::ReadOnlySystem;
+use smallvec::SmallVec;
+
+/// Finds the identifier of a component: `Components::component_id::<T>`. There is none before the world knows the type.
+pub(crate) type FindId = fn(&Components) -> Option<ComponentId>;
+
+/// Run condition: whether some entity has a component, disabled entities included.
+pub(crate) fn any_with(find: FindId) -> impl ReadOnlySystem<In = (), Out = bool> {
+    IntoSystem::into_system(move |components: &Components, archetypes: &Archetypes| {
+        any(components, archetypes, &[find])
+    })
+}
+
+/// Whether some entity has all of these components, disabled entities included.
+pub(crate) fn any(components: &Components, archetypes: &Archetypes, all: &[FindId]) -> bool {
+    let mut found = false;
+    each_holder(components, archetypes, all, &mut |archetype| {
+        found = !archetype.is_empty();
+        !found
+    });
+    found
+}
+
+/// The entities that have all of these components, disabled ones included.
+pub(crate) fn holders(
+    components: &Components,
+    archetypes: &Archetypes,
+    all: &[FindId],
+) -> Vec<Entity> {
+    let mut holders = SmallVec::<[&Archetype; 16]>::new();
+    each_holder(components, archetypes, all, &mut |archetype| {
+        holders.push(archetype);
+        true
+    });
+    // In the order in which a query has them.
+    holders.sort_unstable_by_key(|archetype| archetype.id());
+    let mut found = Vec::new();
+    for archetype in holders {
+        found.extend(archetype.entities().iter().map(ArchetypeEntity::id));
+    }
+    found
+}
+
+/// The entities of a world that have all of these components, as a query would find them: without disabled ones.
+pub(crate) fn holders_in(world: &World, all: &[FindId]) -> Vec<Entity> {
+    let mut found = holders(world.components(), world.archetypes(), all);
+    found.retain(|&entity| !world.entity(entity).contains::<Disabled>());
+    found
+}
+
+/// Calls `visit` with each archetype that has all of these components, until it returns false. The order is not defined.
+fn each_holder<'a>(
+    components: &Components,
+    archetypes: &'a Archetypes,
+    all: &[FindId],
+    visit: &mut dyn FnMut(&'a Archetype) -> bool,
+) {
+    let mut ids = SmallVec::<[ComponentId; 4]>::new();
+    for find in all {
+        match find(components) {
+            Some(id) => ids.push(id),
+            None => return,
+        }
+    }
+    // Most worlds have no entity with the first one.
+    let Some(holders) = archetypes.component_index().get(&ids[0]) else {
+        return;
+    };
+    for &archetype in holders.keys() {
+        if let Some(archetype) = archetypes.get(archetype)
+            && ids.iter().all(|&id| archetype.contains(id))
+            && !visit(archetype)
+        {
+            return;
+        }
+    }
+}
+
+/// Removes components of an entity, if it exists, as [`EntityWorldMut::remove`] does with a bundle.
+pub(crate) fn remove(world: &mut World, entity: Entity, all: &[FindId]) {
+    let components = world.components();
+    let ids = all.iter().filter_map(|find| find(components));
+    let ids: Vec<ComponentId> = ids.collect();
+    if let Ok(mut entity) = world.get_entity_mut(entity) {
+        entity.remove_by_ids(&ids);
+    }
+}
+
+/// Has a component of an entity removed when commands are applied, if the entity exists by then.
+pub(crate) fn remove_later(commands: &mut Commands, entity: Entity, find: FindId) {
+    commands.queue(move |world: &mut World| remove(world, entity, &[find]));
+}

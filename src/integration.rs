@@ -18,6 +18,7 @@ use crate::body::{
 };
 use crate::children::ImplicitBody;
 use crate::settings::StepTime;
+use crate::sort;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
 use bevy_transform::components::Transform;
@@ -123,7 +124,9 @@ pub fn child_transforms(
 ) {
     // Parents come before their children, so that every frame is up to date when it is used.
     let mut children: Vec<_> = bodies.iter_mut().collect();
-    children.sort_by_cached_key(|(child, ..)| parents.iter_ancestors(*child).count());
+    sort::by_key(&mut children, |(child, ..)| {
+        parents.iter_ancestors(*child).count()
+    });
     for (child, index, mut pose, parent, is_implicit) in children {
         let mut local = local_pose(*pose, Some(parent), placed.as_readonly());
         if is_implicit

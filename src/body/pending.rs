@@ -13,6 +13,7 @@ use super::{
     BodyIndex, BodyState, BodyTable, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
     WrittenTransforms, limits,
 };
+use crate::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
@@ -193,7 +194,7 @@ pub fn refresh(
     let resting: EntityHashSet = resting.chain(find_carried(children, placed)).collect();
     found.extend(resting.into_iter().map(|body| (SpawnOrder::NONE, body)));
     // The order in which *prepare* visits them.
-    found.sort_unstable_by_key(|(spawn_order, entity)| {
+    sort::by_key(&mut found, |(spawn_order, entity)| {
         (
             *spawn_order,
             entity.index_u32(),

@@ -12,6 +12,7 @@ use super::{
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
+use crate::sort;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
@@ -86,7 +87,7 @@ pub fn prepare(
     dirty.extend(&teleported);
     let resting = bodies.p1();
     dirty.extend(reduced.into_iter().filter(|body| resting.contains(*body)));
-    dirty.sort_unstable();
+    sort::values(&mut dirty);
     dirty.dedup();
     let known = joining.len();
     for entity in dirty {
@@ -104,7 +105,7 @@ pub fn prepare(
     );
     // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is the
     // reverse of the order of spawning.
-    joining.sort_unstable_by_key(|(spawn_order, entity)| {
+    sort::by_key(&mut joining, |(spawn_order, entity)| {
         (
             *spawn_order,
             entity.index_u32(),

@@ -38,6 +38,7 @@ use super::{ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
+use crate::sort;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -164,7 +165,7 @@ pub fn contact_forces(
             found.push(((body.spawn_order, other_order), event));
         }
     }
-    found.sort_unstable_by_key(|&(spawn_orders, _)| spawn_orders);
+    sort::by_key(&mut found, |&(spawn_orders, _)| spawn_orders);
     for (_, event) in found {
         messages.write(event);
         untriggered.forces.push(event);

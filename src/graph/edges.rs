@@ -12,6 +12,7 @@
 
 use super::active::ActiveRows;
 use crate::body::make_room;
+use crate::sort;
 use crate::state::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -556,7 +557,7 @@ impl ConstraintGraph {
     /// Takes the reported edges, sorted by number.
     pub(super) fn take_reported(&mut self) -> Vec<(u32, bool)> {
         let mut reported = std::mem::take(&mut self.reported);
-        reported.sort_unstable();
+        sort::values(&mut reported);
         reported.dedup();
         reported
     }

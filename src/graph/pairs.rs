@@ -19,6 +19,7 @@ use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::narrowphase::Reach;
 use crate::revision::Revision;
 use crate::saving::{Restored, RestoredContacts};
+use crate::sort;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -184,7 +185,7 @@ fn begin(
     }
     let table = world.resource::<BodyTable>();
     // The tree's shape depends on its history; the order of pairs must not. A pair that a user has despawned may be there twice.
-    overlaps.sort_unstable();
+    sort::values(&mut overlaps);
     overlaps.dedup();
     graph.reserve(overlaps.len(), table.slots());
     let mut warnings = Vec::new();

@@ -17,6 +17,7 @@ use super::edges::ConstraintGraph;
 use super::parts::Parts;
 use crate::body::cover;
 use crate::revision::Revision;
+use crate::sort;
 use crate::state::clone_fields;
 use std::collections::VecDeque;
 use std::fmt;
@@ -270,7 +271,7 @@ impl Partition {
             .iter()
             .filter_map(|&slot| Some((self.id(slot)?, slot)))
             .collect();
-        ends.sort_unstable();
+        sort::values(&mut ends);
         ends.dedup();
         let mut search = std::mem::take(&mut self.search);
         for ends in ends.chunk_by(|(a, _), (b, _)| a == b) {
@@ -315,8 +316,7 @@ impl Partition {
             island.number = NONE;
             island.first != NONE
         });
-        self.numbered
-            .sort_unstable_by_key(|&id| islands[id as usize].first);
+        sort::by_key(&mut self.numbered, |&id| islands[id as usize].first);
         self.numbered.dedup();
         for (number, &id) in self.numbered.iter().enumerate() {
             islands[id as usize].number = number as u32;

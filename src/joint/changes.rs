@@ -14,6 +14,7 @@ use super::{
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
 use crate::mortar::MortarJoint;
+use crate::sort;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
@@ -44,7 +45,9 @@ pub fn joints(
             .filter_map(|joint| Some((order_of(world.get_entity(joint).ok()?), joint)))
             .collect();
         // Joints without a number were spawned before the plugins were added.
-        found.sort_unstable_by_key(|&(order, joint)| (order, joint.index_u32(), joint));
+        sort::by_key(&mut found, |&(order, joint)| {
+            (order, joint.index_u32(), joint)
+        });
         found.dedup();
         for (_, joint) in found {
             update(world, joint);

@@ -11,6 +11,7 @@ use super::{
 use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
+use crate::sort;
 use crate::state::visitor::Visitor;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
@@ -61,7 +62,7 @@ macro_rules! joint_types {
                     Some((order, joint.id(), definition(joint).1?.bodies))
                 })
                 .collect();
-            joints.sort_unstable_by_key(|&(order, joint, _)| (order, joint));
+            sort::by_key(&mut joints, |&(order, joint, _)| (order, joint));
             joints.into_iter().map(|(_, joint, bodies)| (joint, bodies)).collect()
         }
 

@@ -10,6 +10,7 @@ use crate::contact::{ContactPair, Manifold};
 use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
 use crate::joint;
 use crate::settings::StabilizationSettings;
+use crate::sort;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_math::FloatPow;
@@ -122,6 +123,6 @@ fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
         }
     }
     // The sort is stable: the patches of a pair keep their order.
-    bonds.sort_by_key(|bond| bond.orders);
+    sort::by_key(&mut bonds, |bond| bond.orders);
     bonds
 }

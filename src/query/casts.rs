@@ -5,6 +5,7 @@ use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
 use crate::collider::Collider;
+use crate::sort;
 use bevy_ecs::prelude::*;
 use bevy_math::Dir3;
 use glam::Vec3;
@@ -184,7 +185,7 @@ impl SpatialQuery<'_, '_> {
         });
         let hits = hits.into_iter().map(|(_, hit)| hit);
         let mut hits: Vec<CastHit> = hits.collect::<Result<_, _>>()?;
-        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        sort::by_key(&mut hits, |hit| hit.distance);
         Ok(hits)
     }
 }

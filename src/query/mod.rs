@@ -60,6 +60,7 @@ pub use rays::RayHit;
 use crate::body::{BodyIndex, BodyState, BodyTable, Pending, Pose, RigidBody, Simulated};
 use crate::broadphase::Broadphase;
 use crate::settings::PhysicsThreads;
+use crate::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use parry3d::partitioning::Bvh;
@@ -195,7 +196,7 @@ impl SpatialQuery<'_, '_> {
         let view = self.view();
         numbers.extend(view.outside());
         // A body that has left its box may occur twice. The order of results from the tree depends on its history, so they are sorted.
-        numbers.sort_unstable_by_key(|&number| {
+        sort::by_key(&mut numbers, |&number| {
             (view.get(number).map(|body| body.spawn_order), number)
         });
         numbers.dedup();

@@ -2,6 +2,7 @@
 
 use super::pieces::Piece;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
+use crate::sort;
 use bevy_ecs::prelude::*;
 use bevy_shape::Ray3d;
 use glam::Vec3;
@@ -129,7 +130,7 @@ impl SpatialQuery<'_, '_> {
                 .ray_hit(&ray, max_distance, filter)
         });
         let mut hits: Vec<RayHit> = hits.into_iter().map(|(_, hit)| hit).collect();
-        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        sort::by_key(&mut hits, |hit| hit.distance);
         Ok(hits)
     }
 

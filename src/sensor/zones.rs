@@ -32,6 +32,15 @@ pub(super) struct Content {
 }
 
 impl Content {
+    /// Its place in the order.
+    pub fn rank(&self) -> (SpawnOrder, [u32; 2], Entity) {
+        (
+            self.spawn_order,
+            [self.part.into(), self.slot],
+            self.collider,
+        )
+    }
+
     /// Whether the body is still in the table, with this part.
     fn lives(&self, table: &BodyTable) -> bool {
         table

@@ -30,6 +30,7 @@ use crate::mortar::BrokenMortar;
 use crate::profile::SolvePart;
 use crate::settings::Method;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
+use crate::sort;
 use crate::warm_start::{
     Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
 };
@@ -204,7 +205,7 @@ impl Solve<'_> {
             return;
         }
         // Few bodies are in no problem, so they are searched; a list by slot would be as long as the world is large.
-        outside.sort_unstable_by_key(|(slot, _)| *slot);
+        sort::by_key(outside, |(slot, _)| *slot);
         for (slot, copy) in islands.iter_mut().flat_map(Island::copies) {
             if let Ok(at) = outside.binary_search_by_key(&slot, |(slot, _)| *slot) {
                 let Velocity { linear, angular } = outside[at].1;

@@ -9,6 +9,7 @@ use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{BreakForce, JointEdge, JointForces};
 use crate::revision::Revision;
 use crate::solver::JointConstraint;
+use crate::sort;
 use bevy_ecs::prelude::*;
 
 pub(crate) type Joints<'w, 's> = Query<
@@ -65,7 +66,7 @@ impl JointOrder {
         let is_solved = |slot: u32| local(slot).is_some_and(|local| local != u32::MAX);
         // Bodies that are not solved come before the others, in spawn order; the world comes first.
         let rank = |slot: u32| match local(slot).filter(|&local| local != u32::MAX) {
-            Some(local) => (1, u64::from(local)),
+            Some(local) => (1u32, u64::from(local)),
             None => (0, table.get(slot).map_or(0, |body| body.spawn_order.0)),
         };
         // A link between two solved bodies is taken only once, from the list of A.
@@ -91,7 +92,12 @@ impl JointOrder {
                 Some((key, slot))
             })
             .collect();
-        slots.sort_unstable_by_key(|&(key, slot)| (key, slot.edge));
+        // The last sort decides, and the others between equals.
+        sort::by_key(&mut slots, |&((.., order), slot)| (order, slot.edge));
+        sort::by_key(&mut slots, |&((.., lower, _), _)| lower);
+        sort::by_key(&mut slots, |&((island, higher, ..), _)| {
+            (island, higher.0, higher.1)
+        });
         self.slots.extend(slots.into_iter().map(|(_, slot)| slot));
     }
 }

@@ -33,6 +33,7 @@ use crate::settings::{
     Gravity, Method, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
+use crate::sort;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -247,7 +248,7 @@ impl WarmStart<'_> {
                 Some((held, grab.constraint(local, body, force)))
             })
             .collect();
-        grabs.sort_unstable_by_key(|(held, _)| (held.island, held.local));
+        sort::by_key(&mut grabs, |(held, _)| (held.island, held.local));
         for (body, grab) in grabs {
             islands[body.island].grabs.push(grab);
             held.push(body);

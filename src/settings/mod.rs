@@ -18,6 +18,7 @@ mod time;
 
 pub use check::ActiveSettings;
 pub(crate) use check::check;
+pub(crate) use columns::Columns;
 pub use narrowphase::NarrowphaseSettings;
 pub use physics_time::PhysicsTime;
 pub use preset::Preset;
@@ -27,6 +28,7 @@ pub use stabilization::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, StabilizationSettings,
 };
 pub use threads::PhysicsThreads;
+pub(crate) use threads::join;
 pub use time::{STEP_LENGTHS, StepTime};
 
 use crate::body::Velocity;

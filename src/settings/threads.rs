@@ -78,10 +78,10 @@ impl PhysicsThreads {
             return work();
         }
         self.was_divided.store(true, Ordering::Relaxed);
-        match &self.pool {
+        result_of(work, |work| match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),
-        }
+        })
     }
 
     /// Does two things, at the same time if there are enough items: `ahead` in the thread pool, which it may divide, and `here` on the calling
@@ -98,18 +98,24 @@ impl PhysicsThreads {
         }
         self.was_divided.store(true, Ordering::Relaxed);
         let mut found = None;
-        let store = &mut found;
-        let here = match &self.pool {
+        let ahead = result_of(ahead, |ahead| {
+            self.spawn(ahead, &mut once(|| found = Some(here())));
+        });
+        (ahead, found.expect("it was done on this thread"))
+    }
+
+    /// Does one thing in the thread pool and, at the same time, another on the calling thread.
+    fn spawn(&self, ahead: &mut Work, here: &mut dyn FnMut()) {
+        match &self.pool {
             Some(pool) => pool.in_place_scope(|scope| {
-                scope.spawn(|_| *store = Some(ahead()));
-                here()
+                scope.spawn(|_| ahead());
+                here();
             }),
             None => rayon::in_place_scope(|scope| {
-                scope.spawn(|_| *store = Some(ahead()));
-                here()
+                scope.spawn(|_| ahead());
+                here();
             }),
-        };
-        (found.expect("the scope waits for it"), here)
+        }
     }
 
     /// Returns true if work was divided since the last step that [`run_step`](Self::run_step) has run.
@@ -121,12 +127,13 @@ impl PhysicsThreads {
     /// wait for it, and its data would go from the cache of one core to that of another and back: a wall of 5 000 bricks took a fifth longer
     /// on two threads than on one.
     pub(crate) fn run_step<R: Send>(&self, step: impl FnOnce() -> R + Send) -> R {
-        let was_divided = self.was_divided.swap(false, Ordering::Relaxed);
-        match &self.pool {
-            _ if !was_divided => step(),
+        if !self.was_divided.swap(false, Ordering::Relaxed) {
+            return step();
+        }
+        result_of(step, |step| match &self.pool {
             Some(pool) => pool.install(step),
             None => rayon::scope(|_| step()),
-        }
+        })
     }
 
     /// Does work on each row of some columns, in parallel if there are enough rows. [`LIGHT`] rows count as one item.
@@ -156,4 +163,32 @@ impl PhysicsThreads {
     /// if they are not, as much as a thousand pairs at rest. With a minimum of 128 items, walls of 10 × 10 took 2.5 times as long on two
     /// threads.
     pub const DEFAULT_MIN_ITEMS: usize = 4096;
+}
+
+/// Work that any thread may do. Rayon's functions are compiled anew for each type of work, so they get all of it as this one.
+type Work<'a> = dyn FnMut() + Send + 'a;
+
+/// Does two things, on two threads if another one is free.
+pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+    fn join(one: &mut Work, other: &mut Work) {
+        rayon::join(one, other);
+    }
+    join(&mut once(one), &mut once(other));
+}
+
+/// Returns the result of work that `run` does.
+fn result_of<R: Send>(work: impl FnOnce() -> R + Send, run: impl FnOnce(&mut Work)) -> R {
+    let mut found = None;
+    run(&mut once(|| found = Some(work())));
+    found.expect("the work was done")
+}
+
+/// Makes a function that can be called once into one that can be called by reference.
+fn once(work: impl FnOnce()) -> impl FnMut() {
+    let mut work = Some(work);
+    move || {
+        if let Some(work) = work.take() {
+            work();
+        }
+    }
 }

@@ -28,7 +28,7 @@ use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
 use crate::profile::SolvePart;
-use crate::settings::Method;
+use crate::settings::{Columns, Method, join};
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use crate::sort;
 use crate::warm_start::{
@@ -37,7 +37,6 @@ use crate::warm_start::{
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
 use glam::Vec3;
-use rayon::prelude::*;
 pub use reports::{IslandReport, ReportWriter, SolveReports};
 
 /// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
@@ -240,12 +239,13 @@ impl Solve<'_> {
                 _ => solve_together(solver, some, context),
             };
             if threads.runs_in_parallel(points) {
-                let (mut small, large): (Vec<_>, Vec<_>) =
+                let (mut small, mut large): (Vec<_>, Vec<_>) =
                     work.partition(|island| is_small(island));
+                let mut small: Vec<_> = small.chunks_mut(TOGETHER).collect();
                 threads.run(points, || {
-                    rayon::join(
-                        || large.into_par_iter().with_max_len(1).for_each(solve),
-                        || small.par_chunks_mut(TOGETHER).for_each(solve_small),
+                    join(
+                        || (&mut *large,).share(1, &|(island,)| solve(island)),
+                        || (&mut *small,).share(1, &|(some,)| solve_small(some)),
                     );
                 });
             } else {

@@ -13,7 +13,7 @@ use crate::body::{BodyState, BodyTable, SpawnOrder, cover};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, Part, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::revision::Revision;
-use crate::settings::PhysicsThreads;
+use crate::settings::{PhysicsThreads, join};
 use crate::sort;
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
@@ -562,8 +562,9 @@ impl Columns<'_> {
             manifolds: other_manifolds,
             impulses: other_impulses,
         };
-        let (one, other) = rayon::join(|| one.share(store), || other.share(store));
-        one + other
+        let (mut found, mut others) = (0, 0);
+        join(|| found = one.share(store), || others = other.share(store));
+        found + others
     }
 }
 

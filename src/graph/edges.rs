@@ -12,6 +12,7 @@
 
 use super::active::ActiveRows;
 use crate::body::make_room;
+use crate::solver::Both;
 use crate::sort;
 use crate::state::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -415,7 +416,7 @@ impl ConstraintGraph {
         // By slot: the body whose contact with this one was marked last.
         let mut marks: Vec<u32> = Vec::new();
         overlaps.filter(move |&[a, b]| {
-            let counts = [a, b].map(|slot| self.edges_of(slot).len());
+            let counts = [a, b].both(|slot| self.edges_of(slot).len());
             if counts[0].min(counts[1]) < MANY {
                 return !self.has_contact([a, b]);
             }

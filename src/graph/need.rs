@@ -21,6 +21,7 @@ use super::edges::{EdgeKind, Link};
 use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse};
+use crate::solver::Both;
 use crate::sort;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -56,7 +57,7 @@ impl Need<'_, '_, '_> {
             return;
         };
         let impulse = self.impulses.get(body.entity).copied().unwrap_or_default();
-        let [linear, angular] = [body.velocity.linear, body.velocity.angular].map(Vec3::length);
+        let [linear, angular] = [body.velocity.linear, body.velocity.angular].both(Vec3::length);
         let given = impulse.linear.length() + impulse.angular.length() / body.radius;
         let momentum = body.mass.mass() * (linear + angular * body.radius) + given;
         if momentum > 0.0 {

@@ -19,6 +19,7 @@ use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::narrowphase::Reach;
 use crate::revision::Revision;
 use crate::saving::{Restored, RestoredContacts};
+use crate::solver::Both;
 use crate::sort;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
@@ -138,7 +139,7 @@ fn give_up(
 ) -> Vec<[u32; 2]> {
     let mut again = Vec::new();
     for (_, pair) in &lost.0 {
-        let alive = [0, 1].map(|i| {
+        let alive = [0, 1].both(|i| {
             let slot = pair.slots[i];
             let body = table.get_mut(slot).filter(|body| pair.is_of(i, body));
             let dynamic = body.map(|body| {

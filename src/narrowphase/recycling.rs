@@ -9,13 +9,14 @@
 
 use crate::body::BodyState;
 use crate::contact::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
+use crate::solver::Both;
 use glam::{Quat, Vec3};
 
 impl CachedRelativePose {
     /// Stores the current relative pose. The manifold must not be recycled yet.
     pub(crate) fn take(&mut self, a: &BodyState, b: &BodyState) {
         self.between = a.center - b.center;
-        self.rotations = [a, b].map(|body| body.pose.rotation.to_array());
+        self.rotations = [a, b].both(|body| body.pose.rotation.to_array());
         self.forget();
     }
 

@@ -32,6 +32,7 @@ pub(crate) use threads::join;
 pub use time::{STEP_LENGTHS, StepTime};
 
 use crate::body::Velocity;
+use crate::solver::Both;
 use crate::solver::Settling;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -162,7 +163,7 @@ impl SleepSettings {
         let settles = !self.is_off() && self.settling > 0.0;
         settles.then(|| Settling {
             rate: self.settling,
-            below: [self.linear_speed, self.angular_speed].map(|speed| SLOW * speed),
+            below: [self.linear_speed, self.angular_speed].both(|speed| SLOW * speed),
         })
     }
 }

@@ -15,6 +15,7 @@
 
 mod batches;
 mod body;
+mod both;
 mod by_body;
 mod grab;
 mod groups;
@@ -29,6 +30,8 @@ mod walls;
 mod width;
 
 pub use body::Body;
+#[doc(hidden)]
+pub use both::Both;
 pub use grab::GrabConstraint;
 pub use joint::{
     COORDINATES, JointAxis, JointConstraint, JointMotor, MortarFailure, Section, Utilization,

@@ -7,6 +7,7 @@
 use super::by_body::ByBody;
 use super::lanes::State;
 use super::{Body, PatchProblem, PointConstraint};
+use crate::Both;
 use glam::{Vec3, Vec4};
 use std::cell::Cell;
 
@@ -50,7 +51,7 @@ impl Wall {
     /// Updates the allowed velocity in a substep of `h` s, from the motions of bodies since detection. Contacts correct no faster than
     /// `fastest`, m/s.
     pub fn aim(&mut self, body: u32, motions: &[Cell<State>], h: f32, fastest: f32) {
-        let [a, b] = [(body, self.arms[0]), (self.other, self.arms[1])].map(|(body, arm)| {
+        let [a, b] = [(body, self.arms[0]), (self.other, self.arms[1])].both(|(body, arm)| {
             let [moved, turned] = motions[body as usize].get().map(Vec4::truncate);
             moved + turned.cross(arm)
         });

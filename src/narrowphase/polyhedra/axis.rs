@@ -16,6 +16,7 @@ use super::cuboid;
 use super::placement::Placement;
 use super::solid::Solid;
 use crate::contact::cache::Axis;
+use crate::solver::Both;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -316,11 +317,11 @@ impl Arc {
         let [c, d] = other.normals;
         // Two arcs cross if the ends of each are on different sides of the other's great circle, and both arcs are on the same half of the sphere. An
         // end on the circle, up to rounding, counts as on either side.
-        let [c_side, d_side] = [c, d].map(|normal| normal.dot(self.along));
+        let [c_side, d_side] = [c, d].both(|normal| normal.dot(self.along));
         if c_side * d_side >= ROUNDING * self.along.length_squared() {
             return None;
         }
-        let [a_side, b_side] = [a, b].map(|normal| normal.dot(other.along));
+        let [a_side, b_side] = [a, b].both(|normal| normal.dot(other.along));
         if a_side * b_side >= ROUNDING * other.along.length_squared() {
             return None;
         }

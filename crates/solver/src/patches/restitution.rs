@@ -5,6 +5,7 @@
 //! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn do not satisfy this, so a bounce that would
 //! gain energy is weakened.
 
+use crate::Both;
 use crate::groups::Groups;
 use crate::{Body, PatchPoint, PatchProblem};
 use glam::{DVec3, Vec3};
@@ -258,7 +259,7 @@ fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body])
     }
     let first = &patch[0];
     let [a, b] = first.bodies.map(|body| &bodies[body]);
-    let masses = [a, b].map(|body| body.inverse_mass_along(first.normal));
+    let masses = [a, b].both(|body| body.inverse_mass_along(first.normal));
     let takes = push * push * (masses[0] + masses[1])
         + turns[0].dot(a.inverse_inertia * turns[0])
         + turns[1].dot(b.inverse_inertia * turns[1]);

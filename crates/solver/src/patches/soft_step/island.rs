@@ -5,6 +5,7 @@ use super::grabs::GrabPlaces;
 use super::joints::Joints;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::pipeline::{self, Pipeline, Work};
+use crate::Both;
 use crate::batches::Batches;
 use crate::grab::ActiveGrab;
 use crate::lanes::{F32xN, Kernel, State, cells};
@@ -322,7 +323,7 @@ impl<L: F32xN> Island<L> {
     /// Visits each grab once. Returns Σ W Δλ², J.
     pub fn visit_grabs(&mut self) -> f32 {
         let mut change = 0.0;
-        let [velocities, motions] = [&mut self.velocities, &mut self.motions].map(|l| cells(l));
+        let [velocities, motions] = [&mut self.velocities, &mut self.motions].both(|l| cells(l));
         for held in &mut self.grabs {
             change += held.visit_among(velocities, motions, self.fastest);
         }

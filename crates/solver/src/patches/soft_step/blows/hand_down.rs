@@ -10,6 +10,7 @@
 
 use super::hot::{Hot, Place};
 use super::{BLOW, SETTLED};
+use crate::Both;
 use crate::groups::Groups;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::island::Island;
@@ -181,7 +182,7 @@ impl HandDown {
         self.gains.clear();
         self.gains.resize(problem.bodies.len(), 0.0);
         for (body, of) in (0..).zip(problem.bodies.iter()) {
-            let [now, before] = [&island.velocities, &self.before].map(|list| list[body as usize]);
+            let [now, before] = [&island.velocities, &self.before].both(|list| list[body as usize]);
             if now != before {
                 let gain = kinetic_energy(of, &now) - kinetic_energy(of, &before);
                 self.gains[self.linked.first_of(body) as usize] += gain;
@@ -315,7 +316,7 @@ impl HandDown {
             let first = island.blocks[place.block as usize].first;
             let [linear, angular] = self.stopped[below as usize].map(Vec4::truncate);
             for (point, offset) in (first..).zip(&problem.points[patch.range()]) {
-                let arms = [side, 1 - side].map(|side| patch.arms[side] + offset.offset);
+                let arms = [side, 1 - side].both(|side| patch.arms[side] + offset.offset);
                 let found = &island.points[point as usize];
                 let lane = place.lane as usize;
                 let response = problem.bodies[body as usize].response(normal, arms[0]);

@@ -25,6 +25,7 @@ use super::block::Pass;
 use super::gaps::Gaps;
 use super::island::Island;
 use super::kinds::{MoreRigid, MoreSoft, Soft};
+use crate::Both;
 use crate::body::{speed_of, trace};
 use crate::lanes::{F32xN, Kernel, cells};
 use crate::{Body, PatchConstraint, PatchProblem};
@@ -166,8 +167,8 @@ impl<L: F32xN> Blows<L> {
         self.hot.clear();
         for &body in &self.candidates {
             let [now, before] =
-                [&island.velocities, &island.before].map(|list| list[body as usize]);
-            let [linear, angular] = [0, 1].map(|i| (now[i] - before[i]).truncate());
+                [&island.velocities, &island.before].both(|list| list[body as usize]);
+            let [linear, angular] = [0, 1].both(|i| (now[i] - before[i]).truncate());
             if speed_of(linear, angular, self.square_gyrations[body as usize]) > BLOW {
                 self.hot.heat(body);
             }

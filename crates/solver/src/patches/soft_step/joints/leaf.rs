@@ -11,6 +11,7 @@
 use super::factor::{Numbers, Quad};
 use super::member::Member;
 use crate::Body;
+use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, State};
@@ -280,7 +281,7 @@ impl LeafPatch {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let push = sign * self.normal;
         let turn = arms[self.side].cross(push);
-        let [push, turn] = [push, turn].map(Vec3::as_dvec3);
+        let [push, turn] = [push, turn].both(Vec3::as_dvec3);
         let other = self.other.map_or(0.0, |other| {
             let turn = arms[1 - self.side].cross(self.normal);
             let along = self.normal * other.free_axes;
@@ -291,7 +292,7 @@ impl LeafPatch {
             patch: number,
             point,
             member: self.member,
-            numbers: [push, turn].map(|v| [v.x, v.y, v.z, 0.0]),
+            numbers: [push, turn].both(|v| [v.x, v.y, v.z, 0.0]),
             own_compliance: 0.0,
             compliance: other as f64,
             lack: 0.0,

@@ -1,5 +1,6 @@
 //! A body that joints hold, during a step: how it has turned, and its inertia.
 
+use crate::Both;
 use crate::joint::Placement;
 use crate::lanes::State;
 use crate::{Body, body::trace};
@@ -206,7 +207,7 @@ impl Member {
         if !self.is_singular && self.before != self.inertia {
             let momentum = self.before * spin.as_dvec3();
             let kept = (self.inverse_inertia.as_dmat3() * momentum).as_vec3();
-            let [was, is] = [spin, kept].map(|spin| spin.as_dvec3().dot(momentum));
+            let [was, is] = [spin, kept].both(|spin| spin.as_dvec3().dot(momentum));
             found = match is > was && was > 0.0 {
                 true => kept * (was / is).sqrt() as f32,
                 false => kept,

@@ -28,6 +28,7 @@ mod sharing;
 mod springs;
 
 use super::block::{Pass, Spring};
+use crate::Both;
 use crate::batches::Batches;
 use crate::groups::Groups;
 use crate::joint::{
@@ -175,7 +176,7 @@ impl Joints {
         for piece in &mut self.pieces {
             let Range { start, end } = piece.members;
             let [first, end] =
-                [start, end].map(|end| patches.partition_point(|patch| patch.member < end));
+                [start, end].both(|end| patches.partition_point(|patch| patch.member < end));
             piece.patches = first..end;
         }
         self.patches = patches;
@@ -594,7 +595,7 @@ fn record(
         }
         if filter != joint.filter {
             filter = joint.filter;
-            shares = [1, substeps - 1].map(|count| filter_share(count as f32 * h, filter));
+            shares = [1, substeps - 1].both(|count| filter_share(count as f32 * h, filter));
         }
         let late = late.map(|force| link.geometry.local(force));
         let carried = std::mem::replace(&mut log.late, late);

@@ -13,6 +13,7 @@ use super::leaf::{Contacts, Held, Leaf, LeafPatch, add, read};
 use super::member::Member;
 use super::row::{Bound, Link, Row};
 use super::springs::{self, Springs};
+use crate::Both;
 use crate::lanes::{F32xN, PlainKernel, State, run_plain};
 use crate::patches::soft_step::block::Pass;
 use glam::{DVec3, Vec3};
@@ -366,7 +367,7 @@ impl Piece {
                     } else {
                         -compliance
                     };
-                    let direction = [0, 1].map(|side| {
+                    let direction = [0, 1].both(|side| {
                         let place = seat.places[side]?;
                         Some((place, springs::jacobian(link, row, side)))
                     });
@@ -374,7 +375,7 @@ impl Piece {
                     row.border = Some(self.borders.add(direction, corner, &self.factor, is_fused));
                 }
                 if let Some(border) = row.border {
-                    let [lack, compliance] = [row.lack, row.compliance].map(f64::from);
+                    let [lack, compliance] = [row.lack, row.compliance].both(f64::from);
                     let given = row.given_change();
                     let wanted = Wanted::of(row.is_factorized, lack, compliance, given);
                     self.borders.ask(border, wanted);

@@ -1,6 +1,7 @@
 //! The rows of joints in a substep.
 
 use super::member::Member;
+use crate::Both;
 use crate::JointConstraint;
 use crate::joint::{Bend, Geometry, Law, Part, Times, is_angular, take_share};
 use glam::Vec3;
@@ -339,9 +340,9 @@ impl Link {
     /// The motions of A and B since the last refresh, m and rad.
     #[inline]
     fn motions(&self, members: &[Member]) -> [[Vec3; 2]; 2] {
-        [0, 1].map(|side| {
+        [0, 1].both(|side| {
             let now = members[self.ends[side]].drifted;
-            [0, 1].map(|i| now[i] - self.refreshed[side][i])
+            [0, 1].both(|i| now[i] - self.refreshed[side][i])
         })
     }
 

@@ -15,6 +15,7 @@
 
 use super::Body;
 use super::lanes::State;
+use crate::Both;
 use std::cell::Cell;
 
 /// Number of contacts in a round, at most.
@@ -69,7 +70,7 @@ impl Rounds {
         let mut next = vec![(0, 0); crowded.len()];
         let seats = pairs.map(|pair| {
             let light = heavy(pair);
-            pair.map(|body| {
+            pair.both(|body| {
                 let number = crowded.binary_search(&body).ok()?;
                 let (round, seat) = &mut next[number];
                 let alone = light != Some(body);

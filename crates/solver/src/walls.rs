@@ -108,7 +108,7 @@ pub(super) fn project(
 /// The contacts of each body, for contacts between these pairs.
 pub(super) fn by_body(bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone) -> ByBody<u32> {
     let ends = (0..).zip(pairs);
-    let ends = ends.flat_map(|(contact, bodies)| bodies.map(|body| (body, contact)));
+    let ends = ends.flat_map(|(contact, bodies)| bodies.both(|body| (body, contact)));
     let mut by_body = ByBody::default();
     by_body.fill(bodies, ends);
     by_body
@@ -136,7 +136,7 @@ impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
         for (contact, other, normal) in self.found(body) {
             let patch = &problem.patches[contact];
             for point in &problem.points[patch.range()] {
-                let arms = self.arms(contact, body, patch.arms.map(|arm| arm + point.offset));
+                let arms = self.arms(contact, body, patch.arms.both(|arm| arm + point.offset));
                 walls.push(Wall {
                     separation: point.separation,
                     ..wall(&self.bodies[body as usize], other, normal, arms)

@@ -278,7 +278,7 @@ impl Geometry {
     pub fn jacobian(&self, coordinate: usize, direction: Vec3) -> (Vec3, [Vec3; 2]) {
         match coordinate {
             _ if is_angular(coordinate) => (Vec3::ZERO, [direction; 2]),
-            _ => (direction, self.arms.map(|arm| arm.cross(direction))),
+            _ => (direction, self.arms.both(|arm| arm.cross(direction))),
         }
     }
 

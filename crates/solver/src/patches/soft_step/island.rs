@@ -218,7 +218,7 @@ impl<L: F32xN> Island<L> {
             before != now
         }));
         self.changed.resize(problem.patches.len(), false);
-        let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
+        let state = |body: &Body| body.start.both(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));
         let seats = self.batches.rounds().count();

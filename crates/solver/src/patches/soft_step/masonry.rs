@@ -93,7 +93,7 @@ impl Masonry {
         for course in 0..courses {
             let y = 0.5 * course as f32;
             let bricks: Vec<usize> = (0..width - course)
-                .map(|i| {
+                .both(|i| {
                     let x = i as f32 + 0.5 * course as f32;
                     masonry.block(Vec3::new(x, y + 0.25, 0.0), Vec3::new(1.0, 0.5, 0.5), 0.0)
                 })
@@ -153,7 +153,7 @@ impl Masonry {
         let mut rng = fastrand::Rng::with_seed(7);
         let mut random = |most: f32| most * (2.0 * rng.f32() - 1.0);
         for body in self.bodies.iter_mut().skip(1) {
-            body.start = [0.3, 0.5].both(|most| Vec3::from_array([0; 3].map(|_| random(most))));
+            body.start = [0.3, 0.5].both(|most| Vec3::from_array([0; 3].both(|_| random(most))));
             body.linear += body.start[0];
             body.angular += body.start[1];
         }

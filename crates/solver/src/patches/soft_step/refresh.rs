@@ -5,6 +5,7 @@ use super::halves::Part;
 use super::island::Island;
 use super::joints::Contacts;
 use super::pipeline::Following;
+use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
@@ -289,8 +290,8 @@ impl<L: F32xN> Island<L> {
         }
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
-            [body.linear, body.angular] = velocity.map(Vec4::truncate);
-            body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
+            [body.linear, body.angular] = velocity.both(Vec4::truncate);
+            body.motion = Some(motion.both(|m| m.truncate() / problem.dt));
         }
         self.joints.store(problem, &self.motions, rate);
     }

@@ -71,7 +71,7 @@ impl Settling {
     /// The square of the speed of a body, as a share of [`Self::below`].
     fn square_speed(&self, body: &Body) -> f32 {
         let squares = [body.linear, body.angular].both(Vec3::length_squared);
-        let [linear, angular] = self.below.map(|limit| limit * limit);
+        let [linear, angular] = self.below.both(|limit| limit * limit);
         (squares[0] / linear).max(squares[1] / angular)
     }
 }

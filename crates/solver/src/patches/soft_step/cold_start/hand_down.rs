@@ -236,7 +236,7 @@ pub fn largest_motion(problem: &PatchProblem) -> f32 {
     let motions = unbalanced(problem);
     let bodies = problem.bodies.iter().zip(motions);
     let moving = bodies.filter(|(body, _)| body.inverse_mass > 0.0);
-    let parts = moving.flat_map(|(_, motion)| motion.map(Vec3::length));
+    let parts = moving.flat_map(|(_, motion)| motion.both(Vec3::length));
     parts.fold(0.0, |most, part| match part.is_nan() {
         true => f32::INFINITY,
         false => part.max(most),

@@ -123,7 +123,7 @@ impl LeafPatch {
         for (block, lanes) in batches.iter().enumerate() {
             for (lane, patch) in lanes {
                 let bodies = problem.patches[patch as usize].bodies;
-                let (member, side) = match bodies.map(&member_of) {
+                let (member, side) = match bodies.both(&member_of) {
                     [Some(member), None] => (member, 0),
                     [None, Some(member)] => (member, 1),
                     _ => continue,
@@ -135,7 +135,7 @@ impl LeafPatch {
                     member,
                     side,
                     other: None,
-                    bodies: bodies.map(|body| body as usize),
+                    bodies: bodies.both(|body| body as usize),
                     normal: Vec3::ZERO,
                     arms: [Vec3::ZERO; 2],
                     offsets: 0..0,
@@ -189,7 +189,7 @@ impl LeafPatch {
         let left = carried * block.share[lane] * block.inverse_load[lane];
         let most = (left * UNLOADED).min(1.0);
         let states = [contacts.velocities, contacts.motions];
-        let [velocities, motions] = states.map(|list| self.bodies.map(|body| read(list, body)));
+        let [velocities, motions] = states.both(|list| self.bodies.both(|body| read(list, body)));
         for (i, point) in used().enumerate() {
             let impulse = point.impulse[lane];
             let mass = point.mass[lane];
@@ -244,7 +244,7 @@ impl LeafPatch {
         if !self.other.is_none_or(bears) || used().any(carries) {
             return;
         }
-        let mut velocities = self.bodies.map(|body| read(contacts.velocities, body));
+        let mut velocities = self.bodies.both(|body| read(contacts.velocities, body));
         if self.other.is_some() {
             velocities[1 - self.side] = [Vec3::ZERO; 2];
         }
@@ -266,7 +266,7 @@ impl LeafPatch {
 
     /// From the centres of mass to one of its points, m.
     fn arms_of(&self, i: usize, offsets: &[Vec3]) -> [Vec3; 2] {
-        self.arms.map(|arm| arm + offsets[self.offsets.start + i])
+        self.arms.both(|arm| arm + offsets[self.offsets.start + i])
     }
 
     /// The motion along its normal of A relative to B, at a point.
@@ -381,7 +381,7 @@ impl Leaf {
             let [x, y, z, _] = numbers.map(|number| (number * self.change) as f32);
             Vec3::new(x, y, z)
         };
-        let [push, turn] = self.numbers.map(part);
+        let [push, turn] = self.numbers.both(part);
         member.respond(push, turn)
     }
 }

@@ -277,7 +277,7 @@ impl Member {
     /// Its motion over the step: displacement, and rotation vector. `motion` is that in the lists of the island, which may have changed
     /// after the last drift.
     pub fn motion_of_step(&self, motion: &State) -> [Vec3; 2] {
-        let [moved, turned] = motion.map(Vec4::truncate);
+        let [moved, turned] = motion.both(Vec4::truncate);
         let turn = self.placement.turned;
         let turn = if turn.w < 0.0 { -turn } else { turn };
         [moved, turn.to_scaled_axis() + (turned - self.drifted[1])]

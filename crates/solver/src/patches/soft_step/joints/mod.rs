@@ -234,7 +234,7 @@ impl Joints {
                 let rows = rows_of(joint);
                 self.rows
                     .extend(rows.map(|(number, part)| Row::new(number, part)));
-                let ends = joint.bodies.map(|body| place[body as usize]);
+                let ends = joint.bodies.both(|body| place[body as usize]);
                 let geometry = Geometry::new(joint, [Placement::START; 2]);
                 let rows = first..self.rows.len();
                 self.links.push(Link::new(number, ends, rows, geometry));
@@ -535,7 +535,7 @@ impl Joints {
                 // The next substep carries the spin anew, too.
                 member.given = [moves, turns + carried];
                 let state = [linear + moves, was + gained + member.given[1]];
-                velocities[member.body as usize].set(state.map(|velocity| velocity.extend(0.0)));
+                velocities[member.body as usize].set(state.both(|velocity| velocity.extend(0.0)));
             }
             piece.is_stale |= is_refreshed;
         }
@@ -553,14 +553,14 @@ impl Joints {
             for row in &self.rows[link.rows.clone()] {
                 joint.forces[row.coordinate] += row.impulse / self.h;
             }
-            joint.mean = log.sum.map(|sum| sum / self.substeps as f32);
+            joint.mean = log.sum.both(|sum| sum / self.substeps as f32);
             (joint.filtered, joint.late, joint.peak) = (log.filtered, log.late, log.peak);
             joint.broke = log.broke;
         }
         for member in self.members.iter().filter(|member| member.moves) {
             let body = &mut problem.bodies[member.body as usize];
             let motion = member.motion_of_step(&motions[member.body as usize]);
-            body.motion = Some(motion.map(|motion| motion / problem.dt));
+            body.motion = Some(motion.both(|motion| motion / problem.dt));
             body.motion_is_exact = true;
         }
     }
@@ -597,7 +597,7 @@ fn record(
             filter = joint.filter;
             shares = [1, substeps - 1].both(|count| filter_share(count as f32 * h, filter));
         }
-        let late = late.map(|force| link.geometry.local(force));
+        let late = late.both(|force| link.geometry.local(force));
         let carried = std::mem::replace(&mut log.late, late);
         // The first substep has what the one before left over.
         let parts = shares.into_iter().zip([carried, [Vec3::ZERO; 2]]);
@@ -614,7 +614,7 @@ fn record(
         if let Some(section) = &joint.section
             && log.broke.is_none()
         {
-            let now = forces.map(|force| link.geometry.local(force));
+            let now = forces.both(|force| link.geometry.local(force));
             log.used = breaking::lesser(section, log.filtered, now);
             piece.is_strained |= log.used.is_some();
         }

@@ -331,7 +331,7 @@ impl Link {
     pub fn is_stale(&self, members: &[Member]) -> bool {
         let [a, b] = self.motions(members);
         let turned = a[1].length_squared().max(b[1].length_squared());
-        let [one, other] = self.ends.map(|end| members[end].bears_turn);
+        let [one, other] = self.ends.both(|end| members[end].bears_turn);
         let most = one.min(other);
         let [moved, _] = self.relative([a, b]);
         turned > most * most || moved.length_squared() > self.bears_move * self.bears_move
@@ -348,9 +348,9 @@ impl Link {
 
     /// Computes directions and coordinates.
     pub fn point(&mut self, joint: &JointConstraint, rows: &mut [Row], members: &[Member]) {
-        let ends = self.ends.map(|end| &members[end]);
-        self.geometry = Geometry::new(joint, ends.map(|end| end.placement));
-        self.refreshed = ends.map(|end| end.drifted);
+        let ends = self.ends.both(|end| &members[end]);
+        self.geometry = Geometry::new(joint, ends.both(|end| end.placement));
+        self.refreshed = ends.both(|end| end.drifted);
         let Geometry { arms, gap, .. } = self.geometry;
         self.bears_move = MOVED * (arms[0].length() + arms[1].length() + gap.length());
         let rows = &mut rows[self.rows.clone()];
@@ -367,7 +367,7 @@ impl Link {
 
     /// Finds the inverse effective masses of its rows. They give rows their compliances, which stay for a step.
     pub fn find_responses(&self, rows: &mut [Row], members: &[Member]) {
-        let ends = self.ends.map(|end| &members[end]);
+        let ends = self.ends.both(|end| &members[end]);
         for row in &mut rows[self.rows.clone()] {
             row.find_response(&self.geometry, ends);
         }

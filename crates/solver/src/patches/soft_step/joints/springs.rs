@@ -72,7 +72,7 @@ impl Springs {
                 }
             }
         }
-        let arms = link.geometry.arms.map(Vec3::as_dvec3);
+        let arms = link.geometry.arms.both(Vec3::as_dvec3);
         let [one, other] = arms;
         Self {
             turned: [

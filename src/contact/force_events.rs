@@ -38,6 +38,7 @@ use super::{ContactImpulses, ContactPair, Manifold};
 use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
+use crate::solver::Both;
 use crate::sort;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -129,7 +130,7 @@ pub fn contact_forces(
                 continue;
             }
             let of_a = ends.slots[0] == index.0;
-            let [a, b] = ends.slots.map(|slot| table.get(slot));
+            let [a, b] = ends.slots.both(|slot| table.get(slot));
             let (Some(a), Some(_)) = (a, b) else {
                 continue;
             };

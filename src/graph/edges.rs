@@ -362,7 +362,7 @@ impl ConstraintGraph {
         if self.nodes.len() <= last {
             self.nodes.resize_with(last + 1, Node::default);
         }
-        let places = slots.map(|slot| {
+        let places = slots.both(|slot| {
             if slot == WORLD {
                 return 0;
             }

@@ -178,7 +178,7 @@ fn begin(
         !is_far
     });
     let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = near
-        .filter_map(|slots| Some((table.both(slots)?.map(|body| body.spawn_order), slots)))
+        .filter_map(|slots| Some((table.both(slots)?.both(|body| body.spawn_order), slots)))
         .collect();
     world.resource_mut::<Broadphase>().waiting = waiting;
     if overlaps.is_empty() {

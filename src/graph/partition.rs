@@ -17,6 +17,7 @@ use super::edges::ConstraintGraph;
 use super::parts::Parts;
 use crate::body::cover;
 use crate::revision::Revision;
+use crate::solver::Both;
 use crate::sort;
 use crate::state::clone_fields;
 use std::collections::VecDeque;
@@ -187,7 +188,7 @@ impl Partition {
         }
         let mut parts = Parts::new(entering.len());
         for &slots in links {
-            let places = slots.map(|slot| self.places.get(slot as usize).copied());
+            let places = slots.both(|slot| self.places.get(slot as usize).copied());
             if let [Some(a), Some(b)] = places
                 && (a.island, b.island) == (ENTERS, ENTERS)
             {

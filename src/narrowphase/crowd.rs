@@ -13,6 +13,7 @@ use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
 use crate::settings::StepTime;
+use crate::solver::Both;
 use crate::sort;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
@@ -52,12 +53,12 @@ pub fn crowd(
     let spawn_order = |slot: u32| table.get(slot).map(|body| body.spawn_order);
     // The order must not depend on the entities of pairs.
     sort::by_key(&mut deep, |pair| {
-        let [a, b] = pair.slots.map(spawn_order);
+        let [a, b] = pair.slots.both(spawn_order);
         (-pair.depth, a.unwrap_or_default(), b.unwrap_or_default())
     });
     let mut counts = vec![0usize; table.slots()];
     deep.retain(|pair| {
-        let counts_for = pair.slots.map(|slot| {
+        let counts_for = pair.slots.both(|slot| {
             counts[slot as usize] += 1;
             counts[slot as usize] <= MOST
         });

@@ -124,7 +124,7 @@ impl Since {
     #[inline]
     pub(crate) fn refresh(&self, manifold: &mut Manifold) {
         for patch in &manifold.patches {
-            let [a, b] = self.turns.each_ref().map(|turn| turn.back(patch.normal));
+            let [a, b] = self.turns.each_ref().both(|turn| turn.back(patch.normal));
             let (apart, tilted) = (
                 patch.normal.dot(self.shift) - b.dot(manifold.between),
                 a - b,

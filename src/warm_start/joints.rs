@@ -8,6 +8,7 @@ use crate::body::{BodyTable, SpawnOrder};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{BreakForce, JointEdge, JointForces};
 use crate::revision::Revision;
+use crate::solver::Both;
 use crate::solver::JointConstraint;
 use crate::sort;
 use bevy_ecs::prelude::*;
@@ -82,7 +83,7 @@ impl JointOrder {
                 let (edge, ..) = joints.get(link.pair).ok()?;
                 let solved = link.slots.into_iter().find(|&slot| is_solved(slot))?;
                 let island = islands.of(solved)? as u32;
-                let [a, b] = link.slots.map(rank);
+                let [a, b] = link.slots.both(rank);
                 let key: (u32, _, _, SpawnOrder) = (island, a.max(b), a.min(b), edge.order);
                 let slot = JointSlot {
                     island,

@@ -280,12 +280,12 @@ struct Arc {
 impl Arc {
     fn of<S: Solid>(solid: &S, edge: u16) -> Self {
         let ridge = solid.edge(edge);
-        let [from, to] = ridge.ends.map(|i| solid.point(i));
+        let [from, to] = ridge.ends.both(|i| solid.point(i));
         Self {
             edge,
             on: from,
             along: to - from,
-            normals: ridge.faces.map(|face| solid.plane(face).0),
+            normals: ridge.faces.both(|face| solid.plane(face).0),
         }
     }
 
@@ -295,13 +295,13 @@ impl Arc {
             edge: self.edge,
             on: place.point(self.on),
             along: place.direction(self.along),
-            normals: self.normals.map(|normal| -place.direction(normal)),
+            normals: self.normals.both(|normal| -place.direction(normal)),
         }
     }
 
     /// Upper bound of `normal · way` over the normals of the arc.
     fn max_along(&self, way: DVec3) -> f64 {
-        let [x, y] = self.normals.map(|normal| normal.dot(way));
+        let [x, y] = self.normals.both(|normal| normal.dot(way));
         let cos = self.normals[0].dot(self.normals[1]);
         if y > cos * x && x > cos * y && cos.abs() < 1.0 {
             // The maximum is between the two.

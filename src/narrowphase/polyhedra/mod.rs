@@ -370,8 +370,8 @@ fn crossing<A: Solid, B: Solid>(
     of_a: u16,
     of_b: u16,
 ) -> (Point, bool) {
-    let [p, p_end] = a.edge(of_a).ends.map(|i| a.point(i));
-    let [q, q_end] = b.edge(of_b).ends.map(|i| place.point(b.point(i)));
+    let [p, p_end] = a.edge(of_a).ends.both(|i| a.point(i));
+    let [q, q_end] = b.edge(of_b).ends.both(|i| place.point(b.point(i)));
     let (u, v, w) = (p_end - p, q_end - q, q - p);
     // The point of each that is nearest to the line of the other.
     let (uu, uv, vv) = (u.length_squared(), u.dot(v), v.length_squared());

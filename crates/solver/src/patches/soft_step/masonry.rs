@@ -3,7 +3,6 @@
 use super::block::{Pass, Spring};
 use super::island::Island;
 use super::{SoftStep, SweepBudget};
-use crate::Both;
 use crate::batches::Batches;
 use crate::lanes::F32xN;
 use crate::{Body, GrabConstraint, Memory, PatchConstraint, PatchPoint, PatchProblem};
@@ -93,7 +92,7 @@ impl Masonry {
         for course in 0..courses {
             let y = 0.5 * course as f32;
             let bricks: Vec<usize> = (0..width - course)
-                .both(|i| {
+                .map(|i| {
                     let x = i as f32 + 0.5 * course as f32;
                     masonry.block(Vec3::new(x, y + 0.25, 0.0), Vec3::new(1.0, 0.5, 0.5), 0.0)
                 })
@@ -120,7 +119,7 @@ impl Masonry {
         let plate = masonry.block(0.5 * Vec3::Y, Vec3::new(2.0 * half, 1.0, 2.0 * half), 0.0);
         masonry.bed([plate, 0], Vec3::ZERO, half, half);
         for i in 0..n * n {
-            let [x, z] = [i % n, i / n].both(|n| 2.0 * n as f32 + 1.0 - half);
+            let [x, z] = [i % n, i / n].map(|n| 2.0 * n as f32 + 1.0 - half);
             let cube = masonry.block(Vec3::new(x, 1.5, z), Vec3::ONE, 0.0);
             masonry.bed([cube, plate], Vec3::new(x, 1.0, z), 0.5, 0.5);
         }
@@ -134,7 +133,7 @@ impl Masonry {
         let mut last = 0;
         for i in 0..=n {
             let at = i as f32 * angle;
-            let [out, along] = [Vec3::X, Vec3::Y].both(|v| Quat::from_rotation_z(at) * v);
+            let [out, along] = [Vec3::X, Vec3::Y].map(|v| Quat::from_rotation_z(at) * v);
             let next = if i == n {
                 0
             } else {
@@ -153,7 +152,7 @@ impl Masonry {
         let mut rng = fastrand::Rng::with_seed(7);
         let mut random = |most: f32| most * (2.0 * rng.f32() - 1.0);
         for body in self.bodies.iter_mut().skip(1) {
-            body.start = [0.3, 0.5].both(|most| Vec3::from_array([0; 3].both(|_| random(most))));
+            body.start = [0.3, 0.5].map(|most| Vec3::from_array([0; 3].map(|_| random(most))));
             body.linear += body.start[0];
             body.angular += body.start[1];
         }

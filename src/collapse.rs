@@ -38,7 +38,7 @@ use crate::graph::Islands;
 use crate::mortar::{BrokenMortar, MortarBroke};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
-use crate::sort;
+use crate::solver::sort;
 use bevy_app::{App, Plugin};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::message::{Message, MessageWriter};
@@ -517,7 +517,7 @@ impl Structures {
                 has_left(place, *pose, body.radius, settings).then_some((body.spawn_order, entity))
             });
             let mut moved: Vec<_> = moved.collect();
-            sort::values(&mut moved);
+            sort::by_key(&mut moved, |&(order, body)| (order, body.to_bits()));
             let moved: Vec<Entity> = moved.into_iter().map(|(_, body)| body).collect();
             ended.write(CollapseEnded {
                 first: falling.first,

@@ -18,7 +18,7 @@ use crate::body::{
 };
 use crate::children::ImplicitBody;
 use crate::settings::StepTime;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
 use bevy_transform::components::Transform;

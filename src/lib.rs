@@ -138,7 +138,6 @@ pub mod sensor;
 pub mod settings;
 pub mod snapshot;
 pub mod solve;
-mod sort;
 #[cfg(feature = "stability")]
 pub mod stability;
 pub mod stabilization;

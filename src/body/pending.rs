@@ -13,7 +13,7 @@ use super::{
     BodyIndex, BodyState, BodyTable, Inactive, Pose, RigidBody, Simulated, SpawnOrder, Velocity,
     WrittenTransforms, limits,
 };
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;

@@ -12,7 +12,7 @@ use super::{
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_ecs::{entity::EntityHashSet, hierarchy::ChildOf, prelude::*};
@@ -87,7 +87,7 @@ pub fn prepare(
     dirty.extend(&teleported);
     let resting = bodies.p1();
     dirty.extend(reduced.into_iter().filter(|body| resting.contains(*body)));
-    sort::values(&mut dirty);
+    sort::by_key(&mut dirty, |body| body.to_bits());
     dirty.dedup();
     let known = joining.len();
     for entity in dirty {

@@ -4,7 +4,7 @@ use super::implicit::ImplicitBody;
 use crate::body::{Density, Mass, RigidBody, SpawnOrder};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::sensor::Sensor;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::lifecycle::HookContext;

@@ -5,7 +5,7 @@ use super::{ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Mani
 use crate::body::{BodyTable, SpawnOrder};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]

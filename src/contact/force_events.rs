@@ -39,7 +39,7 @@ use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
 use crate::solver::Both;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};

@@ -40,7 +40,7 @@ use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{JointEdge, JointForces};
 use crate::settings::{Gravity, StepTime};
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 #[cfg(feature = "bevy_reflect")]
@@ -212,7 +212,7 @@ impl Contacts<'_, '_> {
                 found.push((edge.order, by.unwrap_or(joint), force));
             }
         }
-        sort::by_key(&mut found, |&(order, by, _)| (order, by));
+        sort::by_key(&mut found, |&(order, by, _)| (order, by.to_bits()));
         found
             .into_iter()
             .map(|(_, by, force)| (by, force))

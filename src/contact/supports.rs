@@ -43,7 +43,7 @@ use super::{Contacts, NotABody};
 use crate::body::BodyState;
 use crate::graph::Islands;
 use crate::settings::Gravity;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;

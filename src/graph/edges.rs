@@ -13,7 +13,7 @@
 use super::active::ActiveRows;
 use crate::body::make_room;
 use crate::solver::Both;
-use crate::sort;
+use crate::solver::sort;
 use crate::state::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;

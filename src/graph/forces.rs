@@ -5,7 +5,7 @@ use super::account::Wrench;
 use super::edges::{EdgeKind, Link};
 use crate::body::SpawnOrder;
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use smallvec::SmallVec;

@@ -22,7 +22,7 @@ use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse};
 use crate::solver::Both;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use smallvec::SmallVec;

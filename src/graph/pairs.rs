@@ -20,7 +20,7 @@ use crate::narrowphase::Reach;
 use crate::revision::Revision;
 use crate::saving::{Restored, RestoredContacts};
 use crate::solver::Both;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -186,7 +186,9 @@ fn begin(
     }
     let table = world.resource::<BodyTable>();
     // The tree's shape depends on its history; the order of pairs must not. A pair that a user has despawned may be there twice.
-    sort::values(&mut overlaps);
+    sort::by_key(&mut overlaps, |&(orders, [a, b])| {
+        (orders, u64::from(a) << 32 | u64::from(b))
+    });
     overlaps.dedup();
     graph.reserve(overlaps.len(), table.slots());
     let mut warnings = Vec::new();

@@ -18,7 +18,7 @@ use super::parts::Parts;
 use crate::body::cover;
 use crate::revision::Revision;
 use crate::solver::Both;
-use crate::sort;
+use crate::solver::sort;
 use crate::state::clone_fields;
 use std::collections::VecDeque;
 use std::fmt;

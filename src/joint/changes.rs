@@ -15,7 +15,7 @@ use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
 use crate::mortar::MortarJoint;
 use crate::solver::Both;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
@@ -47,7 +47,7 @@ pub fn joints(
             .collect();
         // Joints without a number were spawned before the plugins were added.
         sort::by_key(&mut found, |&(order, joint)| {
-            (order, joint.index_u32(), joint)
+            (order, joint.index_u32(), joint.to_bits())
         });
         found.dedup();
         for (_, joint) in found {

@@ -11,7 +11,7 @@ use super::{
 use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
-use crate::sort;
+use crate::solver::sort;
 use crate::state::visitor::Visitor;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
@@ -62,7 +62,7 @@ macro_rules! joint_types {
                     Some((order, joint.id(), definition(joint).1?.bodies))
                 })
                 .collect();
-            sort::by_key(&mut joints, |&(order, joint, _)| (order, joint));
+            sort::by_key(&mut joints, |&(order, joint, _)| (order, joint.to_bits()));
             joints.into_iter().map(|(_, joint, bodies)| (joint, bodies)).collect()
         }
 

@@ -10,7 +10,7 @@ use crate::contact::{ContactPair, Manifold};
 use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
 use crate::joint;
 use crate::settings::StabilizationSettings;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_math::FloatPow;

@@ -1,7 +1,7 @@
 //! The area of a bonded patch: its centroid and its principal axes.
 
 use crate::solver::Section;
-use crate::sort;
+use crate::solver::sort;
 use glam::{DMat2, DVec2, Mat3, Quat, Vec2, Vec3};
 
 /// A polygon in a plane of the world, in the axes in which a section is described.

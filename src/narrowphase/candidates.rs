@@ -4,7 +4,7 @@ use super::Rules;
 use crate::body::BodyState;
 use crate::children::PatchParts;
 use crate::contact::{ContactPoint, FeatureId, Manifold, ManifoldPatch};
-use crate::sort;
+use crate::solver::sort;
 use glam::Vec3;
 use smallvec::SmallVec;
 

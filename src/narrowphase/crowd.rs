@@ -14,7 +14,7 @@ use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
 use crate::settings::StepTime;
 use crate::solver::Both;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 

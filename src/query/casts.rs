@@ -5,7 +5,7 @@ use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
 use crate::collider::Collider;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_math::Dir3;
 use glam::Vec3;

@@ -60,7 +60,7 @@ pub use rays::RayHit;
 use crate::body::{BodyIndex, BodyState, BodyTable, Pending, Pose, RigidBody, Simulated};
 use crate::broadphase::Broadphase;
 use crate::settings::PhysicsThreads;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use parry3d::partitioning::Bvh;

@@ -3,7 +3,7 @@
 use super::pieces::Piece;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::settings::Columns;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_shape::Ray3d;
 use glam::Vec3;

@@ -3,7 +3,7 @@
 use super::zones::{Content, placed};
 use crate::body::{BodyState, Pose, RigidBody};
 use crate::children::Zone;
-use crate::sort;
+use crate::solver::sort;
 use parry3d::math::Pose as ParryPose;
 use parry3d::query::intersection_test;
 use parry3d::shape::Shape;

@@ -8,7 +8,7 @@ use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pose, Quarantined, 
 use crate::broadphase::Broadphase;
 use crate::children::CompoundCollider;
 use crate::saving::Restored;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 
 /// The poses at the end of the step.

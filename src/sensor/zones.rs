@@ -33,12 +33,9 @@ pub(super) struct Content {
 
 impl Content {
     /// Its place in the order.
-    pub fn rank(&self) -> (SpawnOrder, [u32; 2], Entity) {
-        (
-            self.spawn_order,
-            [self.part.into(), self.slot],
-            self.collider,
-        )
+    pub fn rank(&self) -> (SpawnOrder, u64, u64) {
+        let piece = u64::from(self.part) << 32 | u64::from(self.slot);
+        (self.spawn_order, piece, self.collider.to_bits())
     }
 
     /// Whether the body is still in the table, with this part.

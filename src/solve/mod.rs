@@ -29,8 +29,8 @@ use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
 use crate::profile::SolvePart;
 use crate::settings::{Columns, Method, join};
+use crate::solver::sort;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
-use crate::sort;
 use crate::warm_start::{
     Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
 };

@@ -3,7 +3,7 @@
 //! The order depends only on which bodies touch, so it is computed once for all rounds. The next body is always one with the fewest remaining
 //! neighbours (minimum degree), which keeps the factor sparse.
 
-use crate::sort;
+use crate::solver::sort;
 use fixedbitset::FixedBitSet;
 use std::ops::Range;
 

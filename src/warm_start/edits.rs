@@ -9,7 +9,7 @@ use super::order::{IslandOrder, NOWHERE, Order, OrderSlot, Source, number_edges}
 use super::splice::{Edit, Splice};
 use crate::body::BodyState;
 use crate::revision::Revision;
-use crate::sort;
+use crate::solver::sort;
 use smallvec::SmallVec;
 
 /// An island with more changed bodies than this is ordered anew. An edit moves the contacts after it, so many edits cost more than a rebuild.

@@ -10,7 +10,7 @@ use crate::joint::{BreakForce, JointEdge, JointForces};
 use crate::revision::Revision;
 use crate::solver::Both;
 use crate::solver::JointConstraint;
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 
 pub(crate) type Joints<'w, 's> = Query<

@@ -33,7 +33,7 @@ use crate::settings::{
     Columns, Gravity, Method, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;

@@ -14,7 +14,7 @@ use crate::contact::{ContactImpulses, ContactPair, Manifold, Part, revise_edited
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::revision::Revision;
 use crate::settings::{PhysicsThreads, join};
-use crate::sort;
+use crate::solver::sort;
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
 use smallvec::SmallVec;

@@ -26,6 +26,8 @@ pub mod points;
 mod report;
 pub mod revision;
 mod rounds;
+#[doc(hidden)]
+pub mod sort;
 mod walls;
 mod width;
 

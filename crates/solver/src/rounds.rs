@@ -16,6 +16,7 @@
 use super::Body;
 use super::lanes::State;
 use crate::Both;
+use crate::sort;
 use std::cell::Cell;
 
 /// Number of contacts in a round, at most.
@@ -146,7 +147,7 @@ impl Rounds {
             }
         }
         ends.extend((0..).zip(current).map(|(body, last)| end(body, last)));
-        ends.sort_by_key(|&(block, _)| block);
+        sort::by_key(&mut ends, |&(block, _)| block);
         let starts = (0..=count).map(|block| ends.partition_point(|end| end.0 < block) as u32);
         RoundEnds {
             starts: starts.collect(),

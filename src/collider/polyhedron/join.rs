@@ -4,7 +4,7 @@ use super::lattice::Lattice;
 use super::outlines::newell;
 use super::{Edge, Face, Polyhedron};
 use crate::collider::ColliderError;
-use crate::sort;
+use crate::solver::sort;
 use glam::{DVec3, Vec3};
 
 /// Tolerance for a corner outside the plane of a face, as a multiple of the lattice's slack. It is larger than 1 because a plane was fitted to
@@ -125,8 +125,8 @@ fn edges(faces: &[Face], corners: &[u16]) -> Option<(Box<[Edge]>, Box<[u16]>)> {
         }
     }
     sort::by_key(&mut halves, |&(from, to, back, face, k)| {
-        let edge = [u32::from(from) << 16 | u32::from(to), u32::from(back)];
-        (edge, face, k)
+        let edge = u32::from(from) << 16 | u32::from(to);
+        (u64::from(edge) << 1 | u64::from(back), face, k)
     });
     let mut sides = vec![0; corners.len()];
     let mut edges = Vec::with_capacity(halves.len() / 2);

@@ -1,7 +1,7 @@
 //! Merges the triangles of a hull into faces: triangles that lie in one plane up to rounding become one face with one outline.
 
 use super::quickhull::Facet;
-use crate::sort;
+use crate::solver::sort;
 use glam::{DVec3, I64Vec3};
 
 const NONE: u32 = u32::MAX;

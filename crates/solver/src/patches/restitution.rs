@@ -7,6 +7,7 @@
 
 use crate::Both;
 use crate::groups::Groups;
+use crate::sort;
 use crate::{Body, PatchPoint, PatchProblem};
 use glam::{DVec3, Vec3};
 
@@ -167,13 +168,13 @@ fn group(rows: &mut [Row], bodies: &[Body]) {
         let moved = row.bodies.into_iter().find(|&body| moves(body));
         row.group = groups.first_of(moved.unwrap_or(0) as u32);
     }
-    rows.sort_by_key(|row| row.group);
+    sort::by_key(rows, |row| row.group);
 }
 
 /// Bounces one group.
 fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
     let mut ends: Vec<usize> = group.iter().flat_map(|row| row.bodies).collect();
-    ends.sort_unstable();
+    sort::values(&mut ends);
     ends.dedup();
     let before: Vec<_> = ends
         .iter()

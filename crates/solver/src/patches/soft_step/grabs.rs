@@ -5,6 +5,7 @@ use crate::batches::Batches;
 use crate::by_body::ByBody;
 use crate::grab::ActiveGrab;
 use crate::lanes::State;
+use crate::sort;
 use crate::walls::{self, Walls};
 use crate::{GrabConstraint, PatchProblem};
 use std::cell::Cell;
@@ -38,7 +39,7 @@ impl GrabPlaces {
             let patches = self.patches.of(body).iter();
             let touched = patches.flat_map(|&patch| problem.patches[patch as usize].bodies);
             let mut bodies: Vec<u32> = touched.chain([body]).filter(moves).collect();
-            bodies.sort_unstable();
+            sort::values(&mut bodies);
             bodies.dedup();
             bodies
         });

@@ -28,6 +28,7 @@ use super::kinds::{Rigid, Soft};
 use crate::grab::ActiveGrab;
 use crate::lanes::{F32xN, Kernel, State};
 use crate::rounds::RoundEnds;
+use crate::sort;
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering::*};
@@ -111,7 +112,7 @@ impl Pipeline {
             })
             .collect();
         let mut bodies: Vec<u32> = (0..bodies as u32).filter(|&body| moves(body)).collect();
-        bodies.sort_by_key(|&body| last[body as usize]);
+        sort::by_key(&mut bodies, |&body| last[body as usize]);
         let ends = (0..count)
             .map(|block| bodies.partition_point(|&body| last[body as usize] <= block) as u32);
         let lags = (0..).zip(&reach).map(|(block, reach)| reach - block);

@@ -13,6 +13,7 @@ use super::island::Island;
 use super::kinds::{Kinds, Mixed, Rigid, Soft};
 use crate::PatchProblem;
 use crate::lanes::{F32xN, Kernel, State, cells};
+use crate::sort;
 use std::cell::Cell;
 
 /// The visits after which a sweep has finished with bodies, found once for the blocks of an island.
@@ -55,7 +56,7 @@ impl SkewedSweeps {
         }
         let moves = |body: &u32| problem.bodies[*body as usize].inverse_mass > 0.0;
         let mut bodies: Vec<u32> = (0..last.len() as u32).filter(moves).collect();
-        bodies.sort_by_key(|&body| last[body as usize].1);
+        sort::by_key(&mut bodies, |&body| last[body as usize].1);
         let ends = (0..batches.blocks() as u32)
             .map(|block| bodies.partition_point(|&body| last[body as usize].1 <= block) as u32);
         Self {

@@ -35,6 +35,7 @@ use crate::joint::{
     COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
 };
 use crate::lanes::{F32xN, State, has_fused};
+use crate::sort;
 use crate::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
 pub use leaf::Contacts;
@@ -172,7 +173,7 @@ impl Joints {
             let pieces = &self.pieces;
             pieces.partition_point(|piece| piece.members.end <= patch.member)
         };
-        patches.sort_by_key(piece_of);
+        sort::by_key(&mut patches, piece_of);
         for piece in &mut self.pieces {
             let Range { start, end } = piece.members;
             let [first, end] =
@@ -198,10 +199,10 @@ impl Joints {
             }
         }
         let mut ends: Vec<u32> = acting.iter().flat_map(|(_, ends)| *ends).collect();
-        ends.sort_unstable();
+        sort::values(&mut ends);
         ends.dedup();
         // Piece by piece, and fixed bodies last.
-        ends.sort_by_key(|&body| match moves(body) {
+        sort::by_key(&mut ends, |&body| match moves(body) {
             true => groups.first_of(body),
             false => u32::MAX,
         });
@@ -224,7 +225,9 @@ impl Joints {
                 (piece, pair, number)
             })
             .collect();
-        sorted.sort_unstable();
+        sort::by_key(&mut sorted, |&(piece, [a, b], number)| {
+            (piece, u64::from(a) << 32 | u64::from(b), number)
+        });
         let mut member = 0;
         for piece in sorted.chunk_by(|a, b| a.0 == b.0) {
             let first_link = self.links.len();

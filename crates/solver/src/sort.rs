@@ -1,14 +1,12 @@
-//! The one sort of the crate.
+//! The one sort of this crate and of drystone.
 //!
 //! The standard library's sorts are compiled anew for every type and every closure, some 1 500 lines of intermediate code each. Here only keys are
 //! sorted, of one type, with the indices of their items; the items then change places. What is left for each type is a loop over its keys.
 
-use crate::body::SpawnOrder;
-use bevy_ecs::entity::Entity;
 use std::cell::Cell;
 
 /// A key in a form that all keys have. It compares as the key does.
-type Bits = (u128, u64);
+pub type Bits = (u128, u64);
 
 /// Keys, each with the index of its item.
 type Order = Vec<(Bits, u32)>;
@@ -19,7 +17,7 @@ thread_local! {
 }
 
 /// Sorts by a key. The sort is stable: items with equal keys keep their order.
-pub(crate) fn by_key<T, K: SortKey>(items: &mut [T], key: impl Fn(&T) -> K) {
+pub fn by_key<T, K: SortKey>(items: &mut [T], mut key: impl FnMut(&T) -> K) {
     if items.len() < 2 {
         return;
     }
@@ -33,7 +31,7 @@ pub(crate) fn by_key<T, K: SortKey>(items: &mut [T], key: impl Fn(&T) -> K) {
 }
 
 /// Sorts values that are their own keys.
-pub(crate) fn values<T: SortKey>(items: &mut [T]) {
+pub fn values<T: SortKey>(items: &mut [T]) {
     by_key(items, |&item| item);
 }
 
@@ -56,13 +54,13 @@ fn permute(order: &mut Order, swap: &mut dyn FnMut(usize, usize)) {
 }
 
 /// A key to sort by.
-pub(crate) trait SortKey: Copy {
+pub trait SortKey: Copy {
     /// The key as numbers, which compare as it does.
     fn bits(self) -> Bits;
 }
 
 /// A key, or part of a key, of one word.
-pub(crate) trait Word: Copy {
+pub trait Word: Copy {
     /// The key as a number, which compares as it does.
     fn word(self) -> u64;
 }
@@ -94,24 +92,6 @@ impl Word for u64 {
 impl Word for usize {
     fn word(self) -> u64 {
         self as u64
-    }
-}
-
-impl Word for SpawnOrder {
-    fn word(self) -> u64 {
-        self.0
-    }
-}
-
-impl Word for Entity {
-    fn word(self) -> u64 {
-        self.to_bits()
-    }
-}
-
-impl Word for [u32; 2] {
-    fn word(self) -> u64 {
-        u64::from(self[0]) << 32 | u64::from(self[1])
     }
 }
 
@@ -153,7 +133,7 @@ impl<A: Word, B: Word, C: Word> SortKey for (A, B, C) {
     }
 }
 
-impl SortKey for [SpawnOrder; 2] {
+impl<A: Word> SortKey for [A; 2] {
     fn bits(self) -> Bits {
         (both(self[0], self[1]), 0)
     }
@@ -172,7 +152,7 @@ impl<A: Word, B: Word> SortKey for (Option<A>, B) {
     }
 }
 
-impl<B: Word> SortKey for ([SpawnOrder; 2], B) {
+impl<A: Word, B: Word> SortKey for ([A; 2], B) {
     fn bits(self) -> Bits {
         (self.0.bits().0, self.1.word())
     }

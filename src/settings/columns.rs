@@ -1,6 +1,6 @@
 //! Parallel iteration over several slices of equal length, row by row.
 
-use super::threads::join;
+use crate::solver::join::join;
 use std::ops::Range;
 
 /// A tuple of slices of equal length.

@@ -28,7 +28,6 @@ pub use stabilization::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, StabilizationSettings,
 };
 pub use threads::PhysicsThreads;
-pub(crate) use threads::join;
 pub use time::{STEP_LENGTHS, StepTime};
 
 use crate::body::Velocity;

@@ -1,6 +1,7 @@
 //! The threads that physics runs on.
 
 use super::columns::Columns;
+use crate::solver::join::{Work, once};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
@@ -165,30 +166,9 @@ impl PhysicsThreads {
     pub const DEFAULT_MIN_ITEMS: usize = 4096;
 }
 
-/// Work that any thread may do. Rayon's functions are compiled anew for each type of work, so they get all of it as this one.
-type Work<'a> = dyn FnMut() + Send + 'a;
-
-/// Does two things, on two threads if another one is free.
-pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
-    fn join(one: &mut Work, other: &mut Work) {
-        rayon::join(one, other);
-    }
-    join(&mut once(one), &mut once(other));
-}
-
 /// Returns the result of work that `run` does.
 fn result_of<R: Send>(work: impl FnOnce() -> R + Send, run: impl FnOnce(&mut Work)) -> R {
     let mut found = None;
     run(&mut once(|| found = Some(work())));
     found.expect("the work was done")
-}
-
-/// Makes a function that can be called once into one that can be called by reference.
-fn once(work: impl FnOnce()) -> impl FnMut() {
-    let mut work = Some(work);
-    move || {
-        if let Some(work) = work.take() {
-            work();
-        }
-    }
 }

@@ -28,7 +28,8 @@ use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
 use crate::profile::SolvePart;
-use crate::settings::{Columns, Method, join};
+use crate::settings::{Columns, Method};
+use crate::solver::join::join;
 use crate::solver::sort;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use crate::warm_start::{

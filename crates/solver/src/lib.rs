@@ -19,6 +19,8 @@ mod both;
 mod by_body;
 mod grab;
 mod groups;
+#[doc(hidden)]
+pub mod join;
 mod joint;
 mod lanes;
 pub mod patches;

@@ -140,7 +140,7 @@ impl<L: F32xN> Island<L> {
         pass: &Pass,
         closed: f32,
     ) -> f32 {
-        self.refresh_before(problem, spring, pass, closed, |_, _| ())
+        self.refresh_before(problem, spring, pass, closed, &mut |_, _| ())
     }
 
     /// Like [`refresh`](Self::refresh). Calls `then` after every few blocks, with the number of blocks that are done.
@@ -150,7 +150,7 @@ impl<L: F32xN> Island<L> {
         spring: &Spring,
         pass: &Pass,
         closed: f32,
-        mut then: impl FnMut(&mut Self, usize),
+        then: &mut dyn FnMut(&mut Self, usize),
     ) -> f32 {
         self.free.clone_from(&self.velocities);
         for held in &self.grabs {
@@ -220,7 +220,7 @@ impl<L: F32xN> Island<L> {
         spring: &Spring,
         passes: &[Pass],
     ) -> f32 {
-        self.start_before(problem, substeps, spring, passes, |_, _| ())
+        self.start_before(problem, substeps, spring, passes, &mut |_, _| ())
     }
 
     /// Like [`start`](Self::start). Calls `then` after every few blocks, with the number of blocks that are prepared.
@@ -230,7 +230,7 @@ impl<L: F32xN> Island<L> {
         substeps: usize,
         spring: &Spring,
         passes: &[Pass],
-        then: impl FnMut(&mut Self, usize),
+        then: &mut dyn FnMut(&mut Self, usize),
     ) -> f32 {
         self.begin(problem, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
@@ -265,12 +265,12 @@ impl<L: F32xN> Island<L> {
         let mut following = pipeline
             .as_ref()
             .and_then(|pipeline| Following::new(pipeline, upwards, bytes));
-        let follow = |island: &mut Self, past: usize| {
+        let mut follow = |island: &mut Self, past: usize| {
             if let Some(following) = &mut following {
                 following.follow(island.work(), past);
             }
         };
-        let merit = self.start_before(problem, substeps, spring, passes, follow);
+        let merit = self.start_before(problem, substeps, spring, passes, &mut follow);
         let changes = following.iter().flat_map(Following::changes).collect();
         if may_follow {
             self.pipeline = pipeline;

@@ -12,6 +12,7 @@ use super::block::Pass;
 use super::island::Island;
 use super::kinds::{Kinds, Mixed, Rigid, Soft};
 use crate::PatchProblem;
+use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
 use crate::sort;
 use std::cell::Cell;
@@ -41,8 +42,7 @@ struct Last {
 }
 
 impl SkewedSweeps {
-    pub fn new<L: F32xN>(island: &Island<L>, problem: &PatchProblem) -> Self {
-        let batches = &island.batches;
+    pub fn new(batches: &Batches, problem: &PatchProblem) -> Self {
         // A sweep has finished at once with a body without contacts.
         let mut last = vec![(0, 0); problem.bodies.len()];
         for (block, lanes) in (0..).zip(batches.iter()) {
@@ -95,7 +95,7 @@ impl<L: F32xN> Island<L> {
         &mut self,
         skewed: &mut SkewedSweeps,
         passes: &[Pass],
-        tell: impl FnMut(f32),
+        tell: &mut dyn FnMut(f32),
     ) {
         skewed.changes.clear();
         skewed.changes.resize(passes.len(), 0.0);

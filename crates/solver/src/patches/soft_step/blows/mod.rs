@@ -185,7 +185,7 @@ impl<L: F32xN> Island<L> {
         blows: &mut Blows<L>,
         problem: &PatchProblem,
         passes: &[Pass],
-        mut tell: impl FnMut(f32),
+        tell: &mut dyn FnMut(f32),
     ) {
         blows.begin(problem, self);
         let mut takes_blow = false;

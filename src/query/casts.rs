@@ -178,7 +178,7 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Vec<CastHit>, QueryError> {
         let cast = Cast::new(collider, from, direction, max_distance)?;
-        let near = self.view().along(|node| cast.way_to(node) < f32::MAX);
+        let near = self.view().along(&|node| cast.way_to(node) < f32::MAX);
         let hits = self.all(near, |slot| {
             let hit = cast.hit(&self.target(slot, filter)?, cast.max_distance, filter);
             hit.transpose()

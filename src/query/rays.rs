@@ -127,7 +127,7 @@ impl SpatialQuery<'_, '_> {
         let (ray, max_distance) = checked(ray, max_distance)?;
         let near = self
             .view()
-            .along(|node| node.cast_ray(&ray, max_distance) < f32::MAX);
+            .along(&|node| node.cast_ray(&ray, max_distance) < f32::MAX);
         let hits = self.all(near, |slot| {
             self.target(slot, filter)?
                 .ray_hit(&ray, max_distance, filter)

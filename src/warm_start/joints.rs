@@ -70,29 +70,32 @@ impl JointOrder {
             Some(local) => (1u32, u64::from(local)),
             None => (0, table.get(slot).map_or(0, |body| body.spawn_order.0)),
         };
-        // A link between two solved bodies is taken only once, from the list of A.
-        let bodies = (0..order.numbered().len()).flat_map(|number| &order.of(number).bodies);
-        let links = bodies.flat_map(|body| {
-            let links = graph.links_of(body.slot);
-            links
-                .filter(|link| link.kind == EdgeKind::Joint)
-                .filter(move |link| link.slots[0] == body.slot || !is_solved(link.slots[0]))
-        });
-        let mut slots: Vec<(_, JointSlot)> = links
-            .filter_map(|link| {
-                let (edge, ..) = joints.get(link.pair).ok()?;
-                let solved = link.slots.into_iter().find(|&slot| is_solved(slot))?;
-                let island = islands.of(solved)? as u32;
-                let [a, b] = link.slots.both(rank);
-                let key: (u32, _, _, SpawnOrder) = (island, a.max(b), a.min(b), edge.order);
-                let slot = JointSlot {
-                    island,
-                    joint: link.pair,
-                    edge: link.edge,
-                };
-                Some((key, slot))
-            })
-            .collect();
+        let mut slots: Vec<(_, JointSlot)> = Vec::new();
+        for number in 0..order.numbered().len() {
+            for body in &order.of(number).bodies {
+                for link in graph.links_of(body.slot) {
+                    // A link between two solved bodies is taken only once, from the list of A.
+                    let [a, b] = link.slots;
+                    if link.kind != EdgeKind::Joint || a != body.slot && is_solved(a) {
+                        continue;
+                    }
+                    let solved = if is_solved(a) { a } else { b };
+                    let (Ok((edge, ..)), Some(island)) =
+                        (joints.get(link.pair), islands.of(solved))
+                    else {
+                        continue;
+                    };
+                    let island = island as u32;
+                    let [a, b] = link.slots.both(rank);
+                    let slot = JointSlot {
+                        island,
+                        joint: link.pair,
+                        edge: link.edge,
+                    };
+                    slots.push(((island, a.max(b), a.min(b), edge.order), slot));
+                }
+            }
+        }
         // The last sort decides, and the others between equals.
         sort::by_key(&mut slots, |&((.., order), slot)| (order, slot.edge));
         sort::by_key(&mut slots, |&((.., lower, _), _)| lower);

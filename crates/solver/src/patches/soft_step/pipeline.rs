@@ -32,6 +32,7 @@ use crate::join::on_threads;
 use crate::lanes::{F32xN, Kernel, State};
 use crate::rounds::RoundEnds;
 use crate::sort;
+use smallvec::SmallVec;
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering::*};
@@ -429,9 +430,12 @@ impl<'a, L: F32xN> Following<'a, L> {
     }
 
     /// Σ W Δλ² of each sweep, J.
-    pub fn changes(&self) -> impl Iterator<Item = f32> {
-        let changes = &self.changes[..self.passes.len()];
-        changes.iter().map(|change| change.sum())
+    pub fn changes(&self) -> SmallVec<[f32; 8]> {
+        let mut sums = SmallVec::new();
+        for change in &self.changes[..self.passes.len()] {
+            sums.push(change.sum());
+        }
+        sums
     }
 }
 

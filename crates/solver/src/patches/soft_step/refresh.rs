@@ -271,7 +271,7 @@ impl<L: F32xN> Island<L> {
             }
         };
         let merit = self.start_before(problem, substeps, spring, passes, &mut follow);
-        let changes = following.iter().flat_map(Following::changes).collect();
+        let changes = following.map_or_else(SmallVec::new, |following| following.changes());
         if may_follow {
             self.pipeline = pipeline;
         }

@@ -150,7 +150,7 @@ fn sweeps_that_follow_the_start_are_sweeps_after_it() {
         };
         island.start_before(&problem, SUBSTEPS, &spring, &passes, &mut follow);
         assert!(bits(&island, count, &[]) == bits(&after, count, &[]));
-        let changes: Vec<f32> = following.changes().collect();
+        let changes = following.changes().to_vec();
         // Sums of the same numbers in another order.
         for (change, expected) in changes.iter().zip(&expected) {
             assert!((change - expected).abs() <= 1e-5 * expected);

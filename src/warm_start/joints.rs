@@ -4,7 +4,7 @@
 //! of its edge. They are solved in the order of their bodies, those between the same bodies in spawn order.
 
 use super::{Order, ProblemSet, Rows};
-use crate::body::{BodyTable, SpawnOrder};
+use crate::body::BodyTable;
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{BreakForce, JointEdge, JointForces};
 use crate::revision::Revision;

@@ -89,7 +89,7 @@ pub(crate) const LARGE: usize = 8;
 /// Number of islands whose bodies one thread gathers at a time, at least.
 const SHARE: usize = 8;
 
-/// Number of shares into which the islands are divided whose contacts threads gather.
+/// Number of parts into which islands are divided when several threads gather their contacts.
 const SHARES: usize = 64;
 
 /// The columns of pairs that are gathered and stored.
